@@ -1,0 +1,85 @@
+#include "estimator/ceres_problem.h"
+
+#include <utility>
+
+#include "estimator/linearization.h"
+#include "estimator/rotation_manifold.h"
+#include "estimator/shot_cost.h"
+
+namespace sagitta {
+namespace {
+
+// Model parameters that are estimated, in model order.
+std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
+  std::vector<int> active;
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    if (parameters.coordinates()[parameters.model_parameter(i).first_coordinate].estimated()) active.push_back(i);
+  }
+  return active;
+}
+
+void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
+             const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem) {
+  const Shot& shot = problem.data.shots[problem.data.observations[selection.observations[first]].shot];
+  std::vector<double*> blocks = {parameters->station_translation(shot.station).values.data(),
+                                 parameters->station_rotation(shot.station).values.data()};
+  std::vector<MarkerMeasurement> markers;
+  for (size_t k = first; k < last; ++k) {
+    const Observation& observation = problem.data.observations[selection.observations[k]];
+    markers.push_back({problem.marker_frames[observation.marker], observation.point_in_station,
+                       selection.sigmas.segment<3>(3 * k)});
+    blocks.push_back(parameters->marker(observation.marker).values.data());
+  }
+  for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());
+  ceres_problem->AddResidualBlock(
+      ShotCost::Create(&problem.model, problem.data.configurations[shot.configuration].q, std::move(markers),
+                       parameters->ModelValues(), active)
+          .release(),
+      nullptr, blocks);
+}
+
+// Holds what is not estimated: whole blocks, or single coordinates.
+void ConstrainBlock(const ParameterSet& parameters, const ParameterBlock& block, double* values,
+                    ceres::Problem* ceres_problem) {
+  std::vector<int> estimated;
+  std::vector<int> held;
+  for (int i = 0; i < block.tangent_size; ++i) {
+    (parameters.coordinates()[block.first_coordinate + i].estimated() ? estimated : held).push_back(i);
+  }
+  if (estimated.empty()) {
+    ceres_problem->SetParameterBlockConstant(values);
+  } else if (block.kind == BlockKind::kStationRotation) {
+    ceres_problem->SetManifold(values, new RotationManifold(estimated));
+  } else if (!held.empty()) {
+    ceres_problem->SetManifold(values, new ceres::SubsetManifold(block.tangent_size, held));
+  }
+}
+
+}  // namespace
+
+ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
+  ResidualSelection selection;
+  selection.observations = problem.CalibrationObservations();
+  selection.sigmas = ObservationSigmas(problem, selection.observations, fallback);
+  return selection;
+}
+
+void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
+                  ceres::Problem* ceres_problem) {
+  const std::vector<int> active = ActiveModelParameters(*parameters);
+  const auto shot_of = [&](size_t k) { return problem.data.observations[selection.observations[k]].shot; };
+  for (size_t first = 0; first < selection.observations.size();) {
+    size_t last = first + 1;
+    if (selection.granularity == CostGranularity::kShot) {
+      while (last < selection.observations.size() && shot_of(last) == shot_of(first)) ++last;
+    }
+    AddShot(problem, selection, first, last, active, parameters, ceres_problem);
+    first = last;
+  }
+  for (const ParameterBlock& block : parameters->blocks()) {
+    double* values = const_cast<double*>(block.values.data());
+    if (ceres_problem->HasParameterBlock(values)) ConstrainBlock(*parameters, block, values, ceres_problem);
+  }
+}
+
+}  // namespace sagitta

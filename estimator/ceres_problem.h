@@ -1,0 +1,37 @@
+// Our residuals and parameter blocks in a ceres::Problem, ours or somebody
+// else's: estimators of other kinds mix laser-tracker markers with their own
+// costs this way.
+#pragma once
+
+#include <ceres/problem.h>
+
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+enum class CostGranularity {
+  kShot,    // one cost per shot, kinematics shared by its markers (default)
+  kMarker,  // one cost per marker: the reference and public building block
+};
+
+struct ResidualSelection {
+  std::vector<int> observations;  // indices into Measurements::observations
+  Eigen::VectorXd sigmas;         // 3 per observation, m
+  CostGranularity granularity = CostGranularity::kShot;
+};
+
+// All calibration observations with their stated standard deviations;
+// `fallback` (m) where none is stated.
+ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback = 1e-3);
+
+// Adds residuals and parameter blocks. The blocks are the memory of
+// `parameters` (ParameterBlock::values), which must outlive the solve; station
+// rotations are quaternions x y z w on a RotationManifold. Coordinates that
+// are not estimated (fixed or held) are held constant. `problem` must outlive
+// `ceres_problem`.
+void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
+                  ceres::Problem* ceres_problem);
+
+}  // namespace sagitta

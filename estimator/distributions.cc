@@ -1,0 +1,48 @@
+#include "estimator/distributions.h"
+
+#include <Eigen/Core>
+#include <cmath>
+#include <unsupported/Eigen/SpecialFunctions>
+
+namespace sagitta {
+namespace {
+
+// Root of an increasing function between bounds.
+template <typename Function>
+double Bisect(const Function& f, double low, double high) {
+  for (int i = 0; i < 200 && high - low > 1e-15 * (1.0 + std::abs(low)); ++i) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) < 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+// P(T_dof > t), t >= 0 (Abramowitz, Stegun 26.7.1).
+double StudentUpperTail(double t, double dof) {
+  return 0.5 * Eigen::numext::betainc(0.5 * dof, 0.5, dof / (dof + t * t));
+}
+
+}  // namespace
+
+double ChiSquareSurvival(double x, double dof) {
+  if (x <= 0.0) return 1.0;
+  return Eigen::numext::igammac(0.5 * dof, 0.5 * x);
+}
+
+double ChiSquareQuantile(double p, double dof) {
+  const double spread = 40.0 * std::sqrt(2.0 * dof) + 100.0;
+  return Bisect([&](double x) { return (1.0 - p) - ChiSquareSurvival(x, dof); }, 0.0, dof + spread);
+}
+
+double NormalQuantile(double p) { return Eigen::numext::ndtri(p); }
+
+double StudentQuantile(double p, double dof) {
+  if (p < 0.5) return -StudentQuantile(1.0 - p, dof);
+  if (!std::isfinite(dof) || dof > 1e7) return NormalQuantile(p);
+  const double tail = 1.0 - p;
+  double high = 10.0;
+  while (StudentUpperTail(high, dof) > tail && high < 1e12) high *= 10.0;
+  return Bisect([&](double t) { return tail - StudentUpperTail(t, dof); }, 0.0, high);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,94 @@
+// What came out: the answer of every method, in SI; tools/ states it in the
+// units of FORMATS section 4.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/identifiability.h"
+#include "models/robot.h"
+#include "problems/parameter_set.h"
+
+namespace sagitta {
+
+enum class Status { kConverged, kConvergedWithHeldParameters, kNoConvergence, kSingular };
+// "converged", "converged_with_held_parameters", ...
+const char* StatusName(Status status);
+inline bool IsUsable(Status status) {
+  return status == Status::kConverged || status == Status::kConvergedWithHeldParameters;
+}
+
+// Unweighted residual sizes, m. RMS and max over single coordinates (divisor
+// N); distance_* over 3-D distances, as in the tables of papers 002 and 003.
+struct ResidualSize {
+  int observations = 0;
+  double rms = 0.0;
+  double max = 0.0;
+  Vector3<double> rms_axis = Vector3<double>::Zero();
+  double distance_rms = 0.0;
+  double distance_max = 0.0;
+};
+// residuals: 3 x N, m.
+ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals);
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+struct ParameterEstimate {
+  std::string name;
+  Quantity quantity = Quantity::kLength;
+  double value = 0.0;    // SI
+  double nominal = 0.0;  // SI; geometric errors 0, base and markers the aligned start
+  double sigma = 0.0;    // 0 unless estimated
+  Interval ci95;
+  bool free = false;          // estimated
+  bool identifiable = true;   // false: held, the data cannot tell it
+  bool weak = false;          // known worse than 1 mm, 1 mrad or half its value
+};
+
+struct SigmaReport {
+  bool stated = false;        // by rows, experiment or flag
+  double estimated = 0.0;     // m, the common sigma where none is stated
+  double a_posteriori = 1.0;  // root of reduced chi-square
+  bool scaled = false;        // intervals multiplied by a_posteriori
+  double p_value = 1.0;       // of chi-square at the stated sigmas
+};
+
+struct Estimate {
+  Status status = Status::kNoConvergence;
+  std::string message = "not run";
+  int iterations = 0;
+  double seconds = 0.0;
+  double cost = 0.0;  // 1/2 sum of squared whitened residuals
+
+  ParameterSet parameters;  // the optimum
+  ParameterSet aligned;     // nominal robot, base and markers fitted: "before"
+  std::vector<ParameterEstimate> table;  // one per coordinate
+
+  std::vector<int> estimated;   // coordinates behind the rows of `covariance`
+  Eigen::MatrixXd covariance;   // SI, scaled where sigma.scaled or not stated
+  Identifiability identifiability;
+  SigmaReport sigma;
+  double chi2 = 0.0;
+  int dof = 0;
+  int rows = 0;  // residuals fitted
+
+  int calibration_configurations = 0;
+  ResidualSize fit, fit_before;
+  ResidualSize validation, validation_before;
+  double validation_predicted_rms = 0.0;  // m, per coordinate: noise and parameters
+
+  // Per observation of the data, in row order.
+  Eigen::Matrix3Xd predicted;  // m, station frame
+  Eigen::Matrix3Xd sigmas;     // m, as used for whitening
+  Eigen::VectorXd leverage;    // mean over the axes of the hat matrix's diagonal
+  std::vector<std::string> warnings;
+};
+
+// Robot, with the geometric errors of the estimate in its nominal values.
+Robot CalibratedRobot(const Robot& robot, const ParameterSet& parameters, const ForwardModel& model);
+
+}  // namespace sagitta

@@ -1,0 +1,340 @@
+#include "estimator/full_pose.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <chrono>
+#include <cmath>
+
+#include "estimator/joint_estimator.h"
+#include "estimator/linearization.h"
+#include "estimator/starting_values.h"
+
+namespace sagitta {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kFallbackSigma = 1e-3;   // m
+constexpr double kFlattest = 1e-3;        // m, second principal size a marker set must have
+constexpr int kShapeRounds = 30;
+constexpr double kConvergedStep = 1e-8;   // standard deviations
+
+// One shot with a pose: rows [first, first + markers) of the observations used.
+struct PoseShot {
+  int shot = 0;
+  int first = 0;
+  int markers = 0;
+};
+
+struct Context {
+  const CalibrationProblem& problem;
+  const FullPoseOptions& options;
+  std::vector<int> observations;  // of the shots with a pose
+  Eigen::VectorXd sigmas;
+  std::vector<PoseShot> shots;
+  bool tool_is_free = false;
+
+  const Observation& observation(int k) const { return problem.data.observations[observations[k]]; }
+};
+
+bool SpanAPlane(const Eigen::Matrix3Xd& points) {
+  if (points.cols() < 3) return false;
+  const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues()[1] > kFlattest;
+}
+
+Eigen::Matrix3Xd MarkerPoints(const Context& context, const PoseShot& shot, const ParameterSet& parameters) {
+  Eigen::Matrix3Xd points(3, shot.markers);
+  for (int i = 0; i < shot.markers; ++i) {
+    points.col(i) = parameters.MarkerPoint(context.observation(shot.first + i).marker);
+  }
+  return points;
+}
+
+Eigen::Matrix3Xd MeasuredPoints(const Context& context, const PoseShot& shot) {
+  Eigen::Matrix3Xd points(3, shot.markers);
+  for (int i = 0; i < shot.markers; ++i) points.col(i) = context.observation(shot.first + i).point_in_station;
+  return points;
+}
+
+// Shots whose markers span a plane. Observations of a shot are consecutive.
+void CollectShots(const ParameterSet& aligned, Context* context) {
+  const CalibrationProblem& problem = context->problem;
+  const std::vector<int> all = problem.CalibrationObservations();
+  for (size_t first = 0, last = 0; first < all.size(); first = last) {
+    const int shot = problem.data.observations[all[first]].shot;
+    Eigen::Matrix3Xd points(3, 0);
+    for (last = first; last < all.size() && problem.data.observations[all[last]].shot == shot; ++last) {
+      points.conservativeResize(3, points.cols() + 1);
+      points.rightCols<1>() = aligned.MarkerPoint(problem.data.observations[all[last]].marker);
+    }
+    if (!SpanAPlane(points)) continue;
+    context->shots.push_back({shot, static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
+    context->observations.insert(context->observations.end(), all.begin() + first, all.begin() + last);
+  }
+  context->sigmas = ObservationSigmas(problem, context->observations, kFallbackSigma);
+}
+
+// Generalised Procrustes: the markers' mean shape over all shots, placed where the
+// aligned points are.
+void AverageShape(const Context& context, ParameterSet* parameters) {
+  const int n = parameters->num_markers();
+  const ParameterSet aligned = *parameters;
+  for (int round = 0; round < kShapeRounds; ++round) {
+    Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, n);
+    std::vector<int> count(n, 0);
+    for (const PoseShot& shot : context.shots) {
+      const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+      const Pose<double> flange_from_station = RegisterRigid(measured, MarkerPoints(context, shot, *parameters));
+      for (int i = 0; i < shot.markers; ++i) {
+        const int m = context.observation(shot.first + i).marker;
+        sum.col(m) += flange_from_station * Vector3<double>(measured.col(i));
+        ++count[m];
+      }
+    }
+    for (int m = 0; m < n; ++m) {
+      if (count[m] > 0) parameters->SetMarkerPoint(m, sum.col(m) / count[m]);
+    }
+  }
+}
+
+// Why there is no estimate from poses; empty if there is one.
+std::string Obstacle(const Context& context, int unknowns) {
+  const CalibrationProblem& problem = context.problem;
+  for (const int frame : problem.marker_frames) {
+    if (frame != problem.marker_frames[0]) return "not run: the markers ride on different links, they are no rigid body";
+  }
+  int free = 0;
+  for (int m = 0; m < problem.parameters.num_markers(); ++m) {
+    for (int i = 0; i < 3; ++i) {
+      free += problem.parameters.coordinates()[problem.parameters.marker(m).first_coordinate + i].estimated();
+    }
+  }
+  if (free != 0 && free != 3 * problem.parameters.num_markers()) {
+    return "not run: some marker coordinates are fixed or held and others free; full-pose wants all or none";
+  }
+  if (context.shots.empty()) return "not run: no shot sees three markers that are not on one line; there is no full pose";
+  if (6 * static_cast<int>(context.shots.size()) < unknowns) {
+    return "not run: " + std::to_string(context.shots.size()) + " full poses are fewer equations than " +
+           std::to_string(unknowns) + " unknowns";
+  }
+  return "";
+}
+
+// Estimated coordinates from the unknowns of this method: base and geometry as
+// they are, all markers from one rigid motion of the tool.
+Eigen::MatrixXd CoordinatesFromUnknowns(const ParameterSet& parameters, const std::vector<int>& coordinates,
+                                        bool tool_is_free) {
+  const int markers = tool_is_free ? 3 * parameters.num_markers() : 0;
+  const int kept = static_cast<int>(coordinates.size()) - markers;
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(coordinates.size(), kept + (tool_is_free ? 6 : 0));
+  for (int c = 0, k = 0; c < map.rows(); ++c) {
+    const Coordinate& coordinate = parameters.coordinates()[coordinates[c]];
+    const ParameterBlock& block = parameters.blocks()[coordinate.block];
+    if (block.kind != BlockKind::kMarker) {
+      map(c, k++) = 1.0;
+    } else {
+      const Eigen::MatrixXd motion = RigidColumns(parameters.MarkerPoint(block.owner), Vector3<double>::Zero());
+      map.block<1, 6>(c, kept) = motion.row(coordinate.index_in_block);
+    }
+  }
+  return map;
+}
+
+// The weighted pose equations at one point: residual z, Jacobian B, square root
+// weights L, and the covariance of the z of each shot.
+struct PoseEquations {
+  Eigen::MatrixXd jacobian;  // L B
+  Eigen::VectorXd residual;  // L z, z = measured - predicted
+  Eigen::MatrixXd noise;     // 6 x 6 per shot, side by side: L C L'
+};
+
+Vector3<double> ReferenceInStation(const Context& context, const PoseShot& shot, const ParameterSet& parameters,
+                                   const Eigen::Matrix3Xd& predicted) {
+  const Pose<double> flange_in_station = RegisterRigid(MarkerPoints(context, shot, parameters), predicted);
+  return flange_in_station * context.options.reference_in_flange;
+}
+
+PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, const std::vector<int>& coordinates,
+                       const Eigen::MatrixXd& map) {
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(context.sigmas.size());
+  const Linearization markers = Linearize(context.problem, parameters, context.observations, coordinates, ones);
+  const Eigen::MatrixXd jacobian = markers.jacobian * map;
+  const int poses = static_cast<int>(context.shots.size());
+  PoseEquations equations{Eigen::MatrixXd(6 * poses, map.cols()), Eigen::VectorXd(6 * poses), Eigen::MatrixXd(6, 6 * poses)};
+  for (int s = 0; s < poses; ++s) {
+    const PoseShot& shot = context.shots[s];
+    const int rows = 3 * shot.markers;
+    const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+    const Eigen::VectorXd residual = markers.residual.segment(3 * shot.first, rows);
+    const Eigen::Matrix3Xd predicted = measured + Eigen::Map<const Eigen::Matrix3Xd>(residual.data(), 3, shot.markers);
+    const Vector3<double> reference = ReferenceInStation(context, shot, parameters, predicted);
+    const Eigen::VectorXd sigmas = context.sigmas.segment(3 * shot.first, rows);
+    const Eigen::MatrixXd rigid = RigidColumns(predicted, reference);
+    const Eigen::MatrixXd whitened = sigmas.cwiseInverse().asDiagonal() * rigid;
+    const Eigen::MatrixXd information = whitened.transpose() * whitened;  // C^-1, propagated
+    Eigen::MatrixXd root = Eigen::MatrixXd(Eigen::LLT<Eigen::MatrixXd>(information).matrixU());
+    if (!context.options.propagated_covariance) {
+      const double w = context.options.weight;
+      root = Vector6(1, 1, 1, w, w, w).asDiagonal().toDenseMatrix() / sigmas.mean();
+    }
+    // The markers move rigidly with every unknown: marker rows = rigid * pose rows.
+    const Eigen::MatrixXd pose_rows =
+        rigid.householderQr().solve(jacobian.middleRows(3 * shot.first, rows));
+    equations.jacobian.middleRows(6 * s, 6) = root * pose_rows;
+    equations.residual.segment<6>(6 * s) = root * RegisterPose(predicted, measured, sigmas, reference);
+    equations.noise.middleCols(6 * s, 6) = root * information.inverse() * root.transpose();
+  }
+  return equations;
+}
+
+// (H^-1) B'L' (L C L') L B (H^-1), H = B'L'L B; H^-1 itself where weights are optimal.
+Eigen::MatrixXd Sandwich(const PoseEquations& equations, const Eigen::MatrixXd& inverse) {
+  Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
+  for (int s = 0; s < equations.noise.cols() / 6; ++s) {
+    const Eigen::MatrixXd rows = equations.jacobian.middleRows(6 * s, 6);
+    middle += rows.transpose() * equations.noise.middleCols(6 * s, 6) * rows;
+  }
+  return inverse * middle * inverse;
+}
+
+void MoveTool(const Vector6& motion, ParameterSet* parameters) {
+  for (int m = 0; m < parameters->num_markers(); ++m) {
+    const Vector3<double> turn = motion.tail<3>();
+    parameters->SetMarkerPoint(m, RotationFromVector(turn) * parameters->MarkerPoint(m) + motion.head<3>());
+  }
+}
+
+void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, const Eigen::MatrixXd& map,
+              bool tool_is_free, ParameterSet* parameters) {
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters->num_coordinates());
+  const Eigen::VectorXd moved = map * step;
+  for (size_t c = 0; c < coordinates.size(); ++c) {
+    const ParameterBlock& block = parameters->blocks()[parameters->coordinates()[coordinates[c]].block];
+    if (block.kind != BlockKind::kMarker) delta[coordinates[c]] = moved[c];
+  }
+  parameters->Plus(delta);
+  if (tool_is_free) MoveTool(step.tail<6>(), parameters);
+}
+
+// This method's own standard deviations in place of the joint ones.
+void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
+  double scale = 1.0;
+  if (!estimate->sigma.stated) scale = estimate->sigma.estimated / kFallbackSigma;
+  if (estimate->sigma.scaled) scale = estimate->sigma.a_posteriori;
+  estimate->covariance = scale * scale * covariance;
+  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
+    ParameterEstimate& row = estimate->table[estimate->estimated[c]];
+    const double sigma = std::sqrt(estimate->covariance(c, c));
+    const double half = row.sigma > 0.0 ? (row.ci95.high - row.value) / row.sigma * sigma : 0.0;
+    row.sigma = sigma;
+    row.ci95 = {row.value - half, row.value + half};
+  }
+}
+
+void Stop(Status status, const std::string& message, Estimate* estimate) {
+  estimate->status = status;
+  estimate->message = message;
+}
+
+// Gauss-Newton on the pose equations; returns the covariance over the coordinates.
+Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordinates, Estimate* estimate) {
+  Stop(Status::kNoConvergence, "stopped after " + std::to_string(context.options.max_iterations) + " iterations", estimate);
+  Eigen::MatrixXd covariance;
+  for (int i = 0; i < context.options.max_iterations; ++i) {
+    const Eigen::MatrixXd map = CoordinatesFromUnknowns(estimate->parameters, coordinates, context.tool_is_free);
+    const PoseEquations equations = Evaluate(context, estimate->parameters, coordinates, map);
+    Linearization poses;
+    poses.jacobian = equations.jacobian;
+    poses.residual = -equations.residual;
+    const LinearSolution solution = SolveLinearization(poses);
+    if (!solution.full_rank) {
+      Stop(Status::kSingular, "the pose equations are singular", estimate);
+      break;
+    }
+    covariance = map * Sandwich(equations, solution.covariance) * map.transpose();
+    const Eigen::ArrayXd sigmas = solution.covariance.diagonal().array().sqrt();
+    const double size = (solution.step.array().abs() / sigmas).maxCoeff();
+    if (!std::isfinite(size)) break;
+    TakeStep(solution.step, coordinates, map, context.tool_is_free, &estimate->parameters);
+    estimate->iterations = i + 1;
+    if (size < kConvergedStep) {
+      Stop(Status::kConverged, "the pose least squares stands still", estimate);
+      break;
+    }
+  }
+  return covariance;
+}
+
+}  // namespace
+
+bool FullPoseOptions::IsValid(std::string* error) const {
+  if (!(weight > 0.0)) *error = "weight must be positive";
+  if (max_iterations < 1) *error = "max_iterations must be at least 1";
+  return weight > 0.0 && max_iterations >= 1;
+}
+
+Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<double>& reference) {
+  Eigen::MatrixXd columns(3 * points.cols(), 6);
+  for (int i = 0; i < points.cols(); ++i) {
+    columns.block<3, 3>(3 * i, 0).setIdentity();
+    columns.block<3, 3>(3 * i, 3) = -Skew<double>(points.col(i) - reference);
+  }
+  return columns;
+}
+
+Vector6 RegisterPose(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets, const Eigen::VectorXd& sigmas,
+                     const Vector3<double>& reference) {
+  Pose<double> pose = RegisterRigid(points, targets);
+  for (int round = 0; sigmas.minCoeff() < sigmas.maxCoeff() && round < 5; ++round) {
+    const Eigen::Matrix3Xd moved = (pose.rotation * points).colwise() + pose.translation;
+    const Vector3<double> here = pose * reference;
+    const Eigen::MatrixXd columns = sigmas.cwiseInverse().asDiagonal() * RigidColumns(moved, here);
+    const Eigen::Matrix3Xd gap = targets - moved;
+    const Eigen::VectorXd whitened = Eigen::Map<const Eigen::VectorXd>(gap.data(), gap.size()).cwiseQuotient(sigmas);
+    const Vector6 step = columns.householderQr().solve(whitened);
+    const Vector3<double> turn = step.tail<3>();
+    const Matrix3<double> rotation = RotationFromVector(turn);
+    pose = {rotation * pose.rotation, here + step.head<3>() + rotation * (pose.translation - here)};
+  }
+  Vector6 motion;
+  motion << pose * reference - reference, RotationVector(Eigen::Quaterniond(pose.rotation));
+  return motion;
+}
+
+Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPoseOptions& options) {
+  std::string error;
+  CHECK(options.IsValid(&error)) << error;
+  const auto start = std::chrono::steady_clock::now();
+  Estimate estimate;
+  estimate.aligned = problem.parameters;
+  AlignNominal(problem, &estimate.aligned);
+  estimate.parameters = estimate.aligned;
+  const std::vector<int> coordinates = problem.parameters.EstimatedCoordinates();
+  Context context{problem, options, {}, {}, {}, false};
+  for (const int c : coordinates) {
+    const BlockKind kind = problem.parameters.blocks()[problem.parameters.coordinates()[c].block].kind;
+    context.tool_is_free |= kind == BlockKind::kMarker;
+  }
+  CollectShots(estimate.aligned, &context);
+  const int tool = context.tool_is_free ? 6 - 3 * problem.parameters.num_markers() : 0;
+  const std::string obstacle = Obstacle(context, static_cast<int>(coordinates.size()) + tool);
+  if (!obstacle.empty()) {
+    estimate.message = obstacle;
+    return estimate;
+  }
+  if (context.tool_is_free) AverageShape(context, &estimate.parameters);
+  const Eigen::MatrixXd covariance = Iterate(context, coordinates, &estimate);
+  estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!IsUsable(estimate.status)) return estimate;
+  for (const Coordinate& coordinate : problem.parameters.coordinates()) {
+    if (coordinate.held) estimate.status = Status::kConvergedWithHeldParameters;
+  }
+  JudgeEstimate(problem, &estimate);
+  ReplaceCovariance(covariance, &estimate);
+  return estimate;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,178 @@
+#include "estimator/joint_estimator.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "estimator/linearization.h"
+#include "estimator/starting_values.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFallbackSigma = 1e-3;       // m, where none is stated: its scale is estimated afterwards
+constexpr int kMaxHoldRounds = 8;
+constexpr int kFreshRounds = 3;               // afterwards what is held stays held
+constexpr double kConvergedSteps = 1e-5;      // Gauss-Newton step left at the optimum, standard deviations
+
+void Report(const JointOptions& options, const std::string& what) {
+  if (options.progress) options.progress(what);
+}
+
+// The scale of the whitened noise seen at a linearization: a-posteriori sigma,
+// not below the stated one.
+double NoiseScale(const CalibrationProblem& problem, const Linearization& linearization) {
+  const LinearSolution solution = SolveLinearization(linearization);
+  const double dof = linearization.num_rows() - linearization.num_columns();
+  const double scale = dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
+  return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
+}
+
+// Coordinates held go back to where nominal robot and alignment put them.
+void ResetHeld(const ParameterSet& aligned, ParameterSet* parameters) {
+  for (const ParameterBlock& block : aligned.blocks()) {
+    for (int i = 0; i < block.tangent_size; ++i) {
+      const Coordinate& coordinate = parameters->coordinates()[block.first_coordinate + i];
+      if (!coordinate.held) continue;
+      ParameterBlock* own = nullptr;
+      switch (block.kind) {
+        case BlockKind::kMarker:
+          own = &parameters->marker(block.owner);
+          break;
+        case BlockKind::kModelParameter:
+          own = &parameters->model_parameter(block.owner);
+          break;
+        case BlockKind::kStationTranslation:
+          own = &parameters->station_translation(block.owner);
+          break;
+        case BlockKind::kStationRotation:
+          own = &parameters->station_rotation(block.owner);
+          break;
+      }
+      if (block.kind == BlockKind::kStationRotation) {
+        own->values = block.values;  // single axes of a rotation have no value of their own
+      } else {
+        own->values[i] = block.values[i];
+      }
+    }
+  }
+}
+
+// All coordinates that were asked for, held or not.
+std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
+  std::vector<int> requested;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    if (parameters.coordinates()[i].free) requested.push_back(i);
+  }
+  return requested;
+}
+
+// Decides afresh, from all requested coordinates, which of them the data cannot
+// tell here; true if the set of held ones changed. With `only_add`, what is
+// held already stays held (no cycles).
+bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& residuals, bool only_add,
+                Estimate* estimate) {
+  ParameterSet& parameters = estimate->parameters;
+  const Linearization all = Linearize(problem, parameters, residuals.observations,
+                                      only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters),
+                                      residuals.sigmas);
+  const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
+  std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
+  std::vector<bool> hold(parameters.num_coordinates(), false);
+  if (!only_add) directions.clear();
+  for (size_t k = 0; k < found.columns.size(); ++k) {
+    hold[all.columns[found.columns[k]]] = true;
+    directions.push_back(found.directions[k]);
+  }
+  bool changed = false;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    Coordinate& coordinate = parameters.coordinate(i);
+    const bool held = hold[i] || (only_add && coordinate.held);
+    changed |= held != coordinate.held;
+    coordinate.held = held;
+  }
+  return changed;
+}
+
+Linearization LinearizeAt(const CalibrationProblem& problem, const ResidualSelection& residuals,
+                          const ParameterSet& parameters) {
+  return Linearize(problem, parameters, residuals.observations, parameters.EstimatedCoordinates(), residuals.sigmas);
+}
+
+// Gauss-Newton step that is left, in standard deviations.
+double RemainingStep(const LinearSolution& solution, double noise_scale) {
+  if (!solution.full_rank) return std::numeric_limits<double>::infinity();
+  const Eigen::ArrayXd sigmas = solution.covariance.diagonal().array().sqrt() * noise_scale;
+  return solution.step.size() == 0 ? 0.0 : (solution.step.array().abs() / sigmas).maxCoeff();
+}
+
+// Ceres stops where the cost cannot tell (1e-5 standard deviations away); the
+// gradient still can: the step that is left brings 1e-7.
+void TakeStep(const Linearization& linearization, const LinearSolution& solution, ParameterSet* parameters) {
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters->num_coordinates());
+  for (int c = 0; c < linearization.num_columns(); ++c) delta[linearization.columns[c]] = solution.step[c];
+  parameters->Plus(delta);
+}
+
+void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
+            Estimate* estimate) {
+  const Linearization linearization = LinearizeAt(problem, residuals, estimate->parameters);
+  const LinearSolution solution = SolveLinearization(linearization);
+  const double step = RemainingStep(solution, std::max(1e-12, NoiseScale(problem, linearization)));
+  const bool exact_fit = linearization.residual.norm() < 1e-9 * std::sqrt(linearization.num_rows());
+  if (step < kConvergedSteps) TakeStep(linearization, solution, &estimate->parameters);
+  if (!solution.full_rank) {
+    estimate->status = Status::kSingular;
+    estimate->message = "the identification Jacobian is singular at the optimum although nothing is held";
+  } else if (!minimized.usable || !(step < kConvergedSteps || exact_fit)) {
+    estimate->status = Status::kNoConvergence;
+    estimate->message = "stopped " + std::to_string(step) + " standard deviations from the optimum: " + minimized.message;
+  } else if (!estimate->identifiability.unidentifiable.empty()) {
+    estimate->status = Status::kConvergedWithHeldParameters;
+    estimate->message = std::to_string(estimate->identifiability.unidentifiable.size()) +
+                        " parameter(s) held: the data cannot tell them";
+  } else {
+    estimate->status = Status::kConverged;
+    estimate->message = "the remaining Gauss-Newton step is below 1e-5 standard deviations";
+  }
+}
+
+}  // namespace
+
+double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters) {
+  return FindStartingValues(problem, problem.CalibrationObservations(), StartingValueOptions(), parameters);
+}
+
+Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Estimate estimate;
+  estimate.parameters = problem.parameters;
+  Report(options, "aligning the nominal robot: base poses and markers");
+  AlignNominal(problem, &estimate.parameters);
+  estimate.aligned = estimate.parameters;
+
+  ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
+  residuals.granularity = options.granularity;
+  DecideHeld(problem, residuals, /*only_add=*/false, &estimate);
+
+  MinimizeOptions minimize;
+  minimize.max_iterations = options.max_iterations;
+  minimize.num_threads = options.num_threads;
+  MinimizeSummary minimized;
+  for (int round = 0; round < kMaxHoldRounds; ++round) {
+    Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) + " unknowns on " +
+                        std::to_string(residuals.observations.size()) + " observations");
+    ResetHeld(estimate.aligned, &estimate.parameters);
+    minimized = MinimizeJointly(problem, residuals, minimize, &estimate.parameters);
+    estimate.iterations += minimized.iterations;
+    if (!DecideHeld(problem, residuals, /*only_add=*/round >= kFreshRounds, &estimate)) break;
+  }
+  Finish(problem, residuals, minimized, &estimate);
+  estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (IsUsable(estimate.status)) {
+    Report(options, "intervals, identifiability and hold-out");
+    JudgeEstimate(problem, &estimate);
+  }
+  return estimate;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,144 @@
+// JudgeEstimate: covariance, intervals, leverage and hold-out of an estimate,
+// all from one Linearization at its parameters.
+#include <cmath>
+#include <set>
+
+#include "estimator/distributions.h"
+#include "estimator/joint_estimator.h"
+#include "estimator/linearization.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFallbackSigma = 1e-3;  // m
+
+Eigen::Matrix3Xd Residuals(const Measurements& data, const std::vector<int>& observations,
+                           const Eigen::Matrix3Xd& predicted) {
+  Eigen::Matrix3Xd residuals(3, observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    residuals.col(k) = data.observations[observations[k]].point_in_station - predicted.col(k);
+  }
+  return residuals;
+}
+
+ResidualSize SizeAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+                    const std::vector<int>& observations) {
+  return MeasureResiduals(Residuals(problem.data, observations, PredictPoints(problem, parameters, observations)));
+}
+
+void JudgeNoise(const CalibrationProblem& problem, const Linearization& linearization, Estimate* estimate) {
+  SigmaReport& sigma = estimate->sigma;
+  sigma.stated = problem.sigma_is_stated();
+  const double sum = linearization.residual.squaredNorm();
+  estimate->rows = linearization.num_rows();
+  estimate->dof = linearization.num_rows() - linearization.num_columns();
+  const double dof = estimate->dof;
+  if (!sigma.stated) {
+    sigma.estimated = dof > 0 ? kFallbackSigma * std::sqrt(sum / dof) : 0.0;
+    estimate->chi2 = dof;  // by construction: sigma is what makes it so
+    return;
+  }
+  estimate->chi2 = sum;
+  if (dof <= 0) return;
+  sigma.a_posteriori = std::sqrt(sum / dof);
+  sigma.p_value = ChiSquareSurvival(sum, dof);
+  sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment.significance;
+}
+
+// Multiplies covariance at the whitening sigmas into one at the true noise.
+double CovarianceScale(const SigmaReport& sigma) {
+  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
+  return sigma.scaled ? sigma.a_posteriori : 1.0;
+}
+
+bool IsWeak(const ParameterEstimate& row) {
+  const double limit = TraitsOf(row.quantity).weak_limit;
+  return row.sigma > (limit > 0.0 ? limit : 0.5 * std::abs(row.value));
+}
+
+void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
+  const bool is_student = !estimate->sigma.stated || estimate->sigma.scaled;
+  const double quantile = is_student ? StudentQuantile(0.975, std::max(1, estimate->dof)) : NormalQuantile(0.975);
+  const ParameterSet& parameters = estimate->parameters;
+  estimate->table.clear();
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    ParameterEstimate row;
+    row.name = coordinate.name;
+    row.quantity = coordinate.quantity;
+    row.value = parameters.Value(i);
+    row.nominal = estimate->aligned.num_coordinates() > 0 ? estimate->aligned.Value(i) : problem.parameters.Value(i);
+    row.free = coordinate.estimated();
+    row.identifiable = !coordinate.held;
+    row.ci95 = {row.value, row.value};
+    estimate->table.push_back(row);
+  }
+  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
+    ParameterEstimate& row = estimate->table[estimate->estimated[c]];
+    row.sigma = std::sqrt(estimate->covariance(c, c));
+    row.ci95 = {row.value - quantile * row.sigma, row.value + quantile * row.sigma};
+    row.weak = IsWeak(row);
+  }
+}
+
+// Leverage of every row and the parameters' share of the predicted hold-out error.
+void JudgeRows(const CalibrationProblem& problem, const Linearization& all, double scale, Estimate* estimate) {
+  const int n = static_cast<int>(all.observations.size());
+  const Eigen::LLT<Eigen::MatrixXd> factor(estimate->covariance);
+  const Eigen::MatrixXd root = factor.matrixL();
+  const Eigen::MatrixXd whitened = all.jacobian * root;  // rows: standard deviations of predictions / sigma
+  const Eigen::VectorXd variance = whitened.rowwise().squaredNorm();
+  estimate->leverage.resize(n);
+  double sum = 0.0;
+  int coordinates = 0;
+  for (int k = 0; k < n; ++k) {
+    estimate->leverage[k] = variance.segment<3>(3 * k).mean() / (scale * scale);
+    if (!problem.data.IsValidation(problem.data.observations[k])) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double sigma = estimate->sigmas(axis, k);
+      sum += sigma * sigma * (scale * scale + variance[3 * k + axis]);
+    }
+    coordinates += 3;
+  }
+  estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
+}
+
+}  // namespace
+
+void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
+  const std::vector<int> calibration = problem.CalibrationObservations();
+  const std::vector<int> validation = problem.ValidationObservations();
+  const ParameterSet& parameters = estimate->parameters;
+  estimate->estimated = parameters.EstimatedCoordinates();
+  const Eigen::VectorXd sigmas = ObservationSigmas(problem, calibration, kFallbackSigma);
+  const Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, sigmas);
+  const LinearSolution solution = SolveLinearization(linearization);
+  estimate->cost = 0.5 * linearization.residual.squaredNorm();
+  JudgeNoise(problem, linearization, estimate);
+  const double scale = CovarianceScale(estimate->sigma);
+  estimate->covariance = scale * scale * solution.covariance;
+  estimate->identifiability.rank = linearization.num_columns();
+  estimate->identifiability.condition = solution.condition;
+  estimate->identifiability.weak = FindWeak(linearization, parameters, scale);
+  FillTable(problem, estimate);
+
+  std::vector<int> all(problem.data.observations.size());
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  const Eigen::VectorXd all_sigmas = ObservationSigmas(problem, all, kFallbackSigma);
+  estimate->predicted = PredictPoints(problem, parameters, all);
+  estimate->sigmas = Eigen::Map<const Eigen::Matrix3Xd>(all_sigmas.data(), 3, all.size());
+  JudgeRows(problem, Linearize(problem, parameters, all, estimate->estimated, all_sigmas), scale, estimate);
+  if (!estimate->sigma.stated) estimate->sigmas.setConstant(estimate->sigma.estimated);
+
+  std::set<int> configurations;
+  for (const int i : calibration) configurations.insert(problem.data.shots[problem.data.observations[i].shot].configuration);
+  estimate->calibration_configurations = static_cast<int>(configurations.size());
+  estimate->fit = SizeAt(problem, parameters, calibration);
+  estimate->validation = SizeAt(problem, parameters, validation);
+  if (estimate->aligned.num_coordinates() > 0) {
+    estimate->fit_before = SizeAt(problem, estimate->aligned, calibration);
+    estimate->validation_before = SizeAt(problem, estimate->aligned, validation);
+  }
+}
+
+}  // namespace sagitta

@@ -1,0 +1,133 @@
+#include "estimator/linearization.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <map>
+
+namespace sagitta {
+namespace {
+
+// Which column of the linearization a coordinate has; -1: none.
+std::vector<int> ColumnOfCoordinate(const ParameterSet& parameters, const std::vector<int>& columns) {
+  std::vector<int> column_of(parameters.num_coordinates(), -1);
+  for (size_t c = 0; c < columns.size(); ++c) column_of[columns[c]] = c;
+  return column_of;
+}
+
+struct ActiveParameters {
+  std::vector<int> model_parameters;
+  std::vector<int> columns;
+};
+
+ActiveParameters FindActive(const ParameterSet& parameters, const std::vector<int>& column_of) {
+  ActiveParameters active;
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    const int column = column_of[parameters.model_parameter(i).first_coordinate];
+    if (column < 0) continue;
+    active.model_parameters.push_back(i);
+    active.columns.push_back(column);
+  }
+  return active;
+}
+
+// Calls visit(k, prediction) for each listed observation, one kinematic pass
+// per run of observations of the same shot.
+template <typename Visit>
+void ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& parameters,
+                       const std::vector<int>& observations, const std::vector<int>& active, const Visit& visit) {
+  const std::vector<double> theta = parameters.ModelValues();
+  std::vector<MarkerInFrame> markers;
+  std::vector<PointPrediction> predictions;
+  for (size_t first = 0; first < observations.size();) {
+    const int shot_index = problem.data.observations[observations[first]].shot;
+    const Shot& shot = problem.data.shots[shot_index];
+    markers.clear();
+    size_t last = first;
+    for (; last < observations.size() && problem.data.observations[observations[last]].shot == shot_index; ++last) {
+      const int marker = problem.data.observations[observations[last]].marker;
+      markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker)});
+    }
+    problem.model.Predict(problem.data.configurations[shot.configuration].q, theta.data(), active,
+                          parameters.BaseInStation(shot.station), markers, &predictions);
+    for (size_t k = first; k < last; ++k) visit(k, predictions[k - first]);
+    first = last;
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::vector<int>& observations,
+                                  double fallback) {
+  Eigen::VectorXd sigmas(3 * observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const Vector3<double> stated = problem.StatedSigma(problem.data.observations[observations[k]]);
+    sigmas.segment<3>(3 * k) = stated.minCoeff() > 0.0 ? stated : Vector3<double>::Constant(fallback);
+  }
+  return sigmas;
+}
+
+Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
+                        const std::vector<int>& observations, const std::vector<int>& columns,
+                        const Eigen::VectorXd& sigmas) {
+  Linearization result;
+  result.columns = columns;
+  result.observations = observations;
+  result.residual.resize(3 * observations.size());
+  result.jacobian.setZero(3 * observations.size(), columns.size());
+  const std::vector<int> column_of = ColumnOfCoordinate(parameters, columns);
+  const ActiveParameters active = FindActive(parameters, column_of);
+  ForEachPrediction(problem, parameters, observations, active.model_parameters,
+                    [&](size_t k, const PointPrediction& prediction) {
+    const Observation& observation = problem.data.observations[observations[k]];
+    const Shot& shot = problem.data.shots[observation.shot];
+    const Vector3<double> weights = sigmas.segment<3>(3 * k).cwiseInverse();
+    result.residual.segment<3>(3 * k) = (prediction.point - observation.point_in_station).cwiseProduct(weights);
+    auto rows = result.jacobian.middleRows(3 * k, 3);
+    const auto write = [&](int first_coordinate, const auto& derivative) {
+      for (int i = 0; i < 3; ++i) {
+        const int column = column_of[first_coordinate + i];
+        if (column >= 0) rows.col(column) = derivative.col(i).cwiseProduct(weights);
+      }
+    };
+    write(parameters.station_translation(shot.station).first_coordinate, Matrix3<double>(Matrix3<double>::Identity()));
+    write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
+    write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
+    for (size_t i = 0; i < active.columns.size(); ++i) {
+      rows.col(active.columns[i]) = prediction.d_theta.col(i).cwiseProduct(weights);
+    }
+  });
+  return result;
+}
+
+Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                               const std::vector<int>& observations) {
+  Eigen::Matrix3Xd points(3, observations.size());
+  ForEachPrediction(problem, parameters, observations, {},
+                    [&](size_t k, const PointPrediction& prediction) { points.col(k) = prediction.point; });
+  return points;
+}
+
+LinearSolution SolveLinearization(const Linearization& linearization) {
+  LinearSolution solution;
+  const int n = linearization.num_columns();
+  Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
+  const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
+  const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r);
+  const double largest = n > 0 ? svd.singularValues()[0] : 0.0;
+  const double smallest = n > 0 ? svd.singularValues()[n - 1] : 0.0;
+  solution.condition = smallest > 0.0 ? largest / smallest : std::numeric_limits<double>::infinity();
+  solution.full_rank = n == 0 || smallest > 1e-12 * largest;
+  const Eigen::VectorXd rotated = qr.householderQ().transpose() * linearization.residual;
+  solution.residual_norm_squared = rotated.tail(linearization.num_rows() - n).squaredNorm();
+  if (!solution.full_rank) return solution;
+  const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd unscaled = scale.cwiseInverse().asDiagonal() * inverse;
+  solution.step = -unscaled * rotated.head(n);
+  solution.covariance = unscaled * unscaled.transpose();
+  return solution;
+}
+
+}  // namespace sagitta

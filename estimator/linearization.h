@@ -1,0 +1,49 @@
+// The one seam between estimation and everything that judges it: whitened
+// residuals and the identification Jacobian at one point. Covariance,
+// identifiability, leverage and pose planning are pure functions of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct Linearization {
+  Eigen::VectorXd residual;  // (predicted - measured) / sigma, 3 rows per observation
+  Eigen::MatrixXd jacobian;  // d residual / d coordinate, 1/SI; one column per entry of `columns`
+  std::vector<int> columns;  // coordinate indices into ParameterSet
+  std::vector<int> observations;  // index into Measurements::observations of each block of 3 rows
+
+  int num_rows() const { return static_cast<int>(residual.size()); }
+  int num_columns() const { return static_cast<int>(jacobian.cols()); }
+};
+
+// Standard deviations of the listed observations, 3 per observation, m: as
+// stated, times nothing; `fallback` (m) where none is stated.
+Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::vector<int>& observations,
+                                  double fallback);
+
+// Evaluates the problem's observations at `parameters` for the given columns.
+// sigmas: 3 per observation, m.
+Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
+                        const std::vector<int>& observations, const std::vector<int>& columns,
+                        const Eigen::VectorXd& sigmas);
+
+// Predicted points in the station frame, m, one column per observation.
+Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                               const std::vector<int>& observations);
+
+// Least-squares solution of J x = -r and its covariance factor, with columns
+// scaled to unit norm so that mixed units cannot break the rank decision.
+struct LinearSolution {
+  Eigen::VectorXd step;         // SI, one per column
+  Eigen::MatrixXd covariance;   // (J'J)^-1, SI
+  double residual_norm_squared = 0.0;  // |J x + r|^2
+  double condition = 0.0;       // of the column-normalised Jacobian
+  bool full_rank = true;
+};
+LinearSolution SolveLinearization(const Linearization& linearization);
+
+}  // namespace sagitta

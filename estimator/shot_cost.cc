@@ -1,0 +1,79 @@
+#include "estimator/shot_cost.h"
+
+#include <utility>
+
+#include "estimator/rotation_manifold.h"
+
+namespace sagitta {
+namespace {
+
+// Ceres wants row-major Jacobians; a single column counts as either.
+using RowMajorBlock = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+
+}  // namespace
+
+std::unique_ptr<ShotCost> ShotCost::Create(const ForwardModel* model, Eigen::VectorXd q,
+                                           std::vector<MarkerMeasurement> markers, std::vector<double> theta,
+                                           std::vector<int> active) {
+  return std::unique_ptr<ShotCost>(
+      new ShotCost(model, std::move(q), std::move(markers), std::move(theta), std::move(active)));
+}
+
+ShotCost::ShotCost(const ForwardModel* model, Eigen::VectorXd q, std::vector<MarkerMeasurement> markers,
+                   std::vector<double> theta, std::vector<int> active)
+    : model_(model),
+      q_(std::move(q)),
+      markers_(std::move(markers)),
+      theta_(std::move(theta)),
+      active_(std::move(active)) {
+  set_num_residuals(3 * static_cast<int>(markers_.size()));
+  mutable_parameter_block_sizes()->assign({3, 4});
+  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), markers_.size(), 3);
+  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), active_.size(), 1);
+}
+
+bool ShotCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  const int num_markers = static_cast<int>(markers_.size());
+  const Eigen::Map<const Eigen::Quaterniond> rotation(parameters[1]);
+  Pose<double> base_in_station;
+  base_in_station.translation = Eigen::Map<const Vector3<double>>(parameters[0]);
+  base_in_station.rotation = rotation.normalized().toRotationMatrix();
+  std::vector<MarkerInFrame> markers(num_markers);
+  for (int m = 0; m < num_markers; ++m) {
+    markers[m] = {markers_[m].frame, Eigen::Map<const Vector3<double>>(parameters[2 + m])};
+  }
+  std::vector<double> theta = theta_;
+  for (size_t i = 0; i < active_.size(); ++i) theta[active_[i]] = *parameters[2 + num_markers + i];
+
+  static const std::vector<int> kNone;
+  std::vector<PointPrediction> predictions;
+  model_->Predict(q_, theta.data(), jacobians != nullptr ? active_ : kNone, base_in_station, markers, &predictions);
+
+  for (int m = 0; m < num_markers; ++m) {
+    Eigen::Map<Vector3<double>>(residuals + 3 * m) =
+        (predictions[m].point - markers_[m].point_in_station).cwiseQuotient(markers_[m].sigma);
+  }
+  if (jacobians == nullptr) return true;
+  // Ambient = tangent * pseudo-inverse of PlusJacobian (orthogonal columns of norm 1/2).
+  const Eigen::Matrix<double, 3, 4> tangent_from_ambient = 4.0 * QuaternionPlusJacobian(parameters[1]).transpose();
+  for (int m = 0; m < num_markers; ++m) {
+    const PointPrediction& prediction = predictions[m];
+    const Matrix3<double> whiten = markers_[m].sigma.cwiseInverse().asDiagonal();
+    const auto write = [&](int block, int size, const auto& derivative) {
+      if (jacobians[block] != nullptr) {
+        RowMajorBlock(jacobians[block], num_residuals(), size).middleRows(3 * m, 3) = derivative;
+      }
+    };
+    write(0, 3, whiten);
+    write(1, 4, whiten * prediction.d_rotation * tangent_from_ambient);
+    for (int other = 0; other < num_markers; ++other) {
+      write(2 + other, 3, other == m ? Matrix3<double>(whiten * prediction.d_marker) : Matrix3<double>::Zero());
+    }
+    for (size_t i = 0; i < active_.size(); ++i) {
+      write(2 + num_markers + static_cast<int>(i), 1, whiten * prediction.d_theta.col(i));
+    }
+  }
+  return true;
+}
+
+}  // namespace sagitta

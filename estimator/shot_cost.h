@@ -1,0 +1,47 @@
+// The residuals of one shot: all markers seen at one configuration share the
+// kinematics. One marker per cost is the same class with one observation.
+//
+//   r = (predicted - measured) / sigma, per axis, 3 rows per marker
+//
+// Parameter blocks, in order: station translation (3, m), station rotation (4,
+// quaternion x y z w), one point per marker of the shot (3, m each), then one
+// scalar per active model parameter (SI). Derivatives are exact (geometric).
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <memory>
+#include <vector>
+
+#include "models/forward_model.h"
+
+namespace sagitta {
+
+struct MarkerMeasurement {
+  int frame = 0;                    // chain frame the marker rides on
+  Vector3<double> point_in_station;  // m
+  Vector3<double> sigma;             // m, > 0
+};
+
+class ShotCost : public ceres::CostFunction {
+ public:
+  // `model` outlives the cost. `theta` gives the values of the parameters that
+  // are not active; `active` lists those that are blocks.
+  static std::unique_ptr<ShotCost> Create(const ForwardModel* model, Eigen::VectorXd q,
+                                          std::vector<MarkerMeasurement> markers, std::vector<double> theta,
+                                          std::vector<int> active);
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  ShotCost(const ForwardModel* model, Eigen::VectorXd q, std::vector<MarkerMeasurement> markers,
+           std::vector<double> theta, std::vector<int> active);
+
+  const ForwardModel* model_;
+  Eigen::VectorXd q_;
+  std::vector<MarkerMeasurement> markers_;
+  std::vector<double> theta_;
+  std::vector<int> active_;
+};
+
+}  // namespace sagitta

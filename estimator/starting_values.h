@@ -1,0 +1,34 @@
+// Base poses and marker points without a guess from the user.
+//
+// For a robot at nominal, point_station = t + R (p_f + R_f m) with the frame
+// (R_f, p_f) of a marker known. Given the markers m, each station's (t, R) is a
+// rigid registration in closed form (Kabsch 1976, Umeyama 1991); given the
+// stations, each m is a mean. The two alternate from several marker starts; the
+// best are polished by Levenberg-Marquardt on base and markers alone.
+// The registration is global in the rotation: any base orientation converges.
+#pragma once
+
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct StartingValueOptions {
+  int random_marker_starts = 6;
+  int alternations = 25;
+  int polished = 2;               // how many of the best starts are polished
+  double marker_spread = 0.3;     // m, of the random marker starts
+  unsigned long long seed = 1;
+};
+
+// Sets base and markers of `parameters` (its model values are kept); what is
+// fixed keeps its value. Returns the RMS of the 3-D distances, m.
+double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
+                          const StartingValueOptions& options, ParameterSet* parameters);
+
+// The pose that maps `points` best onto `targets` (3 x N, least squares, no
+// scale, no reflection).
+Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets);
+
+}  // namespace sagitta

@@ -1,0 +1,169 @@
+#include "estimator/unit_guess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <vector>
+
+#include "estimator/starting_values.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSuspicious = 0.05;     // of the reach
+constexpr double kMisfit = 0.01;         // of the reach
+constexpr double kImprovement = 10.0;
+constexpr int kRowsPerPair = 40;         // of a station and marker: enough to tell a wrong unit
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+
+struct Reading {
+  bool is_joint = true;      // joint columns, else x, y, z
+  const char* suffix;        // what the header says
+  const char* better;        // what the numbers look like
+  const char* better_words;
+  double factor;             // SI value in the better reading over SI value as read
+  double least, most;        // of the largest number in the columns, for the reading to be worth a try
+};
+
+const Reading kReadings[] = {
+    {true, "_deg", "_rad", "radians", 1.0 / kRadiansPerDegree, 0.0, 7.0},
+    {true, "_rad", "_deg", "degrees", kRadiansPerDegree, 7.0, 1e4},
+    {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
+    {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
+};
+
+double Reach(const Chain& chain) {
+  double reach = 0.0;
+  for (const ElementaryTransform& transform : chain.transforms) {
+    if (!transform.is_rotation()) reach += std::abs(transform.nominal);
+  }
+  return reach;
+}
+
+// A sample that sees every station and marker.
+std::vector<int> Sample(const CalibrationProblem& problem) {
+  std::map<std::pair<int, int>, std::vector<int>> pairs;
+  for (const int i : problem.CalibrationObservations()) {
+    const Observation& observation = problem.data.observations[i];
+    pairs[{problem.data.shots[observation.shot].station, observation.marker}].push_back(i);
+  }
+  std::vector<int> sample;
+  for (const auto& [pair, all] : pairs) {
+    const size_t n = std::min<size_t>(kRowsPerPair, all.size());
+    for (size_t k = 0; k < n; ++k) sample.push_back(all[k * all.size() / n]);
+  }
+  std::sort(sample.begin(), sample.end());
+  return sample;
+}
+
+double AlignedRms(const CalibrationProblem& problem, const std::vector<int>& sample) {
+  ParameterSet parameters = problem.parameters;
+  return FindStartingValues(problem, sample, StartingValueOptions(), &parameters);
+}
+
+std::vector<std::string> ColumnsOf(const Reading& reading, const Chain& chain, const MeasurementFile& file) {
+  std::vector<std::string> columns;
+  const auto add = [&](const std::string& name) {
+    if (file.FindColumn(name) >= 0) columns.push_back(name);
+  };
+  if (reading.is_joint) {
+    for (int j = 0; j < chain.num_joints(); ++j) {
+      if (chain.joints[j].type == JointType::kRevolute) add("q" + std::to_string(j + 1) + reading.suffix);
+    }
+  } else {
+    for (const char* axis : {"x", "y", "z"}) add(axis + std::string(reading.suffix));
+  }
+  return columns;
+}
+
+double LargestNumber(const MeasurementFile& file, const std::vector<std::string>& columns) {
+  double largest = 0.0;
+  for (const std::string& column : columns) {
+    const int index = file.FindColumn(column);
+    for (const MeasurementFile::Row& row : file.rows) {
+      largest = std::max(largest, std::abs(std::strtod(row.cells[index].c_str(), nullptr)));
+    }
+  }
+  return largest;
+}
+
+// Files whose columns may be meant in the other unit.
+std::vector<bool> FilesConcerned(const Reading& reading, const CalibrationProblem& problem) {
+  std::vector<bool> concerned;
+  for (const MeasurementFile& file : problem.data.files) {
+    const std::vector<std::string> columns = ColumnsOf(reading, problem.robot.chain, file);
+    const double largest = LargestNumber(file, columns);
+    concerned.push_back(!columns.empty() && largest > reading.least && largest <= reading.most);
+  }
+  return concerned;
+}
+
+CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading,
+                          const std::vector<bool>& concerned) {
+  CalibrationProblem reread = problem;
+  std::vector<bool> done(reread.data.configurations.size());
+  for (Observation& observation : reread.data.observations) {
+    if (!concerned[observation.file]) continue;
+    if (!reading.is_joint) {
+      observation.point_in_station *= reading.factor;
+      continue;
+    }
+    const int index = reread.data.shots[observation.shot].configuration;
+    if (done[index]) continue;
+    done[index] = true;
+    const MeasurementFile& file = reread.data.files[observation.file];
+    for (int j = 0; j < reread.robot.num_joints(); ++j) {
+      const bool meant = file.FindColumn("q" + std::to_string(j + 1) + reading.suffix) >= 0;
+      const bool revolute = reread.robot.chain.joints[j].type == JointType::kRevolute;
+      if (meant && revolute) reread.data.configurations[index].q[j] *= reading.factor;
+    }
+  }
+  return reread;
+}
+
+std::string Millimetres(double metres) {
+  return std::to_string(std::lround(1e3 * metres)) + " mm";
+}
+
+UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, int file_index, double before,
+                     double after) {
+  const MeasurementFile& file = problem.data.files[file_index];
+  UnitFinding finding;
+  finding.file = file.path;
+  finding.line = file.rows.empty() ? 0 : file.rows.front().line;
+  finding.column = ColumnsOf(reading, problem.robot.chain, file).front();
+  const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
+  finding.words = std::string("the numbers look like ") + reading.better_words + ": the aligned nominal robot misses by " +
+                  Millimetres(before) + " (RMS) as the columns say, by " + Millimetres(after) + " if they are " +
+                  reading.better_words;
+  finding.hint = "name the column " + stem + reading.better + " (and those like it), or convert the numbers";
+  return finding;
+}
+
+}  // namespace
+
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem) {
+  const std::vector<int> sample = Sample(problem);
+  const double before = AlignedRms(problem, sample);
+  const double tolerance = kSuspicious * Reach(problem.robot.chain);
+  if (!(before > tolerance)) return std::nullopt;
+  for (const Reading& reading : kReadings) {
+    const std::vector<bool> concerned = FilesConcerned(reading, problem);
+    const auto first = std::find(concerned.begin(), concerned.end(), true);
+    if (first == concerned.end()) continue;
+    const double after = AlignedRms(Reread(problem, reading, concerned), sample);
+    if (after * kImprovement > before || after > tolerance) continue;
+    return Describe(problem, reading, static_cast<int>(first - concerned.begin()), before, after);
+  }
+  return std::nullopt;
+}
+
+std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {
+  if (!(distance_rms > kMisfit * Reach(problem.robot.chain))) return "";
+  return "the calibrated robot still misses by " + Millimetres(distance_rms) +
+         " (RMS): this robot did not make these measurements as described; check signs and zero positions of the "
+         "joints, the kinematics and the units";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,29 @@
+// Numbers in another unit than their column says: the nominal robot then misses
+// the measured points by far, and fits once the numbers are read in the right one.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct UnitFinding {
+  std::string file;
+  int line = 0;        // of the first row
+  std::string column;  // the first one concerned
+  std::string words;
+  std::string hint;
+};
+
+// Radians in _deg columns, degrees in _rad, metres in _mm, millimetres in _m.
+// Nothing when the aligned nominal robot is within 5 % of its reach, or when no
+// other reading is at least ten times better.
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem);
+
+// A warning where even the estimate misses by more than 1 % of the reach: signs,
+// zero positions, kinematics or units do not belong to these data. "": none.
+std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms);
+
+}  // namespace sagitta

@@ -1,0 +1,55 @@
+#include "models/chain.h"
+
+#include <set>
+
+namespace sagitta {
+
+int Chain::FindJoint(const std::string& name) const {
+  for (int j = 0; j < num_joints(); ++j) {
+    if (joints[j].name == name) return j;
+  }
+  return -1;
+}
+
+int Chain::FindError(const std::string& error) const {
+  for (int e = 0; e < num_transforms(); ++e) {
+    if (!error.empty() && transforms[e].error == error) return e;
+  }
+  return -1;
+}
+
+int Chain::JointTransform(int joint) const {
+  for (int e = 0; e < num_transforms(); ++e) {
+    if (transforms[e].joint == joint) return e;
+  }
+  return -1;
+}
+
+Eigen::VectorXd Chain::CoupledJointValues(const Eigen::VectorXd& q) const {
+  Eigen::VectorXd coupled = q;
+  for (const Coupling& c : couplings) coupled[c.joint] += c.ratio * q[c.driver];
+  return coupled;
+}
+
+std::string Chain::Defect() const {
+  std::vector<int> carried(joints.size(), 0);
+  std::set<std::string> errors;
+  for (const ElementaryTransform& transform : transforms) {
+    if (!transform.error.empty() && !errors.insert(transform.error).second) {
+      return "the error name '" + transform.error + "' stands on two transforms";
+    }
+    if (!transform.has_joint()) continue;
+    const Joint& joint = joints[transform.joint];
+    ++carried[transform.joint];
+    if (transform.is_rotation() != (joint.type == JointType::kRevolute)) {
+      return "joint '" + joint.name + "' is " + (transform.is_rotation() ? "prismatic but turns" : "revolute but slides");
+    }
+  }
+  for (int j = 0; j < num_joints(); ++j) {
+    if (carried[j] == 0) return "joint '" + joints[j].name + "' is on no transform";
+    if (carried[j] > 1) return "joint '" + joints[j].name + "' is on more than one transform";
+  }
+  return "";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,81 @@
+// A robot arm as a flat list of elementary transforms, base to flange.
+//
+// Standard DH, modified DH, Hayati and URDF are only ways to write such a list
+// (denavit_hartenberg.h). Every transform carries a nominal value and may carry
+// a joint, a named error parameter, or both. The value of transform e is
+//
+//   v_e = nominal_e + sign_e * (q_j + coupling + encoder-side effects + latent_j) + delta_e
+//
+// where delta_e collects geometric errors and elastic deflections. Hence the
+// kinematics, every geometric error, every joint offset and every deflection
+// share one derivative (kinematics.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/geometry.h"
+
+namespace sagitta {
+
+enum class JointType { kRevolute, kPrismatic };
+
+struct Joint {
+  std::string name;
+  JointType type = JointType::kRevolute;
+  std::optional<double> min;  // rad or m
+  std::optional<double> max;  // rad or m
+};
+
+enum class Motion { kTranslation, kRotation };
+
+struct ElementaryTransform {
+  Motion motion = Motion::kTranslation;
+  Axis axis = Axis::kX;
+  double nominal = 0.0;  // m or rad; on a joint: its offset
+  int joint = -1;        // index into Chain::joints, -1: fixed
+  double sign = 1.0;     // of the joint value
+  std::string error;     // name of the geometric error parameter, "" if none
+
+  bool has_joint() const { return joint >= 0; }
+  bool is_rotation() const { return motion == Motion::kRotation; }
+};
+
+// Joint `joint` moves by ratio * q_driver on top of its own value
+// (parallelograms, FANUC J2-J3).
+struct Coupling {
+  int joint = -1;
+  int driver = -1;
+  double ratio = 0.0;
+};
+
+struct Chain {
+  std::vector<Joint> joints;
+  std::vector<ElementaryTransform> transforms;
+  std::vector<Coupling> couplings;
+
+  int num_joints() const { return static_cast<int>(joints.size()); }
+  int num_transforms() const { return static_cast<int>(transforms.size()); }
+
+  // Index of the joint or transform so named, -1 if there is none.
+  int FindJoint(const std::string& name) const;
+  int FindError(const std::string& error) const;
+  // Index of the transform that carries the joint.
+  int JointTransform(int joint) const;
+
+  // A frame is named by how many transforms lie before it: 0 is the base,
+  // num_transforms() the flange.
+  int BaseFrame() const { return 0; }
+  int FlangeFrame() const { return num_transforms(); }
+  int FrameAfterJoint(int joint) const { return JointTransform(joint) + 1; }
+
+  // Joint values after coupling; SI.
+  Eigen::VectorXd CoupledJointValues(const Eigen::VectorXd& q) const;
+
+  // Empty when the chain is well formed: every joint carried exactly once, by a
+  // transform of its kind, base to tip; error names unique.
+  std::string Defect() const;
+};
+
+}  // namespace sagitta

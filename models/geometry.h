@@ -1,0 +1,79 @@
+// Rotations and rigid poses, templated on the scalar (double or ceres::Jet).
+//
+// Frames are always in names: `b_from_a` maps coordinates in frame a to
+// coordinates in frame b; `point_in_base` is a point expressed in `base`.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace sagitta {
+
+template <typename T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+template <typename T>
+using Matrix3 = Eigen::Matrix<T, 3, 3>;
+
+enum class Axis { kX = 0, kY = 1, kZ = 2 };
+
+// [v]x with Skew(v) * w = v x w.
+template <typename T>
+Matrix3<T> Skew(const Vector3<T>& v) {
+  Matrix3<T> skew;
+  // clang-format off
+  skew << T(0), -v.z(),  v.y(),
+        v.z(),   T(0), -v.x(),
+       -v.y(),  v.x(),   T(0);
+  // clang-format on
+  return skew;
+}
+
+// exp([v]x) as a quaternion (x, y, z, w); exact derivative at v = 0 for Jets.
+template <typename T>
+Eigen::Quaternion<T> QuaternionFromRotationVector(const Vector3<T>& v) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  const T squared_angle = v.squaredNorm();
+  if (squared_angle > T(1e-24)) {
+    const T angle = sqrt(squared_angle);
+    const T k = sin(T(0.5) * angle) / angle;
+    return {cos(T(0.5) * angle), k * v.x(), k * v.y(), k * v.z()};
+  }
+  // Series to first order: cos ~ 1 - |v|^2/8, sin(|v|/2)/|v| ~ 1/2.
+  return {T(1) - squared_angle / T(8), T(0.5) * v.x(), T(0.5) * v.y(), T(0.5) * v.z()};
+}
+
+template <typename T>
+Matrix3<T> RotationFromVector(const Vector3<T>& v) {
+  return QuaternionFromRotationVector(v).toRotationMatrix();
+}
+
+// The inverse of QuaternionFromRotationVector, angle in [0, pi].
+inline Vector3<double> RotationVector(const Eigen::Quaterniond& rotation) {
+  const double sign = rotation.w() < 0 ? -1.0 : 1.0;
+  const Vector3<double> v = sign * rotation.vec();
+  const double n = v.norm();
+  if (n < 1e-12) return 2.0 * v;
+  return 2.0 * std::atan2(n, sign * rotation.w()) / n * v;
+}
+
+// Fixed-axis x-y-z angles as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
+inline Matrix3<double> RotationFromRpy(const Vector3<double>& rpy) {
+  using Eigen::AngleAxisd;
+  return (AngleAxisd(rpy.z(), Vector3<double>::UnitZ()) * AngleAxisd(rpy.y(), Vector3<double>::UnitY()) *
+          AngleAxisd(rpy.x(), Vector3<double>::UnitX()))
+      .toRotationMatrix();
+}
+
+// A rigid pose: p_target = rotation * p_source + translation.
+template <typename T>
+struct Pose {
+  Matrix3<T> rotation = Matrix3<T>::Identity();
+  Vector3<T> translation = Vector3<T>::Zero();
+
+  Vector3<T> operator*(const Vector3<T>& point) const { return rotation * point + translation; }
+};
+
+}  // namespace sagitta

@@ -1,0 +1,45 @@
+// The spring between link and base that carries part of a heavy arm's weight.
+//
+//   s^2 = a^2 + L^2 + 2 a L cos(gamma),  gamma = alpha - q,  alpha = atan2(a_x, a_y)
+//   torque on the joint = -Kc (1 - s0/s) a L sin(gamma)            N m
+//   stiffness = -d torque / d q = Kc a L eta,
+//   eta = (s0/s) (a L sin^2(gamma)/s^2 + cos(gamma)) - cos(gamma)
+//
+// Papers 000 and 002, eq. (10), (11), (14); alpha is measured from the vertical
+// (a_x and a_y swapped against the usual atan2), the only reading that
+// reproduces the published fit. With a sin(gamma) = a_x cos q - a_y sin q and
+// a cos(gamma) = a_y cos q + a_x sin q no angle is ever formed.
+//
+// (L, a_x, a_y, s0, Kc) has a scale gauge: c (L, a_x, a_y, s0), Kc / c^2 gives
+// the same torque at every q.
+#pragma once
+
+#include <cmath>
+
+namespace sagitta {
+
+template <typename T>
+struct CompensatorParameters {
+  T L, a_x, a_y, s0;  // m
+  T Kc;               // N/m
+};
+
+template <typename T>
+T CompensatorSpringLength(const CompensatorParameters<T>& p, const T& q) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  const T a_cos_gamma = p.a_y * cos(q) + p.a_x * sin(q);
+  return sqrt(p.a_x * p.a_x + p.a_y * p.a_y + p.L * p.L + T(2) * p.L * a_cos_gamma);
+}
+
+// q: actual joint angle, rad.
+template <typename T>
+T CompensatorTorque(const CompensatorParameters<T>& p, const T& q) {
+  using std::cos;
+  using std::sin;
+  const T a_sin_gamma = p.a_x * cos(q) - p.a_y * sin(q);
+  return -p.Kc * (T(1) - p.s0 / CompensatorSpringLength(p, q)) * p.L * a_sin_gamma;
+}
+
+}  // namespace sagitta

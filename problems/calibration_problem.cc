@@ -1,0 +1,263 @@
+#include "problems/calibration_problem.h"
+
+#include <algorithm>
+#include <set>
+
+#include "models/default_free_set.h"
+#include "problems/input_error.h"
+#include "problems/split.h"
+
+namespace sagitta {
+namespace {
+
+[[noreturn]] void Fail(const CalibrationProblem& problem, const std::string& key, const std::string& what,
+                       const std::string& hint = "") {
+  throw InputError({problem.experiment.file, 0, key}, what, hint);
+}
+
+// What FORMATS allows and this version cannot honour yet is refused, not ignored.
+void RefuseUnsupported(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment;
+  const char* kLater = "this version estimates geometry from unloaded rows; loads and compliances are not supported yet";
+  for (const Observation& observation : problem.data.observations) {
+    const Shot& shot = problem.data.shots[observation.shot];
+    if (shot.load == "none" && shot.wrench.IsZero()) continue;
+    const MeasurementFile& file = problem.data.files[observation.file];
+    throw InputError({file.path, file.rows[observation.row].line, "load"},
+                     "the row is loaded ('" + shot.load + "')", kLater);
+  }
+  if (experiment.tool_mass != 0.0) Fail(problem, "tool.mass_kg", "a tool mass bends the arm", kLater);
+  const auto is_listed = [](const Selection& s) { return s.kind == Selection::Kind::kList && !s.names.empty(); };
+  if (is_listed(experiment.estimate.compliance)) Fail(problem, "estimate.compliance", "compliances are asked for", kLater);
+  if (is_listed(experiment.estimate.gravity_compensator)) {
+    Fail(problem, "estimate.gravity_compensator", "the gravity compensator is asked for", kLater);
+  }
+  if (!experiment.repeatability.IsZero()) {
+    Fail(problem, "repeatability_urad", "latent joint deviations are not supported yet", "leave the key out");
+  }
+  if (!experiment.priors.empty()) Fail(problem, "priors", "priors are not supported yet", "leave the key out");
+  if (experiment.loss != "none") Fail(problem, "loss", "robust losses are not supported yet", "use none");
+  if (experiment.weights == "eq14") Fail(problem, "weights", "eq14 is not supported yet", "use sigma or equal");
+  if (experiment.covariance != "model") Fail(problem, "covariance", "only model is supported yet", "use model");
+  using From = NoiseSpec::From;
+  if (experiment.noise.from == From::kRepeats || experiment.noise.from == From::kResiduals ||
+      experiment.noise.from == From::kInstrument || experiment.noise.from == From::kVarianceComponents) {
+    Fail(problem, "noise", "this noise model is not supported yet", "use sigma_mm or {from: rows}");
+  }
+}
+
+std::vector<int> ResolveMarkerFrames(const CalibrationProblem& problem) {
+  const Chain& chain = problem.robot.chain;
+  std::vector<std::string> places = {"flange", "base", "world"};
+  for (const Joint& joint : chain.joints) places.push_back(joint.name);
+  std::vector<int> frames;
+  for (const std::string& name : problem.data.markers) {
+    const auto spec = problem.experiment.markers.find(name);
+    const std::string on = spec == problem.experiment.markers.end() ? "flange" : spec->second.on;
+    const int joint = chain.FindJoint(on);
+    if (on == "flange") {
+      frames.push_back(chain.FlangeFrame());
+    } else if (on == "base" || on == "world") {
+      frames.push_back(chain.BaseFrame());
+    } else if (joint >= 0) {
+      frames.push_back(chain.FrameAfterJoint(joint));
+    } else {
+      Fail(problem, "markers." + name + ".on", "'" + on + "' is no place on this robot", SpellingHint(on, places));
+    }
+  }
+  return frames;
+}
+
+void CheckNames(const CalibrationProblem& problem) {
+  for (const auto& [name, spec] : problem.experiment.markers) {
+    const auto& known = problem.data.markers;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      Fail(problem, "markers." + name, "no row measures this marker", SpellingHint(name, known));
+    }
+  }
+  for (const auto& [name, spec] : problem.experiment.stations) {
+    const auto& known = problem.data.stations;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      Fail(problem, "stations." + name, "no row is measured from this station", SpellingHint(name, known));
+    }
+  }
+}
+
+void SetStartValues(CalibrationProblem* problem) {
+  const Experiment& experiment = problem->experiment;
+  for (size_t s = 0; s < problem->data.stations.size(); ++s) {
+    const auto spec = experiment.stations.find(problem->data.stations[s]);
+    const bool given = spec != experiment.stations.end() && (spec->second.base_xyz || spec->second.base_rotvec);
+    if (!given && !experiment.estimate.base) {
+      Fail(*problem, "estimate.base", "the base is held but station '" + problem->data.stations[s] + "' has no pose",
+           "state stations: {" + problem->data.stations[s] + ": {xyz_mm: …, rotvec_mrad: …}}");
+    }
+    if (!given) continue;
+    Pose<double> pose;
+    pose.translation = spec->second.base_xyz.value_or(Vector3<double>::Zero());
+    pose.rotation = RotationFromVector(spec->second.base_rotvec.value_or(Vector3<double>::Zero()));
+    problem->parameters.SetBaseInStation(s, pose);
+  }
+  for (size_t m = 0; m < problem->data.markers.size(); ++m) {
+    const auto spec = experiment.markers.find(problem->data.markers[m]);
+    const bool given = spec != experiment.markers.end() && spec->second.point;
+    if (!given && !experiment.estimate.markers) {
+      Fail(*problem, "estimate.markers", "the markers are held but marker '" + problem->data.markers[m] + "' has no point",
+           "state markers: {" + problem->data.markers[m] + ": {xyz_mm: …}}");
+    }
+    if (given) problem->parameters.SetMarkerPoint(m, *spec->second.point);
+  }
+}
+
+std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
+  const Selection& selection = problem->experiment.estimate.geometry;
+  std::vector<std::string> all;
+  for (const ElementaryTransform& transform : problem->robot.chain.transforms) {
+    if (!transform.error.empty()) all.push_back(transform.error);
+  }
+  switch (selection.kind) {
+    case Selection::Kind::kNone:
+      return {};
+    case Selection::Kind::kAll:
+      return all;
+    case Selection::Kind::kList:
+      for (const std::string& name : selection.names) {
+        if (std::find(all.begin(), all.end(), name) == all.end()) {
+          Fail(*problem, "estimate.geometry", "the robot has no geometric error '" + name + "'", SpellingHint(name, all));
+        }
+      }
+      return selection.names;
+    case Selection::Kind::kDefault:
+      break;
+  }
+  const EstimateSpec& estimate = problem->experiment.estimate;
+  FreeSet set = DefaultFreeSet(problem->robot.chain, {estimate.base, estimate.markers});
+  problem->redundant_errors = set.redundant;
+  return set.free;
+}
+
+void SetFree(CalibrationProblem* problem) {
+  ParameterSet& parameters = problem->parameters;
+  const EstimateSpec& estimate = problem->experiment.estimate;
+  const std::vector<std::string> errors = FreeErrors(problem);
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    Coordinate& coordinate = parameters.coordinate(i);
+    const std::string family = coordinate.name.substr(0, coordinate.name.find('/'));
+    if (family == "base") coordinate.free = estimate.base;
+    if (family == "marker") coordinate.free = estimate.markers;
+    if (family != "geometry") continue;
+    coordinate.free = std::find(errors.begin(), errors.end(), coordinate.name.substr(9)) != errors.end();
+  }
+  const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
+    std::vector<std::string> known;
+    for (const Coordinate& coordinate : parameters.coordinates()) known.push_back(coordinate.name);
+    for (const std::string& name : names) {
+      const std::vector<int> matches = parameters.Match(name);
+      if (matches.empty()) Fail(*problem, key, "there is no parameter '" + name + "'", SpellingHint(name, known));
+      for (const int i : matches) parameters.coordinate(i).free = free;
+    }
+  };
+  apply(estimate.free, "--free", true);
+  apply(estimate.fixed, "--fixed", false);
+}
+
+void CheckSigmas(const CalibrationProblem& problem) {
+  if (!problem.sigma_is_stated()) return;
+  for (const Observation& observation : problem.data.observations) {
+    if (problem.StatedSigma(observation).minCoeff() > 0.0) continue;
+    const MeasurementFile& file = problem.data.files[observation.file];
+    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
+                     "other rows state standard deviations, this one has none",
+                     "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");
+  }
+}
+
+// What no estimate can come from.
+void CheckEnoughData(const CalibrationProblem& problem) {
+  std::set<int> configurations;
+  std::vector<bool> station_seen(problem.data.stations.size()), marker_seen(problem.data.markers.size());
+  const std::vector<int> observations = problem.CalibrationObservations();
+  for (const int i : observations) {
+    const Observation& observation = problem.data.observations[i];
+    const Shot& shot = problem.data.shots[observation.shot];
+    configurations.insert(shot.configuration);
+    station_seen[shot.station] = true;
+    marker_seen[observation.marker] = true;
+  }
+  const std::string file = problem.data.files.empty() ? "" : problem.data.files[0].path;
+  for (size_t s = 0; s < station_seen.size(); ++s) {
+    if (station_seen[s]) continue;
+    throw InputError({file, 0, "station"}, "station '" + problem.data.stations[s] + "' has validation rows only",
+                     "its base pose cannot be estimated; move some of its configurations to calibration");
+  }
+  for (size_t m = 0; m < marker_seen.size(); ++m) {
+    if (marker_seen[m]) continue;
+    throw InputError({file, 0, "marker"}, "marker '" + problem.data.markers[m] + "' has validation rows only",
+                     "its point cannot be estimated; move some of its configurations to calibration");
+  }
+  const int unknowns = problem.parameters.EstimatedCoordinates().size();
+  if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");
+  if (configurations.size() < 2) {
+    throw InputError({file, 0, "config"}, "one configuration cannot tell the robot from the base",
+                     "measure at least two, better thirty, different configurations");
+  }
+  const int equations = 3 * observations.size();
+  if (equations < unknowns) {
+    throw InputError({file, 0, ""},
+                     "fewer equations (" + std::to_string(equations) + ") than unknowns (" + std::to_string(unknowns) + ")",
+                     "measure more configurations or free less (estimate.geometry, --fixed)");
+  }
+}
+
+}  // namespace
+
+CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Experiment experiment_in)
+    : robot(std::move(robot_in)),
+      data(std::move(data_in)),
+      experiment(std::move(experiment_in)),
+      model(robot.chain),
+      parameters(data.stations, data.markers, model.parameters()) {}
+
+Vector3<double> CalibrationProblem::StatedSigma(const Observation& observation) const {
+  const Vector3<double> fallback = Vector3<double>::Constant(experiment.noise.sigma.value_or(0.0));
+  if (experiment.weights == "equal" || experiment.noise.replaces_rows) return fallback;
+  return observation.sigma.minCoeff() > 0.0 ? observation.sigma : fallback;
+}
+
+bool CalibrationProblem::sigma_is_stated() const {
+  for (const Observation& observation : data.observations) {
+    if (StatedSigma(observation).minCoeff() > 0.0) return true;
+  }
+  return false;
+}
+
+std::vector<int> CalibrationProblem::CalibrationObservations() const {
+  std::vector<int> indices;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    if (!data.IsValidation(data.observations[i])) indices.push_back(i);
+  }
+  return indices;
+}
+
+std::vector<int> CalibrationProblem::ValidationObservations() const {
+  std::vector<int> indices;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    if (data.IsValidation(data.observations[i])) indices.push_back(i);
+  }
+  return indices;
+}
+
+CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
+  SplitConfigurations(experiment.validation, &data);
+  CalibrationProblem problem(std::move(robot), std::move(data), std::move(experiment));
+  RefuseUnsupported(problem);
+  CheckNames(problem);
+  problem.marker_frames = ResolveMarkerFrames(problem);
+  SetStartValues(&problem);
+  SetFree(&problem);
+  CheckSigmas(problem);
+  CheckEnoughData(problem);
+  return problem;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,44 @@
+// The one problem type: robot, observations, noise, and what is unknown.
+// Every method takes it; nothing in it says how to solve.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/forward_model.h"
+#include "models/robot.h"
+#include "problems/experiment.h"
+#include "problems/measurements.h"
+#include "problems/parameter_set.h"
+
+namespace sagitta {
+
+struct CalibrationProblem {
+  CalibrationProblem(Robot robot, Measurements data, Experiment experiment);
+
+  Robot robot;
+  Measurements data;
+  Experiment experiment;
+  ForwardModel model;              // of robot.chain
+  std::vector<int> marker_frames;  // chain frame of each marker of `data`
+  ParameterSet parameters;         // start values; free and fixed as the experiment says
+  std::vector<std::string> redundant_errors;  // default free set: what stays nominal
+
+  // Standard deviations of an observation as stated (row, experiment or flag);
+  // 0 where nothing states one: then all rows share one sigma that is estimated.
+  Vector3<double> StatedSigma(const Observation& observation) const;
+  bool sigma_is_stated() const;
+
+  // Observations that are fitted (not validation), by index.
+  std::vector<int> CalibrationObservations() const;
+  std::vector<int> ValidationObservations() const;
+};
+
+// Reads nothing: puts robot, data and experiment together, marks the split and
+// checks what only all three show (joint counts, unknown names, fewer equations
+// than unknowns, a station or marker that only validation rows have, loads that
+// are not supported). Throws InputError.
+CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment);
+
+}  // namespace sagitta

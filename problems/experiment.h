@@ -1,0 +1,112 @@
+// An experiment as its file states it (sagitta/experiment/1), SI inside.
+// Everything that FORMATS section 3 lists is read; what a method does not
+// support yet it refuses with words, it never ignores it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/geometry.h"
+
+namespace sagitta {
+
+enum class WrenchFrame { kMeasurement, kBase, kFlange };
+
+struct LoadSpec {
+  std::optional<double> mass;            // kg
+  std::optional<Vector3<double>> point;  // m, flange frame
+  WrenchFrame frame = WrenchFrame::kMeasurement;
+};
+
+struct MarkerSpec {
+  std::optional<Vector3<double>> point;  // m, in the frame it is on
+  std::string on = "flange";             // flange, base, world or a joint's name
+};
+
+struct StationSpec {
+  std::optional<Vector3<double>> base_xyz;         // m; base pose in the station frame
+  std::optional<Vector3<double>> base_rotvec;      // rad
+  std::optional<Vector3<double>> instrument_xyz;   // m, where the instrument stands in the measurement frame
+  std::optional<bool> levelled;
+};
+
+struct NoiseSpec {
+  enum class From { kDefault, kSigma, kRows, kRepeats, kResiduals, kInstrument, kVarianceComponents };
+  From from = From::kDefault;    // rows where stated, else estimated
+  std::optional<double> sigma;   // m, where a row has none
+  bool replaces_rows = false;    // --sigma_mm
+  double lambda = 1.0;           // paper 003 eq. (14)
+  double sigma0 = 1e-5;          // m
+  std::string group = "config-axis";
+  int iterations = 10;
+  double range = 0.0, range_per_m = 0.0, angle = 0.0, angle_per_m = 0.0;  // m, m/m
+};
+
+struct RepeatabilitySpec {
+  bool estimate = false;
+  std::optional<double> common;             // rad or m
+  std::map<std::string, double> per_joint;  // rad or m
+  bool IsZero() const { return !estimate && !common && per_joint.empty(); }
+};
+
+// default | all | none | a list of names.
+struct Selection {
+  enum class Kind { kDefault, kAll, kNone, kList };
+  Kind kind = Kind::kDefault;
+  std::vector<std::string> names;
+};
+
+struct EstimateSpec {
+  bool base = true;
+  bool markers = true;
+  Selection geometry;
+  Selection compliance;
+  Selection gravity_compensator;
+  Selection effects;
+  std::vector<std::string> fixed;  // parameter names or their prefixes, e.g. base/S1
+  std::vector<std::string> free;
+};
+
+struct Prior {
+  double value = 0.0;  // in the parameter's unit of FORMATS section 4
+  double sigma = 0.0;
+};
+
+struct ValidationSpec {
+  enum class Kind { kSetColumn, kNone, kColumn, kFraction };
+  Kind kind = Kind::kSetColumn;  // the column `set` where the data have one
+  std::string column;
+  std::vector<std::string> values;
+  double fraction = 0.0;
+  unsigned long long seed = 1;
+  bool by_time = false;
+};
+
+struct Experiment {
+  std::string file;  // "" when put together from the command line
+  std::string sha256;
+  std::string robot_file;
+  std::vector<std::string> measurement_files;
+  std::optional<Vector3<double>> load_point;  // m, flange frame
+  std::map<std::string, LoadSpec> loads;
+  double tool_mass = 0.0;                                         // kg
+  Vector3<double> tool_com = Vector3<double>::Zero();             // m
+  Vector3<double> gravity_direction = -Vector3<double>::UnitZ();  // unit
+  bool gravity_in_base = false;
+  double gravity = 9.80665;  // m/s^2
+  std::map<std::string, MarkerSpec> markers;
+  std::map<std::string, StationSpec> stations;
+  NoiseSpec noise;
+  RepeatabilitySpec repeatability;
+  std::string weights = "sigma";     // sigma | equal | eq14
+  std::string covariance = "model";  // model | sandwich | bootstrap | profile
+  std::string loss = "none";         // none | huber | cauchy
+  EstimateSpec estimate;
+  std::map<std::string, Prior> priors;
+  ValidationSpec validation;
+  double significance = 0.01;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,39 @@
+// Bad input: thrown by problems/io and the data set checks only, exit status 2.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+class InputError : public std::runtime_error {
+ public:
+  // Any part may be empty (line 0: none). `hint` says what to do about it.
+  struct Where {
+    std::string file;
+    int line = 0;
+    std::string key;
+  };
+  InputError(Where where, const std::string& what, const std::string& hint = "");
+
+  const Where& where() const { return where_; }
+  const std::string& hint() const { return hint_; }
+
+ private:
+  Where where_;
+  std::string hint_;
+};
+
+// How far a name is from a candidate: 0 equal but for case and punctuation, 1
+// another unit (x_cm for x_mm), above: 1 + Levenshtein distance; -1: not near.
+int NameDistance(const std::string& name, const std::string& candidate);
+
+// The candidate that a misspelt name is nearest to (Levenshtein distance), ""
+// when none is near enough to be meant.
+std::string NearestName(const std::string& name, const std::vector<std::string>& candidates);
+
+// "did you mean 'x'?" or "known: a, b, c".
+std::string SpellingHint(const std::string& name, const std::vector<std::string>& candidates);
+
+}  // namespace sagitta

@@ -1,0 +1,141 @@
+#include "problems/io/csv_table.h"
+
+#include <set>
+#include <string_view>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+
+namespace sagitta {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view Trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+struct Line {
+  std::string_view text;
+  int number = 0;
+};
+
+// Hands out the lines that carry something.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text) : rest_(text) {}
+
+  bool Next(Line* line) {
+    while (!rest_.empty()) {
+      const size_t end = rest_.find('\n');
+      const std::string_view text = Trimmed(rest_.substr(0, end));
+      rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
+      ++number_;
+      if (text.empty() || text.front() == '#') continue;
+      *line = {text, number_};
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  std::string_view rest_;
+  int number_ = 0;
+};
+
+// Cuts a cell in quotes off the front of `rest`, the comma after it included.
+// False: the quotes are not closed or something follows them.
+bool TakeQuotedCell(std::string_view* rest, std::string* cell) {
+  size_t i = 1;
+  for (; i < rest->size(); ++i) {
+    if ((*rest)[i] != '"') {
+      *cell += (*rest)[i];
+    } else if (i + 1 < rest->size() && (*rest)[i + 1] == '"') {
+      *cell += (*rest)[++i];
+    } else {
+      break;
+    }
+  }
+  if (i >= rest->size()) return false;
+  const size_t comma = rest->find(',', i);
+  const std::string_view after = rest->substr(i + 1, comma == std::string_view::npos ? comma : comma - i - 1);
+  if (!Trimmed(after).empty()) return false;
+  *rest = comma == std::string_view::npos ? std::string_view() : rest->substr(comma);
+  return true;
+}
+
+std::vector<std::string> SplitCells(const std::string& path, const Line& line, size_t expected) {
+  std::vector<std::string> cells;
+  cells.reserve(expected);
+  std::string_view rest = line.text;
+  while (true) {
+    const size_t first = rest.find_first_not_of(kBlanks);
+    if (first != std::string_view::npos && rest[first] == '"') {
+      rest.remove_prefix(first);
+      if (!TakeQuotedCell(&rest, &cells.emplace_back())) {
+        throw InputError({path, line.number, ""},
+                         "the quotes of cell " + std::to_string(cells.size()) + " are not closed before the comma");
+      }
+    } else {
+      const size_t comma = rest.find(',');
+      cells.emplace_back(Trimmed(rest.substr(0, comma)));
+      rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma);
+    }
+    if (rest.empty()) return cells;
+    rest.remove_prefix(1);  // the comma; what follows is one more cell, even if empty
+  }
+}
+
+void CheckHeader(const std::string& path, const Line& line, const std::vector<std::string>& header) {
+  if (line.text.find('\0') != std::string_view::npos) {
+    throw InputError({path, line.number, ""}, "this is not a text file in UTF-8");
+  }
+  if (header.size() == 1 && line.text.find_first_of(";\t") != std::string_view::npos) {
+    throw InputError({path, line.number, ""}, "the header has one column", "columns are separated by commas");
+  }
+  std::set<std::string> seen;
+  for (size_t c = 0; c < header.size(); ++c) {
+    if (header[c].empty()) {
+      throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has no name");
+    }
+    if (!seen.insert(header[c]).second) throw InputError({path, line.number, header[c]}, "this column stands twice");
+  }
+}
+
+}  // namespace
+
+CsvTable ReadCsvTable(const std::string& path) {
+  const std::string text = ReadTextFile(path);
+  if (const int bad_line = LineOfInvalidUtf8(text))
+    throw InputError({path, bad_line, ""}, "this is not a text file in UTF-8");
+  CsvTable table;
+  table.file.path = path;
+  table.file.sha256 = Sha256(text);
+  std::string_view content = text;
+  if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
+
+  LineReader reader(content);
+  Line line;
+  if (!reader.Next(&line)) throw InputError({path, 0, ""}, "the file is empty", "a header row is expected");
+  table.header_line = line.number;
+  table.file.header = SplitCells(path, line, 0);
+  CheckHeader(path, line, table.file.header);
+
+  const size_t columns = table.file.header.size();
+  while (reader.Next(&line)) {
+    MeasurementFile::Row row{line.number, SplitCells(path, line, columns)};
+    if (row.cells.size() != columns) {
+      throw InputError(
+          {path, line.number, ""},
+          "the row has " + std::to_string(row.cells.size()) + " cells, the header has " + std::to_string(columns),
+          row.cells.size() > columns ? "a decimal comma? numbers have a point" : "a comma is missing?");
+    }
+    table.file.rows.push_back(std::move(row));
+  }
+  if (table.file.rows.empty()) throw InputError({path, table.header_line, ""}, "there are no rows below the header");
+  return table;
+}
+
+}  // namespace sagitta

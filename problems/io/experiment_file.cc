@@ -1,0 +1,67 @@
+#include "problems/io/experiment_file.h"
+
+#include <filesystem>
+
+#include "problems/io/experiment_parts.h"
+#include "problems/io/files.h"
+
+namespace sagitta {
+namespace {
+
+// Paths in a file are relative to the file.
+std::string PathBeside(const std::string& file, const YamlValue& value) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  return (folder / value.Text()).lexically_normal().string();
+}
+
+std::vector<std::string> ReadMeasurementPaths(const std::string& file, const YamlValue& value) {
+  std::vector<std::string> paths;
+  if (!value.IsList()) return {PathBeside(file, value)};
+  for (const YamlValue& item : value.Items()) paths.push_back(PathBeside(file, item));
+  if (paths.empty()) value.Fail("the list is empty", "measurements: [measurements.csv]");
+  return paths;
+}
+
+void ReadScene(YamlMap* map, Experiment* experiment) {
+  experiment->load_point = map->FindTriple("load_point", Dimension::kLength);
+  if (const auto loads = map->Find("loads")) experiment->loads = ReadLoads(*loads);
+  if (const auto tool = map->Find("tool")) ReadTool(*tool, experiment);
+  if (const auto gravity = map->Find("gravity")) ReadGravity(*gravity, experiment);
+  if (const auto markers = map->Find("markers")) experiment->markers = ReadMarkers(*markers);
+  if (const auto stations = map->Find("stations")) experiment->stations = ReadStations(*stations);
+}
+
+void ReadMethod(YamlMap* map, Experiment* experiment) {
+  const auto word = [&](const std::string& key, const std::vector<std::string>& words, std::string* target) {
+    if (const auto value = map->Find(key)) *target = value->OneOf(words);
+  };
+  if (const auto noise = map->Find("noise")) experiment->noise = ReadNoise(*noise);
+  experiment->repeatability = ReadRepeatability(map);
+  word("weights", {"sigma", "equal", "eq14"}, &experiment->weights);
+  word("covariance", {"model", "sandwich", "bootstrap", "profile"}, &experiment->covariance);
+  word("loss", {"none", "huber", "cauchy"}, &experiment->loss);
+  if (const auto estimate = map->Find("estimate")) experiment->estimate = ReadEstimate(*estimate);
+  if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);
+  if (const auto validation = map->Find("validation")) experiment->validation = ReadValidation(*validation);
+  if (const auto significance = map->Find("significance")) experiment->significance = ReadSignificance(*significance);
+}
+
+}  // namespace
+
+Experiment ReadExperimentFile(const std::string& path) {
+  const std::string text = ReadTextFile(path);
+  YamlMap map(ParseYaml(text, path));
+  map.ExpectSchema("sagitta/experiment/1");
+  Experiment experiment;
+  experiment.file = path;
+  experiment.sha256 = Sha256(text);
+  ReadScene(&map, &experiment);
+  ReadMethod(&map, &experiment);
+  // Last, so that a misspelt key is named and not the missing one.
+  experiment.robot_file = PathBeside(path, map.Get("robot"));
+  experiment.measurement_files = ReadMeasurementPaths(path, map.Get("measurements"));
+  map.Finish();
+  return experiment;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,13 @@
+// Experiment files (sagitta/experiment/1, FORMATS section 3).
+#pragma once
+
+#include <string>
+
+#include "problems/experiment.h"
+
+namespace sagitta {
+
+// Throws InputError. Paths inside are made relative to the working directory.
+Experiment ReadExperimentFile(const std::string& path);
+
+}  // namespace sagitta

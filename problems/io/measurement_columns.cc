@@ -1,0 +1,224 @@
+#include "problems/io/measurement_columns.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <optional>
+#include <set>
+
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+constexpr char kAxes[] = "xyz";
+
+// 3 of "q3_deg", "tau3_Nm" or "approach3"; nothing where the name is no such.
+std::optional<int> NumberAfter(const std::string& name, const std::string& prefix) {
+  if (name.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+  int number = 0;
+  const char* end_of_name = name.data() + name.size();
+  const auto [end, error] = std::from_chars(name.data() + prefix.size(), end_of_name, number);
+  if (error != std::errc() || (end != end_of_name && *end != '_')) return std::nullopt;
+  return number;
+}
+
+bool IsReserved(const std::string& name) {
+  static const std::set<std::string> reserved = {"kind", "to", "range_mm", "sigma_range_mm", "ow",
+                                                 "ox",   "oy", "oz",       "sigma_rot_urad", "session"};
+  return reserved.count(name) > 0 || (NumberAfter(name, "tau") && name.find("_Nm") != std::string::npos);
+}
+
+// Columns that our own commands write: no slips, whatever they resemble.
+bool IsOwnOutput(const std::string& name) {
+  for (const char* prefix : {"pred_", "psig_", "res_", "whitened_"}) {
+    if (name.compare(0, std::string(prefix).size(), prefix) == 0) return true;
+  }
+  return false;
+}
+
+std::string BeforeLastBar(const std::string& name) { return name.substr(0, name.rfind('_')); }
+
+// Extra columns are welcome, so a slip has to be a likely one: dx_mm is not
+// x_mm, rotation is not station.
+bool IsSlipOf(const std::string& name, const std::string& listed) {
+  const int distance = NameDistance(name, listed);
+  if (distance < 0 || distance <= 1) return distance >= 0;
+  if (distance > 2 && std::tolower(name[0]) != std::tolower(listed[0])) return false;
+  const bool has_unit = listed.find('_') != std::string::npos;
+  return !has_unit || NameDistance(BeforeLastBar(name), BeforeLastBar(listed)) >= 0;
+}
+
+class ColumnFinder {
+ public:
+  ColumnFinder(const CsvTable& table, const std::vector<std::string>& joints, const std::vector<bool>& prismatic)
+      : table_(table), joints_(joints), prismatic_(prismatic) {}
+
+  MeasurementColumns Find(bool points_required);
+
+ private:
+  int Plain(const std::string& name);
+  NumberColumn Number(const std::string& name);
+  NumberColumn Quantity(const std::string& stem, Dimension dimension);
+  void FindAll(MeasurementColumns* columns);
+
+  void CheckJointUnits() const;
+  void CheckJointCount() const;
+  void CheckUnlisted() const;
+  void CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required) const;
+  void CheckRequired(const MeasurementColumns& columns, bool points_required) const;
+
+  [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const {
+    throw InputError({table_.file.path, table_.header_line, key}, what, hint);
+  }
+  [[noreturn]] void FailMissing(const std::string& name, const std::string& allowed = "") const;
+  Dimension JointDimension(int joint) const { return prismatic_[joint] ? Dimension::kLength : Dimension::kAngle; }
+
+  const CsvTable& table_;
+  const std::vector<std::string>& joints_;
+  const std::vector<bool>& prismatic_;
+  std::vector<std::string> listed_;  // every name that was asked for
+};
+
+int ColumnFinder::Plain(const std::string& name) {
+  listed_.push_back(name);
+  return table_.file.FindColumn(name);
+}
+
+NumberColumn ColumnFinder::Number(const std::string& name) {
+  NumberColumn column;
+  column.index = Plain(name);
+  column.name = name;
+  return column;
+}
+
+NumberColumn ColumnFinder::Quantity(const std::string& stem, Dimension dimension) {
+  NumberColumn found;
+  for (const Unit& unit : UnitsOf(dimension)) {
+    NumberColumn column = Number(stem + "_" + unit.suffix);
+    if (!column.present()) continue;
+    if (found.present()) Fail(column.name, "'" + stem + "' is given in two units", "keep one of them");
+    column.unit = unit;
+    found = column;
+  }
+  return found;
+}
+
+void ColumnFinder::FindAll(MeasurementColumns* columns) {
+  columns->config = Plain("config");
+  columns->marker = Plain("marker");
+  columns->station = Plain("station");
+  columns->visit = Plain("visit");
+  columns->repeat = Plain("repeat");
+  columns->load = Plain("load");
+  columns->set = Plain("set");
+  for (size_t j = 0; j < joints_.size(); ++j) {
+    columns->q.push_back(Quantity("q" + std::to_string(j + 1), JointDimension(static_cast<int>(j))));
+    columns->approach.push_back(Number("approach" + std::to_string(j + 1)));
+  }
+  for (int i = 0; i < 3; ++i) {
+    const std::string axis(1, kAxes[i]);
+    columns->point[i] = Quantity(axis, Dimension::kLength);
+    columns->sigma[i] = Quantity("sigma_" + axis, Dimension::kLength);
+    columns->sim[i] = Quantity("sim_" + axis, Dimension::kLength);
+    columns->wrench[i] = Number("f" + axis + "_N");
+    columns->wrench[i + 3] = Number("m" + axis + "_Nm");
+  }
+  columns->time = Number("time_s");
+  columns->temperature = Number("temperature_degC");
+}
+
+void ColumnFinder::CheckJointUnits() const {
+  for (size_t j = 0; j < joints_.size(); ++j) {
+    const std::string stem = "q" + std::to_string(j + 1);
+    const Dimension right = JointDimension(static_cast<int>(j));
+    const Dimension wrong = right == Dimension::kAngle ? Dimension::kLength : Dimension::kAngle;
+    for (const Unit& unit : UnitsOf(wrong)) {
+      const std::string name = stem + "_" + unit.suffix;
+      if (table_.file.FindColumn(name) < 0) continue;
+      Fail(name, "joint '" + joints_[j] + "' is " + (prismatic_[j] ? "prismatic" : "revolute"),
+           "allowed: " + NamesWithUnits(stem, right));
+    }
+  }
+}
+
+void ColumnFinder::CheckJointCount() const {
+  std::set<int> numbers;
+  for (const std::string& name : table_.file.header) {
+    if (const auto number = NumberAfter(name, "q")) numbers.insert(*number);
+  }
+  const int count = static_cast<int>(numbers.size());
+  // A gap is a missing column, which CheckRequired names.
+  const bool without_gap = count > 0 && *numbers.begin() == 1 && *numbers.rbegin() == count;
+  if (count == static_cast<int>(joints_.size()) || (!without_gap && *numbers.rbegin() <= joints_.size())) return;
+  Fail("q" + std::to_string(*numbers.rbegin()),
+       "the robot has " + std::to_string(joints_.size()) + " joints (" + joints_.front() + " .. " + joints_.back() +
+           "), the file has joint values q1 .. q" + std::to_string(*numbers.rbegin()),
+       "columns q1 .. q" + std::to_string(joints_.size()) + " are expected");
+}
+
+void ColumnFinder::CheckUnlisted() const {
+  for (const std::string& name : table_.file.header) {
+    if (std::find(listed_.begin(), listed_.end(), name) != listed_.end() || IsOwnOutput(name)) continue;
+    if (IsReserved(name)) {
+      Fail(name, "this column name is reserved for measurements that are not read by this version",
+           "rename or remove the column");
+    }
+    if (const auto number = NumberAfter(name, "approach")) {
+      Fail(name, "the robot has " + std::to_string(joints_.size()) + " joints", "remove the column");
+    }
+    std::vector<std::string> meant;
+    for (const std::string& listed : listed_) {
+      if (IsSlipOf(name, listed)) meant.push_back(listed);
+    }
+    if (!meant.empty()) Fail(name, "unknown column '" + name + "'", SpellingHint(name, meant));
+  }
+}
+
+void ColumnFinder::FailMissing(const std::string& name, const std::string& allowed) const {
+  Fail(name, "column '" + name + "' is missing", allowed.empty() ? "" : "allowed: " + allowed);
+}
+
+void ColumnFinder::CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem,
+                                 bool required) const {
+  const bool any = columns[0].present() || columns[1].present() || columns[2].present();
+  if (!any && !required) return;
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = stem + kAxes[i];
+    if (!columns[i].present()) FailMissing(name + "_mm", NamesWithUnits(name, Dimension::kLength));
+  }
+}
+
+void ColumnFinder::CheckRequired(const MeasurementColumns& columns, bool points_required) const {
+  if (columns.config < 0) FailMissing("config");
+  if (columns.marker < 0) FailMissing("marker");
+  for (size_t j = 0; j < joints_.size(); ++j) {
+    const std::string stem = "q" + std::to_string(j + 1);
+    const Dimension dimension = JointDimension(static_cast<int>(j));
+    if (!columns.q[j].present()) {
+      FailMissing(stem + "_" + UnitsOf(dimension).front().suffix, NamesWithUnits(stem, dimension));
+    }
+  }
+  CheckComplete(columns.point, "", points_required);
+  CheckComplete(columns.sigma, "sigma_", false);
+  CheckComplete(columns.sim, "sim_", false);
+}
+
+MeasurementColumns ColumnFinder::Find(bool points_required) {
+  MeasurementColumns columns;
+  FindAll(&columns);
+  CheckJointUnits();
+  CheckUnlisted();
+  CheckJointCount();
+  CheckRequired(columns, points_required);
+  return columns;
+}
+
+}  // namespace
+
+MeasurementColumns FindMeasurementColumns(const CsvTable& table, const std::vector<std::string>& joints,
+                                          const std::vector<bool>& prismatic, bool points_required) {
+  return ColumnFinder(table, joints, prismatic).Find(points_required);
+}
+
+}  // namespace sagitta

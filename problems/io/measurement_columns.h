@@ -1,0 +1,35 @@
+// Which column of a measurement file means what (FORMATS section 2).
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "problems/io/csv_table.h"
+#include "problems/io/units.h"
+
+namespace sagitta {
+
+struct NumberColumn {
+  int index = -1;  // -1: the file has none
+  std::string name;
+  Unit unit{"", 1.0, 1.0};
+
+  bool present() const { return index >= 0; }
+};
+
+struct MeasurementColumns {
+  int config = -1, marker = -1, station = -1, visit = -1, repeat = -1, load = -1, set = -1;
+  std::vector<NumberColumn> q;  // one per joint
+  std::array<NumberColumn, 3> point, sigma, sim;
+  std::array<NumberColumn, 6> wrench;  // force, then moment
+  NumberColumn time, temperature;
+  std::vector<NumberColumn> approach;  // one per joint
+};
+
+// Throws InputError: missing, misspelt, reserved, in a wrong unit, or for
+// another number of joints.
+MeasurementColumns FindMeasurementColumns(const CsvTable& table, const std::vector<std::string>& joints,
+                                          const std::vector<bool>& prismatic, bool points_required);
+
+}  // namespace sagitta

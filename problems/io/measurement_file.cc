@@ -1,0 +1,197 @@
+#include "problems/io/measurement_file.h"
+
+#include <functional>
+#include <unordered_map>
+
+#include "problems/input_error.h"
+#include "problems/io/measurement_row.h"
+
+namespace sagitta {
+namespace {
+
+// Two files may state the same angle in two units.
+constexpr double kSameJointValue = 1e-9;  // rad or m
+
+// Ids joined into one key; the separator cannot stand in a cell by accident.
+std::string Key(std::initializer_list<std::string> ids) {
+  std::string key;
+  for (const std::string& id : ids) (key += id) += '\x1f';
+  return key;
+}
+
+int IndexOf(const std::string& name, std::unordered_map<std::string, int>* indices, std::vector<std::string>* names) {
+  const auto [entry, is_new] = indices->try_emplace(name, static_cast<int>(names->size()));
+  if (is_new) names->push_back(name);
+  return entry->second;
+}
+
+// The same for rows that say the same in another order of columns.
+size_t RowHash(const MeasurementFile& file, const MeasurementFile::Row& row) {
+  const std::hash<std::string> hash;
+  size_t sum = 0;
+  for (size_t c = 0; c < row.cells.size(); ++c) {
+    size_t h = hash(row.cells[c]) ^ (hash(file.header[c]) * 0x9E3779B97F4A7C15ULL);
+    h ^= h >> 29;
+    sum += h * 0xBF58476D1CE4E5B9ULL;
+  }
+  return sum;
+}
+
+bool SameCells(const MeasurementFile& file, const MeasurementFile::Row& row, const MeasurementFile& other_file,
+               const MeasurementFile::Row& other_row) {
+  if (file.header.size() != other_file.header.size()) return false;
+  for (size_t c = 0; c < file.header.size(); ++c) {
+    const int other = other_file.FindColumn(file.header[c]);
+    if (other < 0 || row.cells[c] != other_row.cells[other]) return false;
+  }
+  return true;
+}
+
+class MeasurementsBuilder {
+ public:
+  void Add(CsvTable table, const MeasurementColumns& columns, bool points_required);
+  Measurements Take();
+
+ private:
+  const MeasurementFile& FileOf(int observation) const { return data_.files[data_.observations[observation].file]; }
+  const MeasurementFile::Row& RowOf(int observation) const {
+    return FileOf(observation).rows[data_.observations[observation].row];
+  }
+  std::string SourceOf(int observation) const { return data_.SourceOf(data_.observations[observation]); }
+  [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const;
+
+  void RefuseCopy();
+  int ConfigurationIndex(const MeasurementRow& row);
+  int Occurrence(const MeasurementRow& row);
+  int ShotIndex(const MeasurementRow& row, int configuration, int station);
+  void CheckShot(const MeasurementRow& row, const Shot& shot) const;
+
+  Measurements data_;
+  int current_ = 0;  // the observation that is being added
+  std::unordered_map<std::string, int> stations_, markers_, configurations_, shots_;
+  std::unordered_map<std::string, int> occurrences_;
+  std::unordered_map<size_t, int> rows_;
+  std::vector<int> first_of_configuration_;
+  int repeated_ = 0;
+  std::string first_repeated_;
+};
+
+void MeasurementsBuilder::Fail(const std::string& key, const std::string& what, const std::string& hint) const {
+  throw InputError({FileOf(current_).path, RowOf(current_).line, key}, what, hint);
+}
+
+void MeasurementsBuilder::RefuseCopy() {
+  const auto [entry, is_new] = rows_.try_emplace(RowHash(FileOf(current_), RowOf(current_)), current_);
+  if (is_new) return;
+  const int first = entry->second;
+  if (!SameCells(FileOf(current_), RowOf(current_), FileOf(first), RowOf(first))) return;
+  Fail("", "this row equals " + SourceOf(first) + " in every column",
+       "a file given twice? repeated shots differ in repeat or in their values");
+}
+
+int MeasurementsBuilder::ConfigurationIndex(const MeasurementRow& row) {
+  const auto [entry, is_new] = configurations_.try_emplace(row.config, static_cast<int>(data_.configurations.size()));
+  if (is_new) {
+    data_.configurations.push_back({row.config, row.q, false});
+    first_of_configuration_.push_back(current_);
+    return entry->second;
+  }
+  const Eigen::VectorXd difference = row.q - data_.configurations[entry->second].q;
+  for (int j = 0; j < difference.size(); ++j) {
+    if (std::abs(difference[j]) <= kSameJointValue) continue;
+    Fail("q" + std::to_string(j + 1),
+         "configuration '" + row.config + "' has another joint value at " +
+             SourceOf(first_of_configuration_[entry->second]),
+         "rows of one config share one commanded joint configuration");
+  }
+  return entry->second;
+}
+
+// How many earlier rows have the same ids.
+int MeasurementsBuilder::Occurrence(const MeasurementRow& row) {
+  const int occurrence = occurrences_[Key({row.config, row.visit, row.marker, row.load, row.station, row.repeat})]++;
+  if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
+  return occurrence;
+}
+
+int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration, int station) {
+  const std::string key =
+      Key({row.config, row.visit, row.repeat, row.station, row.load, std::to_string(Occurrence(row))});
+  const auto [entry, is_new] = shots_.try_emplace(key, static_cast<int>(data_.shots.size()));
+  if (!is_new) {
+    CheckShot(row, data_.shots[entry->second]);
+    return entry->second;
+  }
+  Shot& shot = data_.shots.emplace_back();
+  shot.configuration = configuration;
+  shot.station = station;
+  shot.visit = row.visit;
+  shot.repeat = row.repeat;
+  shot.load = row.load;
+  shot.wrench = row.wrench;
+  shot.has_time = row.has_time;
+  shot.time = row.time;
+  shot.has_temperature = row.has_temperature;
+  shot.temperature = row.temperature;
+  shot.approach = row.approach;
+  return entry->second;
+}
+
+void MeasurementsBuilder::CheckShot(const MeasurementRow& row, const Shot& shot) const {
+  const std::string first = SourceOf(shot.observations.front());
+  if (row.wrench.force != shot.wrench.force || row.wrench.moment != shot.wrench.moment) {
+    Fail("load", "the wrench differs from that of the same shot at " + first,
+         "loads on some markers of a shot only; another load state has another load id");
+  }
+  if (row.approach != shot.approach) {
+    Fail("approach1", "the directions of the last motion differ from those of the same shot at " + first,
+         "another arrival is another visit");
+  }
+}
+
+void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns, bool points_required) {
+  data_.files.push_back(std::move(table.file));
+  const MeasurementFile& file = data_.files.back();
+  MeasurementRow row;
+  for (size_t r = 0; r < file.rows.size(); ++r) {
+    ReadMeasurementRow(file, file.rows[r], columns, points_required, &row);
+    current_ = static_cast<int>(data_.observations.size());
+    Observation& observation = data_.observations.emplace_back();
+    observation.file = static_cast<int>(data_.files.size()) - 1;
+    observation.row = static_cast<int>(r);
+    observation.point_in_station = row.point;
+    observation.sigma = row.sigma;
+    RefuseCopy();
+    observation.marker = IndexOf(row.marker, &markers_, &data_.markers);
+    const int configuration = ConfigurationIndex(row);
+    const int station = IndexOf(row.station, &stations_, &data_.stations);
+    observation.shot = ShotIndex(row, configuration, station);
+    data_.shots[observation.shot].observations.push_back(current_);
+  }
+}
+
+Measurements MeasurementsBuilder::Take() {
+  if (repeated_ > 0) {
+    data_.warnings.push_back(
+        std::to_string(repeated_) +
+        " rows equal an earlier one in config, visit, marker, load, station and repeat (the first: " + first_repeated_ +
+        "); they count as repeated shots");
+  }
+  return std::move(data_);
+}
+
+}  // namespace
+
+Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
+                              const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
+  if (paths.empty()) throw InputError({"", 0, "measurements"}, "no measurement file is given");
+  MeasurementsBuilder builder;
+  for (const std::string& path : paths) {
+    CsvTable table = ReadCsvTable(path);
+    const MeasurementColumns columns = FindMeasurementColumns(table, joints, prismatic, options.points_required);
+    builder.Add(std::move(table), columns, options.points_required);
+  }
+  return builder.Take();
+}
+
+}  // namespace sagitta

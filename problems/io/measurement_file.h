@@ -1,0 +1,22 @@
+// Measurement files (FORMATS section 2): comma, header row, '#' comments.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "problems/measurements.h"
+
+namespace sagitta {
+
+struct MeasurementReadOptions {
+  bool points_required = true;  // predict and plan: x, y, z may be absent
+  bool stations_known = false;
+};
+
+// Several files make one set of data; ids are shared across them. `joints` are
+// the robot's joint names, for messages; columns are q1 .. qN by position,
+// `prismatic[j]` tells which unit column j has to have. Throws InputError.
+Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
+                              const std::vector<bool>& prismatic, const MeasurementReadOptions& options = {});
+
+}  // namespace sagitta

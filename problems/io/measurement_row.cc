@@ -1,0 +1,123 @@
+#include "problems/io/measurement_row.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+class RowReader {
+ public:
+  RowReader(const MeasurementFile& file, const MeasurementFile::Row& row) : file_(file), row_(row) {}
+
+  [[noreturn]] void Fail(const std::string& column, const std::string& what, const std::string& hint = "") const {
+    throw InputError({file_.path, row_.line, column}, what, hint);
+  }
+
+  // Empty cells of optional columns count as not stated.
+  bool IsStated(const NumberColumn& column) const { return column.present() && !row_.cells[column.index].empty(); }
+
+  std::string Text(int column, const std::string& otherwise) const {
+    return column < 0 || row_.cells[column].empty() ? otherwise : row_.cells[column];
+  }
+
+  std::string RequiredText(int column) const {
+    if (row_.cells[column].empty()) Fail(file_.header[column], "the cell is empty");
+    return row_.cells[column];
+  }
+
+  double Number(const NumberColumn& column) const {
+    const std::string& cell = row_.cells[column.index];
+    const std::optional<double> number = ParseNumber(cell);
+    if (number) return column.unit.ToSi(*number);
+    if (cell.empty()) Fail(column.name, "the cell is empty, a number is expected");
+    Fail(column.name, "'" + cell + "' is not a finite number");
+  }
+
+  double NumberOr(const NumberColumn& column, double otherwise) const {
+    return IsStated(column) ? Number(column) : otherwise;
+  }
+
+  // All three or none; false: none.
+  bool Triple(const std::array<NumberColumn, 3>& columns, bool required, Vector3<double>* values) const {
+    const bool any = IsStated(columns[0]) || IsStated(columns[1]) || IsStated(columns[2]);
+    if (!any && !required) return false;
+    for (int i = 0; i < 3; ++i) (*values)[i] = Number(columns[i]);
+    return true;
+  }
+
+ private:
+  const MeasurementFile& file_;
+  const MeasurementFile::Row& row_;
+};
+
+void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, bool points_required, MeasurementRow* row) {
+  row->point.setConstant(std::numeric_limits<double>::quiet_NaN());
+  reader.Triple(columns.point, points_required, &row->point);
+  row->sigma.setZero();
+  if (reader.Triple(columns.sigma, false, &row->sigma)) {
+    for (int i = 0; i < 3; ++i) {
+      if (row->sigma[i] <= 0.0) reader.Fail(columns.sigma[i].name, "a standard deviation is above 0");
+    }
+  }
+  Vector3<double> sim;  // read by name later; checked here with the rest
+  reader.Triple(columns.sim, false, &sim);
+}
+
+void ReadLoad(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
+  for (int i = 0; i < 3; ++i) {
+    row->wrench.force[i] = reader.NumberOr(columns.wrench[i], 0.0);
+    row->wrench.moment[i] = reader.NumberOr(columns.wrench[i + 3], 0.0);
+  }
+  const bool loaded = !row->wrench.IsZero();
+  // Without a load column the wrench alone tells the two states apart.
+  row->load = reader.Text(columns.load, columns.load < 0 && loaded ? "unnamed" : "none");
+  if (row->load == "none" && loaded) {
+    reader.Fail("load", "load 'none' has a wrench that is not 0", "name the load state, or set the wrench to 0");
+  }
+}
+
+void ReadApproach(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
+  row->approach.clear();
+  const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
+  if (std::none_of(columns.approach.begin(), columns.approach.end(), stated)) return;
+  for (const NumberColumn& column : columns.approach) {
+    const double direction = reader.NumberOr(column, 0.0);
+    if (direction != -1.0 && direction != 0.0 && direction != 1.0) {
+      reader.Fail(column.name, "the direction of the last motion is -1, 0 or 1");
+    }
+    row->approach.push_back(static_cast<int>(direction));
+  }
+}
+
+void CheckSet(const RowReader& reader, const MeasurementColumns& columns) {
+  const std::string set = reader.Text(columns.set, "calibration");
+  const std::vector<std::string> sets = {"calibration", "validation"};
+  if (set != sets[0] && set != sets[1]) reader.Fail("set", "'" + set + "' is no set", SpellingHint(set, sets));
+}
+
+}  // namespace
+
+void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row& cells,
+                        const MeasurementColumns& columns, bool points_required, MeasurementRow* row) {
+  const RowReader reader(file, cells);
+  row->config = reader.RequiredText(columns.config);
+  row->marker = reader.RequiredText(columns.marker);
+  row->station = reader.Text(columns.station, "S1");
+  row->visit = reader.Text(columns.visit, "");
+  row->repeat = reader.Text(columns.repeat, "");
+  row->q.resize(static_cast<Eigen::Index>(columns.q.size()));
+  for (size_t j = 0; j < columns.q.size(); ++j) row->q[static_cast<Eigen::Index>(j)] = reader.Number(columns.q[j]);
+  ReadPoint(reader, columns, points_required, row);
+  ReadLoad(reader, columns, row);
+  ReadApproach(reader, columns, row);
+  CheckSet(reader, columns);
+  row->has_time = reader.IsStated(columns.time);
+  row->time = reader.NumberOr(columns.time, 0.0);
+  row->has_temperature = reader.IsStated(columns.temperature);
+  row->temperature = reader.NumberOr(columns.temperature, 0.0);
+}
+
+}  // namespace sagitta

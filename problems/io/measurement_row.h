@@ -1,0 +1,27 @@
+// One row of a measurement file, in SI.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "problems/io/measurement_columns.h"
+#include "problems/measurements.h"
+
+namespace sagitta {
+
+struct MeasurementRow {
+  std::string config, marker, station, visit, repeat, load;
+  Eigen::VectorXd q;
+  Vector3<double> point = Vector3<double>::Zero();  // NaN where not stated
+  Vector3<double> sigma = Vector3<double>::Zero();  // 0 where not stated
+  Wrench wrench;
+  bool has_time = false, has_temperature = false;
+  double time = 0.0, temperature = 0.0;
+  std::vector<int> approach;
+};
+
+// Throws InputError naming file, line and column.
+void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row& cells,
+                        const MeasurementColumns& columns, bool points_required, MeasurementRow* row);
+
+}  // namespace sagitta

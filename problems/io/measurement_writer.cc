@@ -1,0 +1,119 @@
+#include "problems/io/measurement_writer.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "problems/io/files.h"
+#include "problems/io/units.h"
+
+namespace sagitta {
+namespace {
+
+// A column's name taken apart: quantity x, q1, sigma_x .., unit "" where it has none of ours.
+struct Column {
+  std::string quantity;
+  std::string unit;
+
+  std::string Name() const { return unit.empty() ? quantity : quantity + "_" + unit; }
+};
+
+Column ColumnNamed(const std::string& name) {
+  const size_t underscore = name.rfind('_');
+  if (underscore != std::string::npos) {
+    for (const Dimension dimension : {Dimension::kSmallLength, Dimension::kAngle}) {
+      for (const Unit& unit : UnitsOf(dimension)) {
+        if (name.substr(underscore + 1) == unit.suffix) return {name.substr(0, underscore), unit.suffix};
+      }
+    }
+  }
+  return {name, ""};
+}
+
+// 0, 1, 2 for the measured point's coordinates, else -1.
+int PointAxis(const Column& column) {
+  if (column.unit.empty() || column.quantity.size() != 1) return -1;
+  const int axis = column.quantity[0] - 'x';
+  return axis >= 0 && axis < 3 ? axis : -1;
+}
+
+std::string Quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.find('#') != 0) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+// The cell in another unit; as it stands when nothing changes or it is no number.
+std::string Converted(const std::string& cell, const std::string& from, const std::string& to) {
+  if (from == to || from.empty() || to.empty()) return cell;
+  const std::optional<double> number = ParseNumber(cell);
+  return number ? FormatNumber(ToUnit(UnitNamed(from).ToSi(*number), UnitNamed(to))) : cell;
+}
+
+// Every quantity of any file once, in order of appearance, points in mm.
+std::vector<Column> UnionOfColumns(const std::vector<MeasurementFile>& files) {
+  std::vector<Column> columns;
+  const auto add = [&columns](Column column) {
+    for (const Column& known : columns) {
+      if (known.quantity == column.quantity) return;
+    }
+    if (PointAxis(column) >= 0) column.unit = "mm";
+    columns.push_back(std::move(column));
+  };
+  for (const MeasurementFile& file : files) {
+    for (const std::string& name : file.header) add(ColumnNamed(name));
+  }
+  for (const char* axis : {"x", "y", "z"}) add({axis, "mm"});
+  return columns;
+}
+
+// For every column where it stands in the file and in which unit, -1: nowhere.
+struct Source {
+  int index = -1;
+  std::string unit;
+};
+
+std::vector<Source> SourcesIn(const MeasurementFile& file, const std::vector<Column>& columns) {
+  std::vector<Source> sources(columns.size());
+  for (size_t i = 0; i < file.header.size(); ++i) {
+    const Column named = ColumnNamed(file.header[i]);
+    for (size_t c = 0; c < columns.size(); ++c) {
+      if (columns[c].quantity == named.quantity) sources[c] = {static_cast<int>(i), named.unit};
+    }
+  }
+  return sources;
+}
+
+}  // namespace
+
+std::string MeasurementsToCsv(const Measurements& data) {
+  const std::vector<Column> columns = UnionOfColumns(data.files);
+  std::vector<std::vector<Source>> sources;
+  for (const MeasurementFile& file : data.files) sources.push_back(SourcesIn(file, columns));
+  std::string csv;
+  for (size_t c = 0; c < columns.size(); ++c) csv += (c > 0 ? "," : "") + Quoted(columns[c].Name());
+  csv += "\n";
+  for (const Observation& observation : data.observations) {
+    const std::vector<std::string>& cells = data.files[observation.file].rows[observation.row].cells;
+    for (size_t c = 0; c < columns.size(); ++c) {
+      if (c > 0) csv += ",";
+      const int axis = PointAxis(columns[c]);
+      const Source& source = sources[observation.file][c];
+      if (axis >= 0) {
+        const double value = observation.point_in_station[axis];
+        if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mm")));
+      } else if (source.index >= 0) {
+        csv += Quoted(Converted(cells[source.index], source.unit, columns[c].unit));
+      }
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace sagitta

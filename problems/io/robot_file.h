@@ -1,0 +1,20 @@
+// Robot files (sagitta/robot/1, FORMATS section 1).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "models/robot.h"
+
+namespace sagitta {
+
+// Throws InputError. Reads YAML, and JSON as its subset.
+Robot ReadRobotFile(const std::string& path);
+Robot ReadRobotText(const std::string& text, const std::string& file_in_messages);
+
+// The robot in the file's keys, lengths in mm, angles in deg; ReadRobotText of
+// its dump gives the robot back to 1e-12.
+nlohmann::ordered_json RobotToJson(const Robot& robot);
+std::string RobotToYaml(const Robot& robot);
+
+}  // namespace sagitta

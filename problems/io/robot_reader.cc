@@ -1,0 +1,185 @@
+#include <algorithm>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/robot_file.h"
+#include "problems/io/robot_parts.h"
+#include "problems/io/yaml_reader.h"
+
+namespace sagitta {
+namespace {
+
+void ReadLimits(YamlMap* map, Joint* joint) {
+  const Dimension dimension = DimensionOf(joint->type);
+  joint->min = map->Find("min", dimension);
+  joint->max = map->Find("max", dimension);
+}
+
+Joint ReadJoint(const YamlValue& value) {
+  YamlMap map(value);
+  Joint joint;
+  joint.name = map.Get("name").Text();
+  const bool revolute = map.Get("type").OneOf({"revolute", "prismatic"}) == "revolute";
+  joint.type = revolute ? JointType::kRevolute : JointType::kPrismatic;
+  ReadLimits(&map, &joint);
+  map.Finish();
+  if (joint.min && joint.max && *joint.min >= *joint.max) {
+    value.Fail("the limits of joint '" + joint.name + "' are swapped or equal", "min has to be below max");
+  }
+  return joint;
+}
+
+std::vector<Joint> ReadJoints(const YamlValue& value) {
+  std::vector<Joint> joints;
+  for (const YamlValue& item : value.Items()) {
+    const Joint joint = ReadJoint(item);
+    for (const Joint& other : joints) {
+      if (other.name == joint.name) item.Fail("two joints are called '" + joint.name + "'");
+    }
+    joints.push_back(joint);
+  }
+  if (joints.empty()) value.Fail("a robot has at least one joint");
+  return joints;
+}
+
+std::vector<Coupling> ReadCouplings(const YamlValue& value, const std::vector<Joint>& joints) {
+  std::vector<Coupling> couplings;
+  for (const YamlValue& item : value.Items()) {
+    YamlMap map(item);
+    Coupling coupling;
+    coupling.joint = ReadJointIndex(map.Get("joint"), joints);
+    coupling.driver = ReadJointIndex(map.Get("driver"), joints);
+    coupling.ratio = map.Get("ratio").Number();
+    map.Finish();
+    if (coupling.joint == coupling.driver) item.Fail("a joint cannot drive itself");
+    if (joints[coupling.joint].type != joints[coupling.driver].type) {
+      item.Fail("a coupling joins two revolute or two prismatic joints");
+    }
+    couplings.push_back(coupling);
+  }
+  return couplings;
+}
+
+DhLink ReadDhLink(const YamlValue& value, const std::vector<Joint>& joints) {
+  YamlMap map(value);
+  DhLink link;
+  link.joint = ReadJointIndex(map.Get("joint"), joints);
+  link.a = map.Length("a").value_or(0.0);
+  link.alpha = map.Angle("alpha").value_or(0.0);
+  link.d = map.Length("d").value_or(0.0);
+  link.theta = map.Angle("theta").value_or(0.0);
+  link.beta = map.Angle("beta").value_or(0.0);
+  map.Finish();
+  return link;
+}
+
+void CheckLinkOrder(const YamlValue& links, const DhTable& table, const std::vector<Joint>& joints) {
+  if (table.links.size() != joints.size()) {
+    links.Fail(
+        "there are " + std::to_string(table.links.size()) + " links and " + std::to_string(joints.size()) + " joints",
+        "one link per joint, in the order of the joints");
+  }
+  for (size_t i = 0; i < table.links.size(); ++i) {
+    if (table.links[i].joint == static_cast<int>(i)) continue;
+    links.Items()[i].Fail(
+        "joint '" + joints[table.links[i].joint].name + "' stands where '" + joints[i].name + "' is expected",
+        "one link per joint, in the order of the joints");
+  }
+}
+
+DhTable ReadDhTable(const YamlValue& value, const std::vector<Joint>& joints) {
+  YamlMap map(value);
+  DhTable table;
+  const bool standard = map.Get("convention").OneOf({"standard", "modified"}) == "standard";
+  table.convention = standard ? DhConvention::kStandard : DhConvention::kModified;
+  const YamlValue links = map.Get("links");
+  for (const YamlValue& link : links.Items()) table.links.push_back(ReadDhLink(link, joints));
+  if (const auto flange = map.Find("flange")) {
+    YamlMap pose(*flange);
+    table.flange_xyz = pose.FindTriple("xyz", Dimension::kLength).value_or(Vector3<double>::Zero());
+    table.flange_rpy = pose.FindTriple("rpy", Dimension::kAngle).value_or(Vector3<double>::Zero());
+    pose.Finish();
+  }
+  map.Finish();
+  CheckLinkOrder(links, table, joints);
+  return table;
+}
+
+void ReadKinematics(const YamlValue& value, const std::vector<Coupling>& couplings, const std::vector<Joint>& joints,
+                    Robot* robot) {
+  YamlMap map(value);
+  const auto chain = map.Find("chain");
+  const auto dh = map.Find("dh");
+  const auto urdf = map.Find("urdf");
+  map.Finish();
+  if (chain.has_value() + dh.has_value() + urdf.has_value() != 1) {
+    value.Fail("exactly one description of the kinematics is expected", "one of: chain, dh, urdf");
+  }
+  if (urdf) {
+    urdf->Fail("reading URDF is not supported yet", "describe the arm by chain or dh");
+  }
+  if (dh) {
+    robot->dh = ReadDhTable(*dh, joints);
+    robot->chain = ChainFromDhTable(joints, couplings, *robot->dh);
+  } else {
+    robot->chain.joints = joints;
+    robot->chain.couplings = couplings;
+    robot->chain.transforms = ReadChain(*chain, joints);
+  }
+  const std::string defect = robot->chain.Defect();
+  if (!defect.empty()) value.Fail(defect);
+}
+
+void RefuseEffects(const YamlValue& value) {
+  if (value.IsNull()) return;
+  for (const YamlValue& item : value.Items()) {
+    YamlMap map(item);
+    const YamlValue effect = map.Get("effect");
+    effect.Fail("effects are not supported by this version yet, '" + effect.Text() + "' among them",
+                "leave the list empty: effects: []");
+  }
+}
+
+Robot ReadRobot(const YamlValue& root) {
+  YamlMap map(root);
+  map.ExpectSchema("sagitta/robot/1");
+  Robot robot;
+  if (const auto name = map.Find("name")) robot.name = name->Text();
+  const YamlValue joints_value = map.Get("joints");
+  const YamlValue kinematics = map.Get("kinematics");
+  const auto coupling = map.Find("coupling");
+  const auto compliance = map.Find("compliance");
+  const auto compensator = map.Find("gravity_compensator");
+  const auto effects = map.Find("effects");
+  map.Finish();
+
+  const std::vector<Joint> joints = ReadJoints(joints_value);
+  std::vector<Coupling> couplings;
+  if (coupling) couplings = ReadCouplings(*coupling, joints);
+  ReadKinematics(kinematics, couplings, joints, &robot);
+  if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
+  if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
+  if (effects) RefuseEffects(*effects);
+  return robot;
+}
+
+}  // namespace
+
+Dimension DimensionOf(JointType type) { return type == JointType::kRevolute ? Dimension::kAngle : Dimension::kLength; }
+
+int ReadJointIndex(const YamlValue& value, const std::vector<Joint>& joints) {
+  const std::string name = value.Text();
+  std::vector<std::string> names;
+  for (const Joint& joint : joints) names.push_back(joint.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) value.Fail("there is no joint '" + name + "'", SpellingHint(name, names));
+  return static_cast<int>(found - names.begin());
+}
+
+Robot ReadRobotText(const std::string& text, const std::string& file_in_messages) {
+  return ReadRobot(ParseYaml(text, file_in_messages));
+}
+
+Robot ReadRobotFile(const std::string& path) { return ReadRobotText(ReadTextFile(path), path); }
+
+}  // namespace sagitta

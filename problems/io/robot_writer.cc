@@ -1,0 +1,182 @@
+#include <yaml-cpp/yaml.h>
+
+#include <cctype>
+
+#include "problems/io/files.h"
+#include "problems/io/robot_file.h"
+#include "problems/io/units.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double Millimetres(double metres) { return ToUnit(metres, UnitNamed("mm")); }
+double Degrees(double radians) { return ToUnit(radians, UnitNamed("deg")); }
+double Micro(double si) { return ToUnit(si, UnitNamed("urad")); }
+
+// A value whose key names its unit: deg for rotations, mm for translations.
+void Put(const std::string& stem, bool is_angle, double si, Json* map) {
+  (*map)[stem + (is_angle ? "_deg" : "_mm")] = is_angle ? Degrees(si) : Millimetres(si);
+}
+
+Json TripleToJson(const Vector3<double>& si, double (*convert)(double)) {
+  return Json::array({convert(si.x()), convert(si.y()), convert(si.z())});
+}
+
+Json JointToJson(const Joint& joint) {
+  const bool revolute = joint.type == JointType::kRevolute;
+  Json json = {{"name", joint.name}, {"type", revolute ? "revolute" : "prismatic"}};
+  if (joint.min) Put("min", revolute, *joint.min, &json);
+  if (joint.max) Put("max", revolute, *joint.max, &json);
+  return json;
+}
+
+Json TransformToJson(const Chain& chain, const ElementaryTransform& transform) {
+  const std::string name = std::string(transform.is_rotation() ? "R" : "T") + "xyz"[static_cast<int>(transform.axis)];
+  Json json;
+  if (transform.has_joint()) {
+    json[name] = chain.joints[transform.joint].name;
+    if (transform.sign < 0) json["sign"] = -1;
+    if (transform.nominal != 0.0) Put("offset", transform.is_rotation(), transform.nominal, &json);
+  } else {
+    Put(name, transform.is_rotation(), transform.nominal, &json);
+  }
+  if (!transform.error.empty()) json["error"] = transform.error;
+  return json;
+}
+
+Json ChainToJson(const Chain& chain) {
+  Json json = Json::array();
+  for (const ElementaryTransform& transform : chain.transforms) json.push_back(TransformToJson(chain, transform));
+  return json;
+}
+
+Json DhToJson(const Chain& chain, const DhTable& table) {
+  Json links = Json::array();
+  for (const DhLink& link : table.links) {
+    Json json = {{"joint", chain.joints[link.joint].name}};
+    Put("a", false, link.a, &json);
+    Put("alpha", true, link.alpha, &json);
+    Put("d", false, link.d, &json);
+    Put("theta", true, link.theta, &json);
+    if (link.beta != 0.0) Put("beta", true, link.beta, &json);
+    links.push_back(json);
+  }
+  Json json;
+  json["convention"] = table.convention == DhConvention::kStandard ? "standard" : "modified";
+  json["links"] = links;
+  if (!table.flange_xyz.isZero(0.0) || !table.flange_rpy.isZero(0.0)) {
+    json["flange"]["xyz_mm"] = TripleToJson(table.flange_xyz, Millimetres);
+    json["flange"]["rpy_deg"] = TripleToJson(table.flange_rpy, Degrees);
+  }
+  return json;
+}
+
+Json ComplianceToJson(const Joint& joint, const JointCompliance& compliance) {
+  const bool revolute = joint.type == JointType::kRevolute;
+  const std::string key = revolute ? "k_urad_per_Nm" : "k_um_per_N";
+  if (!compliance.is_table) return {{key, Micro(compliance.nodes.front().k)}};
+  Json table = Json::array();
+  for (const JointCompliance::Node& node : compliance.nodes) {
+    Json entry;
+    Put("q", revolute, node.q, &entry);
+    entry[key] = Micro(node.k);
+    table.push_back(entry);
+  }
+  return {{"table", table}};
+}
+
+Json CompensatorToJson(const Chain& chain, const GravityCompensator& compensator) {
+  Json json = {{"joint", chain.joints[compensator.joint].name}, {"type", "spring"}};
+  Put("L", false, compensator.L, &json);
+  Put("a_x", false, compensator.a_x, &json);
+  Put("a_y", false, compensator.a_y, &json);
+  Put("s0", false, compensator.s0, &json);
+  json["Kc_N_per_mm"] = ToUnit(compensator.Kc, Unit{"N_per_mm", 1e3, 1.0});
+  json["preload"] = compensator.preload;
+  return json;
+}
+
+bool HasContainers(const Json& json) {
+  for (const auto& item : json) {
+    if (item.is_structured() && !item.empty()) return true;
+  }
+  return false;
+}
+
+// Plain where no reader could take it for a number, null or syntax.
+bool IsPlainText(const std::string& text) {
+  if (text.empty() || (!std::isalpha(static_cast<unsigned char>(text[0])) && text[0] != '_') || text.back() == ' ') {
+    return false;
+  }
+  for (const char* word :
+       {"null", "Null", "NULL", "true", "True", "TRUE", "false", "False", "FALSE", "yes", "Yes", "YES",
+        "no",   "No",   "NO",   "on",   "On",   "ON",   "off",   "Off",   "OFF",   "y",   "n"}) {
+    if (text == word) return false;
+  }
+  return text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-. /()") ==
+         std::string::npos;
+}
+
+void EmitText(const std::string& text, YAML::Emitter* emitter) {
+  if (!IsPlainText(text)) *emitter << YAML::DoubleQuoted;
+  *emitter << text;
+}
+
+void Emit(const Json& json, bool is_root, YAML::Emitter* emitter) {
+  if (json.is_object()) {
+    *emitter << (is_root || HasContainers(json) ? YAML::Block : YAML::Flow) << YAML::BeginMap;
+    for (const auto& [key, value] : json.items()) {
+      *emitter << YAML::Key;
+      EmitText(key, emitter);
+      *emitter << YAML::Value;
+      Emit(value, false, emitter);
+    }
+    *emitter << YAML::EndMap;
+  } else if (json.is_array()) {
+    *emitter << (HasContainers(json) ? YAML::Block : YAML::Flow) << YAML::BeginSeq;
+    for (const Json& item : json) Emit(item, false, emitter);
+    *emitter << YAML::EndSeq;
+  } else if (json.is_string()) {
+    EmitText(json.get<std::string>(), emitter);
+  } else {
+    *emitter << (json.is_number_float() ? FormatNumber(json.get<double>()) : json.dump());
+  }
+}
+
+}  // namespace
+
+Json RobotToJson(const Robot& robot) {
+  const Chain& chain = robot.chain;
+  Json json;
+  json["schema"] = "sagitta/robot/1";
+  if (!robot.name.empty()) json["name"] = robot.name;
+  json["joints"] = Json::array();
+  for (const Joint& joint : chain.joints) json["joints"].push_back(JointToJson(joint));
+  if (robot.dh) {
+    json["kinematics"]["dh"] = DhToJson(chain, *robot.dh);
+  } else {
+    json["kinematics"]["chain"] = ChainToJson(chain);
+  }
+  for (const Coupling& coupling : chain.couplings) {
+    json["coupling"].push_back({{"joint", chain.joints[coupling.joint].name},
+                                {"driver", chain.joints[coupling.driver].name},
+                                {"ratio", coupling.ratio}});
+  }
+  for (const JointCompliance& compliance : robot.compliances) {
+    const Joint& joint = chain.joints[compliance.joint];
+    json["compliance"][joint.name] = ComplianceToJson(joint, compliance);
+  }
+  if (robot.gravity_compensator) json["gravity_compensator"] = CompensatorToJson(chain, *robot.gravity_compensator);
+  json["effects"] = Json::array();
+  return json;
+}
+
+std::string RobotToYaml(const Robot& robot) {
+  YAML::Emitter emitter;
+  Emit(RobotToJson(robot), true, &emitter);
+  return std::string(emitter.c_str()) + "\n";
+}
+
+}  // namespace sagitta

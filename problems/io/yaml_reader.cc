@@ -1,0 +1,210 @@
+#include "problems/io/yaml_reader.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+
+namespace sagitta {
+namespace {
+
+std::string KindOf(const YAML::Node& node) {
+  if (node.IsMap()) return "a map";
+  if (node.IsSequence()) return "a list";
+  if (node.IsNull()) return "empty";
+  return "'" + node.Scalar() + "'";
+}
+
+// "a_cm" or plain "a" where a_mm is meant.
+bool IsStemOf(const std::string& stem, const std::string& key) {
+  return key == stem || (key.size() > stem.size() && key.compare(0, stem.size(), stem) == 0 &&
+                         key[stem.size()] == '_' && key.find('_', stem.size() + 1) == std::string::npos);
+}
+
+}  // namespace
+
+YamlValue::YamlValue(YAML::Node node, std::string file, std::string path, int line)
+    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
+
+void YamlValue::Fail(const std::string& what, const std::string& hint) const {
+  throw InputError({file_, line_, path_}, what, hint);
+}
+
+void YamlValue::FailAt(int line, const std::string& key, const std::string& what, const std::string& hint) const {
+  throw InputError({file_, line > 0 ? line : line_, PathTo(key)}, what, hint);
+}
+
+std::string YamlValue::Text() const {
+  if (!node_.IsScalar() || node_.Scalar().empty()) Fail("a text is expected, this is " + KindOf(node_));
+  return node_.Scalar();
+}
+
+double YamlValue::Number() const {
+  const std::optional<double> number = node_.IsScalar() ? ParseNumber(node_.Scalar()) : std::nullopt;
+  if (!number) Fail("a finite number is expected, this is " + KindOf(node_));
+  return *number;
+}
+
+double YamlValue::PositiveNumber() const {
+  const double number = Number();
+  if (number <= 0.0) Fail("a number above 0 is expected, this is " + KindOf(node_));
+  return number;
+}
+
+unsigned long long YamlValue::Count() const {
+  const std::string text = node_.IsScalar() ? node_.Scalar() : "";
+  unsigned long long count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) {
+    Fail("a whole number from 0 is expected, this is " + KindOf(node_));
+  }
+  return count;
+}
+
+bool YamlValue::Flag() const {
+  if (Is("true") || Is("True") || Is("yes")) return true;
+  if (Is("false") || Is("False") || Is("no")) return false;
+  Fail("true or false is expected, this is " + KindOf(node_));
+}
+
+std::string YamlValue::OneOf(const std::vector<std::string>& words) const {
+  const std::string text = Text();
+  if (std::find(words.begin(), words.end(), text) != words.end()) return text;
+  Fail("'" + text + "' is not known here", SpellingHint(text, words));
+}
+
+std::vector<YamlValue> YamlValue::Items() const {
+  if (!node_.IsSequence()) Fail("a list is expected, this is " + KindOf(node_));
+  std::vector<YamlValue> items;
+  for (const YAML::Node& item : node_) {
+    items.emplace_back(item, file_, path_ + "[" + std::to_string(items.size()) + "]", item.Mark().line + 1);
+  }
+  return items;
+}
+
+std::vector<std::string> YamlValue::Texts() const {
+  std::vector<std::string> texts;
+  for (const YamlValue& item : Items()) {
+    const std::string text = item.Text();
+    if (std::find(texts.begin(), texts.end(), text) != texts.end()) item.Fail("'" + text + "' is listed twice");
+    texts.push_back(text);
+  }
+  return texts;
+}
+
+Vector3<double> YamlValue::Triple(const Unit& unit) const {
+  const std::vector<YamlValue> items = Items();
+  if (items.size() != 3) Fail("three numbers are expected, this has " + std::to_string(items.size()));
+  return {items[0].NumberIn(unit), items[1].NumberIn(unit), items[2].NumberIn(unit)};
+}
+
+std::vector<std::pair<std::string, YamlValue>> YamlValue::Entries() const {
+  if (!node_.IsMap()) Fail("a map (key: value) is expected, this is " + KindOf(node_));
+  std::vector<std::pair<std::string, YamlValue>> entries;
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const int line = entry.first.Mark().line + 1;
+    if (!entry.first.IsScalar()) FailAt(line, "", "a key has to be a plain text", "");
+    const std::string& key = entry.first.Scalar();
+    if (!seen.insert(key).second) FailAt(line, key, "this key stands here twice", "");
+    entries.emplace_back(key, YamlValue(entry.second, file_, PathTo(key), line));
+  }
+  return entries;
+}
+
+YamlValue ParseYaml(const std::string& text, const std::string& file) {
+  if (const int line = LineOfInvalidUtf8(text)) throw InputError({file, line, ""}, "this is not a text in UTF-8");
+  try {
+    YAML::Node root = YAML::Load(text);
+    if (root.IsNull()) throw InputError({file, 0, ""}, "the file is empty");
+    return YamlValue(root, file, "", root.Mark().line + 1);
+  } catch (const YAML::Exception& error) {
+    throw InputError({file, error.mark.line + 1, ""}, "this is not YAML: " + error.msg);
+  }
+}
+
+YamlMap::YamlMap(const YamlValue& value) : value_(value), entries_(value.Entries()) {}
+
+std::optional<YamlValue> YamlMap::Find(const std::string& key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
+  for (const auto& [name, value] : entries_) {
+    if (name == key) return value;
+  }
+  return std::nullopt;
+}
+
+YamlValue YamlMap::Get(const std::string& key) {
+  std::optional<YamlValue> value = Find(key);
+  if (!value) FailMissing(key, "");
+  return *value;
+}
+
+std::optional<YamlMap::Quantity> YamlMap::FindQuantity(const std::string& stem, Dimension dimension) {
+  groups_.push_back({stem, dimension});
+  std::optional<Quantity> found;
+  for (const Unit& unit : UnitsOf(dimension)) {
+    const std::optional<YamlValue> value = Find(stem + "_" + unit.suffix);
+    if (!value) continue;
+    if (found) value->Fail("'" + stem + "' is given in two units", "keep one of them");
+    found = Quantity{*value, unit};
+  }
+  return found;
+}
+
+YamlMap::Quantity YamlMap::GetQuantity(const std::string& stem, Dimension dimension) {
+  std::optional<Quantity> quantity = FindQuantity(stem, dimension);
+  if (!quantity) FailMissing(stem + "_" + UnitsOf(dimension).front().suffix, NamesWithUnits(stem, dimension));
+  return *quantity;
+}
+
+std::optional<double> YamlMap::Find(const std::string& stem, Dimension dimension) {
+  const std::optional<Quantity> quantity = FindQuantity(stem, dimension);
+  if (!quantity) return std::nullopt;
+  return quantity->value.NumberIn(quantity->unit);
+}
+
+std::optional<Vector3<double>> YamlMap::FindTriple(const std::string& stem, Dimension dimension) {
+  const std::optional<Quantity> quantity = FindQuantity(stem, dimension);
+  if (!quantity) return std::nullopt;
+  return quantity->value.Triple(quantity->unit);
+}
+
+double YamlMap::GetLength(const std::string& stem) {
+  const Quantity quantity = GetQuantity(stem, Dimension::kLength);
+  return quantity.value.NumberIn(quantity.unit);
+}
+
+void YamlMap::ExpectSchema(const std::string& schema) {
+  const YamlValue value = Get("schema");
+  if (!value.Is(schema)) value.Fail("'" + value.Text() + "' cannot be read here", "expected: " + schema);
+}
+
+void YamlMap::Finish() const {
+  for (const auto& [key, value] : entries_) {
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) FailUnknown(key, value);
+  }
+}
+
+void YamlMap::FailUnknown(const std::string& key, const YamlValue& at) const {
+  for (const UnitGroup& group : groups_) {
+    if (!IsStemOf(group.stem, key)) continue;
+    const std::string what = key == group.stem ? "the key has to name its unit" : "this unit is not allowed here";
+    at.Fail(what, "allowed: " + NamesWithUnits(group.stem, group.dimension));
+  }
+  at.Fail("unknown key '" + key + "'", SpellingHint(key, known_));
+}
+
+void YamlMap::FailMissing(const std::string& key, const std::string& spellings) const {
+  // A misspelt key explains the missing one.
+  for (const auto& [name, value] : entries_) {
+    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    for (const UnitGroup& group : groups_) {
+      if (IsStemOf(group.stem, name)) FailUnknown(name, value);
+    }
+    if (NameDistance(name, key) >= 0 || !NearestName(name, known_).empty()) FailUnknown(name, value);
+  }
+  value_.FailAt(0, key, "this key is missing", spellings.empty() ? "" : "allowed: " + spellings);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,86 @@
+// Measurements as read: rows, and the configurations, visits and shots they form.
+//
+//   configuration  one commanded joint configuration (column `config`)
+//   visit          one arrival at it; latent joint deviations belong to a visit
+//   shot           all markers seen at one visit, repeat, load and station
+//   observation    one marker of one shot: one row of a file
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/geometry.h"
+
+namespace sagitta {
+
+// A file with its cells, so that results can carry every column along.
+struct MeasurementFile {
+  std::string path;
+  std::string sha256;
+  std::vector<std::string> header;
+  struct Row {
+    int line = 0;  // in the file, from 1
+    std::vector<std::string> cells;
+  };
+  std::vector<Row> rows;
+
+  int FindColumn(const std::string& name) const;  // -1: none
+};
+
+struct Wrench {
+  Vector3<double> force = Vector3<double>::Zero();   // N
+  Vector3<double> moment = Vector3<double>::Zero();  // N m
+  bool IsZero() const { return force.isZero(0.0) && moment.isZero(0.0); }
+};
+
+struct Configuration {
+  std::string id;
+  Eigen::VectorXd q;  // commanded, rad or m, one per joint
+  bool is_validation = false;
+};
+
+struct Shot {
+  int configuration = -1;
+  int station = -1;
+  std::string visit;
+  std::string repeat;
+  std::string load = "none";
+  Wrench wrench;
+  bool has_time = false;
+  double time = 0.0;  // s
+  bool has_temperature = false;
+  double temperature = 0.0;   // degC
+  std::vector<int> approach;  // -1, 0, +1 per joint; empty: not stated
+  std::vector<int> observations;
+};
+
+struct Observation {
+  int shot = -1;
+  int marker = -1;
+  Vector3<double> point_in_station = Vector3<double>::Zero();  // m; NaN where the file has no x, y, z
+  Vector3<double> sigma = Vector3<double>::Zero();             // m; 0: the row states none
+  int file = -1;                                               // index into Measurements::files
+  int row = -1;                                                // index into MeasurementFile::rows
+};
+
+struct Measurements {
+  std::vector<MeasurementFile> files;
+  std::vector<std::string> stations;  // names, in order of appearance
+  std::vector<std::string> markers;
+  std::vector<Configuration> configurations;
+  std::vector<Shot> shots;
+  std::vector<Observation> observations;  // in row order
+  std::vector<std::string> warnings;
+
+  const Configuration& ConfigurationOf(const Observation& observation) const {
+    return configurations[shots[observation.shot].configuration];
+  }
+  bool IsValidation(const Observation& observation) const { return ConfigurationOf(observation).is_validation; }
+  // The cell of an observation's row, "" if its file has no such column.
+  std::string Cell(const Observation& observation, const std::string& column) const;
+  // "file:line" of an observation.
+  std::string SourceOf(const Observation& observation) const;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,138 @@
+#include "problems/parameter_set.h"
+
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr const char* kAxisNames[3] = {"x", "y", "z"};
+
+}  // namespace
+
+const QuantityTraits& TraitsOf(Quantity quantity) {
+  // Limits: FORMATS section 4 (5 mm, 5 mrad, 10 urad/Nm; weak beyond 1 mm, 1 mrad, half the value).
+  static const QuantityTraits kLength{"mm", 1e-3, 5e-3, 1e-3};
+  static const QuantityTraits kAngle{"deg", kDegree, 5e-3, 1e-3};
+  static const QuantityTraits kRotationVector{"mrad", 1e-3, 5e-3, 1e-3};
+  static const QuantityTraits kCompliance{"urad/Nm", 1e-6, 1e-5, 0.0};
+  switch (quantity) {
+    case Quantity::kLength:
+      return kLength;
+    case Quantity::kAngle:
+      return kAngle;
+    case Quantity::kRotationVector:
+      return kRotationVector;
+    case Quantity::kCompliance:
+      return kCompliance;
+  }
+  return kLength;
+}
+
+ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
+                           const std::vector<ModelParameter>& model_parameters)
+    : num_stations_(stations.size()), num_markers_(markers.size()), num_model_parameters_(model_parameters.size()) {
+  const auto add_block = [this](const std::string& name, BlockKind kind, int owner, std::vector<double> values,
+                                const std::vector<std::string>& coordinates, Quantity quantity) {
+    ParameterBlock block{name, kind, owner, std::move(values), num_coordinates(), static_cast<int>(coordinates.size())};
+    for (size_t i = 0; i < coordinates.size(); ++i) {
+      coordinates_.push_back({coordinates[i], quantity, static_cast<int>(blocks_.size()), static_cast<int>(i)});
+    }
+    blocks_.push_back(std::move(block));
+  };
+  const auto axes = [](const std::string& prefix) {
+    std::vector<std::string> names;
+    for (const char* axis : kAxisNames) names.push_back(prefix + axis);
+    return names;
+  };
+  for (int s = 0; s < num_stations_; ++s) {
+    const std::string base = "base/" + stations[s];
+    add_block(base + "/position", BlockKind::kStationTranslation, s, {0, 0, 0}, axes(base + "/"), Quantity::kLength);
+    add_block(base + "/rotation", BlockKind::kStationRotation, s, {0, 0, 0, 1}, axes(base + "/r"),
+              Quantity::kRotationVector);
+  }
+  for (int m = 0; m < num_markers_; ++m) {
+    const std::string name = "marker/" + markers[m];
+    add_block(name, BlockKind::kMarker, m, {0, 0, 0}, axes(name + "/"), Quantity::kLength);
+  }
+  for (int i = 0; i < num_model_parameters_; ++i) {
+    const ModelParameter& parameter = model_parameters[i];
+    const Quantity quantity = parameter.kind == ParameterKind::kLength ? Quantity::kLength : Quantity::kAngle;
+    add_block(parameter.name, BlockKind::kModelParameter, i, {0}, {parameter.name}, quantity);
+  }
+}
+
+int ParameterSet::FindCoordinate(const std::string& name) const {
+  for (int i = 0; i < num_coordinates(); ++i) {
+    if (coordinates_[i].name == name) return i;
+  }
+  return -1;
+}
+
+std::vector<int> ParameterSet::Match(const std::string& prefix) const {
+  std::vector<int> matches;
+  for (int i = 0; i < num_coordinates(); ++i) {
+    const std::string& name = coordinates_[i].name;
+    if (name == prefix || name.rfind(prefix + "/", 0) == 0) matches.push_back(i);
+  }
+  return matches;
+}
+
+std::vector<int> ParameterSet::EstimatedCoordinates() const {
+  std::vector<int> estimated;
+  for (int i = 0; i < num_coordinates(); ++i) {
+    if (coordinates_[i].estimated()) estimated.push_back(i);
+  }
+  return estimated;
+}
+
+Pose<double> ParameterSet::BaseInStation(int station) const {
+  Pose<double> pose;
+  pose.translation = Eigen::Map<const Vector3<double>>(station_translation(station).values.data());
+  pose.rotation = Eigen::Map<const Eigen::Quaterniond>(station_rotation(station).values.data()).toRotationMatrix();
+  return pose;
+}
+
+void ParameterSet::SetBaseInStation(int station, const Pose<double>& base_in_station) {
+  Eigen::Map<Vector3<double>>(station_translation(station).values.data()) = base_in_station.translation;
+  Eigen::Map<Eigen::Quaterniond>(station_rotation(station).values.data()) =
+      Eigen::Quaterniond(base_in_station.rotation).normalized();
+}
+
+Vector3<double> ParameterSet::MarkerPoint(int m) const {
+  return Eigen::Map<const Vector3<double>>(marker(m).values.data());
+}
+
+void ParameterSet::SetMarkerPoint(int m, const Vector3<double>& point) {
+  Eigen::Map<Vector3<double>>(marker(m).values.data()) = point;
+}
+
+std::vector<double> ParameterSet::ModelValues() const {
+  std::vector<double> theta(num_model_parameters_);
+  for (int i = 0; i < num_model_parameters_; ++i) theta[i] = model_parameter(i).values[0];
+  return theta;
+}
+
+void ParameterSet::SetModelValue(int i, double value) { model_parameter(i).values[0] = value; }
+
+double ParameterSet::Value(int coordinate) const {
+  const Coordinate& c = coordinates_[coordinate];
+  const ParameterBlock& block = blocks_[c.block];
+  if (block.kind != BlockKind::kStationRotation) return block.values[c.index_in_block];
+  return RotationVector(Eigen::Map<const Eigen::Quaterniond>(block.values.data()))[c.index_in_block];
+}
+
+void ParameterSet::Plus(const Eigen::VectorXd& delta) {
+  for (ParameterBlock& block : blocks_) {
+    const double* step = delta.data() + block.first_coordinate;
+    if (block.kind == BlockKind::kStationRotation) {
+      Eigen::Map<Eigen::Quaterniond> rotation(block.values.data());
+      const Vector3<double> v(step[0], step[1], step[2]);
+      rotation = (QuaternionFromRotationVector(v) * rotation).normalized();
+    } else {
+      for (int i = 0; i < block.tangent_size; ++i) block.values[i] += step[i];
+    }
+  }
+}
+
+}  // namespace sagitta

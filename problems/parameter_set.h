@@ -1,0 +1,100 @@
+// Named blocks own every unknown; results speak in these names (FORMATS
+// section 4: base/<station>/x.., marker/<id>/x.., geometry/<error>).
+//
+// A block holds ambient values: a translation, a point, a scalar, or a unit
+// quaternion (x, y, z, w) whose tangent is a left perturbation
+// R = exp(delta) R_hat, in rad. A *coordinate* is one tangent direction: one
+// column of the identification Jacobian, one line of the result table.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/forward_model.h"
+#include "models/geometry.h"
+
+namespace sagitta {
+
+enum class Quantity { kLength, kAngle, kRotationVector, kCompliance };
+
+// Units and thresholds of a kind of coordinate (FORMATS section 4).
+struct QuantityTraits {
+  const char* unit;      // in results
+  double si_per_unit;    // SI value of one unit
+  double hold_limit;     // SI; a direction whose sigma exceeds it is unidentifiable
+  double weak_limit;     // SI; known worse than this is "weak" (0: half its value)
+};
+const QuantityTraits& TraitsOf(Quantity quantity);
+
+struct Coordinate {
+  std::string name;
+  Quantity quantity = Quantity::kLength;
+  int block = -1;
+  int index_in_block = 0;  // of the tangent
+  bool free = true;        // asked for
+  bool held = false;       // asked for, but the data cannot tell: stays where it is
+  bool estimated() const { return free && !held; }
+};
+
+enum class BlockKind { kStationTranslation, kStationRotation, kMarker, kModelParameter };
+
+struct ParameterBlock {
+  std::string name;  // base/<station>/position, base/<station>/rotation, marker/<id>, geometry/<error>
+  BlockKind kind = BlockKind::kModelParameter;
+  int owner = -1;  // station, marker or model parameter index
+  std::vector<double> values;
+  int first_coordinate = 0;
+  int tangent_size = 1;
+};
+
+class ParameterSet {
+ public:
+  ParameterSet() = default;
+  ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
+               const std::vector<ModelParameter>& model_parameters);
+
+  const std::vector<ParameterBlock>& blocks() const { return blocks_; }
+  const std::vector<Coordinate>& coordinates() const { return coordinates_; }
+  Coordinate& coordinate(int i) { return coordinates_[i]; }
+  int num_coordinates() const { return static_cast<int>(coordinates_.size()); }
+  int num_stations() const { return num_stations_; }
+  int num_markers() const { return num_markers_; }
+  int num_model_parameters() const { return num_model_parameters_; }
+  // -1: there is no coordinate of that name.
+  int FindCoordinate(const std::string& name) const;
+  // Coordinates whose name is `prefix` or starts with `prefix/`.
+  std::vector<int> Match(const std::string& prefix) const;
+  std::vector<int> EstimatedCoordinates() const;
+
+  // Blocks by what they are. Pointers stay valid as long as the set lives.
+  ParameterBlock& station_translation(int station) { return blocks_[2 * station]; }
+  ParameterBlock& station_rotation(int station) { return blocks_[2 * station + 1]; }
+  ParameterBlock& marker(int marker) { return blocks_[2 * num_stations_ + marker]; }
+  ParameterBlock& model_parameter(int i) { return blocks_[2 * num_stations_ + num_markers_ + i]; }
+  const ParameterBlock& station_translation(int station) const { return blocks_[2 * station]; }
+  const ParameterBlock& station_rotation(int station) const { return blocks_[2 * station + 1]; }
+  const ParameterBlock& marker(int marker) const { return blocks_[2 * num_stations_ + marker]; }
+  const ParameterBlock& model_parameter(int i) const { return blocks_[2 * num_stations_ + num_markers_ + i]; }
+
+  Pose<double> BaseInStation(int station) const;
+  void SetBaseInStation(int station, const Pose<double>& base_in_station);
+  Vector3<double> MarkerPoint(int marker) const;
+  void SetMarkerPoint(int marker, const Vector3<double>& point);
+  std::vector<double> ModelValues() const;  // theta
+  void SetModelValue(int i, double value);
+
+  // A coordinate's value as results state it (rotations: rotation vector), SI.
+  double Value(int coordinate) const;
+  // Moves by a tangent step over all coordinates, SI.
+  void Plus(const Eigen::VectorXd& delta);
+
+ private:
+  std::vector<ParameterBlock> blocks_;
+  std::vector<Coordinate> coordinates_;
+  int num_stations_ = 0;
+  int num_markers_ = 0;
+  int num_model_parameters_ = 0;
+};
+
+}  // namespace sagitta

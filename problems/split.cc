@@ -1,0 +1,159 @@
+#include "problems/split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+
+namespace sagitta {
+namespace {
+
+std::string FirstFile(const Measurements& data) { return data.files.empty() ? "" : data.files.front().path; }
+
+[[noreturn]] void Fail(const Measurements& data, const std::string& what, const std::string& hint = "") {
+  throw InputError({FirstFile(data), 0, "validation"}, what, hint);
+}
+
+int CountHeldOut(const Measurements& data) {
+  return static_cast<int>(std::count_if(data.configurations.begin(), data.configurations.end(),
+                                        [](const Configuration& c) { return c.is_validation; }));
+}
+
+void RefuseEverything(const Measurements& data) {
+  if (CountHeldOut(data) < static_cast<int>(data.configurations.size())) return;
+  Fail(data, "every configuration is held out, nothing is left to calibrate with");
+}
+
+void RefuseNothing(const Measurements& data, const std::string& hint) {
+  if (CountHeldOut(data) == 0) Fail(data, "no configuration is held out", hint);
+}
+
+// The observation's configuration is held out where the column has one of the
+// values; all its rows have to agree.
+void SplitByColumn(const std::string& column, const std::set<std::string>& values, Measurements* data) {
+  std::vector<const Observation*> first(data->configurations.size(), nullptr);
+  std::vector<int> index;
+  for (const MeasurementFile& file : data->files) index.push_back(file.FindColumn(column));
+  for (const Observation& observation : data->observations) {
+    if (observation.file < 0) continue;
+    const MeasurementFile::Row& row = data->files[observation.file].rows[observation.row];
+    const int cell = index[observation.file];
+    const bool held_out = cell >= 0 && values.count(row.cells[cell]) > 0;
+    const int c = data->shots[observation.shot].configuration;
+    Configuration& configuration = data->configurations[c];
+    if (first[c] == nullptr) {
+      first[c] = &observation;
+      configuration.is_validation = held_out;
+    } else if (configuration.is_validation != held_out) {
+      throw InputError({data->files[observation.file].path, row.line, column},
+                       "configuration '" + configuration.id + "' is for calibration and for validation, see " +
+                           data->SourceOf(*first[c]),
+                       "one configuration is one or the other");
+    }
+  }
+}
+
+void RequireColumn(const std::string& column, const Measurements& data) {
+  for (const MeasurementFile& file : data.files) {
+    if (file.FindColumn(column) >= 0) continue;
+    throw InputError({file.path, 0, column}, "the validation column '" + column + "' is not in this file",
+                     SpellingHint(column, file.header));
+  }
+}
+
+// Configurations with equal joint values, in order of appearance.
+std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data) {
+  std::vector<std::vector<int>> groups;
+  std::map<std::vector<double>, size_t> group_of;
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    const Eigen::VectorXd& q = data.configurations[c].q;
+    std::vector<double> key(q.data(), q.data() + q.size());
+    for (double& value : key) value += 0.0;  // -0 is 0
+    const auto [entry, is_new] = group_of.try_emplace(key, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[entry->second].push_back(static_cast<int>(c));
+  }
+  return groups;
+}
+
+// Hex SHA-256 of "<seed>:<config>" of each group's first configuration.
+std::vector<std::string> HashKeys(const std::vector<std::vector<int>>& groups, unsigned long long seed,
+                                  const Measurements& data) {
+  std::vector<std::string> keys;
+  for (const std::vector<int>& group : groups) {
+    keys.push_back(Sha256(std::to_string(seed) + ":" + data.configurations[group.front()].id));
+  }
+  return keys;
+}
+
+// Minus the time of each group's first shot, so that the last sort first.
+std::vector<double> TimeKeys(const std::vector<std::vector<int>>& groups, const Measurements& data) {
+  std::vector<double> time(data.configurations.size(), std::numeric_limits<double>::infinity());
+  for (const Shot& shot : data.shots) {
+    if (!shot.has_time) {
+      Fail(data, "a split by time needs the time of every row", "column time_s; or validation by config");
+    }
+    time[shot.configuration] = std::min(time[shot.configuration], shot.time);
+  }
+  std::vector<double> keys;
+  for (const std::vector<int>& group : groups) {
+    double earliest = std::numeric_limits<double>::infinity();
+    for (const int c : group) earliest = std::min(earliest, time[c]);
+    keys.push_back(-earliest);
+  }
+  return keys;
+}
+
+// Marks the first ceil(fraction * n) groups in the order of their keys.
+template <typename KeyType>
+void HoldOutFirst(const std::vector<std::vector<int>>& groups, const std::vector<KeyType>& keys, double fraction,
+                  Measurements* data) {
+  std::vector<size_t> order(groups.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return keys[a] < keys[b]; });
+  const double count = std::ceil(fraction * static_cast<double>(groups.size()));
+  for (size_t i = 0; i < order.size() && static_cast<double>(i) < count; ++i) {
+    for (const int c : groups[order[i]]) data->configurations[c].is_validation = true;
+  }
+}
+
+void SplitByFraction(const ValidationSpec& spec, Measurements* data) {
+  if (!(spec.fraction > 0.0 && spec.fraction < 1.0)) {
+    Fail(*data, "the fraction held out has to be between 0 and 1, it is " + FormatNumber(spec.fraction));
+  }
+  const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(*data);
+  if (spec.by_time) {
+    HoldOutFirst(groups, TimeKeys(groups, *data), spec.fraction, data);
+  } else {
+    HoldOutFirst(groups, HashKeys(groups, spec.seed, *data), spec.fraction, data);
+  }
+}
+
+}  // namespace
+
+void SplitConfigurations(const ValidationSpec& spec, Measurements* data) {
+  for (Configuration& configuration : data->configurations) configuration.is_validation = false;
+  switch (spec.kind) {
+    case ValidationSpec::Kind::kNone:
+      return;
+    case ValidationSpec::Kind::kSetColumn:
+      SplitByColumn("set", {"validation"}, data);
+      break;
+    case ValidationSpec::Kind::kColumn:
+      RequireColumn(spec.column, *data);
+      SplitByColumn(spec.column, {spec.values.begin(), spec.values.end()}, data);
+      RefuseNothing(*data, "no row has this value in column '" + spec.column + "'");
+      break;
+    case ValidationSpec::Kind::kFraction:
+      SplitByFraction(spec, data);
+      RefuseNothing(*data, "");
+      break;
+  }
+  RefuseEverything(*data);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,116 @@
+#include "estimator/ceres_problem.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include "estimator/joint_estimator.h"
+#include "estimator/linearization.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using test::Kr270Design;
+using test::Kr270Problem;
+using test::Kr270Truth;
+
+// A foreign cost: somebody measured the distance between two tool markers.
+struct MarkerDistance {
+  double distance;
+  double sigma;
+  template <typename T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    const Vector3<T> gap = Eigen::Map<const Vector3<T>>(a) - Eigen::Map<const Vector3<T>>(b);
+    residual[0] = (gap.norm() - distance) / sigma;
+    return true;
+  }
+};
+
+TEST(AddToProblem, ForeignCostSharesOurBlocks) {
+  const Kr270Truth truth;
+  const CalibrationProblem problem = Kr270Problem(Kr270Design(), truth, 21);
+  const Estimate alone = EstimateJointly(problem);
+  ParameterSet parameters = alone.aligned;
+  ceres::Problem ceres_problem;
+  AddToProblem(problem, CalibrationResiduals(problem), &parameters, &ceres_problem);
+  const double distance = (truth.tools[0] - truth.tools[2]).norm();
+  double* a = parameters.marker(0).values.data();
+  double* b = parameters.marker(2).values.data();
+  ceres_problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<MarkerDistance, 1, 3, 3>(new MarkerDistance{distance, 1e-8}), nullptr, a, b);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = 1e-15;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &ceres_problem, &summary);
+  ASSERT_TRUE(summary.IsSolutionUsable());
+  // The foreign measurement is met, at the price of our residuals.
+  EXPECT_NEAR((parameters.MarkerPoint(0) - parameters.MarkerPoint(2)).norm(), distance, 1e-7);
+  EXPECT_GT(std::abs((alone.parameters.MarkerPoint(0) - alone.parameters.MarkerPoint(2)).norm() - distance), 1e-6);
+  EXPECT_GE(summary.final_cost, alone.cost);
+}
+
+// What Ceres sees is the same Jacobian as the Linearization that judges it.
+TEST(AddToProblem, CeresAndLinearizationSeeTheSameJacobian) {
+  for (const double size : {0.0, 1e-8, 0.3}) {
+    CalibrationProblem problem = Kr270Problem(Kr270Design(), Kr270Truth(), 22);
+    std::srand(9);
+    ParameterSet parameters = problem.parameters;
+    parameters.Plus(size * Eigen::VectorXd::Random(parameters.num_coordinates()));
+    const ResidualSelection selection = CalibrationResiduals(problem);
+    const Linearization linearization = Linearize(problem, parameters, selection.observations,
+                                                  parameters.EstimatedCoordinates(), selection.sigmas);
+    ceres::Problem ceres_problem;
+    AddToProblem(problem, selection, &parameters, &ceres_problem);
+    ceres::Problem::EvaluateOptions options;
+    for (ParameterBlock block : parameters.blocks()) {
+      ParameterBlock& own = block.kind == BlockKind::kMarker           ? parameters.marker(block.owner)
+                            : block.kind == BlockKind::kModelParameter ? parameters.model_parameter(block.owner)
+                            : block.kind == BlockKind::kStationRotation
+                                ? parameters.station_rotation(block.owner)
+                                : parameters.station_translation(block.owner);
+      options.parameter_blocks.push_back(own.values.data());
+    }
+    std::vector<double> residuals;
+    ceres::CRSMatrix sparse;
+    ceres_problem.Evaluate(options, nullptr, &residuals, nullptr, &sparse);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
+    for (int r = 0; r < sparse.num_rows; ++r) {
+      for (int k = sparse.rows[r]; k < sparse.rows[r + 1]; ++k) jacobian(r, sparse.cols[k]) = sparse.values[k];
+    }
+    ASSERT_EQ(jacobian.cols(), linearization.jacobian.cols());
+    EXPECT_LT((jacobian - linearization.jacobian).norm(), 1e-12 * jacobian.norm());
+    EXPECT_LT((Eigen::Map<Eigen::VectorXd>(residuals.data(), residuals.size()) - linearization.residual).norm(),
+              1e-12 * linearization.residual.norm() + 1e-9);
+  }
+}
+
+// Independent of every derivative of ours: differences of the residual along
+// tangent steps.
+TEST(Linearization, JacobianMatchesCentralDifferences) {
+  CalibrationProblem problem = Kr270Problem(Kr270Design(), Kr270Truth(), 23);
+  std::srand(3);
+  ParameterSet parameters = problem.parameters;
+  parameters.Plus(0.2 * Eigen::VectorXd::Random(parameters.num_coordinates()));
+  const ResidualSelection selection = CalibrationResiduals(problem);
+  const Linearization at = Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(),
+                                     selection.sigmas);
+  const auto residual = [&](int coordinate, double step) {
+    ParameterSet moved = parameters;
+    Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters.num_coordinates());
+    delta[coordinate] = step;
+    moved.Plus(delta);
+    return Linearize(problem, moved, selection.observations, {}, selection.sigmas).residual;
+  };
+  for (int c = 0; c < at.num_columns(); ++c) {
+    const double h = 1e-3;  // fourth-order differences
+    const int i = at.columns[c];
+    const Eigen::VectorXd difference =
+        (8.0 * (residual(i, h) - residual(i, -h)) - (residual(i, 2 * h) - residual(i, -2 * h))) / (12.0 * h);
+    EXPECT_LT((difference - at.jacobian.col(c)).norm(), 1e-9 * at.jacobian.col(c).norm())
+        << parameters.coordinates()[i].name;
+  }
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,23 @@
+#include "estimator/distributions.h"
+
+#include <gtest/gtest.h>
+
+namespace sagitta {
+namespace {
+
+// Table values: Abramowitz and Stegun, tables 26.7, 26.8, 26.10.
+TEST(Distributions, TableValues) {
+  EXPECT_NEAR(NormalQuantile(0.975), 1.959963985, 1e-8);
+  EXPECT_NEAR(StudentQuantile(0.975, 1), 12.7062, 1e-3);
+  EXPECT_NEAR(StudentQuantile(0.975, 10), 2.228139, 1e-5);
+  EXPECT_NEAR(StudentQuantile(0.025, 10), -2.228139, 1e-5);
+  EXPECT_NEAR(StudentQuantile(0.995, 30), 2.749996, 1e-5);
+  EXPECT_NEAR(ChiSquareSurvival(18.307, 10), 0.05, 1e-5);
+  EXPECT_NEAR(ChiSquareQuantile(0.95, 10), 18.3070, 1e-3);
+  EXPECT_NEAR(ChiSquareQuantile(0.01, 3), 0.114832, 1e-5);
+}
+
+TEST(Distributions, StudentTendsToNormal) { EXPECT_NEAR(StudentQuantile(0.975, 1e5), NormalQuantile(0.975), 5e-5); }
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,84 @@
+#include "estimator/identifiability.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+// Two geometric lengths a, b and one marker coordinate family to name columns.
+ParameterSet TwoLengths() {
+  return ParameterSet({}, {}, {{"geometry/a", ParameterKind::kLength, 0}, {"geometry/b", ParameterKind::kLength, 1}});
+}
+
+Linearization FromMatrix(const Eigen::MatrixXd& jacobian) {
+  Linearization linearization;
+  linearization.jacobian = jacobian;
+  linearization.residual = Eigen::VectorXd::Zero(jacobian.rows());
+  for (int c = 0; c < jacobian.cols(); ++c) linearization.columns.push_back(c);
+  return linearization;
+}
+
+TEST(Identifiability, SumOnly) {
+  Eigen::MatrixXd jacobian(3, 2);
+  jacobian << 1, 1, 2, 2, -1, -1;
+  const Unidentifiable found = FindUnidentifiable(FromMatrix(1e4 * jacobian), TwoLengths(), 1.0);
+  ASSERT_EQ(found.columns.size(), 1u);
+  EXPECT_TRUE(std::isinf(found.directions[0].sigma));
+  EXPECT_NE(found.directions[0].words.find("only their sum is measured"), std::string::npos)
+      << found.directions[0].words;
+}
+
+TEST(Identifiability, DifferenceOnly) {
+  Eigen::MatrixXd jacobian(3, 2);
+  jacobian << 1, -1, 2, -2, -1, 1;
+  const Unidentifiable found = FindUnidentifiable(FromMatrix(1e4 * jacobian), TwoLengths(), 1.0);
+  ASSERT_EQ(found.directions.size(), 1u);
+  EXPECT_NE(found.directions[0].words.find("only their difference is measured"), std::string::npos)
+      << found.directions[0].words;
+}
+
+// The decision is relative to the noise: sigma of b is 1 / 150 m = 6.7 mm > 5 mm.
+TEST(Identifiability, DecidedRelativeToTheNoise) {
+  Eigen::MatrixXd jacobian(3, 2);
+  jacobian << 1e4, 0, 0, 150, 0, 0;
+  const ParameterSet parameters = TwoLengths();
+  const Unidentifiable noisy = FindUnidentifiable(FromMatrix(jacobian), parameters, 1.0);
+  ASSERT_EQ(noisy.columns.size(), 1u);
+  EXPECT_EQ(noisy.columns[0], 1);
+  EXPECT_NEAR(noisy.directions[0].sigma, 1.0 / 150 / 5e-3, 1e-9);
+  EXPECT_TRUE(FindUnidentifiable(FromMatrix(jacobian), parameters, 0.5).columns.empty());
+}
+
+TEST(Identifiability, UnmeasuredColumnIsNamed) {
+  Eigen::MatrixXd jacobian(3, 2);
+  jacobian << 1e4, 0, 1e4, 0, 2e4, 0;
+  const Unidentifiable found = FindUnidentifiable(FromMatrix(jacobian), TwoLengths(), 1.0);
+  ASSERT_EQ(found.directions.size(), 1u);
+  EXPECT_EQ(found.directions[0].words, "geometry/b is not measured by these data");
+}
+
+TEST(Identifiability, WeakDirectionsAreReported) {
+  Eigen::MatrixXd jacobian(3, 2);
+  jacobian << 1e4, 0, 0, 500, 0, 0;  // b: 2 mm
+  const std::vector<Direction> weak = FindWeak(FromMatrix(jacobian), TwoLengths(), 1.0);
+  ASSERT_EQ(weak.size(), 1u);
+  EXPECT_EQ(weak[0].components[0].first, "geometry/b");
+}
+
+TEST(LinearSolution, MatchesTheNormalEquations) {
+  Eigen::MatrixXd jacobian(4, 2);
+  jacobian << 1, 2e6, 0, 1e6, 3, -1e6, 1, 1e6;
+  Linearization linearization = FromMatrix(jacobian);
+  linearization.residual << 1, -2, 0.5, 3;
+  const LinearSolution solution = SolveLinearization(linearization);
+  const Eigen::MatrixXd covariance = (jacobian.transpose() * jacobian).inverse();
+  EXPECT_LT((solution.covariance - covariance).norm(), 1e-9 * covariance.norm());
+  const Eigen::VectorXd step = -covariance * jacobian.transpose() * linearization.residual;
+  EXPECT_LT((solution.step - step).norm(), 1e-9 * step.norm());
+  EXPECT_NEAR(solution.residual_norm_squared, (jacobian * step + linearization.residual).squaredNorm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""Keeps the arrows of ARCHITECTURE.md true: tools -> estimator -> problems -> models.
+
+Fails on an #include or a CMake link against the arrows, and on a library that
+the layer may not use. Standard library only.
+
+usage: layering_test.py [ROOT]        check the tree (default: the one this file is in)
+       layering_test.py --self-test   prove that planted violations are found
+"""
+import pathlib
+import re
+import sys
+import tempfile
+
+LAYERS = ['models', 'problems', 'estimator', 'tools']  # each may use those before it
+
+# Libraries a layer may include and link. yaml-cpp and OpenSSL stay behind problems/.
+LIBRARIES = {
+    'models': {'Eigen'},
+    'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'posix'},
+    'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'posix'},
+    'tools': {'Eigen', 'nlohmann', 'ceres', 'glog', 'gflags', 'posix'},
+}
+LIBRARY_OF_LINK = {
+    'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
+    'nlohmann_json::nlohmann_json': 'nlohmann', 'OpenSSL::Crypto': 'openssl',
+    'Ceres::ceres': 'ceres', 'glog::glog': 'glog', 'gflags': 'gflags',
+}
+LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator'}
+FREE_LINKS = {'PUBLIC', 'PRIVATE', 'INTERFACE', 'sagitta_warnings', 'Threads::Threads'}
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
+LINK = re.compile(r'target_link_libraries\s*\(\s*(\S+)([^)]*)\)')
+
+
+def library_of(header):
+    """The library an angle-bracket header belongs to; None: the standard library."""
+    if re.fullmatch(r'[a-z0-9_]+', header):
+        return None
+    if header.startswith(('Eigen/', 'unsupported/Eigen/')):
+        return 'Eigen'
+    if re.fullmatch(r'sys/\w+\.h|unistd\.h|fcntl\.h', header):
+        return 'posix'
+    return header.split('/')[0]
+
+
+def why_not(layer, used_layer):
+    """Empty when `layer` may use `used_layer`."""
+    if used_layer not in LAYERS:
+        return "'%s' is no layer; write includes from the root of the tree" % used_layer
+    if LAYERS.index(used_layer) > LAYERS.index(layer):
+        return '%s/ may not use %s/' % (layer, used_layer)
+    return ''
+
+
+def violations_of_source(layer, text):
+    for match in INCLUDE.finditer(text):
+        bracket, header = match.groups()
+        line = text.count('\n', 0, match.start()) + 1
+        if bracket == '"':
+            reason = why_not(layer, header.split('/')[0])
+        else:
+            library = library_of(header)
+            allowed = library is None or library in LIBRARIES[layer]
+            reason = '' if allowed else '%s/ may not use <%s>' % (layer, header)
+        if reason:
+            yield line, reason
+
+
+def violations_of_cmake(layer, text):
+    text = re.sub(r'#.*', '', text)
+    for match in LINK.finditer(text):
+        line = text.count('\n', 0, match.start()) + 1
+        for item in match.group(2).split():
+            if item in FREE_LINKS:
+                continue
+            if item in LAYER_OF_LINK:
+                reason = why_not(layer, LAYER_OF_LINK[item])
+            elif LIBRARY_OF_LINK.get(item) in LIBRARIES[layer]:
+                reason = ''
+            else:
+                reason = '%s/ may not link %s' % (layer, item)
+            if reason:
+                yield line, reason
+
+
+def violations(root):
+    found = []
+    for layer in LAYERS:
+        sources = sorted(p for p in (root / layer).rglob('*') if p.suffix in ('.h', '.cc'))
+        cmakes = sorted((root / layer).rglob('CMakeLists.txt'))
+        if not sources or not cmakes:
+            found.append('%s/: no sources or no CMakeLists.txt; nothing was checked' % layer)
+        for files, check in ((sources, violations_of_source), (cmakes, violations_of_cmake)):
+            for path in files:
+                for line, reason in check(layer, path.read_text(encoding='utf-8')):
+                    found.append('%s:%d: %s' % (path.relative_to(root), line, reason))
+    return found
+
+
+PLANTED = [  # (file, text, what the message must say; None: no violation)
+    ('models/a.h', '#include <cmath>\n#include <Eigen/Core>\n#include "models/b.h"\n', None),
+    ('models/a.h', '#include "problems/b.h"\n', 'models/a.h:1: models/ may not use problems/'),
+    ('models/a.h', '\n #  include "estimator/b.h"\n', 'models/a.h:2: models/ may not use estimator/'),
+    ('models/a.h', '#include <ceres/jet.h>\n', 'models/ may not use <ceres/jet.h>'),
+    ('models/a.h', '#include <unistd.h>\n', 'models/ may not use <unistd.h>'),
+    ('models/a.h', '#include "tests/support/b.h"\n', "'tests' is no layer"),
+    ('models/a.h', '#include "b.h"\n', "'b.h' is no layer"),
+    ('models/a.h', '#include "../problems/b.h"\n', "'..' is no layer"),
+    ('models/sub/a.cc', '#include <gflags/gflags.h>\n', 'models/sub/a.cc:1'),
+    ('problems/a.cc', '#include "models/b.h"\n#include <yaml-cpp/yaml.h>\n#include <openssl/evp.h>\n', None),
+    ('problems/a.cc', '#include <glog/logging.h>\n', 'problems/ may not use <glog/logging.h>'),
+    ('problems/a.cc', '#include "tools/b.h"\n', 'problems/ may not use tools/'),
+    ('estimator/a.cc', '#include "problems/b.h"\n#include <ceres/ceres.h>\n', None),
+    ('estimator/a.cc', '#include "tools/b.h"\n', 'estimator/ may not use tools/'),
+    ('estimator/a.cc', '#include <gflags/gflags.h>\n', 'estimator/ may not use <gflags/gflags.h>'),
+    ('estimator/a.cc', '#include <yaml-cpp/yaml.h>\n', 'estimator/ may not use <yaml-cpp/yaml.h>'),
+    ('tools/a.cc', '#include "estimator/b.h"\n#include <gflags/gflags.h>\n', None),
+    ('tools/a.cc', '#include <boost/any.hpp>\n', 'tools/ may not use <boost/any.hpp>'),
+    ('models/CMakeLists.txt', 'target_link_libraries(sagitta_models\n PUBLIC Eigen3::Eigen)\n', None),
+    ('models/CMakeLists.txt', 'target_link_libraries(m PUBLIC sagitta_problems)\n', 'models/ may not use problems/'),
+    ('models/CMakeLists.txt', 'target_link_libraries(m PUBLIC\n Ceres::ceres)\n', 'models/ may not link Ceres::ceres'),
+    ('problems/CMakeLists.txt', 'target_link_libraries(p PUBLIC sagitta::sagitta)\n', 'may not use estimator/'),
+    ('estimator/CMakeLists.txt', '# target_link_libraries(e PUBLIC sagitta_tools)\n', None),
+]
+
+
+def self_test():
+    wrong = 0
+    for file, text, expected in PLANTED:
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for layer in LAYERS:
+                (root / layer).mkdir()
+                (root / layer / 'clean.h').write_text('#include <vector>\n')
+                (root / layer / 'CMakeLists.txt').write_text('')
+            (root / file).parent.mkdir(exist_ok=True)
+            (root / file).write_text(text)
+            found = violations(root)
+        good = not found if expected is None else len(found) == 1 and expected in found[0]
+        if not good:
+            wrong += 1
+            print('FAIL  %s %r: expected %r, found %r' % (file, text, expected, found))
+    with tempfile.TemporaryDirectory() as folder:
+        if len(violations(pathlib.Path(folder))) != len(LAYERS):
+            wrong += 1
+            print('FAIL  an empty tree passes')
+    print('%d planted cases, %d wrong' % (len(PLANTED) + 1, wrong))
+    return wrong
+
+
+def main(arguments):
+    if arguments == ['--self-test']:
+        return 1 if self_test() else 0
+    root = pathlib.Path(arguments[0] if arguments else pathlib.Path(__file__).parent.parent)
+    found = violations(root.resolve())
+    print('\n'.join(found) if found else 'the arrows hold')
+    return 1 if found else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,343 @@
+#include "problems/io/measurement_file.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "problems/io/files.h"
+#include "tests/problems/file_test_support.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kDeg = M_PI / 180.0;
+const std::vector<std::string> kJoints = {"A1", "L2"};
+const std::vector<bool> kPrismatic = {false, true};
+
+constexpr char kSmall[] =
+    "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm\n"
+    "C1,M1,10,200,1,2,3\n"
+    "C1,M2,10,200,4,5,6\n"
+    "C2,M1,-20,250,7,8,9.5\n";
+
+constexpr char kFull[] =
+    "# a comment\n"
+    "config,marker,station,visit,repeat,load,q1_rad,q2_m,x_m,y_mm,z_mm,sigma_x_mm,sigma_y_mm,sigma_z_mm,"
+    "fx_N,fy_N,fz_N,mx_Nm,my_Nm,mz_Nm,time_s,temperature_degC,approach1,approach2,set,sim_x_mm,sim_y_mm,sim_z_mm,note\n"
+    "\n"
+    "C1,M1,S2,v1,0,none,0.5,0.2,1,2,3,0.1,0.2,0.3,0,0,0,0,0,0,1.5,20,-1,+1,calibration,1,2,3,a\n"
+    "C1,M2,S2,v1,0,none,0.5,0.2,1,2,4,0.1,0.2,0.3,0,0,0,0,0,0,1.7,21,-1,1,calibration,1,2,3,\"b, c\"\n"
+    "C1,M1,S2,v1,0,V250,0.5,0.2,1,2,5,,,,0,0,-2451,1,2,3,,,,,calibration,,,,\n"
+    "C1,M1,S2,v2,0,V250,0.5,0.2,1,2,6,0.1,0.2,0.3,0,0,-2451,0,0,0,1.9,20,0,0,validation,1,2,3,\n";
+
+class MeasurementFileTest : public FileTest {
+ protected:
+  Measurements Read(const std::string& text, const MeasurementReadOptions& options = {}) {
+    return ReadMeasurements({Write("m.csv", text)}, kJoints, kPrismatic, options);
+  }
+  std::string Error(const std::string& text) {
+    return ErrorOf([&] { Read(text); });
+  }
+};
+
+TEST_F(MeasurementFileTest, ReadsTheRequiredColumns) {
+  const Measurements data = Read(kSmall);
+  ASSERT_EQ(data.files.size(), 1u);
+  EXPECT_EQ(data.files[0].path, Path("m.csv"));
+  EXPECT_EQ(data.files[0].sha256, Sha256(kSmall));
+  EXPECT_EQ(data.stations, std::vector<std::string>{"S1"});
+  EXPECT_EQ(data.markers, (std::vector<std::string>{"M1", "M2"}));
+  ASSERT_EQ(data.configurations.size(), 2u);
+  EXPECT_EQ(data.configurations[1].id, "C2");
+  EXPECT_NEAR(data.configurations[1].q[0], -20 * kDeg, 1e-15);
+  EXPECT_EQ(data.configurations[1].q[1], 0.25);
+  ASSERT_EQ(data.shots.size(), 2u);
+  EXPECT_EQ(data.shots[0].observations, (std::vector<int>{0, 1}));
+  EXPECT_EQ(data.shots[0].load, "none");
+  EXPECT_TRUE(data.shots[0].wrench.IsZero());
+  EXPECT_FALSE(data.shots[0].has_time);
+  EXPECT_TRUE(data.shots[0].approach.empty());
+  ASSERT_EQ(data.observations.size(), 3u);
+  EXPECT_EQ(data.observations[2].point_in_station, Vector3<double>(0.007, 0.008, 0.0095));
+  EXPECT_EQ(data.observations[2].sigma, Vector3<double>(0, 0, 0));
+  EXPECT_EQ(data.SourceOf(data.observations[2]), Path("m.csv") + ":4");
+  EXPECT_EQ(data.Cell(data.observations[2], "z_mm"), "9.5");
+  EXPECT_EQ(data.Cell(data.observations[2], "absent"), "");
+  EXPECT_TRUE(data.warnings.empty());
+}
+
+TEST_F(MeasurementFileTest, ReadsEveryColumn) {
+  const Measurements data = Read(kFull);
+  ASSERT_EQ(data.observations.size(), 4u);
+  ASSERT_EQ(data.shots.size(), 3u);
+  ASSERT_EQ(data.configurations.size(), 1u);
+  EXPECT_EQ(data.configurations[0].q, Eigen::Vector2d(0.5, 0.2));
+  EXPECT_EQ(data.stations, std::vector<std::string>{"S2"});
+  const Shot& first = data.shots[0];
+  EXPECT_EQ(first.observations, (std::vector<int>{0, 1}));
+  EXPECT_EQ(first.visit, "v1");
+  EXPECT_EQ(first.repeat, "0");
+  EXPECT_TRUE(first.has_time && first.has_temperature);
+  EXPECT_EQ(first.time, 1.5);
+  EXPECT_EQ(first.temperature, 20.0);
+  EXPECT_EQ(first.approach, (std::vector<int>{-1, 1}));
+  EXPECT_EQ(data.observations[0].point_in_station, Vector3<double>(1, 0.002, 0.003));
+  EXPECT_TRUE(data.observations[0].sigma.isApprox(Vector3<double>(1e-4, 2e-4, 3e-4)));
+  const Shot& loaded = data.shots[1];
+  EXPECT_EQ(loaded.load, "V250");
+  EXPECT_EQ(loaded.wrench.force, Vector3<double>(0, 0, -2451));
+  EXPECT_EQ(loaded.wrench.moment, Vector3<double>(1, 2, 3));
+  EXPECT_FALSE(loaded.has_time);
+  EXPECT_TRUE(loaded.approach.empty());
+  EXPECT_TRUE(data.observations[2].sigma.isZero());
+  EXPECT_EQ(data.shots[2].visit, "v2");
+  EXPECT_EQ(data.shots[2].approach, (std::vector<int>{0, 0}));
+  EXPECT_EQ(data.Cell(data.observations[1], "note"), "b, c");
+  EXPECT_EQ(data.SourceOf(data.observations[0]), Path("m.csv") + ":4");
+}
+
+TEST_F(MeasurementFileTest, TakesByteOrderMarkAndCarriageReturns) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : std::string(kSmall)) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  const Measurements data = Read(text);
+  EXPECT_EQ(data.observations.size(), 3u);
+  EXPECT_EQ(data.files[0].header.front(), "config");
+  EXPECT_EQ(data.files[0].header.back(), "z_mm");
+  EXPECT_EQ(Read(std::string(kSmall).substr(0, sizeof(kSmall) - 2)).observations.size(), 3u);  // no last newline
+}
+
+TEST_F(MeasurementFileTest, QuotedAndBlankPaddedCells) {
+  const Measurements data = Read(Replaced(kSmall, "C1,M1,10,", "\"C1\" , \"M \"\"1\"\"\",\"10\", "));
+  EXPECT_EQ(data.markers[0], "M \"1\"");
+  EXPECT_EQ(data.configurations[0].id, "C1");
+}
+
+TEST_F(MeasurementFileTest, ExtraColumnsAreCarriedAlong) {
+  for (const char* extra : {"group", "dx_mm", "rotation", "temperature2_degC", "pred_x_mm", "psig_x_mm", "res_x_mm",
+                            "whitened_x", "leverage", "operator", "rx_mrad", "load_kg", "date"}) {
+    const Measurements data =
+        Read(std::string("config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm,") + extra + "\nC1,M1,10,200,1,2,3,some text\n");
+    EXPECT_EQ(data.Cell(data.observations[0], extra), "some text");
+  }
+}
+
+TEST_F(MeasurementFileTest, PointsMayBeAbsentWhereTheyAreNotRequired) {
+  MeasurementReadOptions options;
+  options.points_required = false;
+  const Measurements data = Read("config,marker,q1_deg,q2_mm\nC1,M1,10,200\n", options);
+  EXPECT_TRUE(data.observations[0].point_in_station.array().isNaN().all());
+  const Measurements mixed =
+      Read("config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm\nC1,M1,1,2,,,\nC1,M2,1,2,1,2,3\n", options);
+  EXPECT_TRUE(mixed.observations[0].point_in_station.array().isNaN().all());
+  EXPECT_EQ(mixed.observations[1].point_in_station.z(), 0.003);
+}
+
+TEST_F(MeasurementFileTest, IdsAreSharedAcrossFiles) {
+  const std::string second =
+      "q2_mm,q1_deg,marker,config,z_mm,y_mm,x_mm,station\n"
+      "200,10,M2,C1,1,2,3,S1\n"
+      "1,1,M3,C3,1,2,3,S9\n";
+  const Measurements data = ReadMeasurements({Write("a.csv", kSmall), Write("b.csv", second)}, kJoints, kPrismatic, {});
+  EXPECT_EQ(data.markers, (std::vector<std::string>{"M1", "M2", "M3"}));
+  EXPECT_EQ(data.configurations.size(), 3u);
+  EXPECT_EQ(data.stations, (std::vector<std::string>{"S1", "S9"}));
+  ASSERT_EQ(data.warnings.size(), 1u);  // C1, M2 once more: a repeated shot
+  EXPECT_TRUE(SaysInOrder(data.warnings[0], {"1 row", "b.csv:2"}));
+  EXPECT_EQ(data.shots.size(), 4u);
+  EXPECT_EQ(data.observations[3].file, 1);
+}
+
+TEST_F(MeasurementFileTest, EqualIdsAreRepeatedShots) {
+  const Measurements data =
+      Read(std::string(kSmall) + "C1,M1,10,200,1,2,3.1\nC1,M2,10,200,4,5,6.1\nC1,M1,10,200,1,2,3.2\n");
+  ASSERT_EQ(data.warnings.size(), 1u);
+  EXPECT_TRUE(SaysInOrder(data.warnings[0], {"3 rows", "m.csv:5", "repeated shots"}));
+  ASSERT_EQ(data.shots.size(), 4u);
+  EXPECT_EQ(data.shots[0].observations, (std::vector<int>{0, 1}));
+  EXPECT_EQ(data.shots[2].observations, (std::vector<int>{3, 4}));
+  EXPECT_EQ(data.shots[3].observations, (std::vector<int>{5}));
+}
+
+TEST_F(MeasurementFileTest, RowsOfAConfigurationAgreeAcrossUnits) {
+  const Measurements data = ReadMeasurements(
+      {Write("a.csv", kSmall),
+       Write("b.csv", "config,marker,q1_rad,q2_m,x_mm,y_mm,z_mm\nC1,M7," + FormatNumber(10 * kDeg) + ",0.2,1,2,3\n")},
+      kJoints, kPrismatic, {});
+  EXPECT_EQ(data.configurations.size(), 2u);
+}
+
+TEST_F(MeasurementFileTest, WithoutALoadColumnTheWrenchNamesTheLoad) {
+  const Measurements data = Read(
+      "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm,fz_N\n"
+      "C1,M1,10,200,1,2,3,0\n"
+      "C1,M1,10,200,1,2,2,-100\n");
+  ASSERT_EQ(data.shots.size(), 2u);
+  EXPECT_EQ(data.shots[0].load, "none");
+  EXPECT_NE(data.shots[1].load, "none");
+}
+
+struct BadFile {
+  const char* name;
+  const char* text;
+  const char* from;
+  const char* to;
+  std::vector<std::string> says;
+};
+
+class BadMeasurementTest : public MeasurementFileTest, public ::testing::WithParamInterface<BadFile> {};
+
+TEST_P(BadMeasurementTest, IsRefusedWithWords) {
+  const BadFile& bad = GetParam();
+  std::vector<std::string> says = {"m.csv:"};
+  says.insert(says.end(), bad.says.begin(), bad.says.end());
+  EXPECT_TRUE(SaysInOrder(Error(Replaced(bad.text, bad.from, bad.to)), says));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Header, BadMeasurementTest,
+    ::testing::Values(
+        BadFile{"missing_z", kSmall, ",z_mm", ",zz", {"1: z_mm", "missing"}},
+        BadFile{"missing_config", kSmall, "config", "c", {"1: config", "missing"}},
+        BadFile{"misspelt", kSmall, "x_mm", "x_mmm", {"1: x_mmm", "unknown", "'x_mm'"}},
+        BadFile{"centimetres", kSmall, "x_mm", "x_cm", {"1: x_cm", "'x_mm'"}},
+        BadFile{"micrometres", kFull, "sigma_x_mm", "sigma_x_um", {"2: sigma_x_um", "'sigma_x_mm'"}},
+        BadFile{"no_unit", kSmall, "x_mm", "x", {"1: x:", "'x_mm'"}},
+        BadFile{"no_unit_joint", kSmall, "q1_deg", "q1", {"1: q1:", "'q1_deg'"}},
+        BadFile{"case", kSmall, "x_mm", "X_mm", {"1: X_mm", "'x_mm'"}},
+        BadFile{"config_case", kSmall, "config", "Config", {"1: Config", "'config'"}},
+        BadFile{"markers", kSmall, "marker", "markers", {"1: markers", "'marker'"}},
+        BadFile{"time", kFull, "time_s", "time_ms", {"2: time_ms", "'time_s'"}},
+        BadFile{"force", kFull, "fz_N", "fz_kN", {"2: fz_kN", "'fz_N'"}},
+        BadFile{"sigma_mm", kFull, "sigma_x_mm", "sigma_mm", {"2: sigma_mm", "'sigma_x_mm'"}},
+        BadFile{"approach", kFull, "approach2", "aproach2", {"2: aproach2", "'approach2'"}},
+        BadFile{"approach3", kFull, "approach2", "approach3", {"2: approach3", "2 joints"}},
+        BadFile{"prismatic", kSmall, "q2_mm", "q2_deg", {"1: q2_deg", "'L2' is prismatic", "q2_mm, q2_m"}},
+        BadFile{"revolute", kSmall, "q1_deg", "q1_mm", {"1: q1_mm", "'A1' is revolute", "q1_deg, q1_rad"}},
+        BadFile{"two_units", kSmall, "z_mm", "x_m", {"1: x_m", "two units"}},
+        BadFile{"stands_twice", kSmall, "z_mm", "x_mm", {"1: x_mm", "twice"}},
+        BadFile{"no_name", kSmall, "marker", "", {"1: ", "column 2 has no name"}},
+        BadFile{"joints_short", kSmall, "q2_mm", "other", {"1: q1", "the robot has 2 joints (A1 .. L2)", "q1 .. q1"}},
+        BadFile{"joints_long", kSmall, "z_mm", "q3_deg", {"1: q3", "the robot has 2 joints", "q1 .. q3"}},
+        BadFile{"joint_gap", kSmall, "q1_deg", "other", {"1: q1_deg", "missing"}},
+        BadFile{"sigma_alone", kFull, "sigma_z_mm", "other", {"2: sigma_z_mm", "missing"}},
+        BadFile{"kind", kFull, "note", "kind", {"2: kind", "reserved"}},
+        BadFile{"session", kFull, "note", "session", {"2: session", "reserved"}},
+        BadFile{"sigma_rot", kFull, "note", "sigma_rot_urad", {"2: sigma_rot_urad", "reserved"}},
+        BadFile{"torque", kFull, "note", "tau3_Nm", {"2: tau3_Nm", "reserved"}},
+        BadFile{"semicolons",
+                kSmall,
+                "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm",
+                "config;marker;q1_deg",
+                {"1: ", "commas"}}),
+    [](const auto& param) { return std::string(param.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, BadMeasurementTest,
+    ::testing::Values(
+        BadFile{"nan", kSmall, "7,8", "nan,8", {"4: x_mm", "'nan' is not a finite number"}},
+        BadFile{"inf", kSmall, "7,8", "7,-inf", {"4: y_mm", "'-inf'"}},
+        BadFile{"text", kSmall, "7,8", "12_5,8", {"4: x_mm", "'12_5'"}},
+        BadFile{"trailing", kSmall, "7,8", "7mm,8", {"4: x_mm", "'7mm'"}},
+        BadFile{"huge", kSmall, "7,8", "1e999,8", {"4: x_mm", "'1e999'"}},
+        BadFile{"empty_cell", kSmall, "7,8", ",8", {"4: x_mm", "empty"}},
+        BadFile{"joint_text", kSmall, "-20", "-2O", {"4: q1_deg", "'-2O'"}},
+        BadFile{"too_few", kSmall, ",9.5", "", {"4: ", "6 cells", "7"}},
+        BadFile{"too_many", kSmall, "9.5", "9,5", {"4: ", "8 cells", "7", "decimal comma"}},
+        BadFile{"open_quote", kSmall, "C2,M1", "C2,\"M1", {"4: ", "quotes"}},
+        BadFile{"no_config", kSmall, "C2,M1", ",M1", {"4: config", "empty"}},
+        BadFile{"no_marker", kSmall, "C2,M1", "C2,", {"4: marker", "empty"}},
+        BadFile{"copy",
+                kSmall,
+                "C2,M1,-20,250,7,8,9.5",
+                "C1,M2,10,200,4,5,6",
+                {"4: ", "equals", "m.csv:3", "every column"}},
+        BadFile{"joints_differ", kSmall, "C1,M2,10,", "C1,M2,10.001,", {"3: q1", "'C1'", "m.csv:2"}},
+        BadFile{"joints_differ_across_visits", kFull, "v2,0,V250,0.5", "v2,0,V250,0.6", {"7: q1", "'C1'", "m.csv:4"}},
+        BadFile{"sigma_zero", kFull, "0.1,0.2,0.3", "0.1,0,0.3", {"4: sigma_y_mm", "above 0"}},
+        BadFile{"sigma_negative", kFull, "0.1,0.2,0.3", "0.1,0.2,-1", {"4: sigma_z_mm", "above 0"}},
+        BadFile{"sigma_partly", kFull, "0.1,0.2,0.3", "0.1,0.2,", {"4: sigma_z_mm", "empty"}},
+        BadFile{"approach", kFull, "-1,+1", "-1,2", {"4: approach2", "-1, 0 or 1"}},
+        BadFile{"approach_differs", kFull, "-1,1,cal", "1,1,cal", {"5: approach", "m.csv:4"}},
+        BadFile{"set", kFull, "0,0,validation", "0,0,validaton", {"7: set", "'validaton'", "'validation'"}},
+        BadFile{"sim", kFull, "calibration,1,2,3,a", "calibration,1,2,x,a", {"4: sim_z_mm", "'x'"}},
+        BadFile{"none_loaded", kFull, "0.3,0,0,0,0,0,0,1.5", "0.3,0,0,5,0,0,0,1.5", {"4: load", "none", "wrench"}},
+        BadFile{"wrench_differs",
+                kFull,
+                "C1,M2,S2,v1,0,none,0.5,0.2,1,2,4,0.1,0.2,0.3,0,0,0",
+                "C1,M2,S2,v1,0,V250,0.5,0.2,1,2,4,0.1,0.2,0.3,0,0,-9",
+                {"6: load", "m.csv:5", "some markers"}},
+        BadFile{"time", kFull, "1.9,20", "noon,20", {"7: time_s", "'noon'"}}),
+    [](const auto& param) { return std::string(param.param.name); });
+
+TEST_F(MeasurementFileTest, RefusesWhatIsNoTable) {
+  EXPECT_TRUE(SaysInOrder(Error(""), {"m.csv: ", "empty"}));
+  EXPECT_TRUE(SaysInOrder(Error("\n"), {"m.csv: ", "empty"}));
+  EXPECT_TRUE(SaysInOrder(Error("config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm\n"), {"m.csv:1", "no rows"}));
+  EXPECT_TRUE(SaysInOrder(Error(std::string("c\0o,\0", 5)), {"m.csv:1", "not a text file"}));
+  EXPECT_TRUE(SaysInOrder(Error(Replaced(kSmall, "C2,M1", "C\xE4,M1")), {"m.csv:4", "UTF-8"}));
+  const auto read = [](const std::string& path) {
+    return ErrorOf([&] { ReadMeasurements({path}, kJoints, kPrismatic); });
+  };
+  EXPECT_TRUE(SaysInOrder(read(folder_), {folder_, "folder"}));
+  EXPECT_TRUE(SaysInOrder(read(Path("absent.csv")), {"absent.csv", "no such file"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadMeasurements({}, kJoints, kPrismatic); }), {"no measurement file"}));
+}
+
+TEST_F(MeasurementFileTest, AFileGivenTwiceIsRefused) {
+  const std::string path = Write("m.csv", kSmall);
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] {
+                            ReadMeasurements({path, path}, kJoints, kPrismatic);
+                          }),
+                          {"m.csv:2", "equals", "m.csv:2", "every column"}));
+  const std::string turned = Write("t.csv", "marker,config,q1_deg,q2_mm,x_mm,y_mm,z_mm\nM1,C1,10,200,1,2,3\n");
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] {
+                            ReadMeasurements({path, turned}, kJoints, kPrismatic);
+                          }),
+                          {"t.csv:2", "equals", "m.csv:2"}));
+}
+
+TEST_F(MeasurementFileTest, ManyRowsAreQuick) {
+  std::string text = "config,marker,repeat,q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
+  constexpr int kRows = 100000;
+  for (int i = 0; i < kRows; ++i) {
+    // Half of the rows are repeats of one shot, where a scan would be quadratic.
+    const std::string config = i % 2 == 0 ? "C" : "C" + std::to_string(i);
+    text += config + ",M1,0,12.5,100," + std::to_string(i) + ".5,2,3\n";
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const Measurements data = Read(text);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_EQ(data.shots.size(), static_cast<size_t>(kRows));
+  EXPECT_LT(seconds, 10.0);  // a scan takes minutes; a loaded machine stays below
+  RecordProperty("seconds", std::to_string(seconds));
+}
+
+TEST_F(MeasurementFileTest, ReadsTheSharedData) {
+  const std::string folder = std::string(SAGITTA_SHARED_DIR) + "/data/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here: " << folder;
+  const std::vector<std::string> joints = {"j1", "j2", "j3", "j4", "j5", "j6"};
+  const auto read = [&](const std::vector<std::string>& names) {
+    std::vector<std::string> paths;
+    for (const std::string& name : names) paths.push_back(folder + name);
+    return ReadMeasurements(paths, joints, std::vector<bool>(6, false));
+  };
+  const Measurements ur5 = read({"ur5_gts3800/measurements.csv"});
+  EXPECT_EQ(ur5.observations.size(), 1020u);
+  EXPECT_EQ(ur5.configurations.size(), 1020u);
+  EXPECT_EQ(ur5.markers, std::vector<std::string>{"smr"});
+  EXPECT_EQ(ur5.Cell(ur5.observations.back(), "group"), "random");
+  const Measurements ur10 = read(
+      {"ur10_leica/series_A.csv", "ur10_leica/series_B.csv", "ur10_leica/series_C.csv", "ur10_leica/series_D.csv"});
+  EXPECT_EQ(ur10.observations.size(), 11911u + 1495u + 2773u + 632u);
+  EXPECT_EQ(ur10.stations, (std::vector<std::string>{"A", "B", "C", "D"}));
+  EXPECT_EQ(ur10.markers.size(), 2u);
+  const Measurements practice = read({"practice/case010/measurements.csv"});
+  EXPECT_EQ(practice.observations.size(), 405u);
+  EXPECT_EQ(practice.markers.size(), 3u);
+  EXPECT_TRUE(practice.warnings.empty());
+  for (const Shot& shot : practice.shots) EXPECT_EQ(shot.observations.size(), 3u);
+}
+
+}  // namespace
+}  // namespace sagitta

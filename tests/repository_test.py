@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""What a checkout must keep: no paths of somebody's machine, no large files, no
+source a newcomer gets lost in, scripts that can be run. Standard library only."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+MAX_BYTES = 2_000_000
+MAX_LINES = 500
+GENERATED = {'.git', 'build', 'results', '__pycache__'}
+SHARED_PARENTS = {'/', '/tmp', '/opt', '/srv', '/mnt', '/usr/src', '/usr/local/src'}
+
+
+def files():
+    git = subprocess.run(['git', 'ls-files', '-z'], cwd=ROOT, capture_output=True, text=True)
+    return [name for name in git.stdout.split('\0') if name and (ROOT / name).is_file()]
+
+
+def files_without_git():
+    for folder, folders, names in os.walk(ROOT):
+        folders[:] = [f for f in folders if f not in GENERATED]
+        yield from (os.path.relpath(os.path.join(folder, name), ROOT) for name in names)
+
+
+def machine_paths():
+    patterns = [r'/(?:home|Users)/\w', r'/ro{2}t/']
+    if str(ROOT.parent) not in SHARED_PARENTS:
+        patterns.append(re.escape(str(ROOT.parent)) + '/')
+    return re.compile(r'(?<![\w.*}])(?:%s)' % '|'.join(patterns))
+
+
+def defects(name, machine_path):
+    path = ROOT / name
+    content = path.read_bytes()
+    if len(content) > MAX_BYTES:
+        yield '%s: %d bytes, more than %d' % (name, len(content), MAX_BYTES)
+    is_script = content.startswith(b'#!')
+    if is_script != os.access(path, os.X_OK):
+        yield '%s: %s' % (name, 'a script without the x bit' if is_script else 'the x bit on what is no script')
+    if b'\0' in content:
+        return
+    lines = content.decode('utf-8', errors='replace').splitlines()
+    if path.suffix in ('.cc', '.h') and len(lines) > MAX_LINES:
+        yield '%s: %d lines, more than %d' % (name, len(lines), MAX_LINES)
+    for number, line in enumerate(lines, 1):
+        if machine_path.search(line):
+            yield '%s:%d: a path of one machine: %s' % (name, number, line.strip()[:80])
+
+
+def main():
+    try:
+        names = files()
+    except OSError:  # no git
+        names = []
+    names = names or sorted(files_without_git())
+    machine_path = machine_paths()
+    found = [defect for name in names for defect in defects(name, machine_path)]
+    print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
+    return 1 if found or not names else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

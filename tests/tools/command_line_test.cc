@@ -1,0 +1,93 @@
+// The command line itself: help, exit statuses, flags, hints.
+#include "tests/tools/program.h"
+
+namespace sagitta::test {
+namespace {
+
+using CommandLineTest = ProgramTest;
+
+const std::string kExperiment = Published("kr270/experiment.yaml");
+
+TEST_F(CommandLineTest, HelpAndVersion) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"help"}, {"help", "calibrate"}, {"calibrate", "--help"}, {"--version"}}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 0) << arguments[0];
+    EXPECT_NE(outcome.out.find("sagitta"), std::string::npos);
+    EXPECT_EQ(outcome.err, "");
+  }
+}
+
+TEST_F(CommandLineTest, EveryCommandHasHelpWithAnExample) {
+  for (const char* command : {"calibrate", "predict", "simulate", "compare"}) {
+    const Outcome outcome = Run({command, "--help"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.out.find("Examples"), std::string::npos) << command;
+    EXPECT_NE(outcome.out.find("--out"), std::string::npos) << command;
+    EXPECT_EQ(outcome.out, Run({"help", command}).out);
+  }
+}
+
+TEST_F(CommandLineTest, WithoutCommandIsAUsageError) { EXPECT_EQ(Run({}).status, 2); }
+
+TEST_F(CommandLineTest, UnknownCommandNamesTheNearest) {
+  const Outcome outcome = Run({"calibrat"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("did you mean 'calibrate'"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+}
+
+TEST_F(CommandLineTest, CommandsOfLaterVersionsSaySo) {
+  for (const char* command :
+       {"diagnose", "validate", "inspect", "coverage", "plan", "compensate", "reproduce", "convert"}) {
+    const Outcome outcome = Run({command, kExperiment});
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_NE(outcome.err.find("does not have"), std::string::npos) << outcome.err;
+  }
+}
+
+TEST_F(CommandLineTest, UnknownFlagNamesTheNearest) {
+  const Outcome outcome = Run({"calibrate", kExperiment, "--sigmamm=0.1", "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("did you mean '--sigma_mm'"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(Exists("out"));
+}
+
+TEST_F(CommandLineTest, FlagsOfLibrariesAndOtherCommandsAreNotTaken) {
+  for (const char* flag : {"--logtostderr", "--methods=joint", "--flagfile=x"}) {
+    EXPECT_EQ(Run({"calibrate", kExperiment, flag}).status, 2) << flag;
+  }
+}
+
+TEST_F(CommandLineTest, BadValuesAreUsageErrors) {
+  for (const char* flag : {"--sigma_mm=abc", "--sigma_mm=nan", "--sigma_mm=0", "--sigma_mm=-1", "--seed=-1", "--threads=0",
+                           "--holdout=1.5", "--validation=group", "--load_point_mm=1,2", "--significance=2",
+                           "--method=joynt", "--require=fit.rms_mm", "--require=fit.rms_mm<x", "--quiet=maybe",
+                           "--free=geometry/p_x11", "--out"}) {
+    const Outcome outcome = Run({"calibrate", kExperiment, flag});
+    EXPECT_EQ(outcome.status, 2) << flag << outcome.err;
+    EXPECT_EQ(outcome.out, "") << flag;
+  }
+}
+
+TEST_F(CommandLineTest, BothSpellingsOfAFlagAndTheEndOfFlags) {
+  EXPECT_EQ(Run({"calibrate", "--out", Path("a"), "--quiet", "--", kExperiment}).status, 0);
+  EXPECT_EQ(Run({"calibrate", kExperiment, "--noquiet", "--out=" + Path("b")}).status, 0);
+  EXPECT_TRUE(Exists("a/estimate.json"));
+  EXPECT_TRUE(Exists("b/estimate.json"));
+  EXPECT_EQ(Run({"calibrate", kExperiment, "--seed=1", "--seed=2"}).status, 2);
+}
+
+TEST_F(CommandLineTest, NegativeNumbersAreValues) {
+  const Outcome outcome = Run({"calibrate", kExperiment, "--load_point_mm", "-280,0,-5.5"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+}
+
+TEST_F(CommandLineTest, AnExperimentNamesItsOwnMeasurements) {
+  EXPECT_EQ(Run({"calibrate", kExperiment, Published("kr270/geometric.csv")}).status, 2);
+  EXPECT_EQ(Run({"calibrate", Published("kr270/robot.yaml")}).status, 2);
+  EXPECT_EQ(Run({"calibrate"}).status, 2);
+}
+
+}  // namespace
+}  // namespace sagitta::test

@@ -1,0 +1,175 @@
+// What the commands write: complete, consistent, and readable by the next one.
+#include <cmath>
+
+#include "tests/tools/program.h"
+
+namespace sagitta::test {
+namespace {
+
+class ResultsTest : public ProgramTest {
+ protected:
+  const std::string experiment_ = Published("kr270/experiment.yaml");
+  const std::string robot_ = Published("kr270/robot.yaml");
+  const std::string data_ = Published("kr270/geometric.csv");
+};
+
+TEST_F(ResultsTest, CalibrateWritesFourFilesThatAgree) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--holdout=0.3", "--out=" + Path("out")}).status, 0);
+  const auto estimate = ReadJson("out/estimate.json");
+  EXPECT_EQ(estimate["status"], "converged");
+  EXPECT_EQ(estimate["inputs"].size(), 3);
+  const auto rows = Cells(Read("out/residuals.csv"));
+  double squares = 0.0;
+  int coordinates = 0;
+  for (size_t i = 1; i < rows.size(); ++i) {
+    for (const std::string axis : {"x", "y", "z"}) {
+      const double measured = std::stod(rows[i][Column(rows, axis + "_mm")]);
+      const double predicted = std::stod(rows[i][Column(rows, "pred_" + axis + "_mm")]);
+      const double residual = std::stod(rows[i][Column(rows, "res_" + axis + "_mm")]);
+      EXPECT_NEAR(measured - predicted, residual, 1e-9);
+      EXPECT_NEAR(std::stod(rows[i][Column(rows, "whitened_" + axis)]), residual / 0.1, 1e-9);
+      if (rows[i][Column(rows, "set")] != "calibration") continue;
+      squares += residual * residual;
+      ++coordinates;
+    }
+  }
+  EXPECT_EQ(coordinates, 3 * estimate["fit"]["observations"].get<int>());
+  EXPECT_NEAR(std::sqrt(squares / coordinates), estimate["fit"]["rms_mm"].get<double>(), 1e-9);
+  EXPECT_NE(Read("out/report.html").find("</html>"), std::string::npos);
+}
+
+TEST_F(ResultsTest, TheCalibratedRobotLoadsAgainAndHasNothingLeftToFind) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("a")}).status, 0);
+  ASSERT_EQ(Run({"calibrate", Path("a/robot.calibrated.yaml"), data_, "--sigma_mm=0.1", "--out=" + Path("b")}).status, 0);
+  const auto first = ReadJson("a/estimate.json"), second = ReadJson("b/estimate.json");
+  EXPECT_NEAR(first["fit"]["rms_mm"].get<double>(), second["fit"]["rms_mm"].get<double>(), 1e-8);
+  for (const auto& parameter : second["parameters"]) {
+    if (parameter["name"].get<std::string>().rfind("geometry/", 0) != 0 || !parameter["free"]) continue;
+    EXPECT_LT(std::abs(parameter["value"].get<double>()), 1e-3 * parameter["sigma"].get<double>()) << parameter["name"];
+  }
+}
+
+TEST_F(ResultsTest, PredictGivesTheSameNumbersAsResiduals) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("out")}).status, 0);
+  // configurations.csv: the rows of geometric.csv without points.
+  const std::string poses = Published("kr270/configurations.csv");
+  const Outcome outcome = Run({"predict", Path("out/estimate.json"), poses, "--out=" + Path("new/predicted.csv")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto residuals = Cells(Read("out/residuals.csv")), predicted = Cells(Read("new/predicted.csv"));
+  ASSERT_EQ(residuals.size(), predicted.size());
+  for (size_t i = 1; i < residuals.size(); ++i) {
+    for (const std::string axis : {"x", "y", "z"}) {
+      const std::string name = "pred_" + axis + "_mm";
+      EXPECT_NEAR(std::stod(residuals[i][Column(residuals, name)]), std::stod(predicted[i][Column(predicted, name)]), 1e-9);
+      const double sigma = std::stod(predicted[i][Column(predicted, "psig_" + axis + "_mm")]);
+      EXPECT_GT(sigma, 0.01);
+      EXPECT_LT(sigma, 0.1);  // the noise of one coordinate: a fit of 162 rows by 39 unknowns averages
+    }
+  }
+}
+
+TEST_F(ResultsTest, PredictedSigmasAreThoseOfTheLeverage) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("out")}).status, 0);
+  ASSERT_EQ(Run({"predict", Path("out/estimate.json"), data_, "--out=" + Path("p.csv")}).status, 0);
+  const auto residuals = Cells(Read("out/residuals.csv")), predicted = Cells(Read("p.csv"));
+  for (size_t i = 1; i < residuals.size(); ++i) {
+    double variance = 0.0;
+    for (const std::string axis : {"x", "y", "z"}) {
+      variance += std::pow(std::stod(predicted[i][Column(predicted, "psig_" + axis + "_mm")]), 2) / 3.0;
+    }
+    EXPECT_NEAR(variance / (0.1 * 0.1), std::stod(residuals[i][Column(residuals, "leverage")]), 1e-6);
+  }
+}
+
+TEST_F(ResultsTest, PredictRefusesWhatTheEstimateDoesNotKnow) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("out")}).status, 0);
+  for (const std::string column : {"station", "marker"}) {
+    auto rows = Cells(ReadAll(data_));
+    rows[5][Column(rows, column)] = "Nowhere";
+    const std::string file = Write("odd.csv", Csv(rows));
+    const Outcome outcome = Run({"predict", Path("out/estimate.json"), file, "--out=" + Path("p.csv")});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find("odd.csv:6: " + column), std::string::npos) << outcome.err;
+    EXPECT_FALSE(Exists("p.csv"));
+  }
+  EXPECT_EQ(Run({"predict", robot_, data_, "--out=" + Path("p.csv")}).status, 2);
+  EXPECT_EQ(Run({"predict", Write("x.json", "{\"schema\": \"sagitta/diagnosis/1\"}"), data_, "--out=" + Path("p.csv")}).status, 2);
+}
+
+TEST_F(ResultsTest, SimulatedMeasurementsGiveTheTruthBack) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("truth")}).status, 0);
+  const std::string truth = "--truth=" + Path("truth/estimate.json");
+  ASSERT_EQ(Run({"simulate", robot_, data_, truth, "--sigma_mm=0", "--out=" + Path("exact.csv")}).status, 0);
+  ASSERT_EQ(Run({"calibrate", robot_, Path("exact.csv"), "--sigma_mm=0.1", "--out=" + Path("again")}).status, 0);
+  const auto a = ReadJson("truth/estimate.json"), b = ReadJson("again/estimate.json");
+  for (size_t i = 0; i < a["parameters"].size(); ++i) {
+    EXPECT_EQ(a["parameters"][i]["name"], b["parameters"][i]["name"]);
+    EXPECT_NEAR(a["parameters"][i]["value"].get<double>(), b["parameters"][i]["value"].get<double>(), 1e-6);
+  }
+}
+
+TEST_F(ResultsTest, SimulationIsReproducible) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("truth")}).status, 0);
+  const std::string truth = "--truth=" + Path("truth/estimate.json");
+  for (const std::string name : {"a", "b"}) {
+    ASSERT_EQ(Run({"simulate", experiment_, truth, "--seed=5", "--out=" + Path(name)}).status, 0);
+  }
+  ASSERT_EQ(Run({"simulate", experiment_, truth, "--seed=6", "--out=" + Path("c")}).status, 0);
+  EXPECT_EQ(Read("a"), Read("b"));
+  EXPECT_NE(Read("a"), Read("c"));
+}
+
+TEST_F(ResultsTest, SimulateWithoutASceneSaysWhatIsMissing) {
+  const Outcome outcome = Run({"simulate", robot_, data_, "--out=" + Path("s.csv")});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("stations"), std::string::npos) << outcome.err;
+}
+
+TEST_F(ResultsTest, RequirementMetUnmetAndUnknown) {
+  EXPECT_EQ(Run({"calibrate", experiment_, "--require=fit.rms_mm<0.2,fit.reduced_chi2 >= 0.5", "--out=" + Path("a")}).status, 0);
+  const Outcome unmet = Run({"calibrate", experiment_, "--require=fit.rms_mm<0.01", "--out=" + Path("b")});
+  EXPECT_EQ(unmet.status, 1);
+  EXPECT_NE(unmet.err.find("fit.rms_mm"), std::string::npos);
+  EXPECT_TRUE(Exists("b/estimate.json"));
+  const Outcome unknown = Run({"calibrate", experiment_, "--require=fit.rms_m<0.2", "--out=" + Path("c")});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("rms_mm"), std::string::npos) << unknown.err;
+  EXPECT_FALSE(Exists("c/estimate.json"));
+}
+
+TEST_F(ResultsTest, FixedParametersStayAndHaveNoInterval) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--fixed=geometry/dq2", "--out=" + Path("out")}).status, 0);
+  for (const auto& parameter : ReadJson("out/estimate.json")["parameters"]) {
+    if (parameter["name"] != "geometry/dq2") continue;
+    EXPECT_EQ(parameter["value"], 0.0);
+    EXPECT_EQ(parameter["free"], false);
+    EXPECT_EQ(parameter["identifiable"], true);
+    EXPECT_TRUE(parameter["sigma"].is_null());
+  }
+}
+
+TEST_F(ResultsTest, NamesAreEscapedInTheReport) {
+  auto rows = Cells(ReadAll(data_));
+  for (size_t i = 1; i < rows.size(); ++i) {
+    if (rows[i][Column(rows, "marker")] == "P1") rows[i][Column(rows, "marker")] = "<b>&P1";
+  }
+  ASSERT_EQ(Run({"calibrate", robot_, Write("m.csv", Csv(rows)), "--out=" + Path("out")}).status, 0);
+  const std::string report = Read("out/report.html");
+  EXPECT_EQ(report.find("<b>"), std::string::npos);
+  EXPECT_NE(report.find("&lt;b&gt;&amp;P1"), std::string::npos);
+}
+
+TEST_F(ResultsTest, CompareListsEveryMethod) {
+  const Outcome outcome = Run({"compare", experiment_, "--methods=joint,two-step", "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto methods = ReadJson("out/comparison.json")["methods"];
+  ASSERT_EQ(methods.size(), 2);
+  EXPECT_EQ(methods[0]["name"], "joint");
+  EXPECT_LT(methods[1]["max_deviation_sigma"].get<double>(), 1e-5);
+  for (const char* key : {"status", "iterations", "seconds", "cost", "rms_mm", "parameters", "rate_measured", "rate_predicted"}) {
+    EXPECT_TRUE(methods[1].contains(key)) << key;
+  }
+}
+
+}  // namespace
+}  // namespace sagitta::test

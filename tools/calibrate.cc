@@ -1,0 +1,128 @@
+// sagitta calibrate: the main job.
+#include <gflags/gflags.h>
+
+#include <iostream>
+
+#include "estimator/compare_methods.h"
+#include "estimator/joint_estimator.h"
+#include "estimator/unit_guess.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/robot_file.h"
+#include "tools/commands.h"
+#include "tools/estimate_json.h"
+#include "tools/progress.h"
+#include "tools/report_html.h"
+#include "tools/requirement.h"
+#include "tools/residuals_csv.h"
+#include "tools/summary.h"
+
+DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
+DEFINE_string(require, "", "'PATH<NUMBER,…' in estimate.json (< <= > >= ==); not met: exit status 1");
+
+namespace sagitta {
+namespace {
+
+constexpr int kRequirementNotMet = 1;
+constexpr int kNumericalFailure = 3;
+
+const std::vector<std::string> kMethods = {"joint", "two-step", "two-step-literal", "two-step-relinearised",
+                                           "full-pose"};
+
+void CheckMethod() {
+  for (const std::string& method : kMethods) {
+    if (FLAGS_method == method) return;
+  }
+  throw InputError({"", 0, "--method"}, "there is no method '" + FLAGS_method + "'",
+                   SpellingHint(FLAGS_method, kMethods));
+}
+
+Estimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
+  JointOptions options;
+  options.num_threads = FLAGS_threads;
+  options.progress = [progress](const std::string& what) { progress->Say(what); };
+  Estimate joint = EstimateJointly(problem, options);
+  if (FLAGS_method == "joint" || !IsUsable(joint.status)) return joint;
+  progress->Say("running " + FLAGS_method);
+  return RunMethod(problem, FLAGS_method, joint).estimate;
+}
+
+int ReportFailure(const Estimate& estimate) {
+  std::cerr << "sagitta: no estimate: " << StatusName(estimate.status) << ": " << estimate.message << "\n";
+  for (const Direction& direction : estimate.identifiability.unidentifiable) {
+    std::cerr << "  " << direction.words << "; " << direction.remedy << "\n";
+  }
+  return kNumericalFailure;
+}
+
+// Everything is text before the first file is written.
+struct ResultFiles {
+  nlohmann::ordered_json json;
+  std::string residuals, robot, report;
+
+  ResultFiles(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance)
+      : json(EstimateToJson(problem, estimate, provenance)),
+        residuals(ResidualsToCsv(problem, estimate)),
+        robot(RobotToYaml(CalibratedRobot(problem.robot, estimate.parameters, problem.model))),
+        report(ReportToHtml(problem, estimate, provenance)) {}
+
+  // The estimate last: where it is, the others are.
+  void Write(const std::string& folder) const {
+    WriteTextFile(folder + "/robot.calibrated.yaml", robot);
+    WriteTextFile(folder + "/residuals.csv", residuals);
+    WriteTextFile(folder + "/report.html", report);
+    WriteTextFile(folder + "/estimate.json", DumpJson(json));
+  }
+};
+
+int RunCalibrate(const CommandLine& line) {
+  ExpectArguments(line, CalibrateCommand(), 1, 1000);
+  CheckMethod();
+  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
+  const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
+  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+
+  Estimate estimate;
+  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const CalibrationProblem problem = ProblemFromInputs(inputs);
+  {
+    Progress progress(FLAGS_quiet);
+    estimate = RunEstimate(problem, &progress);
+  }
+  if (!IsUsable(estimate.status)) return ReportFailure(estimate);
+
+  const std::string misfit = WarningOfMisfit(problem, estimate.fit.distance_rms);
+  if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  const ResultFiles files(problem, estimate, {line.text, FLAGS_method, inputs.files});
+  const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
+  std::cout << SectionsToText(Summarise(problem, estimate));
+  if (FLAGS_out.empty()) {
+    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+  } else {
+    files.Write(FLAGS_out);
+    std::cout << "\nResults in " << FLAGS_out << ": report.html, estimate.json, robot.calibrated.yaml, residuals.csv\n";
+  }
+  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
+  return unmet.empty() ? 0 : kRequirementNotMet;
+}
+
+}  // namespace
+
+Command CalibrateCommand() {
+  return {"calibrate", "estimates geometry, base poses and markers from measured points",
+          R"(sagitta calibrate EXP --out=DIR
+
+EXP is an experiment file, or ROBOT.yaml MEAS.csv…: then base poses, markers and the default geometric errors
+are estimated, with the standard deviations of the rows, else an estimated one. No starting values are needed.
+Writes estimate.json, robot.calibrated.yaml, residuals.csv and report.html to DIR.
+
+Examples
+  sagitta calibrate robot.yaml measurements.csv --out=results
+  sagitta calibrate robot.yaml measurements.csv --holdout=0.3 --seed=1 --out=results
+  sagitta calibrate robot.yaml a.csv b.csv --sigma_mm=0.05 --fixed=geometry/j1.d,base/S1 --out=results
+  sagitta calibrate experiment.yaml --out=results --require='validation.distance_rms_mm<0.3'
+)",
+          WithProblemFlags({"method", "require"}), RunCalibrate};
+}
+
+}  // namespace sagitta

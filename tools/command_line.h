@@ -1,0 +1,52 @@
+// The command line: a command, its arguments and the flags it takes.
+//
+// Flags are gflags (DEFINE_* beside the code that uses them), but a command
+// takes only those it lists: gflags' own parser would accept every flag of every
+// library and exits with 1 on a wrong one.
+#pragma once
+
+#include <gflags/gflags_declare.h>
+
+#include <string>
+#include <vector>
+
+DECLARE_string(out);
+DECLARE_uint64(seed);
+DECLARE_int32(threads);
+DECLARE_bool(quiet);
+
+namespace sagitta {
+
+struct CommandLine {
+  std::string text;                    // as typed, for provenance
+  std::vector<std::string> arguments;  // positional
+  bool help = false;
+};
+
+struct Command {
+  std::string name;
+  std::string summary;  // one line
+  std::string help;     // usage, what it does, examples
+  std::vector<std::string> flags;
+  int (*run)(const CommandLine& line) = nullptr;  // exit status; null: not in this version
+};
+
+// `arguments`: what follows the command's name. `--flag value` and
+// `--flag=value`, `--flag` and `--noflag` for switches, `--` ends flags. Throws
+// InputError for a flag that the command does not take or a value that is none.
+CommandLine ParseCommandLine(const Command& command, const std::vector<std::string>& arguments);
+
+// True when the command line sets the flag.
+bool IsGiven(const std::string& flag);
+
+// Throws InputError unless the number of arguments lies in the range.
+void ExpectArguments(const CommandLine& line, const Command& command, size_t least, size_t most);
+
+// Help text of a flag: name, what it does, default.
+std::string DescribeFlag(const std::string& flag);
+
+std::vector<std::string> SplitText(const std::string& text, char separator);
+// All numbers of "1,2,3"; throws InputError that names the flag.
+std::vector<double> NumbersOfFlag(const std::string& flag, const std::string& text);
+
+}  // namespace sagitta

@@ -1,0 +1,13 @@
+// The commands, one file each.
+#pragma once
+
+#include "tools/command_line.h"
+
+namespace sagitta {
+
+Command CalibrateCommand();
+Command PredictCommand();
+Command SimulateCommand();
+Command CompareCommand();
+
+}  // namespace sagitta

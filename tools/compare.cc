@@ -1,0 +1,140 @@
+// sagitta compare: methods side by side on the same problem.
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "estimator/compare_methods.h"
+#include "estimator/joint_estimator.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "tools/commands.h"
+#include "tools/estimate_json.h"
+#include "tools/progress.h"
+#include "tools/summary.h"
+
+DEFINE_string(methods, "joint,two-step,two-step-literal,two-step-relinearised,full-pose",
+              "the methods to compare, separated by commas");
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kNumericalFailure = 3;
+
+std::vector<std::string> MethodsAsked() {
+  const std::vector<std::string> known = {"joint", "two-step", "two-step-literal", "two-step-relinearised",
+                                          "full-pose"};
+  const std::vector<std::string> methods = SplitText(FLAGS_methods, ',');
+  for (const std::string& method : methods) {
+    if (std::find(known.begin(), known.end(), method) != known.end()) continue;
+    throw InputError({"", 0, "--methods"}, "there is no method '" + method + "'", SpellingHint(method, known));
+  }
+  return methods;
+}
+
+Json MethodToJson(const MethodResult& result) {
+  const Estimate& estimate = result.estimate;
+  Json json = {{"name", result.name},
+               {"status", StatusName(estimate.status)},
+               {"message", estimate.message},
+               {"iterations", estimate.iterations},
+               {"seconds", estimate.seconds},
+               {"cost", estimate.cost},
+               {"rms_mm", 1e3 * estimate.fit.rms},
+               {"distance_rms_mm", 1e3 * estimate.fit.distance_rms}};
+  json["parameters"] = Json::object();
+  for (const ParameterEstimate& row : estimate.table) {
+    json["parameters"][row.name] = row.value / TraitsOf(row.quantity).si_per_unit;
+  }
+  json["max_deviation_sigma"] = result.max_deviation_sigma;
+  json["rate_measured"] = result.rate_measured;
+  json["rate_predicted"] = result.rate_predicted;
+  return json;
+}
+
+std::string OrDash(double value, int digits) { return std::isfinite(value) ? Significant(value, digits) : "-"; }
+
+Section Table(const std::vector<MethodResult>& results) {
+  Section section;
+  section.title = "Methods on the same data";
+  section.header = {"method", "status", "iterations", "seconds", "cost", "RMS mm", "off by sigma", "rate", "predicted"};
+  for (const MethodResult& result : results) {
+    const Estimate& estimate = result.estimate;
+    section.rows.push_back({result.name, StatusName(estimate.status), std::to_string(estimate.iterations),
+                            Fixed(estimate.seconds, 3), OrDash(estimate.cost, 8), Fixed(1e3 * estimate.fit.rms, 5),
+                            OrDash(result.max_deviation_sigma, 3), OrDash(result.rate_measured, 4),
+                            OrDash(result.rate_predicted, 4)});
+  }
+  section.paragraphs = {
+      "off by sigma: largest deviation of a parameter from the joint optimum, in its standard deviations.",
+      "rate: error of one iteration over that of the one before; predicted: c1^2, the largest canonical correlation."};
+  for (const MethodResult& result : results) {
+    if (!IsUsable(result.estimate.status)) section.paragraphs.push_back(result.name + ": " + result.estimate.message);
+    for (const std::string& warning : result.estimate.warnings) section.paragraphs.push_back(result.name + ": " + warning);
+  }
+  return section;
+}
+
+Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
+                      const std::vector<MethodResult>& results) {
+  Json json = {{"schema", "sagitta/comparison/1"}, {"version", SAGITTA_VERSION}, {"command", line.text}};
+  json["inputs"] = Json::array();
+  for (const InputFile& input : inputs.files) json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
+  json["methods"] = Json::array();
+  for (const MethodResult& result : results) json["methods"].push_back(MethodToJson(result));
+  return json;
+}
+
+int RunCompare(const CommandLine& line) {
+  ExpectArguments(line, CompareCommand(), 1, 1000);
+  const std::vector<std::string> methods = MethodsAsked();
+  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const CalibrationProblem problem = ProblemFromInputs(inputs);
+
+  std::vector<MethodResult> results;
+  {
+    Progress progress(FLAGS_quiet);
+    progress.Say("running joint");
+    JointOptions options;
+    options.num_threads = FLAGS_threads;
+    const Estimate joint = EstimateJointly(problem, options);
+    if (!IsUsable(joint.status)) {
+      std::cerr << "sagitta: no joint estimate to compare with: " << StatusName(joint.status) << ": " << joint.message << "\n";
+      return kNumericalFailure;
+    }
+    for (const std::string& method : methods) {
+      progress.Say("running " + method);
+      results.push_back(RunMethod(problem, method, joint));
+    }
+  }
+  std::cout << SectionsToText({Table(results)});
+  if (FLAGS_out.empty()) {
+    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    return 0;
+  }
+  WriteTextFile(FLAGS_out + "/comparison.json", DumpJson(ComparisonToJson(line, inputs, results)));
+  std::cout << "\nResults in " << FLAGS_out << ": comparison.json\n";
+  return 0;
+}
+
+}  // namespace
+
+Command CompareCommand() {
+  return {"compare", "methods side by side: optimum, bias, iterations, time",
+          R"(sagitta compare EXP --methods=joint,two-step,… --out=DIR
+
+EXP is an experiment file, or ROBOT.yaml MEAS.csv…. Methods: joint; two-step (exact halves), two-step-literal
+(as papers 000 and 002 print it), two-step-relinearised; full-pose. Writes comparison.json to DIR.
+
+Examples
+  sagitta compare experiment.yaml --out=results
+  sagitta compare robot.yaml measurements.csv --sigma_mm=0.1 --methods=joint,two-step-literal --out=results
+)",
+          WithProblemFlags({"methods"}), RunCompare};
+}
+
+}  // namespace sagitta

@@ -1,0 +1,190 @@
+// The half of estimate_json.h that reads.
+#include <cmath>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/robot_file.h"
+#include "tools/estimate_json.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class EstimateReader {
+ public:
+  explicit EstimateReader(const std::string& path) : path_(path) {}
+
+  KnownRobot Read() {
+    const Json json = Parse();
+    known_.file = path_;
+    known_.robot = ReadRobotText(Get(json, "robot").dump(), path_);
+    ReadStations(Get(json, "stations"));
+    ReadMarkers(Get(json, "markers"));
+    ReadCovariance(json);
+    return known_;
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint = "") const {
+    throw InputError({path_, 0, key}, what, hint);
+  }
+
+  Json Parse() const {
+    Json json = Json::parse(ReadTextFile(path_), nullptr, false);
+    if (json.is_discarded() || !json.is_object()) {
+      Fail("", "this is not JSON, an estimate is expected", "give the estimate.json that 'sagitta calibrate' wrote");
+    }
+    const Json schema = json.value("schema", Json());
+    if (schema != "sagitta/estimate/1") {
+      Fail("schema", schema.is_null() ? "this key is missing: not an estimate" : schema.dump() + " cannot be read here",
+           "expected: sagitta/estimate/1, as 'sagitta calibrate' writes it");
+    }
+    return json;
+  }
+
+  const Json& Get(const Json& map, const std::string& key) const {
+    if (!map.is_object() || !map.contains(key)) Fail(key, "this key is missing");
+    return map.at(key);
+  }
+
+  double Number(const Json& json, const std::string& key) const {
+    if (!json.is_number() || !std::isfinite(json.get<double>())) Fail(key, "a finite number is expected");
+    return json.get<double>();
+  }
+
+  // Thousandths (mm, mrad) to SI.
+  Vector3<double> Triple(const Json& map, const std::string& key) const {
+    const Json& list = Get(map, key);
+    if (!list.is_array() || list.size() != 3) Fail(key, "three numbers are expected");
+    Vector3<double> triple;
+    for (int i = 0; i < 3; ++i) triple[i] = Number(list[i], key) / 1e3;
+    return triple;
+  }
+
+  void ReadStations(const Json& stations) {
+    for (const auto& [name, station] : stations.items()) {
+      Pose<double> pose;
+      pose.translation = Triple(station, "xyz_mm");
+      pose.rotation = RotationFromVector(Triple(station, "rotvec_mrad"));
+      known_.base_in_station[name] = pose;
+    }
+  }
+
+  void ReadMarkers(const Json& markers) {
+    for (const auto& [name, marker] : markers.items()) {
+      const Json& on = Get(marker, "on");
+      if (!on.is_string()) Fail("markers." + name + ".on", "a text is expected");
+      known_.markers[name] = {Triple(marker, "xyz_mm"), on.get<std::string>()};
+    }
+  }
+
+  std::map<std::string, double> Deviations(const Json& json) const {
+    std::map<std::string, double> deviations;  // SI
+    for (const Json& row : Get(json, "parameters")) {
+      const Json& sigma = Get(row, "sigma");
+      if (sigma.is_null()) continue;
+      deviations[Get(row, "name").get<std::string>()] =
+          Number(sigma, "parameters.sigma") * SiPerUnit(Get(row, "unit").get<std::string>());
+    }
+    return deviations;
+  }
+
+  double SiPerUnit(const std::string& unit) const {
+    for (const Quantity quantity :
+         {Quantity::kLength, Quantity::kAngle, Quantity::kRotationVector, Quantity::kCompliance}) {
+      if (unit == TraitsOf(quantity).unit) return TraitsOf(quantity).si_per_unit;
+    }
+    Fail("parameters.unit", "unit '" + unit + "' is not known");
+  }
+
+  void ReadCovariance(const Json& json) {
+    const std::map<std::string, double> deviations = Deviations(json);
+    const Json& correlation = Get(json, "correlation");
+    const Json& matrix = Get(correlation, "matrix");
+    for (const Json& name : Get(correlation, "names")) known_.uncertain.push_back(name.get<std::string>());
+    const size_t n = known_.uncertain.size();
+    if (matrix.size() != n) Fail("correlation.matrix", "as many rows as names are expected");
+    known_.covariance.resize(n, n);
+    const auto deviation = [&](size_t i) {
+      const auto found = deviations.find(known_.uncertain[i]);
+      return found == deviations.end() ? 0.0 : found->second;
+    };
+    for (size_t r = 0; r < n; ++r) {
+      if (matrix[r].size() != n) Fail("correlation.matrix", "a square matrix is expected");
+      for (size_t c = 0; c < n; ++c) {
+        known_.covariance(r, c) = Number(matrix[r][c], "correlation.matrix") * deviation(r) * deviation(c);
+      }
+    }
+  }
+
+  std::string path_;
+  KnownRobot known_;
+};
+
+template <typename Map>
+std::vector<std::string> KeysOf(const Map& map) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : map) keys.push_back(key);
+  return keys;
+}
+
+InputError::Where WhereOf(const Measurements& data, const Observation& observation, const std::string& key) {
+  const MeasurementFile& file = data.files[observation.file];
+  return {file.path, file.rows[observation.row].line, key};
+}
+
+void CheckRows(const KnownRobot& known, const Measurements& data) {
+  for (const Observation& observation : data.observations) {
+    const Shot& shot = data.shots[observation.shot];
+    const std::string& station = data.stations[shot.station];
+    const std::string& marker = data.markers[observation.marker];
+    if (known.base_in_station.count(station) == 0) {
+      throw InputError(WhereOf(data, observation, "station"), "no pose of station '" + station + "' in " + known.file,
+                       SpellingHint(station, KeysOf(known.base_in_station)));
+    }
+    if (known.markers.count(marker) == 0) {
+      throw InputError(WhereOf(data, observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
+                       SpellingHint(marker, KeysOf(known.markers)));
+    }
+    if (shot.load != "none" || !shot.wrench.IsZero()) {
+      throw InputError(WhereOf(data, observation, "load"), "the row is loaded ('" + shot.load + "')",
+                       "this version predicts unloaded rows; loads and compliances are not supported yet");
+    }
+  }
+}
+
+int FrameOf(const Chain& chain, const std::string& file, const std::string& marker, const std::string& on) {
+  if (on == "flange") return chain.FlangeFrame();
+  if (on == "base" || on == "world") return chain.BaseFrame();
+  const int joint = chain.FindJoint(on);
+  if (joint < 0) throw InputError({file, 0, "markers." + marker + ".on"}, "'" + on + "' is no place on this robot");
+  return chain.FrameAfterJoint(joint);
+}
+
+}  // namespace
+
+KnownRobot ReadEstimateFile(const std::string& path) {
+  try {
+    return EstimateReader(path).Read();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError({path, 0, ""}, std::string("this estimate cannot be read: ") + error.what());
+  }
+}
+
+CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
+  CheckRows(known, data);
+  CalibrationProblem problem(known.robot, std::move(data), Experiment());
+  for (size_t s = 0; s < problem.data.stations.size(); ++s) {
+    problem.parameters.SetBaseInStation(s, known.base_in_station.at(problem.data.stations[s]));
+  }
+  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
+    const std::string& name = problem.data.markers[m];
+    const MarkerSpec& spec = known.markers.at(name);
+    problem.parameters.SetMarkerPoint(m, *spec.point);
+    problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
+  }
+  return problem;
+}
+
+}  // namespace sagitta

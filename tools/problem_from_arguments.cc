@@ -1,0 +1,156 @@
+#include "tools/problem_from_arguments.h"
+
+#include <gflags/gflags.h>
+
+#include "estimator/unit_guess.h"
+#include "problems/input_error.h"
+#include "problems/io/experiment_file.h"
+#include "problems/io/files.h"
+#include "problems/io/robot_file.h"
+#include "tools/command_line.h"
+
+DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces those of the rows");
+DEFINE_double(holdout, 0.0, "fraction of the configurations kept for validation");
+DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation");
+DEFINE_string(load_point_mm, "", "x,y,z where loads act, flange frame");
+DEFINE_string(free, "", "NAME,…: parameters to estimate besides");
+DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");
+DEFINE_double(significance, 0.01, "level of every test");
+
+namespace sagitta {
+namespace {
+
+void ApplyNoiseFlags(Experiment* experiment) {
+  if (!IsGiven("sigma_mm")) return;
+  if (!(FLAGS_sigma_mm > 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation has to be above 0");
+  experiment->noise.from = NoiseSpec::From::kSigma;
+  experiment->noise.sigma = FLAGS_sigma_mm / 1e3;
+  experiment->noise.replaces_rows = true;
+}
+
+void ApplyHoldout(Experiment* experiment) {
+  if (!(FLAGS_holdout > 0.0 && FLAGS_holdout < 1.0)) {
+    throw InputError({"", 0, "--holdout"}, "a fraction between 0 and 1 is expected", "--holdout=0.3");
+  }
+  experiment->validation = ValidationSpec();
+  experiment->validation.kind = ValidationSpec::Kind::kFraction;
+  experiment->validation.fraction = FLAGS_holdout;
+}
+
+void ApplyValidationColumn(Experiment* experiment) {
+  experiment->validation = ValidationSpec();
+  if (FLAGS_validation == "none") {
+    experiment->validation.kind = ValidationSpec::Kind::kNone;
+    return;
+  }
+  const size_t equals = FLAGS_validation.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == FLAGS_validation.size()) {
+    throw InputError({"", 0, "--validation"}, "'" + FLAGS_validation + "' does not say which rows",
+                     "--validation=COLUMN=VALUE, for example --validation=group=random, or none");
+  }
+  experiment->validation.kind = ValidationSpec::Kind::kColumn;
+  experiment->validation.column = FLAGS_validation.substr(0, equals);
+  experiment->validation.values = SplitText(FLAGS_validation.substr(equals + 1), ',');
+}
+
+void ApplyValidationFlags(Experiment* experiment) {
+  if (IsGiven("holdout") && IsGiven("validation")) {
+    throw InputError({"", 0, "--holdout"}, "--holdout and --validation exclude each other");
+  }
+  if (IsGiven("holdout")) ApplyHoldout(experiment);
+  if (IsGiven("validation")) ApplyValidationColumn(experiment);
+  if (IsGiven("holdout") || IsGiven("seed")) experiment->validation.seed = FLAGS_seed;
+}
+
+void ApplyEstimateFlags(Experiment* experiment) {
+  if (IsGiven("free")) experiment->estimate.free = SplitText(FLAGS_free, ',');
+  if (IsGiven("fixed")) experiment->estimate.fixed = SplitText(FLAGS_fixed, ',');
+  if (IsGiven("load_point_mm")) {
+    const std::vector<double> point = NumbersOfFlag("load_point_mm", FLAGS_load_point_mm);
+    if (point.size() != 3) throw InputError({"", 0, "--load_point_mm"}, "three numbers are expected: x,y,z");
+    experiment->load_point = Vector3<double>(point[0], point[1], point[2]) / 1e3;
+  }
+  if (!IsGiven("significance")) return;
+  if (!(FLAGS_significance > 0.0 && FLAGS_significance < 1.0)) {
+    throw InputError({"", 0, "--significance"}, "a level between 0 and 1 is expected", "--significance=0.01");
+  }
+  experiment->significance = FLAGS_significance;
+}
+
+Experiment ExperimentOf(const std::vector<std::string>& arguments) {
+  if (IsExperimentFile(arguments[0])) {
+    if (arguments.size() > 1) {
+      throw InputError({arguments[0], 0, "measurements"}, "an experiment file names its own measurements, '" +
+                       arguments[1] + "' is one argument too many", "list the file under measurements:");
+    }
+    return ReadExperimentFile(arguments[0]);
+  }
+  if (arguments.size() < 2) {
+    throw InputError({arguments[0], 0, ""}, "the measurements are missing",
+                     "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1");
+  }
+  Experiment experiment;
+  experiment.robot_file = arguments[0];
+  experiment.measurement_files.assign(arguments.begin() + 1, arguments.end());
+  return experiment;
+}
+
+}  // namespace
+
+InputFile DescribeInput(const std::string& path) { return {path, Sha256(ReadTextFile(path))}; }
+
+bool IsExperimentFile(const std::string& path) {
+  for (const std::string& line : SplitText(ReadTextFile(path), '\n')) {
+    const size_t first = line.find_first_not_of(" \t{\"");
+    if (first == std::string::npos || line[first] == '#') continue;
+    if (line.find("schema") == std::string::npos) continue;
+    return line.find("sagitta/experiment/") != std::string::npos;
+  }
+  return false;
+}
+
+Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
+                                 const MeasurementReadOptions& options) {
+  std::vector<std::string> joints;
+  std::vector<bool> prismatic;
+  for (const Joint& joint : robot.chain.joints) {
+    joints.push_back(joint.name);
+    prismatic.push_back(joint.type == JointType::kPrismatic);
+  }
+  return ReadMeasurements(paths, joints, prismatic, options);
+}
+
+ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& arguments,
+                                      const MeasurementReadOptions& options) {
+  ExperimentInputs inputs;
+  inputs.experiment = ExperimentOf(arguments);
+  const Experiment& experiment = inputs.experiment;
+  inputs.robot = ReadRobotFile(experiment.robot_file);
+  inputs.data = ReadMeasurementsFor(inputs.robot, experiment.measurement_files, options);
+  if (!experiment.file.empty()) inputs.files.push_back(DescribeInput(experiment.file));
+  inputs.files.push_back(DescribeInput(experiment.robot_file));
+  for (const std::string& path : experiment.measurement_files) inputs.files.push_back(DescribeInput(path));
+  return inputs;
+}
+
+std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
+  for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance",
+                           "out", "seed", "threads", "quiet"}) {
+    flags.push_back(flag);
+  }
+  return flags;
+}
+
+CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
+  Experiment experiment = inputs.experiment;
+  ApplyNoiseFlags(&experiment);
+  ApplyValidationFlags(&experiment);
+  ApplyEstimateFlags(&experiment);
+  CalibrationProblem problem = MakeCalibrationProblem(inputs.robot, inputs.data, std::move(experiment));
+  if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem)) {
+    throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
+  }
+  return problem;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,196 @@
+#include "tools/report_html.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/residuals_csv.h"
+#include "tools/summary.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kBins = 30;
+constexpr double kRange = 4.0;       // standard deviations shown
+constexpr size_t kMostBars = 400;    // configurations drawn one by one
+
+constexpr const char* kStyle = R"(body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}
+h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em;border-bottom:1px solid #ccc}
+table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:right;font-variant-numeric:tabular-nums}
+th:first-child,td:first-child,.unit{text-align:left}td:first-child{white-space:pre}tr:nth-child(even) td{background:#f5f5f5}
+svg{margin:.5em 1em .5em 0}svg text{font:11px sans-serif;fill:#444}code{background:#f5f5f5;word-break:break-all}
+.bar{fill:#4a78b0}.held-out{fill:#d9822b}.line{stroke:#b33;fill:none;stroke-width:1.5}.axis{stroke:#888}
+@media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr,svg{break-inside:avoid}}
+)";
+
+std::string N(double value) { return Fixed(value, 1); }
+
+std::string Rectangle(double x, double y, double width, double height, const std::string& style,
+                      const std::string& title) {
+  return "<rect class=\"" + style + "\" x=\"" + N(x) + "\" y=\"" + N(y) + "\" width=\"" + N(width) + "\" height=\"" +
+         N(height) + "\"><title>" + EscapeHtml(title) + "</title></rect>\n";
+}
+
+std::string Text(double x, double y, const std::string& text, const std::string& anchor = "middle") {
+  return "<text x=\"" + N(x) + "\" y=\"" + N(y) + "\" text-anchor=\"" + anchor + "\">" + EscapeHtml(text) + "</text>\n";
+}
+
+std::string Svg(double width, double height, const std::string& title, const std::string& body) {
+  return "<svg role=\"img\" width=\"" + N(width) + "\" height=\"" + N(height) + "\" viewBox=\"0 0 " + N(width) + " " +
+         N(height) + "\"><title>" + EscapeHtml(title) + "</title>\n" + body + "</svg>\n";
+}
+
+// Counts in bins over +-kRange; what lies beyond is in the outermost bins.
+std::vector<int> Histogram(const std::vector<double>& values) {
+  std::vector<int> counts(kBins);
+  for (const double value : values) {
+    const double position = (value + kRange) / (2.0 * kRange) * kBins;
+    ++counts[static_cast<int>(std::clamp(position, 0.0, kBins - 1.0))];
+  }
+  return counts;
+}
+
+std::string HistogramSvg(char axis, const std::vector<double>& values) {
+  constexpr double kWidth = 260, kHeight = 160, kFloor = 135;
+  const std::vector<int> counts = Histogram(values);
+  const double expected_peak = values.size() * 2.0 * kRange / kBins * 0.3989422804;
+  const double highest = std::max({1.0, expected_peak, 1.0 * *std::max_element(counts.begin(), counts.end())});
+  const double scale = (kFloor - 20) / highest, step = kWidth / kBins;
+  std::string body, curve;
+  for (int b = 0; b < kBins; ++b) {
+    body += Rectangle(b * step, kFloor - scale * counts[b], step - 1, scale * counts[b], "bar", std::to_string(counts[b]));
+  }
+  for (int i = 0; i <= 80; ++i) {
+    const double u = kRange * (i / 40.0 - 1.0);
+    curve += N(kWidth * i / 80.0) + "," + N(kFloor - scale * expected_peak * std::exp(-0.5 * u * u)) + " ";
+  }
+  body += "<polyline class=\"line\" points=\"" + curve + "\"/>\n";
+  body += "<line class=\"axis\" x1=\"0\" x2=\"260\" y1=\"135\" y2=\"135\"/>\n";
+  for (const int tick : {-3, -2, -1, 0, 1, 2, 3}) {
+    body += Text(kWidth * (tick + kRange) / (2.0 * kRange), 150, std::to_string(tick));
+  }
+  body += Text(4, 12, std::string(1, axis), "start");
+  return Svg(kWidth, kHeight, std::string("whitened residuals in ") + axis, body);
+}
+
+std::string Histograms(const CalibrationProblem& problem, const Estimate& estimate) {
+  const Eigen::Matrix3Xd whitened = WhitenedResiduals(problem, estimate);
+  const double scale = estimate.sigma.scaled ? estimate.sigma.a_posteriori : 1.0;
+  std::string html = "<h2>Whitened residuals</h2>\n<p>(measured − predicted) / sigma of calibration rows";
+  if (estimate.sigma.scaled) html += ", divided by the a-posteriori sigma " + Significant(scale, 3);
+  html += "; the line is the normal distribution.</p>\n";
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const int i : problem.CalibrationObservations()) {
+      if (std::isfinite(whitened(axis, i))) values.push_back(whitened(axis, i) / scale);
+    }
+    html += HistogramSvg("xyz"[axis], values);
+  }
+  return html;
+}
+
+struct Bar {
+  double squared = 0.0;  // m^2
+  int observations = 0;
+  bool is_validation = false;
+  std::string name;
+  double rms() const { return std::sqrt(squared / std::max(1, observations)); }
+};
+
+// One per configuration in order of the rows; neighbours merge where there are too many.
+std::vector<Bar> BarsOf(const CalibrationProblem& problem, const Estimate& estimate) {
+  const Measurements& data = problem.data;
+  std::vector<Bar> bars(data.configurations.size());
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const int configuration = data.shots[data.observations[i].shot].configuration;
+    bars[configuration].squared += (data.observations[i].point_in_station - estimate.predicted.col(i)).squaredNorm();
+    ++bars[configuration].observations;
+  }
+  for (size_t c = 0; c < bars.size(); ++c) {
+    bars[c].name = data.configurations[c].id;
+    bars[c].is_validation = data.configurations[c].is_validation;
+  }
+  if (bars.size() <= kMostBars) return bars;
+  std::vector<Bar> merged(kMostBars);
+  for (size_t c = 0; c < bars.size(); ++c) {
+    Bar& bar = merged[c * kMostBars / bars.size()];
+    if (bar.name.empty()) bar.name = "from " + bars[c].name;
+    bar.squared += bars[c].squared;
+    bar.observations += bars[c].observations;
+  }
+  return merged;
+}
+
+std::string ConfigurationSvg(const std::vector<Bar>& bars) {
+  constexpr double kWidth = 840, kHeight = 190, kFloor = 170;
+  double highest = 1e-9;
+  for (const Bar& bar : bars) highest = std::max(highest, bar.rms());
+  const double step = kWidth / bars.size();
+  std::string body;
+  for (size_t i = 0; i < bars.size(); ++i) {
+    const double height = (kFloor - 20) * bars[i].rms() / highest;
+    body += Rectangle(i * step, kFloor - height, std::max(0.5, 0.8 * step), height,
+                      bars[i].is_validation ? "held-out" : "bar", bars[i].name + ": " + Fixed(1e3 * bars[i].rms(), 4) + " mm");
+  }
+  body += "<line class=\"axis\" x1=\"0\" x2=\"840\" y1=\"170\" y2=\"170\"/>\n";
+  body += Text(4, 12, Fixed(1e3 * highest, 3) + " mm at most", "start");
+  body += Text(0, 185, bars.front().name, "start") + Text(kWidth, 185, bars.back().name, "end");
+  return Svg(kWidth, kHeight, "RMS distance per configuration", body);
+}
+
+std::string SectionToHtml(const Section& section, const char* heading) {
+  std::string html = std::string("<") + heading + ">" + EscapeHtml(section.title) + "</" + heading + ">\n";
+  if (!section.header.empty()) {
+    html += "<table><thead><tr>";
+    for (const std::string& cell : section.header) html += "<th>" + EscapeHtml(cell) + "</th>";
+    html += "</tr></thead><tbody>\n";
+    for (const auto& row : section.rows) {
+      html += "<tr>";
+      for (size_t c = 0; c < row.size(); ++c) {
+        html += std::string("<td") + (section.header[c] == "unit" ? " class=\"unit\"" : "") + ">" + EscapeHtml(row[c]) + "</td>";
+      }
+      html += "</tr>\n";
+    }
+    html += "</tbody></table>\n";
+  }
+  for (const std::string& paragraph : section.paragraphs) html += "<p>" + EscapeHtml(paragraph) + "</p>\n";
+  return html;
+}
+
+std::string ProvenanceToHtml(const Provenance& provenance) {
+  std::string html = "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION ", method " + EscapeHtml(provenance.method) +
+                     "</p>\n<p><code>" + EscapeHtml(provenance.command) + "</code></p>\n<table><tbody>\n";
+  for (const InputFile& input : provenance.inputs) {
+    html += "<tr><td>" + EscapeHtml(input.path) + "</td><td class=\"unit\"><code>" + input.sha256 + "</code></td></tr>\n";
+  }
+  return html + "</tbody></table>\n";
+}
+
+}  // namespace
+
+std::string EscapeHtml(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&': escaped += "&amp;"; break;
+      case '<': escaped += "&lt;"; break;
+      case '>': escaped += "&gt;"; break;
+      case '"': escaped += "&quot;"; break;
+      case '\'': escaped += "&#39;"; break;
+      default: escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
+  const std::vector<Section> sections = Summarise(problem, estimate);
+  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
+                     EscapeHtml(sections.front().title) + " - sagitta</title>\n<style>" + kStyle + "</style></head><body>\n";
+  for (size_t i = 0; i < sections.size(); ++i) html += SectionToHtml(sections[i], i == 0 ? "h1" : "h2");
+  html += Histograms(problem, estimate);
+  html += "<h2>Residual per configuration</h2>\n<p>RMS distance; validation configurations in orange.</p>\n";
+  html += ConfigurationSvg(BarsOf(problem, estimate));
+  return html + ProvenanceToHtml(provenance) + "</body></html>\n";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,87 @@
+#include "tools/requirement.h"
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/units.h"
+#include "tools/command_line.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void Fail(const std::string& what, const std::string& hint) {
+  throw InputError({"", 0, "--require"}, what, hint);
+}
+
+std::string Trimmed(const std::string& text) {
+  const size_t first = text.find_first_not_of(' ');
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+Requirement ParseRequirement(const std::string& text) {
+  const std::string example = "for example --require='validation.distance_rms_mm<0.3'";
+  const size_t begin = text.find_first_of("<>=");
+  if (begin == std::string::npos) Fail("'" + text + "' compares nothing", example);
+  const size_t end = text.find_first_not_of("<>=", begin);
+  Requirement requirement;
+  requirement.text = Trimmed(text);
+  requirement.path = Trimmed(text.substr(0, begin));
+  requirement.comparison = text.substr(begin, end == std::string::npos ? end : end - begin);
+  const std::string& c = requirement.comparison;
+  if (c != "<" && c != "<=" && c != ">" && c != ">=" && c != "==") Fail("'" + c + "' compares nothing", "use < <= > >= ==");
+  const std::optional<double> bound = ParseNumber(end == std::string::npos ? "" : Trimmed(text.substr(end)));
+  if (requirement.path.empty() || !bound) Fail("'" + text + "' is no requirement", example);
+  requirement.bound = *bound;
+  return requirement;
+}
+
+double NumberAt(const Json& result, const std::string& path) {
+  const Json* here = &result;
+  for (const std::string& key : SplitText(path, '.')) {
+    if (here->is_array() && !key.empty() && key.find_first_not_of("0123456789") == std::string::npos &&
+        key.size() < 9 && std::stoul(key) < here->size()) {
+      here = &(*here)[std::stoul(key)];
+      continue;
+    }
+    if (!here->is_object() || !here->contains(key)) {
+      std::vector<std::string> known;
+      if (here->is_object()) {
+        for (const auto& [name, value] : here->items()) known.push_back(name);
+      }
+      Fail("the result has no '" + path + "'", SpellingHint(key, known));
+    }
+    here = &(*here)[key];
+  }
+  if (!here->is_number()) Fail("'" + path + "' is no number in this result", "");
+  return here->get<double>();
+}
+
+bool IsMet(double value, const Requirement& requirement) {
+  const std::string& c = requirement.comparison;
+  if (c == "<") return value < requirement.bound;
+  if (c == "<=") return value <= requirement.bound;
+  if (c == ">") return value > requirement.bound;
+  return c == ">=" ? value >= requirement.bound : value == requirement.bound;
+}
+
+}  // namespace
+
+std::vector<Requirement> ParseRequirements(const std::string& text) {
+  std::vector<Requirement> requirements;
+  if (text.empty()) return requirements;
+  for (const std::string& part : SplitText(text, ',')) requirements.push_back(ParseRequirement(part));
+  return requirements;
+}
+
+std::vector<std::string> UnmetRequirements(const std::vector<Requirement>& requirements, const Json& result) {
+  std::vector<std::string> unmet;
+  for (const Requirement& requirement : requirements) {
+    const double value = NumberAt(result, requirement.path);
+    if (IsMet(value, requirement)) continue;
+    unmet.push_back("required " + requirement.text + ", but " + requirement.path + " is " + FormatNumber(value));
+  }
+  return unmet;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,26 @@
+// What an estimate says to people: the same sections for the terminal and for
+// report.html.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct Section {
+  std::string title;
+  std::vector<std::string> paragraphs;
+  std::vector<std::string> header;             // of the table; empty: none
+  std::vector<std::vector<std::string>> rows;  // the first cell of a row is text, the others numbers
+};
+
+std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate);
+std::string SectionsToText(const std::vector<Section>& sections);
+
+std::string Fixed(double value, int decimals);
+std::string Significant(double value, int digits);
+
+}  // namespace sagitta
