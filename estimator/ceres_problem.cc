@@ -1,5 +1,8 @@
 #include "estimator/ceres_problem.h"
 
+#include <ceres/normal_prior.h>
+
+#include <cmath>
 #include <utility>
 
 #include "estimator/linearization.h"
@@ -20,7 +23,8 @@ std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
 
 void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
              const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem) {
-  const Shot& shot = problem.data.shots[problem.data.observations[selection.observations[first]].shot];
+  const int shot_index = problem.data.observations[selection.observations[first]].shot;
+  const Shot& shot = problem.data.shots[shot_index];
   std::vector<double*> blocks = {parameters->station_translation(shot.station).values.data(),
                                  parameters->station_rotation(shot.station).values.data()};
   std::vector<MarkerMeasurement> markers;
@@ -32,7 +36,7 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
   }
   for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());
   ceres_problem->AddResidualBlock(
-      ShotCost::Create(&problem.model, problem.data.configurations[shot.configuration].q, std::move(markers),
+      ShotCost::Create(&problem.model, problem.shot_inputs[shot_index], std::move(markers),
                        parameters->ModelValues(), active)
           .release(),
       nullptr, blocks);
@@ -52,6 +56,25 @@ void ConstrainBlock(const ParameterSet& parameters, const ParameterBlock& block,
     ceres_problem->SetManifold(values, new RotationManifold(estimated));
   } else if (!held.empty()) {
     ceres_problem->SetManifold(values, new ceres::SubsetManifold(block.tangent_size, held));
+  }
+  if (estimated.empty()) return;
+  for (const int i : estimated) {
+    const double lower = parameters.coordinates()[block.first_coordinate + i].lower;
+    if (std::isfinite(lower)) ceres_problem->SetParameterLowerBound(values, i, lower);
+  }
+}
+
+// One residual (value - prior) / sigma per estimated coordinate that has one.
+void AddPriors(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
+  for (const Coordinate& coordinate : parameters->coordinates()) {
+    if (coordinate.prior_sigma <= 0.0 || !coordinate.estimated()) continue;
+    const ParameterBlock& block = parameters->blocks()[coordinate.block];
+    double* values = const_cast<double*>(block.values.data());
+    if (!ceres_problem->HasParameterBlock(values)) continue;
+    ceres::Matrix weight = ceres::Matrix::Zero(1, block.tangent_size);
+    weight(0, coordinate.index_in_block) = 1.0 / coordinate.prior_sigma;
+    ceres::Vector center = ceres::Vector::Constant(block.tangent_size, coordinate.prior_value);
+    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, center), nullptr, values);
   }
 }
 
@@ -76,6 +99,7 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
     AddShot(problem, selection, first, last, active, parameters, ceres_problem);
     first = last;
   }
+  AddPriors(parameters, ceres_problem);
   for (const ParameterBlock& block : parameters->blocks()) {
     double* values = const_cast<double*>(block.values.data());
     if (ceres_problem->HasParameterBlock(values)) ConstrainBlock(*parameters, block, values, ceres_problem);

@@ -15,6 +15,8 @@ const char* StatusName(Status status) {
       return "no_convergence";
     case Status::kSingular:
       return "singular";
+    case Status::kEquilibriumDiverged:
+      return "equilibrium_diverged";
   }
   return "no_convergence";
 }
@@ -33,13 +35,25 @@ ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals) {
 }
 
 Robot CalibratedRobot(const Robot& robot, const ParameterSet& parameters, const ForwardModel& model) {
-  std::map<std::string, double> errors;
   const std::vector<double> theta = parameters.ModelValues();
+  std::map<std::string, double> errors;
   for (int i = 0; i < model.num_parameters(); ++i) {
-    const std::string& error = model.chain().transforms[model.parameters()[i].transform].error;
-    if (theta[i] != 0.0) errors[error] = theta[i];
+    const ModelParameter& parameter = model.parameters()[i];
+    if (parameter.law != ParameterLaw::kGeometry || theta[i] == 0.0) continue;
+    errors[model.chain().transforms[parameter.index].error] = theta[i];
   }
-  return WithGeometricErrors(robot, errors);
+  Robot calibrated = WithGeometricErrors(robot, errors);
+  const ElasticSystem& elastic = model.elastic_system();
+  for (size_t j = 0; j < elastic.joints.size(); ++j) {
+    std::vector<JointCompliance::Node>& nodes = calibrated.compliances[j].nodes;
+    for (size_t n = 0; n < nodes.size(); ++n) nodes[n].k = theta[elastic.joints[j].node_parameter[n]];
+  }
+  if (elastic.compensator) {
+    GravityCompensator& spring = *calibrated.gravity_compensator;
+    const double* p = theta.data() + elastic.compensator->first_parameter;
+    spring.L = p[0], spring.a_x = p[1], spring.a_y = p[2], spring.s0 = p[3], spring.Kc = p[4];
+  }
+  return calibrated;
 }
 
 }  // namespace sagitta

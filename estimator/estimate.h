@@ -12,7 +12,7 @@
 
 namespace sagitta {
 
-enum class Status { kConverged, kConvergedWithHeldParameters, kNoConvergence, kSingular };
+enum class Status { kConverged, kConvergedWithHeldParameters, kNoConvergence, kSingular, kEquilibriumDiverged };
 // "converged", "converged_with_held_parameters", ...
 const char* StatusName(Status status);
 inline bool IsUsable(Status status) {
@@ -46,6 +46,7 @@ struct ParameterEstimate {
   Interval ci95;
   bool free = false;          // estimated
   bool identifiable = true;   // false: held, the data cannot tell it
+  bool at_bound = false;      // the value or its interval meets the physical bound
   bool weak = false;          // known worse than 1 mm, 1 mrad or half its value
 };
 
@@ -79,6 +80,9 @@ struct Estimate {
   int calibration_configurations = 0;
   ResidualSize fit, fit_before;
   ResidualSize validation, validation_before;
+  // Loaded minus unloaded of equal (configuration, visit, marker): measured, and
+  // measured minus predicted. `observations` counts the pairs.
+  ResidualSize deflection_before, deflection_after;
   double validation_predicted_rms = 0.0;  // m, per coordinate: noise and parameters
 
   // Per observation of the data, in row order.
@@ -88,7 +92,8 @@ struct Estimate {
   std::vector<std::string> warnings;
 };
 
-// Robot, with the geometric errors of the estimate in its nominal values.
+// The robot with the estimate in place: geometric errors in its nominal values,
+// compliances and compensator in their homes.
 Robot CalibratedRobot(const Robot& robot, const ParameterSet& parameters, const ForwardModel& model);
 
 }  // namespace sagitta

@@ -72,9 +72,11 @@ std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
 bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& residuals, bool only_add,
                 Estimate* estimate) {
   ParameterSet& parameters = estimate->parameters;
-  const Linearization all = Linearize(problem, parameters, residuals.observations,
+  Linearization all = Linearize(problem, parameters, residuals.observations,
                                       only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters),
                                       residuals.sigmas);
+  if (!all.valid) return false;
+  AppendPriors(parameters, &all);
   const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
   std::vector<bool> hold(parameters.num_coordinates(), false);
@@ -93,9 +95,13 @@ bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& resi
   return changed;
 }
 
-Linearization LinearizeAt(const CalibrationProblem& problem, const ResidualSelection& residuals,
-                          const ParameterSet& parameters) {
-  return Linearize(problem, parameters, residuals.observations, parameters.EstimatedCoordinates(), residuals.sigmas);
+// A coordinate that rests on its bound has no say in the optimum.
+std::vector<int> InteriorCoordinates(const ParameterSet& parameters) {
+  std::vector<int> interior;
+  for (const int i : parameters.EstimatedCoordinates()) {
+    if (parameters.Value(i) > parameters.coordinates()[i].lower) interior.push_back(i);
+  }
+  return interior;
 }
 
 // Gauss-Newton step that is left, in standard deviations.
@@ -113,9 +119,18 @@ void TakeStep(const Linearization& linearization, const LinearSolution& solution
   parameters->Plus(delta);
 }
 
+void FailEquilibrium(Estimate* estimate) {
+  estimate->status = Status::kEquilibriumDiverged;
+  estimate->message = "a load folds the arm: the deflections find no equilibrium at the current compliances; check the "
+                      "units of loads, load points and compliances";
+}
+
 void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
             Estimate* estimate) {
-  const Linearization linearization = LinearizeAt(problem, residuals, estimate->parameters);
+  Linearization linearization = Linearize(problem, estimate->parameters, residuals.observations,
+                                          InteriorCoordinates(estimate->parameters), residuals.sigmas);
+  if (!linearization.valid) return FailEquilibrium(estimate);
+  AppendPriors(estimate->parameters, &linearization);
   const LinearSolution solution = SolveLinearization(linearization);
   const double step = RemainingStep(solution, std::max(1e-12, NoiseScale(problem, linearization)));
   const bool exact_fit = linearization.residual.norm() < 1e-9 * std::sqrt(linearization.num_rows());

@@ -1,11 +1,14 @@
 // JudgeEstimate: covariance, intervals, leverage and hold-out of an estimate,
 // all from one Linearization at its parameters.
 #include <cmath>
+#include <map>
 #include <set>
+#include <tuple>
 
 #include "estimator/distributions.h"
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
+#include "problems/loads.h"
 
 namespace sagitta {
 namespace {
@@ -78,6 +81,9 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     row.sigma = std::sqrt(estimate->covariance(c, c));
     row.ci95 = {row.value - quantile * row.sigma, row.value + quantile * row.sigma};
     row.weak = IsWeak(row);
+    const double lower = parameters.coordinates()[estimate->estimated[c]].lower;
+    row.at_bound = row.ci95.low < lower;
+    row.ci95.low = std::max(row.ci95.low, lower);
   }
 }
 
@@ -103,6 +109,45 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
   estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
 }
 
+// Each loaded observation against the mean of the unloaded ones of its
+// configuration, visit and marker.
+void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
+  struct Mean {
+    Vector3<double> measured = Vector3<double>::Zero();
+    Vector3<double> predicted = Vector3<double>::Zero();
+    int count = 0;
+  };
+  const Measurements& data = problem.data;
+  const auto key_of = [&](const Observation& observation) {
+    const Shot& shot = data.shots[observation.shot];
+    return std::make_tuple(shot.configuration, shot.visit, shot.station, observation.marker);
+  };
+  std::map<decltype(key_of(data.observations[0])), Mean> unloaded;
+  for (size_t k = 0; k < data.observations.size(); ++k) {
+    const Observation& observation = data.observations[k];
+    if (IsLoaded(data.shots[observation.shot])) continue;
+    Mean& mean = unloaded[key_of(observation)];
+    mean.measured += observation.point_in_station;
+    mean.predicted += estimate->predicted.col(k);
+    ++mean.count;
+  }
+  std::vector<Vector3<double>> measured, remaining;
+  for (size_t k = 0; k < data.observations.size(); ++k) {
+    const Observation& observation = data.observations[k];
+    const auto mean = unloaded.find(key_of(observation));
+    if (!IsLoaded(data.shots[observation.shot]) || mean == unloaded.end()) continue;
+    measured.push_back(observation.point_in_station - mean->second.measured / mean->second.count);
+    remaining.push_back(measured.back() - (estimate->predicted.col(k) - mean->second.predicted / mean->second.count));
+  }
+  const auto size_of = [](const std::vector<Vector3<double>>& points) {
+    Eigen::Matrix3Xd columns(3, points.size());
+    for (size_t i = 0; i < points.size(); ++i) columns.col(i) = points[i];
+    return MeasureResiduals(columns);
+  };
+  estimate->deflection_before = size_of(measured);
+  estimate->deflection_after = size_of(remaining);
+}
+
 }  // namespace
 
 void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
@@ -111,7 +156,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const ParameterSet& parameters = estimate->parameters;
   estimate->estimated = parameters.EstimatedCoordinates();
   const Eigen::VectorXd sigmas = ObservationSigmas(problem, calibration, kFallbackSigma);
-  const Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, sigmas);
+  Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, sigmas);
+  AppendPriors(parameters, &linearization);
   const LinearSolution solution = SolveLinearization(linearization);
   estimate->cost = 0.5 * linearization.residual.squaredNorm();
   JudgeNoise(problem, linearization, estimate);
@@ -135,6 +181,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->calibration_configurations = static_cast<int>(configurations.size());
   estimate->fit = SizeAt(problem, parameters, calibration);
   estimate->validation = SizeAt(problem, parameters, validation);
+  JudgeDeflections(problem, estimate);
   if (estimate->aligned.num_coordinates() > 0) {
     estimate->fit_before = SizeAt(problem, estimate->aligned, calibration);
     estimate->validation_before = SizeAt(problem, estimate->aligned, validation);

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace sagitta {
@@ -32,9 +33,9 @@ ActiveParameters FindActive(const ParameterSet& parameters, const std::vector<in
 }
 
 // Calls visit(k, prediction) for each listed observation, one kinematic pass
-// per run of observations of the same shot.
+// per run of observations of the same shot. False: an equilibrium diverged.
 template <typename Visit>
-void ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& parameters,
+bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& parameters,
                        const std::vector<int>& observations, const std::vector<int>& active, const Visit& visit) {
   const std::vector<double> theta = parameters.ModelValues();
   std::vector<MarkerInFrame> markers;
@@ -48,11 +49,13 @@ void ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& pa
       const int marker = problem.data.observations[observations[last]].marker;
       markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker)});
     }
-    problem.model.Predict(problem.data.configurations[shot.configuration].q, theta.data(), active,
-                          parameters.BaseInStation(shot.station), markers, &predictions);
+    const bool found = problem.model.Predict(problem.shot_inputs[shot_index], theta.data(), active,
+                                             parameters.BaseInStation(shot.station), markers, &predictions);
+    if (!found) return false;
     for (size_t k = first; k < last; ++k) visit(k, predictions[k - first]);
     first = last;
   }
+  return true;
 }
 
 }  // namespace
@@ -77,7 +80,7 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
   result.jacobian.setZero(3 * observations.size(), columns.size());
   const std::vector<int> column_of = ColumnOfCoordinate(parameters, columns);
   const ActiveParameters active = FindActive(parameters, column_of);
-  ForEachPrediction(problem, parameters, observations, active.model_parameters,
+  result.valid = ForEachPrediction(problem, parameters, observations, active.model_parameters,
                     [&](size_t k, const PointPrediction& prediction) {
     const Observation& observation = problem.data.observations[observations[k]];
     const Shot& shot = problem.data.shots[observation.shot];
@@ -100,9 +103,23 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
   return result;
 }
 
+void AppendPriors(const ParameterSet& parameters, Linearization* linearization) {
+  for (int c = 0; c < linearization->num_columns(); ++c) {
+    const int i = linearization->columns[c];
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    if (coordinate.prior_sigma <= 0.0) continue;
+    const int row = linearization->num_rows();
+    linearization->residual.conservativeResize(row + 1);
+    linearization->jacobian.conservativeResize(row + 1, Eigen::NoChange);
+    linearization->jacobian.row(row).setZero();
+    linearization->jacobian(row, c) = 1.0 / coordinate.prior_sigma;
+    linearization->residual[row] = (parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma;
+  }
+}
+
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                const std::vector<int>& observations) {
-  Eigen::Matrix3Xd points(3, observations.size());
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, observations.size(), std::nan(""));
   ForEachPrediction(problem, parameters, observations, {},
                     [&](size_t k, const PointPrediction& prediction) { points.col(k) = prediction.point; });
   return points;

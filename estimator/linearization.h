@@ -11,10 +11,12 @@
 namespace sagitta {
 
 struct Linearization {
-  Eigen::VectorXd residual;  // (predicted - measured) / sigma, 3 rows per observation
+  Eigen::VectorXd residual;  // (predicted - measured) / sigma, 3 rows per observation, then priors
   Eigen::MatrixXd jacobian;  // d residual / d coordinate, 1/SI; one column per entry of `columns`
   std::vector<int> columns;  // coordinate indices into ParameterSet
   std::vector<int> observations;  // index into Measurements::observations of each block of 3 rows
+
+  bool valid = true;  // false: the equilibrium of a loaded shot diverged there
 
   int num_rows() const { return static_cast<int>(residual.size()); }
   int num_columns() const { return static_cast<int>(jacobian.cols()); }
@@ -31,7 +33,11 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
                         const std::vector<int>& observations, const std::vector<int>& columns,
                         const Eigen::VectorXd& sigmas);
 
-// Predicted points in the station frame, m, one column per observation.
+// Adds one row per column whose coordinate has a prior: (value - prior) / sigma.
+void AppendPriors(const ParameterSet& parameters, Linearization* linearization);
+
+// Predicted points in the station frame, m, one column per observation; NaN
+// from the first shot on whose equilibrium diverges.
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                const std::vector<int>& observations);
 

@@ -12,17 +12,17 @@ using RowMajorBlock = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dy
 
 }  // namespace
 
-std::unique_ptr<ShotCost> ShotCost::Create(const ForwardModel* model, Eigen::VectorXd q,
+std::unique_ptr<ShotCost> ShotCost::Create(const ForwardModel* model, ShotInput shot,
                                            std::vector<MarkerMeasurement> markers, std::vector<double> theta,
                                            std::vector<int> active) {
   return std::unique_ptr<ShotCost>(
-      new ShotCost(model, std::move(q), std::move(markers), std::move(theta), std::move(active)));
+      new ShotCost(model, std::move(shot), std::move(markers), std::move(theta), std::move(active)));
 }
 
-ShotCost::ShotCost(const ForwardModel* model, Eigen::VectorXd q, std::vector<MarkerMeasurement> markers,
+ShotCost::ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers,
                    std::vector<double> theta, std::vector<int> active)
     : model_(model),
-      q_(std::move(q)),
+      shot_(std::move(shot)),
       markers_(std::move(markers)),
       theta_(std::move(theta)),
       active_(std::move(active)) {
@@ -47,7 +47,10 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
 
   static const std::vector<int> kNone;
   std::vector<PointPrediction> predictions;
-  model_->Predict(q_, theta.data(), jacobians != nullptr ? active_ : kNone, base_in_station, markers, &predictions);
+  if (!model_->Predict(shot_, theta.data(), jacobians != nullptr ? active_ : kNone, base_in_station, markers,
+                       &predictions)) {
+    return false;
+  }
 
   for (int m = 0; m < num_markers; ++m) {
     Eigen::Map<Vector3<double>>(residuals + 3 * m) =

@@ -5,7 +5,8 @@
 //
 // Parameter blocks, in order: station translation (3, m), station rotation (4,
 // quaternion x y z w), one point per marker of the shot (3, m each), then one
-// scalar per active model parameter (SI). Derivatives are exact (geometric).
+// scalar per active model parameter (SI). Derivatives are exact (geometric and
+// implicit through the equilibrium). Evaluate fails where a load folds the arm.
 #pragma once
 
 #include <ceres/cost_function.h>
@@ -27,18 +28,18 @@ class ShotCost : public ceres::CostFunction {
  public:
   // `model` outlives the cost. `theta` gives the values of the parameters that
   // are not active; `active` lists those that are blocks.
-  static std::unique_ptr<ShotCost> Create(const ForwardModel* model, Eigen::VectorXd q,
+  static std::unique_ptr<ShotCost> Create(const ForwardModel* model, ShotInput shot,
                                           std::vector<MarkerMeasurement> markers, std::vector<double> theta,
                                           std::vector<int> active);
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
-  ShotCost(const ForwardModel* model, Eigen::VectorXd q, std::vector<MarkerMeasurement> markers,
+  ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers,
            std::vector<double> theta, std::vector<int> active);
 
   const ForwardModel* model_;
-  Eigen::VectorXd q_;
+  ShotInput shot_;
   std::vector<MarkerMeasurement> markers_;
   std::vector<double> theta_;
   std::vector<int> active_;

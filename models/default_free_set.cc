@@ -98,13 +98,13 @@ FreeSet DefaultFreeSet(const Chain& chain, const FreeSetContext& context) {
   std::vector<bool> is_free(model.num_parameters(), false);
   for (const int turn : {0, 1, 2}) {
     for (int i = 0; i < model.num_parameters(); ++i) {
-      if (TurnOf(snapped.transforms[model.parameters()[i].transform]) != turn) continue;
+      if (TurnOf(snapped.transforms[model.parameters()[i].index]) != turn) continue;
       is_free[i] = kept.Add(jacobian.col(kNuisance + i));
     }
   }
   FreeSet result;
   for (int i = 0; i < model.num_parameters(); ++i) {
-    const std::string& error = snapped.transforms[model.parameters()[i].transform].error;
+    const std::string& error = snapped.transforms[model.parameters()[i].index].error;
     (is_free[i] ? result.free : result.redundant).push_back(error);
   }
   return result;

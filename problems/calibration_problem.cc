@@ -5,6 +5,7 @@
 
 #include "models/default_free_set.h"
 #include "problems/input_error.h"
+#include "problems/loads.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -18,24 +19,9 @@ namespace {
 // What FORMATS allows and this version cannot honour yet is refused, not ignored.
 void RefuseUnsupported(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
-  const char* kLater = "this version estimates geometry from unloaded rows; loads and compliances are not supported yet";
-  for (const Observation& observation : problem.data.observations) {
-    const Shot& shot = problem.data.shots[observation.shot];
-    if (shot.load == "none" && shot.wrench.IsZero()) continue;
-    const MeasurementFile& file = problem.data.files[observation.file];
-    throw InputError({file.path, file.rows[observation.row].line, "load"},
-                     "the row is loaded ('" + shot.load + "')", kLater);
-  }
-  if (experiment.tool_mass != 0.0) Fail(problem, "tool.mass_kg", "a tool mass bends the arm", kLater);
-  const auto is_listed = [](const Selection& s) { return s.kind == Selection::Kind::kList && !s.names.empty(); };
-  if (is_listed(experiment.estimate.compliance)) Fail(problem, "estimate.compliance", "compliances are asked for", kLater);
-  if (is_listed(experiment.estimate.gravity_compensator)) {
-    Fail(problem, "estimate.gravity_compensator", "the gravity compensator is asked for", kLater);
-  }
   if (!experiment.repeatability.IsZero()) {
     Fail(problem, "repeatability_urad", "latent joint deviations are not supported yet", "leave the key out");
   }
-  if (!experiment.priors.empty()) Fail(problem, "priors", "priors are not supported yet", "leave the key out");
   if (experiment.loss != "none") Fail(problem, "loss", "robust losses are not supported yet", "use none");
   if (experiment.weights == "eq14") Fail(problem, "weights", "eq14 is not supported yet", "use sigma or equal");
   if (experiment.covariance != "model") Fail(problem, "covariance", "only model is supported yet", "use model");
@@ -109,26 +95,26 @@ void SetStartValues(CalibrationProblem* problem) {
   }
 }
 
+// Which of `all` a selection names; `what` for messages.
+std::vector<std::string> SelectFrom(const std::vector<std::string>& all, const Selection& selection,
+                                    const std::string& key, const std::string& what, const std::string& file) {
+  if (selection.kind == Selection::Kind::kAll) return all;
+  if (selection.kind != Selection::Kind::kList) return {};
+  for (const std::string& name : selection.names) {
+    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    throw InputError({file, 0, key}, "the robot has no " + what + " '" + name + "'", SpellingHint(name, all));
+  }
+  return selection.names;
+}
+
 std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
   const Selection& selection = problem->experiment.estimate.geometry;
-  std::vector<std::string> all;
-  for (const ElementaryTransform& transform : problem->robot.chain.transforms) {
-    if (!transform.error.empty()) all.push_back(transform.error);
-  }
-  switch (selection.kind) {
-    case Selection::Kind::kNone:
-      return {};
-    case Selection::Kind::kAll:
-      return all;
-    case Selection::Kind::kList:
-      for (const std::string& name : selection.names) {
-        if (std::find(all.begin(), all.end(), name) == all.end()) {
-          Fail(*problem, "estimate.geometry", "the robot has no geometric error '" + name + "'", SpellingHint(name, all));
-        }
-      }
-      return selection.names;
-    case Selection::Kind::kDefault:
-      break;
+  if (selection.kind != Selection::Kind::kDefault) {
+    std::vector<std::string> all;
+    for (const ElementaryTransform& transform : problem->robot.chain.transforms) {
+      if (!transform.error.empty()) all.push_back(transform.error);
+    }
+    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment.file);
   }
   const EstimateSpec& estimate = problem->experiment.estimate;
   FreeSet set = DefaultFreeSet(problem->robot.chain, {estimate.base, estimate.markers});
@@ -136,17 +122,70 @@ std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
   return set.free;
 }
 
+bool AnyLoaded(const Measurements& data) {
+  return std::any_of(data.shots.begin(), data.shots.end(), IsLoaded);
+}
+
+// Joints whose compliance is asked for; by default all of them where rows are
+// loaded (what a load does not excite is held later, with words).
+std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
+  std::vector<std::string> all;
+  for (const Joint& joint : robot.chain.joints) all.push_back(joint.name);
+  const Selection& selection = experiment.estimate.compliance;
+  if (selection.kind == Selection::Kind::kDefault) return AnyLoaded(data) ? all : std::vector<std::string>();
+  const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment.file);
+  if (!named.empty() && !AnyLoaded(data) && experiment.tool_mass == 0.0) {
+    throw InputError({experiment.file, 0, "estimate.compliance"}, "compliances are asked for but no row is loaded",
+                     "measure loaded shots (column load), or leave the key out");
+  }
+  return named;
+}
+
+std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
+  const Selection& selection = problem.experiment.estimate.gravity_compensator;
+  if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone) return {};
+  if (!problem.robot.gravity_compensator) {
+    Fail(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
+         "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
+  }
+  return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator",
+                    "compensator parameter", problem.experiment.file);
+}
+
+// Joints that are to be estimated start rigid where the file states nothing.
+Robot WithCompliances(Robot robot, const std::vector<std::string>& joints) {
+  const auto add = [&robot](int joint) {
+    for (const JointCompliance& compliance : robot.compliances) {
+      if (compliance.joint == joint) return;
+    }
+    robot.compliances.push_back({joint, {{0.0, 0.0}}, false});
+  };
+  for (const std::string& name : joints) add(robot.chain.FindJoint(name));
+  if (robot.gravity_compensator) add(robot.gravity_compensator->joint);
+  std::stable_sort(robot.compliances.begin(), robot.compliances.end(),
+                   [](const auto& a, const auto& b) { return a.joint < b.joint; });
+  return robot;
+}
+
 void SetFree(CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
   const EstimateSpec& estimate = problem->experiment.estimate;
   const std::vector<std::string> errors = FreeErrors(problem);
+  const std::vector<std::string> compliant =
+      CompliantJoints(problem->robot, problem->data, problem->experiment);
+  const std::vector<std::string> spring = FreeSpring(*problem);
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     Coordinate& coordinate = parameters.coordinate(i);
     const std::string family = coordinate.name.substr(0, coordinate.name.find('/'));
     if (family == "base") coordinate.free = estimate.base;
     if (family == "marker") coordinate.free = estimate.markers;
-    if (family != "geometry") continue;
-    coordinate.free = std::find(errors.begin(), errors.end(), coordinate.name.substr(9)) != errors.end();
+    const std::string name = coordinate.name.substr(family.size() + 1);
+    const auto is_in = [&](const std::vector<std::string>& names, const std::string& wanted) {
+      return std::find(names.begin(), names.end(), wanted) != names.end();
+    };
+    if (family == "geometry") coordinate.free = is_in(errors, name);
+    if (family == "compliance") coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
+    if (family == "compensator") coordinate.free = is_in(spring, name);
   }
   const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
     std::vector<std::string> known;
@@ -159,6 +198,42 @@ void SetFree(CalibrationProblem* problem) {
   };
   apply(estimate.free, "--free", true);
   apply(estimate.fixed, "--fixed", false);
+}
+
+void SetPriors(CalibrationProblem* problem) {
+  std::vector<std::string> known;
+  for (const Coordinate& coordinate : problem->parameters.coordinates()) known.push_back(coordinate.name);
+  for (const auto& [name, prior] : problem->experiment.priors) {
+    const std::string key = "priors." + name;
+    const int i = problem->parameters.FindCoordinate(name);
+    if (i < 0) Fail(*problem, key, "there is no parameter '" + name + "'", SpellingHint(name, known));
+    if (!problem->sigma_is_stated()) {
+      Fail(*problem, key, "a prior weighs against the noise, and no noise is stated", "state noise: {sigma_mm: …}");
+    }
+    Coordinate& coordinate = problem->parameters.coordinate(i);
+    if (coordinate.quantity == Quantity::kRotationVector) {
+      Fail(*problem, key, "a prior on one axis of a rotation is not supported", "hold the station's pose instead (--fixed)");
+    }
+    coordinate.prior_value = prior.value * TraitsOf(coordinate.quantity).si_per_unit;
+    coordinate.prior_sigma = prior.sigma * TraitsOf(coordinate.quantity).si_per_unit;
+  }
+}
+
+// A spring can neither have no length nor be pressed through zero.
+void CheckCompensator(const CalibrationProblem& problem) {
+  if (!problem.robot.gravity_compensator) return;
+  const GravityCompensator& c = *problem.robot.gravity_compensator;
+  const CompensatorParameters<double> parameters{c.L, c.a_x, c.a_y, c.s0, c.Kc};
+  if (c.L <= 0.0 || c.s0 <= 0.0 || c.Kc < 0.0) {
+    throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
+                     "L and s0 must be positive and Kc not negative", "state lengths in mm, stiffness in N/mm");
+  }
+  for (const Configuration& configuration : problem.data.configurations) {
+    if (CompensatorSpringLength(parameters, configuration.q[c.joint]) > 1e-3 * c.s0) continue;
+    throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
+                     "the spring would have no length at configuration '" + configuration.id + "'",
+                     "check L, a_x and a_y: the lever end would lie on the anchor");
+  }
 }
 
 void CheckSigmas(const CalibrationProblem& problem) {
@@ -215,7 +290,7 @@ CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Exp
     : robot(std::move(robot_in)),
       data(std::move(data_in)),
       experiment(std::move(experiment_in)),
-      model(robot.chain),
+      model(robot),
       parameters(data.stations, data.markers, model.parameters()) {}
 
 Vector3<double> CalibrationProblem::StatedSigma(const Observation& observation) const {
@@ -249,13 +324,18 @@ std::vector<int> CalibrationProblem::ValidationObservations() const {
 
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
   SplitConfigurations(experiment.validation, &data);
-  CalibrationProblem problem(std::move(robot), std::move(data), std::move(experiment));
+  const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
+  Robot elastic = WithCompliances(std::move(robot), compliant);
+  CalibrationProblem problem(std::move(elastic), std::move(data), std::move(experiment));
   RefuseUnsupported(problem);
   CheckNames(problem);
+  CheckCompensator(problem);
   problem.marker_frames = ResolveMarkerFrames(problem);
+  problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
   SetStartValues(&problem);
   SetFree(&problem);
   CheckSigmas(problem);
+  SetPriors(&problem);
   CheckEnoughData(problem);
   return problem;
 }

@@ -20,8 +20,9 @@ struct CalibrationProblem {
   Robot robot;
   Measurements data;
   Experiment experiment;
-  ForwardModel model;              // of robot.chain
-  std::vector<int> marker_frames;  // chain frame of each marker of `data`
+  ForwardModel model;                  // of `robot`
+  std::vector<int> marker_frames;      // chain frame of each marker of `data`
+  std::vector<ShotInput> shot_inputs;  // joint values and wrenches of each shot of `data`
   ParameterSet parameters;         // start values; free and fixed as the experiment says
   std::vector<std::string> redundant_errors;  // default free set: what stays nominal
 
@@ -37,8 +38,8 @@ struct CalibrationProblem {
 
 // Reads nothing: puts robot, data and experiment together, marks the split and
 // checks what only all three show (joint counts, unknown names, fewer equations
-// than unknowns, a station or marker that only validation rows have, loads that
-// are not supported). Throws InputError.
+// than unknowns, a station or marker that only validation rows have, a load
+// without a point or a force). Throws InputError.
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment);
 
 }  // namespace sagitta

@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "models/geometry.h"
+#include "models/wrench.h"
 
 namespace sagitta {
-
-enum class WrenchFrame { kMeasurement, kBase, kFlange };
 
 struct LoadSpec {
   std::optional<double> mass;            // kg

@@ -5,29 +5,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr const char* kAxisNames[3] = {"x", "y", "z"};
 
 }  // namespace
-
-const QuantityTraits& TraitsOf(Quantity quantity) {
-  // Limits: FORMATS section 4 (5 mm, 5 mrad, 10 urad/Nm; weak beyond 1 mm, 1 mrad, half the value).
-  static const QuantityTraits kLength{"mm", 1e-3, 5e-3, 1e-3};
-  static const QuantityTraits kAngle{"deg", kDegree, 5e-3, 1e-3};
-  static const QuantityTraits kRotationVector{"mrad", 1e-3, 5e-3, 1e-3};
-  static const QuantityTraits kCompliance{"urad/Nm", 1e-6, 1e-5, 0.0};
-  switch (quantity) {
-    case Quantity::kLength:
-      return kLength;
-    case Quantity::kAngle:
-      return kAngle;
-    case Quantity::kRotationVector:
-      return kRotationVector;
-    case Quantity::kCompliance:
-      return kCompliance;
-  }
-  return kLength;
-}
 
 ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
                            const std::vector<ModelParameter>& model_parameters)
@@ -57,8 +37,8 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
   }
   for (int i = 0; i < num_model_parameters_; ++i) {
     const ModelParameter& parameter = model_parameters[i];
-    const Quantity quantity = parameter.kind == ParameterKind::kLength ? Quantity::kLength : Quantity::kAngle;
-    add_block(parameter.name, BlockKind::kModelParameter, i, {0}, {parameter.name}, quantity);
+    add_block(parameter.name, BlockKind::kModelParameter, i, {parameter.nominal}, {parameter.name}, parameter.quantity);
+    coordinates_.back().lower = parameter.lower;
   }
 }
 

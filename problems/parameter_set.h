@@ -7,25 +7,16 @@
 // column of the identification Jacobian, one line of the result table.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "models/forward_model.h"
 #include "models/geometry.h"
+#include "models/quantity.h"
 
 namespace sagitta {
-
-enum class Quantity { kLength, kAngle, kRotationVector, kCompliance };
-
-// Units and thresholds of a kind of coordinate (FORMATS section 4).
-struct QuantityTraits {
-  const char* unit;      // in results
-  double si_per_unit;    // SI value of one unit
-  double hold_limit;     // SI; a direction whose sigma exceeds it is unidentifiable
-  double weak_limit;     // SI; known worse than this is "weak" (0: half its value)
-};
-const QuantityTraits& TraitsOf(Quantity quantity);
 
 struct Coordinate {
   std::string name;
@@ -34,6 +25,9 @@ struct Coordinate {
   int index_in_block = 0;  // of the tangent
   bool free = true;        // asked for
   bool held = false;       // asked for, but the data cannot tell: stays where it is
+  double lower = -std::numeric_limits<double>::infinity();  // SI
+  double prior_value = 0.0;                                 // SI
+  double prior_sigma = 0.0;                                 // SI; 0: no prior
   bool estimated() const { return free && !held; }
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 // Two geometric lengths a, b and one marker coordinate family to name columns.
 ParameterSet TwoLengths() {
-  return ParameterSet({}, {}, {{"geometry/a", ParameterKind::kLength, 0}, {"geometry/b", ParameterKind::kLength, 1}});
+  return ParameterSet({}, {}, {{"geometry/a"}, {"geometry/b"}});
 }
 
 Linearization FromMatrix(const Eigen::MatrixXd& jacobian) {

@@ -29,7 +29,7 @@ class Kr270Reference : public ::testing::Test {
     base_in_station_.rotation = RotationFromVector(VectorFrom(reference_["base_rotvec"]));
     for (const ModelParameter& parameter : model_.parameters()) {
       const double value = reference_["geo_mm_rad"][theta_.size()];
-      theta_.push_back(parameter.kind == ParameterKind::kLength ? kMm * value : value);
+      theta_.push_back(parameter.quantity == Quantity::kLength ? kMm * value : value);
     }
     for (const nlohmann::json& point : reference_["tool"]) {
       markers_.push_back({model_.chain().FlangeFrame(), kMm * VectorFrom(point)});
@@ -102,7 +102,7 @@ TEST_F(Kr270Reference, GeometricJacobian) {
   for (int row = 0; row < 135; ++row) {
     for (int i = 0; i < 18; ++i) {
       // theirs: mm per mm or mm per rad; ours: m per m or m per rad
-      const bool length = model_.parameters()[i].kind == ParameterKind::kLength;
+      const bool length = model_.parameters()[i].quantity == Quantity::kLength;
       theirs(row, i) = expected[row][i].get<double>() * (length ? 1.0 : kMm);
     }
   }

@@ -1,0 +1,68 @@
+#include "problems/loads.h"
+
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+[[noreturn]] void FailAt(const Measurements& data, const Shot& shot, const std::string& key, const std::string& what,
+                         const std::string& hint) {
+  const Observation& observation = data.observations[shot.observations.front()];
+  const MeasurementFile& file = data.files[observation.file];
+  throw InputError({file.path, file.rows[observation.row].line, key}, what, hint);
+}
+
+Vector3<double> Gravity(const Experiment& experiment) { return experiment.gravity * experiment.gravity_direction; }
+
+WrenchFrame GravityFrame(const Experiment& experiment) {
+  return experiment.gravity_in_base ? WrenchFrame::kBase : WrenchFrame::kMeasurement;
+}
+
+AppliedWrench LoadWrench(const Chain& chain, const Measurements& data, const Shot& shot, const Experiment& experiment) {
+  const auto found = experiment.loads.find(shot.load);
+  const LoadSpec spec = found == experiment.loads.end() ? LoadSpec() : found->second;
+  const std::optional<Vector3<double>> point = spec.point ? spec.point : experiment.load_point;
+  if (!point) {
+    FailAt(data, shot, "load", "load '" + shot.load + "' acts at no stated point",
+           "state load_point_mm, loads: {" + shot.load + ": {point_mm: …}}, or --load_point_mm=x,y,z");
+  }
+  AppliedWrench wrench;
+  wrench.frame = chain.FlangeFrame();
+  wrench.point = *point;
+  wrench.force = shot.wrench.force;
+  wrench.moment = shot.wrench.moment;
+  wrench.expressed_in = spec.frame;
+  if (!shot.wrench.IsZero()) return wrench;
+  if (!spec.mass) {
+    FailAt(data, shot, "load", "load '" + shot.load + "' has no force",
+           "add the columns fx_N, fy_N, fz_N, or state loads: {" + shot.load + ": {mass_kg: …}}");
+  }
+  wrench.force = *spec.mass * Gravity(experiment);
+  wrench.expressed_in = GravityFrame(experiment);
+  return wrench;
+}
+
+}  // namespace
+
+bool IsLoaded(const Shot& shot) { return shot.load != "none"; }
+
+std::vector<ShotInput> MakeShotInputs(const Chain& chain, const Measurements& data, const Experiment& experiment) {
+  std::vector<ShotInput> inputs;
+  inputs.reserve(data.shots.size());
+  for (const Shot& shot : data.shots) {
+    ShotInput input(data.configurations[shot.configuration].q);
+    if (experiment.tool_mass > 0.0) {
+      input.wrenches.push_back({chain.FlangeFrame(), experiment.tool_com, experiment.tool_mass * Gravity(experiment),
+                                Vector3<double>::Zero(), GravityFrame(experiment)});
+    }
+    if (IsLoaded(shot)) {
+      input.wrenches.push_back(LoadWrench(chain, data, shot, experiment));
+    } else if (!shot.wrench.IsZero()) {
+      FailAt(data, shot, "load", "the row has a wrench but its load is 'none'", "give the load a name in the column load");
+    }
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+}  // namespace sagitta
