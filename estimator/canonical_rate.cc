@@ -37,8 +37,8 @@ Eigen::VectorXd CanonicalCorrelations(const Eigen::MatrixXd& a, const Eigen::Mat
 }
 
 double PredictTwoStepRate(const Linearization& linearization, const ParameterSet& parameters) {
-  const Eigen::VectorXd cosines = CanonicalCorrelations(ColumnsOf(linearization, parameters, false),
-                                                        ColumnsOf(linearization, parameters, true));
+  const Eigen::VectorXd cosines =
+      CanonicalCorrelations(ColumnsOf(linearization, parameters, false), ColumnsOf(linearization, parameters, true));
   return cosines.size() == 0 ? 0.0 : cosines[0] * cosines[0];
 }
 

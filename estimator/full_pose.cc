@@ -3,27 +3,24 @@
 #include <glog/logging.h>
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <chrono>
 #include <cmath>
+#include <tuple>
 
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
+#include "estimator/pose_registration.h"
 #include "estimator/starting_values.h"
 
 namespace sagitta {
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-constexpr double kFallbackSigma = 1e-3;   // m
-constexpr double kFlattest = 1e-3;        // m, second principal size a marker set must have
+constexpr double kFallbackSigma = 1e-3;  // m
 constexpr int kShapeRounds = 30;
-constexpr double kConvergedStep = 1e-8;   // standard deviations
+constexpr double kConvergedStep = 1e-6;  // standard deviations
 
 // One shot with a pose: rows [first, first + markers) of the observations used.
 struct PoseShot {
-  int shot = 0;
   int first = 0;
   int markers = 0;
 };
@@ -34,16 +31,12 @@ struct Context {
   std::vector<int> observations;  // of the shots with a pose
   Eigen::VectorXd sigmas;
   std::vector<PoseShot> shots;
-  bool tool_is_free = false;
+  int free_marker_coordinates = 0;
+
+  bool tool_is_free() const { return free_marker_coordinates > 0; }
 
   const Observation& observation(int k) const { return problem.data.observations[observations[k]]; }
 };
-
-bool SpanAPlane(const Eigen::Matrix3Xd& points) {
-  if (points.cols() < 3) return false;
-  const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
-  return Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues()[1] > kFlattest;
-}
 
 Eigen::Matrix3Xd MarkerPoints(const Context& context, const PoseShot& shot, const ParameterSet& parameters) {
   Eigen::Matrix3Xd points(3, shot.markers);
@@ -70,8 +63,8 @@ void CollectShots(const ParameterSet& aligned, Context* context) {
       points.conservativeResize(3, points.cols() + 1);
       points.rightCols<1>() = aligned.MarkerPoint(problem.data.observations[all[last]].marker);
     }
-    if (!SpanAPlane(points)) continue;
-    context->shots.push_back({shot, static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
+    if (!SpansAPlane(points)) continue;
+    context->shots.push_back({static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
     context->observations.insert(context->observations.end(), all.begin() + first, all.begin() + last);
   }
   context->sigmas = ObservationSigmas(problem, context->observations, kFallbackSigma);
@@ -100,22 +93,18 @@ void AverageShape(const Context& context, ParameterSet* parameters) {
   }
 }
 
-// Why there is no estimate from poses; empty if there is one.
+// Empty if there is an estimate from poses.
 std::string Obstacle(const Context& context, int unknowns) {
   const CalibrationProblem& problem = context.problem;
   for (const int frame : problem.marker_frames) {
-    if (frame != problem.marker_frames[0]) return "not run: the markers ride on different links, they are no rigid body";
+    if (frame != problem.marker_frames[0])
+      return "not run: the markers ride on different links, they are no rigid body";
   }
-  int free = 0;
-  for (int m = 0; m < problem.parameters.num_markers(); ++m) {
-    for (int i = 0; i < 3; ++i) {
-      free += problem.parameters.coordinates()[problem.parameters.marker(m).first_coordinate + i].estimated();
-    }
-  }
-  if (free != 0 && free != 3 * problem.parameters.num_markers()) {
+  if (context.tool_is_free() && context.free_marker_coordinates != 3 * problem.parameters.num_markers()) {
     return "not run: some marker coordinates are fixed or held and others free; full-pose wants all or none";
   }
-  if (context.shots.empty()) return "not run: no shot sees three markers that are not on one line; there is no full pose";
+  if (context.shots.empty())
+    return "not run: no shot sees three markers that are not on one line; there is no full pose";
   if (6 * static_cast<int>(context.shots.size()) < unknowns) {
     return "not run: " + std::to_string(context.shots.size()) + " full poses are fewer equations than " +
            std::to_string(unknowns) + " unknowns";
@@ -151,10 +140,27 @@ struct PoseEquations {
   Eigen::MatrixXd noise;     // 6 x 6 per shot, side by side: L C L'
 };
 
-Vector3<double> ReferenceInStation(const Context& context, const PoseShot& shot, const ParameterSet& parameters,
-                                   const Eigen::Matrix3Xd& predicted) {
+// Fills the six rows of one shot; `residual` and `jacobian` are its marker rows, m.
+void EvaluateShot(const Context& context, int s, const ParameterSet& parameters, const Eigen::VectorXd& residual,
+                  const Eigen::MatrixXd& jacobian, PoseEquations* equations) {
+  const PoseShot& shot = context.shots[s];
+  const Eigen::VectorXd sigmas = context.sigmas.segment(3 * shot.first, 3 * shot.markers);
+  const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+  const Eigen::Matrix3Xd predicted = measured + Eigen::Map<const Eigen::Matrix3Xd>(residual.data(), 3, shot.markers);
   const Pose<double> flange_in_station = RegisterRigid(MarkerPoints(context, shot, parameters), predicted);
-  return flange_in_station * context.options.reference_in_flange;
+  const Vector3<double> reference = flange_in_station * context.options.reference_in_flange;
+  const Eigen::MatrixXd rigid = RigidColumns(predicted, reference);
+  const Eigen::MatrixXd whitened = sigmas.cwiseInverse().asDiagonal() * rigid;
+  const Eigen::MatrixXd information = whitened.transpose() * whitened;  // C^-1, propagated
+  Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(information).matrixU();
+  if (!context.options.propagated_covariance) {
+    const double w = context.options.weight;
+    root = (Vector6() << 1, 1, 1, w, w, w).finished().asDiagonal().toDenseMatrix() / sigmas.mean();
+  }
+  // The markers move rigidly with every unknown: marker rows = rigid * pose rows.
+  equations->jacobian.middleRows(6 * s, 6) = root * rigid.householderQr().solve(jacobian);
+  equations->residual.segment<6>(6 * s) = root * RegisterPose(predicted, measured, sigmas, reference);
+  equations->noise.middleCols(6 * s, 6) = root * information.inverse() * root.transpose();
 }
 
 PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, const std::vector<int>& coordinates,
@@ -163,29 +169,12 @@ PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, c
   const Linearization markers = Linearize(context.problem, parameters, context.observations, coordinates, ones);
   const Eigen::MatrixXd jacobian = markers.jacobian * map;
   const int poses = static_cast<int>(context.shots.size());
-  PoseEquations equations{Eigen::MatrixXd(6 * poses, map.cols()), Eigen::VectorXd(6 * poses), Eigen::MatrixXd(6, 6 * poses)};
+  PoseEquations equations{Eigen::MatrixXd(6 * poses, map.cols()), Eigen::VectorXd(6 * poses),
+                          Eigen::MatrixXd(6, 6 * poses)};
   for (int s = 0; s < poses; ++s) {
-    const PoseShot& shot = context.shots[s];
-    const int rows = 3 * shot.markers;
-    const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
-    const Eigen::VectorXd residual = markers.residual.segment(3 * shot.first, rows);
-    const Eigen::Matrix3Xd predicted = measured + Eigen::Map<const Eigen::Matrix3Xd>(residual.data(), 3, shot.markers);
-    const Vector3<double> reference = ReferenceInStation(context, shot, parameters, predicted);
-    const Eigen::VectorXd sigmas = context.sigmas.segment(3 * shot.first, rows);
-    const Eigen::MatrixXd rigid = RigidColumns(predicted, reference);
-    const Eigen::MatrixXd whitened = sigmas.cwiseInverse().asDiagonal() * rigid;
-    const Eigen::MatrixXd information = whitened.transpose() * whitened;  // C^-1, propagated
-    Eigen::MatrixXd root = Eigen::MatrixXd(Eigen::LLT<Eigen::MatrixXd>(information).matrixU());
-    if (!context.options.propagated_covariance) {
-      const double w = context.options.weight;
-      root = Vector6(1, 1, 1, w, w, w).asDiagonal().toDenseMatrix() / sigmas.mean();
-    }
-    // The markers move rigidly with every unknown: marker rows = rigid * pose rows.
-    const Eigen::MatrixXd pose_rows =
-        rigid.householderQr().solve(jacobian.middleRows(3 * shot.first, rows));
-    equations.jacobian.middleRows(6 * s, 6) = root * pose_rows;
-    equations.residual.segment<6>(6 * s) = root * RegisterPose(predicted, measured, sigmas, reference);
-    equations.noise.middleCols(6 * s, 6) = root * information.inverse() * root.transpose();
+    const int first = 3 * context.shots[s].first, rows = 3 * context.shots[s].markers;
+    EvaluateShot(context, s, parameters, markers.residual.segment(first, rows), jacobian.middleRows(first, rows),
+                 &equations);
   }
   return equations;
 }
@@ -201,10 +190,9 @@ Eigen::MatrixXd Sandwich(const PoseEquations& equations, const Eigen::MatrixXd& 
 }
 
 void MoveTool(const Vector6& motion, ParameterSet* parameters) {
-  for (int m = 0; m < parameters->num_markers(); ++m) {
-    const Vector3<double> turn = motion.tail<3>();
-    parameters->SetMarkerPoint(m, RotationFromVector(turn) * parameters->MarkerPoint(m) + motion.head<3>());
-  }
+  const Vector3<double> turn = motion.tail<3>();
+  const Pose<double> pose{RotationFromVector(turn), motion.head<3>()};
+  for (int m = 0; m < parameters->num_markers(); ++m) parameters->SetMarkerPoint(m, pose * parameters->MarkerPoint(m));
 }
 
 void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, const Eigen::MatrixXd& map,
@@ -235,16 +223,16 @@ void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
 }
 
 void Stop(Status status, const std::string& message, Estimate* estimate) {
-  estimate->status = status;
-  estimate->message = message;
+  std::tie(estimate->status, estimate->message) = std::tie(status, message);
 }
 
 // Gauss-Newton on the pose equations; returns the covariance over the coordinates.
 Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordinates, Estimate* estimate) {
-  Stop(Status::kNoConvergence, "stopped after " + std::to_string(context.options.max_iterations) + " iterations", estimate);
+  Stop(Status::kNoConvergence, "stopped after " + std::to_string(context.options.max_iterations) + " iterations",
+       estimate);
   Eigen::MatrixXd covariance;
   for (int i = 0; i < context.options.max_iterations; ++i) {
-    const Eigen::MatrixXd map = CoordinatesFromUnknowns(estimate->parameters, coordinates, context.tool_is_free);
+    const Eigen::MatrixXd map = CoordinatesFromUnknowns(estimate->parameters, coordinates, context.tool_is_free());
     const PoseEquations equations = Evaluate(context, estimate->parameters, coordinates, map);
     Linearization poses;
     poses.jacobian = equations.jacobian;
@@ -254,11 +242,12 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
       Stop(Status::kSingular, "the pose equations are singular", estimate);
       break;
     }
-    covariance = map * Sandwich(equations, solution.covariance) * map.transpose();
-    const Eigen::ArrayXd sigmas = solution.covariance.diagonal().array().sqrt();
+    const Eigen::MatrixXd of_unknowns = Sandwich(equations, solution.covariance);
+    covariance = map * of_unknowns * map.transpose();
+    const Eigen::ArrayXd sigmas = of_unknowns.diagonal().array().sqrt();
     const double size = (solution.step.array().abs() / sigmas).maxCoeff();
     if (!std::isfinite(size)) break;
-    TakeStep(solution.step, coordinates, map, context.tool_is_free, &estimate->parameters);
+    TakeStep(solution.step, coordinates, map, context.tool_is_free(), &estimate->parameters);
     estimate->iterations = i + 1;
     if (size < kConvergedStep) {
       Stop(Status::kConverged, "the pose least squares stands still", estimate);
@@ -276,34 +265,6 @@ bool FullPoseOptions::IsValid(std::string* error) const {
   return weight > 0.0 && max_iterations >= 1;
 }
 
-Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<double>& reference) {
-  Eigen::MatrixXd columns(3 * points.cols(), 6);
-  for (int i = 0; i < points.cols(); ++i) {
-    columns.block<3, 3>(3 * i, 0).setIdentity();
-    columns.block<3, 3>(3 * i, 3) = -Skew<double>(points.col(i) - reference);
-  }
-  return columns;
-}
-
-Vector6 RegisterPose(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets, const Eigen::VectorXd& sigmas,
-                     const Vector3<double>& reference) {
-  Pose<double> pose = RegisterRigid(points, targets);
-  for (int round = 0; sigmas.minCoeff() < sigmas.maxCoeff() && round < 5; ++round) {
-    const Eigen::Matrix3Xd moved = (pose.rotation * points).colwise() + pose.translation;
-    const Vector3<double> here = pose * reference;
-    const Eigen::MatrixXd columns = sigmas.cwiseInverse().asDiagonal() * RigidColumns(moved, here);
-    const Eigen::Matrix3Xd gap = targets - moved;
-    const Eigen::VectorXd whitened = Eigen::Map<const Eigen::VectorXd>(gap.data(), gap.size()).cwiseQuotient(sigmas);
-    const Vector6 step = columns.householderQr().solve(whitened);
-    const Vector3<double> turn = step.tail<3>();
-    const Matrix3<double> rotation = RotationFromVector(turn);
-    pose = {rotation * pose.rotation, here + step.head<3>() + rotation * (pose.translation - here)};
-  }
-  Vector6 motion;
-  motion << pose * reference - reference, RotationVector(Eigen::Quaterniond(pose.rotation));
-  return motion;
-}
-
 Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPoseOptions& options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
@@ -313,19 +274,19 @@ Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPose
   AlignNominal(problem, &estimate.aligned);
   estimate.parameters = estimate.aligned;
   const std::vector<int> coordinates = problem.parameters.EstimatedCoordinates();
-  Context context{problem, options, {}, {}, {}, false};
+  Context context{problem, options, {}, {}, {}, 0};
   for (const int c : coordinates) {
     const BlockKind kind = problem.parameters.blocks()[problem.parameters.coordinates()[c].block].kind;
-    context.tool_is_free |= kind == BlockKind::kMarker;
+    context.free_marker_coordinates += kind == BlockKind::kMarker;
   }
   CollectShots(estimate.aligned, &context);
-  const int tool = context.tool_is_free ? 6 - 3 * problem.parameters.num_markers() : 0;
-  const std::string obstacle = Obstacle(context, static_cast<int>(coordinates.size()) + tool);
+  const int known_shape = context.tool_is_free() ? context.free_marker_coordinates - 6 : 0;
+  const std::string obstacle = Obstacle(context, static_cast<int>(coordinates.size()) - known_shape);
   if (!obstacle.empty()) {
     estimate.message = obstacle;
     return estimate;
   }
-  if (context.tool_is_free) AverageShape(context, &estimate.parameters);
+  if (context.tool_is_free()) AverageShape(context, &estimate.parameters);
   const Eigen::MatrixXd covariance = Iterate(context, coordinates, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!IsUsable(estimate.status)) return estimate;

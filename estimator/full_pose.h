@@ -27,8 +27,8 @@
 namespace sagitta {
 
 struct FullPoseOptions {
-  double weight = 0.3;                 // m/rad; 0.3 comes nearest to paper 000, Table I
-  bool propagated_covariance = false;  // C^-1 in place of (1, w^2)
+  double weight = 0.3;                                            // m/rad; 0.3 comes nearest to paper 000, Table I
+  bool propagated_covariance = false;                             // C^-1 in place of (1, w^2)
   Vector3<double> reference_in_flange = Vector3<double>::Zero();  // m, the point whose position counts
   int max_iterations = 50;
 
@@ -38,14 +38,5 @@ struct FullPoseOptions {
 // Standard deviations are those of this method (sandwich where w is not optimal);
 // the marker shape counts as known. Trouble: a status with words.
 Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPoseOptions& options = {});
-
-// Columns (dp, dphi) -> displacements of points that move rigidly about
-// `reference`: dp + dphi x (point - reference). 3N x 6.
-Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<double>& reference);
-
-// (dp, dphi) of the motion about `reference` that takes points onto targets; rows of
-// 3N sigmas as weights, Kabsch start.
-Eigen::Matrix<double, 6, 1> RegisterPose(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets,
-                                         const Eigen::VectorXd& sigmas, const Vector3<double>& reference);
 
 }  // namespace sagitta

@@ -60,8 +60,8 @@ bool SolveStepOne(const StepContext& context, const StepState& state, bool pull_
 }
 
 // p_tool = R_base^T u_tool, after eq. (16); the mean over stations, by rows.
-void SetMarkers(const StepContext& context, const StepOneSolution& solution, const std::vector<Matrix3<double>>& rotations,
-                StepState* state) {
+void SetMarkers(const StepContext& context, const StepOneSolution& solution,
+                const std::vector<Matrix3<double>>& rotations, StepState* state) {
   const int markers = state->parameters.num_markers();
   std::vector<Vector3<double>> sum(markers, Vector3<double>::Zero());
   std::vector<int> rows(markers, 0);

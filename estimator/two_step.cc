@@ -14,13 +14,13 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;    // m, where none is stated: only ratios matter
-constexpr double kSmallestScale = 1e-4;    // times it: 0.1 um, the scale of steps on data without noise
-constexpr double kDiverged = 1e12;         // standard deviations per step
-constexpr double kRoundOff = 1e-5;         // standard deviations: a step below it may be a rounding error
-constexpr int kRateWindow = 6;             // iterations the measured rate is taken over ...
-constexpr int kStandstill = 20;            // iterations without progress that show rounding
-constexpr double kRateFloor = 1e-6;        // ... the last ones with steps above this many standard deviations
+constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: only ratios matter
+constexpr double kSmallestScale = 1e-4;  // times it: 0.1 um, the scale of steps on data without noise
+constexpr double kDiverged = 1e12;       // standard deviations per step
+constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error
+constexpr int kRateWindow = 6;           // iterations the measured rate is taken over ...
+constexpr int kStandstill = 20;          // iterations without progress that show rounding
+constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
 
 // One Gauss-Newton step in the given coordinates, the others held.
 bool GaussNewtonStep(const StepContext& context, const std::vector<int>& coordinates, StepState* state) {
@@ -63,7 +63,8 @@ StepContext MakeContext(const CalibrationProblem& problem) {
 std::string Obstacle(const CalibrationProblem& problem) {
   for (size_t m = 0; m < problem.marker_frames.size(); ++m) {
     if (problem.marker_frames[m] == problem.robot.chain.FlangeFrame()) continue;
-    return "not run: marker '" + problem.data.markers[m] + "' is not on the flange, and paper 000 eq. (8) knows no other";
+    return "not run: marker '" + problem.data.markers[m] +
+           "' is not on the flange, and paper 000 eq. (8) knows no other";
   }
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     const BlockKind kind = problem.parameters.blocks()[coordinate.block].kind;
@@ -104,7 +105,8 @@ Yardstick MakeYardstick(const StepContext& context, const ParameterSet& paramete
     scale = std::max(kSmallestScale, std::sqrt(solution.residual_norm_squared / dof));
   }
   yardstick.sigmas = Eigen::VectorXd::Constant(parameters.num_coordinates(), 1.0);
-  for (size_t c = 0; c < columns.size(); ++c) yardstick.sigmas[columns[c]] = scale * std::sqrt(solution.covariance(c, c));
+  for (size_t c = 0; c < columns.size(); ++c)
+    yardstick.sigmas[columns[c]] = scale * std::sqrt(solution.covariance(c, c));
   return yardstick;
 }
 
@@ -124,14 +126,16 @@ void Stop(Status status, const std::string& message, Estimate* estimate) {
 void Alternate(const StepContext& context, const TwoStepOptions& options, TwoStepResult* result) {
   Estimate& estimate = result->estimate;
   const Yardstick yardstick = MakeYardstick(context, estimate.aligned);
-  if (yardstick.singular) return Stop(Status::kSingular, "the identification Jacobian is singular at the start", &estimate);
+  if (yardstick.singular)
+    return Stop(Status::kSingular, "the identification Jacobian is singular at the start", &estimate);
   std::vector<double> norms;
   StepState state{estimate.aligned, {}};
   for (int s = 0; s < state.parameters.num_stations(); ++s) state.bases.push_back(state.parameters.BaseInStation(s));
   Stop(Status::kNoConvergence, "stopped after " + std::to_string(options.max_iterations) + " iterations", &estimate);
   for (int i = 0; i < options.max_iterations; ++i) {
     const ParameterSet before = state.parameters;
-    if (!Iterate(options.variant, context, &state)) return Stop(Status::kSingular, "a step's linear system is singular", &estimate);
+    if (!Iterate(options.variant, context, &state))
+      return Stop(Status::kSingular, "a step's linear system is singular", &estimate);
     const Eigen::VectorXd change = TangentDifference(state.parameters, before);
     const double step = yardstick.Size(change);
     if (!(step < kDiverged)) return Stop(Status::kNoConvergence, "the alternation diverges", &estimate);
@@ -141,7 +145,8 @@ void Alternate(const StepContext& context, const TwoStepOptions& options, TwoSte
     estimate.iterations = i + 1;
     estimate.parameters = state.parameters;
     if (options.progress && i % 100 == 99) {
-      options.progress("iteration " + std::to_string(i + 1) + ": step " + std::to_string(step) + " standard deviations");
+      options.progress("iteration " + std::to_string(i + 1) + ": step " + std::to_string(step) +
+                       " standard deviations");
     }
     const bool rounding = i >= kStandstill && step < kRoundOff && step >= result->steps[i - kStandstill];
     const double rate = i == 0 ? 0.5 : std::min(step / std::max(1e-300, result->steps[i - 1]), 0.999);

@@ -11,19 +11,19 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSuspicious = 0.05;     // of the reach
-constexpr double kMisfit = 0.01;         // of the reach
+constexpr double kSuspicious = 0.05;  // of the reach
+constexpr double kMisfit = 0.01;      // of the reach
 constexpr double kImprovement = 10.0;
-constexpr int kRowsPerPair = 40;         // of a station and marker: enough to tell a wrong unit
+constexpr int kRowsPerPair = 40;  // of a station and marker: enough to tell a wrong unit
 constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 
 struct Reading {
-  bool is_joint = true;      // joint columns, else x, y, z
-  const char* suffix;        // what the header says
-  const char* better;        // what the numbers look like
+  bool is_joint = true;  // joint columns, else x, y, z
+  const char* suffix;    // what the header says
+  const char* better;    // what the numbers look like
   const char* better_words;
-  double factor;             // SI value in the better reading over SI value as read
-  double least, most;        // of the largest number in the columns, for the reading to be worth a try
+  double factor;       // SI value in the better reading over SI value as read
+  double least, most;  // of the largest number in the columns, for the reading to be worth a try
 };
 
 const Reading kReadings[] = {
@@ -122,9 +122,7 @@ CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& read
   return reread;
 }
 
-std::string Millimetres(double metres) {
-  return std::to_string(std::lround(1e3 * metres)) + " mm";
-}
+std::string Millimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }
 
 UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, int file_index, double before,
                      double after) {
@@ -134,9 +132,9 @@ UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, 
   finding.line = file.rows.empty() ? 0 : file.rows.front().line;
   finding.column = ColumnsOf(reading, problem.robot.chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
-  finding.words = std::string("the numbers look like ") + reading.better_words + ": the aligned nominal robot misses by " +
-                  Millimetres(before) + " (RMS) as the columns say, by " + Millimetres(after) + " if they are " +
-                  reading.better_words;
+  finding.words = std::string("the numbers look like ") + reading.better_words +
+                  ": the aligned nominal robot misses by " + Millimetres(before) + " (RMS) as the columns say, by " +
+                  Millimetres(after) + " if they are " + reading.better_words;
   finding.hint = "name the column " + stem + reading.better + " (and those like it), or convert the numbers";
   return finding;
 }

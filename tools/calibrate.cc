@@ -26,15 +26,12 @@ namespace {
 constexpr int kRequirementNotMet = 1;
 constexpr int kNumericalFailure = 3;
 
-const std::vector<std::string> kMethods = {"joint", "two-step", "two-step-literal", "two-step-relinearised",
-                                           "full-pose"};
-
 void CheckMethod() {
-  for (const std::string& method : kMethods) {
+  for (const std::string& method : MethodNames()) {
     if (FLAGS_method == method) return;
   }
   throw InputError({"", 0, "--method"}, "there is no method '" + FLAGS_method + "'",
-                   SpellingHint(FLAGS_method, kMethods));
+                   SpellingHint(FLAGS_method, MethodNames()));
 }
 
 Estimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
@@ -44,7 +41,7 @@ Estimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
   Estimate joint = EstimateJointly(problem, options);
   if (FLAGS_method == "joint" || !IsUsable(joint.status)) return joint;
   progress->Say("running " + FLAGS_method);
-  return RunMethod(problem, FLAGS_method, joint).estimate;
+  return RunMethod(problem, FLAGS_method, joint, options.progress).estimate;
 }
 
 int ReportFailure(const Estimate& estimate) {

@@ -30,9 +30,7 @@ FlagText SplitFlag(const std::string& argument) {
   return flag;
 }
 
-bool LooksLikeFlag(const std::string& argument) {
-  return argument.rfind("--", 0) == 0 && argument.size() > 2;
-}
+bool LooksLikeFlag(const std::string& argument) { return argument.rfind("--", 0) == 0 && argument.size() > 2; }
 
 bool Takes(const Command& command, const std::string& flag) {
   return std::find(command.flags.begin(), command.flags.end(), flag) != command.flags.end();
@@ -107,7 +105,8 @@ bool IsGiven(const std::string& flag) { return !gflags::GetCommandLineFlagInfoOr
 void ExpectArguments(const CommandLine& line, const Command& command, size_t least, size_t most) {
   const size_t n = line.arguments.size();
   if (n >= least && n <= most) return;
-  const std::string what = n < least ? "an argument is missing" : "'" + line.arguments[most] + "' is one argument too many";
+  const std::string what =
+      n < least ? "an argument is missing" : "'" + line.arguments[most] + "' is one argument too many";
   throw InputError({"", 0, "sagitta " + command.name}, what, command.help.substr(0, command.help.find('\n')));
 }
 

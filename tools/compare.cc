@@ -25,8 +25,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kNumericalFailure = 3;
 
 std::vector<std::string> MethodsAsked() {
-  const std::vector<std::string> known = {"joint", "two-step", "two-step-literal", "two-step-relinearised",
-                                          "full-pose"};
+  const std::vector<std::string>& known = MethodNames();
   const std::vector<std::string> methods = SplitText(FLAGS_methods, ',');
   for (const std::string& method : methods) {
     if (std::find(known.begin(), known.end(), method) != known.end()) continue;
@@ -35,16 +34,19 @@ std::vector<std::string> MethodsAsked() {
   return methods;
 }
 
+Json NumberIf(bool known, double value) { return known ? Json(value) : Json(nullptr); }
+
 Json MethodToJson(const MethodResult& result) {
   const Estimate& estimate = result.estimate;
+  const bool has_run = estimate.fit.observations > 0;
   Json json = {{"name", result.name},
                {"status", StatusName(estimate.status)},
                {"message", estimate.message},
                {"iterations", estimate.iterations},
-               {"seconds", estimate.seconds},
-               {"cost", estimate.cost},
-               {"rms_mm", 1e3 * estimate.fit.rms},
-               {"distance_rms_mm", 1e3 * estimate.fit.distance_rms}};
+               {"seconds", estimate.seconds}};
+  json["cost"] = NumberIf(has_run, estimate.cost);
+  json["rms_mm"] = NumberIf(has_run, 1e3 * estimate.fit.rms);
+  json["distance_rms_mm"] = NumberIf(has_run, 1e3 * estimate.fit.distance_rms);
   json["parameters"] = Json::object();
   for (const ParameterEstimate& row : estimate.table) {
     json["parameters"][row.name] = row.value / TraitsOf(row.quantity).si_per_unit;
@@ -64,7 +66,8 @@ Section Table(const std::vector<MethodResult>& results) {
   for (const MethodResult& result : results) {
     const Estimate& estimate = result.estimate;
     section.rows.push_back({result.name, StatusName(estimate.status), std::to_string(estimate.iterations),
-                            Fixed(estimate.seconds, 3), OrDash(estimate.cost, 8), Fixed(1e3 * estimate.fit.rms, 5),
+                            Fixed(estimate.seconds, 3), estimate.fit.observations > 0 ? OrDash(estimate.cost, 8) : "-",
+                            estimate.fit.observations > 0 ? Fixed(1e3 * estimate.fit.rms, 5) : "-",
                             OrDash(result.max_deviation_sigma, 3), OrDash(result.rate_measured, 4),
                             OrDash(result.rate_predicted, 4)});
   }
@@ -73,7 +76,8 @@ Section Table(const std::vector<MethodResult>& results) {
       "rate: error of one iteration over that of the one before; predicted: c1^2, the largest canonical correlation."};
   for (const MethodResult& result : results) {
     if (!IsUsable(result.estimate.status)) section.paragraphs.push_back(result.name + ": " + result.estimate.message);
-    for (const std::string& warning : result.estimate.warnings) section.paragraphs.push_back(result.name + ": " + warning);
+    for (const std::string& warning : result.estimate.warnings)
+      section.paragraphs.push_back(result.name + ": " + warning);
   }
   return section;
 }
@@ -82,7 +86,8 @@ Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
                       const std::vector<MethodResult>& results) {
   Json json = {{"schema", "sagitta/comparison/1"}, {"version", SAGITTA_VERSION}, {"command", line.text}};
   json["inputs"] = Json::array();
-  for (const InputFile& input : inputs.files) json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
+  for (const InputFile& input : inputs.files)
+    json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
   json["methods"] = Json::array();
   for (const MethodResult& result : results) json["methods"].push_back(MethodToJson(result));
   return json;
@@ -103,12 +108,14 @@ int RunCompare(const CommandLine& line) {
     options.num_threads = FLAGS_threads;
     const Estimate joint = EstimateJointly(problem, options);
     if (!IsUsable(joint.status)) {
-      std::cerr << "sagitta: no joint estimate to compare with: " << StatusName(joint.status) << ": " << joint.message << "\n";
+      std::cerr << "sagitta: no joint estimate to compare with: " << StatusName(joint.status) << ": " << joint.message
+                << "\n";
       return kNumericalFailure;
     }
     for (const std::string& method : methods) {
       progress.Say("running " + method);
-      results.push_back(RunMethod(problem, method, joint));
+      results.push_back(
+          RunMethod(problem, method, joint, [&progress](const std::string& what) { progress.Say(what); }));
     }
   }
   std::cout << SectionsToText({Table(results)});

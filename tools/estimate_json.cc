@@ -4,6 +4,7 @@
 
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
+#include "tools/loading_json.h"
 
 namespace sagitta {
 namespace {
@@ -46,25 +47,25 @@ Json ValidationToJson(const Estimate& estimate) {
   return json;
 }
 
-Json DeflectionToJson() {
-  Json json = {{"pairs", 0}};
-  json["before"] = SizeToJson(ResidualSize());
-  json["after"] = SizeToJson(ResidualSize());
+Json DeflectionToJson(const Estimate& estimate) {
+  Json json = {{"pairs", estimate.deflection_before.observations}};
+  json["before"] = SizeToJson(estimate.deflection_before);
+  json["after"] = SizeToJson(estimate.deflection_after);
   return json;
 }
 
 Json ParameterToJson(const ParameterEstimate& row) {
   const QuantityTraits& traits = TraitsOf(row.quantity);
   const auto in_unit = [&](double si) { return si / traits.si_per_unit; };
-  Json json = {{"name", row.name}, {"value", in_unit(row.value)}, {"unit", traits.unit},
-               {"nominal", in_unit(row.nominal)}};
+  Json json = {
+      {"name", row.name}, {"value", in_unit(row.value)}, {"unit", traits.unit}, {"nominal", in_unit(row.nominal)}};
   // No redundancy and no stated noise: nothing says how certain a value is.
   const bool has_sigma = row.free && std::isfinite(row.sigma) && row.sigma > 0.0;
   json["sigma"] = has_sigma ? Json(in_unit(row.sigma)) : Json(nullptr);
   json["ci95"] = has_sigma ? Json::array({in_unit(row.ci95.low), in_unit(row.ci95.high)}) : Json(nullptr);
   json["free"] = row.free;
   json["identifiable"] = row.identifiable;
-  json["at_bound"] = false;
+  json["at_bound"] = row.at_bound;
   return json;
 }
 
@@ -145,16 +146,19 @@ Json WarningsOf(const CalibrationProblem& problem, const Estimate& estimate) {
   return json;
 }
 
+// Names come from files, which may hold bytes that are no UTF-8.
+std::string OnOneLine(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 bool IsShort(const Json& json) {
   for (const Json& item : json) {
     if (item.is_object() || (item.is_array() && json.is_array())) return false;
   }
-  return json.dump().size() < 400;
+  return OnOneLine(json).size() < 400;
 }
 
 void Dump(const Json& json, const std::string& indent, std::string* text) {
   if (!json.is_structured() || json.empty() || IsShort(json) || (json.is_array() && json.front().is_number())) {
-    *text += json.dump();
+    *text += OnOneLine(json);
     return;
   }
   const std::string deeper = indent + " ";
@@ -162,7 +166,7 @@ void Dump(const Json& json, const std::string& indent, std::string* text) {
   *text += is_object ? "{" : "[";
   bool first = true;
   for (const auto& [key, value] : json.items()) {
-    *text += (first ? "\n" : ",\n") + deeper + (is_object ? Json(key).dump() + ": " : "");
+    *text += (first ? "\n" : ",\n") + deeper + (is_object ? OnOneLine(key) + ": " : "");
     Dump(value, deeper, text);
     first = false;
   }
@@ -188,7 +192,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["cost"] = estimate.cost;
   json["fit"] = FitToJson(estimate);
   json["validation"] = ValidationToJson(estimate);
-  json["deflection"] = DeflectionToJson();
+  json["deflection"] = DeflectionToJson(estimate);
   json["parameters"] = Json::array();
   for (const ParameterEstimate& row : estimate.table) json["parameters"].push_back(ParameterToJson(row));
   json["correlation"] = CorrelationToJson(estimate);
@@ -198,6 +202,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["robot"] = RobotToJson(CalibratedRobot(problem.robot, estimate.parameters, problem.model));
   json["stations"] = StationsToJson(problem, estimate.parameters);
   json["markers"] = MarkersToJson(problem, estimate.parameters);
+  json["loading"] = LoadingToJson(problem.experiment);
   return json;
 }
 

@@ -31,6 +31,7 @@ struct KnownRobot {
   Robot robot;
   std::map<std::string, Pose<double>> base_in_station;
   std::map<std::string, MarkerSpec> markers;  // points are set
+  Experiment loading;                         // loads, tool and gravity; nothing else of it
   std::vector<std::string> uncertain;         // coordinate names behind `covariance`
   Eigen::MatrixXd covariance;                 // SI
 };
@@ -40,7 +41,7 @@ KnownRobot ReadEstimateFile(const std::string& path);
 
 // The problem of predicting `data`: stations and markers of the data placed
 // where `known` has them, robot at its calibrated nominal. Throws InputError
-// for a station or marker that is not known and for loaded rows.
+// for a station, marker or load that is not known.
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data);
 
 }  // namespace sagitta

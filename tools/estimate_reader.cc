@@ -3,8 +3,11 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/loads.h"
 #include "problems/io/robot_file.h"
+#include "problems/loads.h"
 #include "tools/estimate_json.h"
+#include "tools/loading_json.h"
 
 namespace sagitta {
 namespace {
@@ -21,6 +24,7 @@ class EstimateReader {
     known_.robot = ReadRobotText(Get(json, "robot").dump(), path_);
     ReadStations(Get(json, "stations"));
     ReadMarkers(Get(json, "markers"));
+    ReadLoading(Get(json, "loading"), &known_.loading);
     ReadCovariance(json);
     return known_;
   }
@@ -92,7 +96,7 @@ class EstimateReader {
 
   double SiPerUnit(const std::string& unit) const {
     for (const Quantity quantity :
-         {Quantity::kLength, Quantity::kAngle, Quantity::kRotationVector, Quantity::kCompliance}) {
+         QQ) {
       if (unit == TraitsOf(quantity).unit) return TraitsOf(quantity).si_per_unit;
     }
     Fail("parameters.unit", "unit '" + unit + "' is not known");
@@ -125,6 +129,7 @@ class EstimateReader {
 template <typename Map>
 std::vector<std::string> KeysOf(const Map& map) {
   std::vector<std::string> keys;
+  keys.reserve(map.size());
   for (const auto& [key, value] : map) keys.push_back(key);
   return keys;
 }
@@ -146,10 +151,6 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
     if (known.markers.count(marker) == 0) {
       throw InputError(WhereOf(data, observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
                        SpellingHint(marker, KeysOf(known.markers)));
-    }
-    if (shot.load != "none" || !shot.wrench.IsZero()) {
-      throw InputError(WhereOf(data, observation, "load"), "the row is loaded ('" + shot.load + "')",
-                       "this version predicts unloaded rows; loads and compliances are not supported yet");
     }
   }
 }
@@ -174,7 +175,8 @@ KnownRobot ReadEstimateFile(const std::string& path) {
 
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
   CheckRows(known, data);
-  CalibrationProblem problem(known.robot, std::move(data), Experiment());
+  CalibrationProblem problem(known.robot, std::move(data), known.loading);
+  problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
   for (size_t s = 0; s < problem.data.stations.size(); ++s) {
     problem.parameters.SetBaseInStation(s, known.base_in_station.at(problem.data.stations[s]));
   }
@@ -184,6 +186,7 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
     problem.parameters.SetMarkerPoint(m, *spec.point);
     problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
   }
+  problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
   return problem;
 }
 

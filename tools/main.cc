@@ -33,7 +33,8 @@ const std::vector<Command>& Commands() {
 }
 
 std::string Overview() {
-  std::string text = "sagitta " SAGITTA_VERSION ": robot calibration from measured points\n\n"
+  std::string text = "sagitta " SAGITTA_VERSION
+                     ": robot calibration from measured points\n\n"
                      "sagitta COMMAND … | sagitta help COMMAND | sagitta --version\n\n";
   for (const bool built : {true, false}) {
     if (!built) text += "\nnot in this version yet\n";
@@ -44,8 +45,9 @@ std::string Overview() {
       text += name + command.summary + "\n";
     }
   }
-  return text + "\nFirst steps: sagitta calibrate ROBOT.yaml MEASUREMENTS.csv --out=results\n"
-                "Exit status: 0 done; 1 a requirement is not met; 2 input or usage error; 3 numerical failure\n";
+  return text +
+         "\nFirst steps: sagitta calibrate ROBOT.yaml MEASUREMENTS.csv --out=results\n"
+         "Exit status: 0 done; 1 a requirement is not met; 2 input or usage error; 3 numerical failure\n";
 }
 
 std::string HelpOf(const Command& command) {

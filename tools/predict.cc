@@ -65,7 +65,8 @@ int RunPredict(const CommandLine& line) {
 }  // namespace
 
 Command PredictCommand() {
-  return {"predict", "points of measurement rows from an estimate, with standard deviations",
+  return {"predict",
+          "points of measurement rows from an estimate, with standard deviations",
           R"(sagitta predict ESTIMATE.json MEAS.csv… --out=FILE.csv
 
 Adds pred_x_mm … (the point in the frame of the row's station) and psig_x_mm … (its standard deviation
@@ -75,7 +76,8 @@ x, y, z of the rows may be absent.
 Examples
   sagitta predict results/estimate.json new_poses.csv --out=predicted.csv
 )",
-          {"out", "seed", "threads", "quiet"}, RunPredict};
+          {"out", "seed", "threads", "quiet"},
+          RunPredict};
 }
 
 }  // namespace sagitta

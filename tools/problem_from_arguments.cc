@@ -80,8 +80,9 @@ void ApplyEstimateFlags(Experiment* experiment) {
 Experiment ExperimentOf(const std::vector<std::string>& arguments) {
   if (IsExperimentFile(arguments[0])) {
     if (arguments.size() > 1) {
-      throw InputError({arguments[0], 0, "measurements"}, "an experiment file names its own measurements, '" +
-                       arguments[1] + "' is one argument too many", "list the file under measurements:");
+      throw InputError({arguments[0], 0, "measurements"},
+                       "an experiment file names its own measurements, '" + arguments[1] + "' is one argument too many",
+                       "list the file under measurements:");
     }
     return ReadExperimentFile(arguments[0]);
   }
@@ -134,8 +135,8 @@ ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& arguments,
 }
 
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
-  for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance",
-                           "out", "seed", "threads", "quiet"}) {
+  for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance", "out",
+                           "seed", "threads", "quiet"}) {
     flags.push_back(flag);
   }
   return flags;

@@ -7,16 +7,8 @@
 
 namespace sagitta {
 
-Progress::Progress(bool quiet) : quiet_(quiet) {
-  if (quiet_) return;
-  patient_ = isatty(STDERR_FILENO) == 0;
-  if (!patient_) return;
-  timer_ = std::thread([this] {
-    std::unique_lock<std::mutex> lock(mutex_);
-    if (ended_.wait_for(lock, std::chrono::seconds(1), [this] { return done_; })) return;
-    patient_ = false;
-    PrintPending();
-  });
+Progress::Progress(bool quiet) {
+  if (!quiet) printer_ = std::thread(&Progress::PrintUntilDone, this);
 }
 
 Progress::~Progress() {
@@ -25,19 +17,22 @@ Progress::~Progress() {
     done_ = true;
   }
   ended_.notify_all();
-  if (timer_.joinable()) timer_.join();
+  if (printer_.joinable()) printer_.join();
 }
 
 void Progress::Say(const std::string& what) {
-  if (quiet_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   pending_ = what;
-  if (!patient_) PrintPending();
 }
 
-void Progress::PrintPending() {
-  if (!pending_.empty()) std::cerr << "sagitta: " << pending_ << " ..." << std::endl;
-  pending_.clear();
+void Progress::PrintUntilDone() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  std::chrono::milliseconds wait(isatty(STDERR_FILENO) != 0 ? 50 : 1000);
+  while (!ended_.wait_for(lock, wait, [this] { return done_; })) {
+    if (!pending_.empty()) std::cerr << "sagitta: " << pending_ << " ..." << std::endl;
+    pending_.clear();
+    wait = std::chrono::milliseconds(500);
+  }
 }
 
 }  // namespace sagitta

@@ -1,5 +1,5 @@
-// Progress lines on stderr: at once on a terminal, elsewhere only what is still
-// going on after a second.
+// Progress lines on stderr, twice a second at most: from the start on a terminal,
+// elsewhere only when the work takes longer than a second.
 #pragma once
 
 #include <condition_variable>
@@ -19,15 +19,13 @@ class Progress {
   void Say(const std::string& what);
 
  private:
-  void PrintPending();
+  void PrintUntilDone();
 
-  const bool quiet_;
-  bool patient_ = true;  // the first second, where stderr is no terminal
   bool done_ = false;
   std::string pending_;
   std::mutex mutex_;
   std::condition_variable ended_;
-  std::thread timer_;
+  std::thread printer_;
 };
 
 }  // namespace sagitta

@@ -10,8 +10,8 @@ namespace sagitta {
 namespace {
 
 constexpr int kBins = 30;
-constexpr double kRange = 4.0;       // standard deviations shown
-constexpr size_t kMostBars = 400;    // configurations drawn one by one
+constexpr double kRange = 4.0;     // standard deviations shown
+constexpr size_t kMostBars = 400;  // configurations drawn one by one
 
 constexpr const char* kStyle = R"(body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em;border-bottom:1px solid #ccc}
@@ -57,7 +57,8 @@ std::string HistogramSvg(char axis, const std::vector<double>& values) {
   const double scale = (kFloor - 20) / highest, step = kWidth / kBins;
   std::string body, curve;
   for (int b = 0; b < kBins; ++b) {
-    body += Rectangle(b * step, kFloor - scale * counts[b], step - 1, scale * counts[b], "bar", std::to_string(counts[b]));
+    body +=
+        Rectangle(b * step, kFloor - scale * counts[b], step - 1, scale * counts[b], "bar", std::to_string(counts[b]));
   }
   for (int i = 0; i <= 80; ++i) {
     const double u = kRange * (i / 40.0 - 1.0);
@@ -129,7 +130,8 @@ std::string ConfigurationSvg(const std::vector<Bar>& bars) {
   for (size_t i = 0; i < bars.size(); ++i) {
     const double height = (kFloor - 20) * bars[i].rms() / highest;
     body += Rectangle(i * step, kFloor - height, std::max(0.5, 0.8 * step), height,
-                      bars[i].is_validation ? "held-out" : "bar", bars[i].name + ": " + Fixed(1e3 * bars[i].rms(), 4) + " mm");
+                      bars[i].is_validation ? "held-out" : "bar",
+                      bars[i].name + ": " + Fixed(1e3 * bars[i].rms(), 4) + " mm");
   }
   body += "<line class=\"axis\" x1=\"0\" x2=\"840\" y1=\"170\" y2=\"170\"/>\n";
   body += Text(4, 12, Fixed(1e3 * highest, 3) + " mm at most", "start");
@@ -146,7 +148,8 @@ std::string SectionToHtml(const Section& section, const char* heading) {
     for (const auto& row : section.rows) {
       html += "<tr>";
       for (size_t c = 0; c < row.size(); ++c) {
-        html += std::string("<td") + (section.header[c] == "unit" ? " class=\"unit\"" : "") + ">" + EscapeHtml(row[c]) + "</td>";
+        html += std::string("<td") + (section.header[c] == "unit" ? " class=\"unit\"" : "") + ">" + EscapeHtml(row[c]) +
+                "</td>";
       }
       html += "</tr>\n";
     }
@@ -160,7 +163,8 @@ std::string ProvenanceToHtml(const Provenance& provenance) {
   std::string html = "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION ", method " + EscapeHtml(provenance.method) +
                      "</p>\n<p><code>" + EscapeHtml(provenance.command) + "</code></p>\n<table><tbody>\n";
   for (const InputFile& input : provenance.inputs) {
-    html += "<tr><td>" + EscapeHtml(input.path) + "</td><td class=\"unit\"><code>" + input.sha256 + "</code></td></tr>\n";
+    html +=
+        "<tr><td>" + EscapeHtml(input.path) + "</td><td class=\"unit\"><code>" + input.sha256 + "</code></td></tr>\n";
   }
   return html + "</tbody></table>\n";
 }
@@ -171,12 +175,23 @@ std::string EscapeHtml(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
     switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      case '\'': escaped += "&#39;"; break;
-      default: escaped += c;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += c;
     }
   }
   return escaped;
@@ -185,7 +200,8 @@ std::string EscapeHtml(const std::string& text) {
 std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
   const std::vector<Section> sections = Summarise(problem, estimate);
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-                     EscapeHtml(sections.front().title) + " - sagitta</title>\n<style>" + kStyle + "</style></head><body>\n";
+                     EscapeHtml(sections.front().title) + " - sagitta</title>\n<style>" + kStyle +
+                     "</style></head><body>\n";
   for (size_t i = 0; i < sections.size(); ++i) html += SectionToHtml(sections[i], i == 0 ? "h1" : "h2");
   html += Histograms(problem, estimate);
   html += "<h2>Residual per configuration</h2>\n<p>RMS distance; validation configurations in orange.</p>\n";

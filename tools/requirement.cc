@@ -29,7 +29,8 @@ Requirement ParseRequirement(const std::string& text) {
   requirement.path = Trimmed(text.substr(0, begin));
   requirement.comparison = text.substr(begin, end == std::string::npos ? end : end - begin);
   const std::string& c = requirement.comparison;
-  if (c != "<" && c != "<=" && c != ">" && c != ">=" && c != "==") Fail("'" + c + "' compares nothing", "use < <= > >= ==");
+  if (c != "<" && c != "<=" && c != ">" && c != ">=" && c != "==")
+    Fail("'" + c + "' compares nothing", "use < <= > >= ==");
   const std::optional<double> bound = ParseNumber(end == std::string::npos ? "" : Trimmed(text.substr(end)));
   if (requirement.path.empty() || !bound) Fail("'" + text + "' is no requirement", example);
   requirement.bound = *bound;

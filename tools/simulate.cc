@@ -37,9 +37,11 @@ KnownRobot KnownFromExperiment(const std::string& file, const Robot& robot, cons
 }
 
 void CheckHasScene(const KnownRobot& known) {
-  const char* kHint = "state stations: {S1: {xyz_mm: …, rotvec_mrad: …}} and markers: {M1: {xyz_mm: …}} in an experiment "
-                      "file, or give --truth=ESTIMATE.json";
-  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the truth states no base pose", kHint);
+  const char* kHint =
+      "state stations: {S1: {xyz_mm: …, rotvec_mrad: …}} and markers: {M1: {xyz_mm: …}} in an experiment "
+      "file, or give --truth=ESTIMATE.json";
+  if (known.base_in_station.empty())
+    throw InputError({known.file, 0, "stations"}, "the truth states no base pose", kHint);
   if (known.markers.empty()) throw InputError({known.file, 0, "markers"}, "the truth states no marker point", kHint);
 }
 
@@ -55,7 +57,8 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
   }
   if (known.robot.num_joints() != inputs.robot.num_joints()) {
     throw InputError({known.file, 0, "robot"}, "the truth has " + std::to_string(known.robot.num_joints()) +
-                     " joints, the robot of the experiment " + std::to_string(inputs.robot.num_joints()));
+                                                   " joints, the robot of the experiment " +
+                                                   std::to_string(inputs.robot.num_joints()));
   }
   CheckHasScene(known);
   return known;
@@ -99,7 +102,8 @@ int RunSimulate(const CommandLine& line) {
 }  // namespace
 
 Command SimulateCommand() {
-  return {"simulate", "measurements from a stated truth, with noise",
+  return {"simulate",
+          "measurements from a stated truth, with noise",
           R"(sagitta simulate EXP --truth=ESTIMATE.json --out=FILE.csv [--sigma_mm=0.01] [--seed=1]
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…. Its rows say which configurations, markers and stations
@@ -111,7 +115,8 @@ Examples
   sagitta simulate robot.yaml poses.csv --truth=results/estimate.json --sigma_mm=0.05 --out=simulated.csv
   sagitta simulate experiment.yaml --out=simulated.csv --seed=7
 )",
-          {"truth", "sigma_mm", "out", "seed", "threads", "quiet"}, RunSimulate};
+          {"truth", "sigma_mm", "out", "seed", "threads", "quiet"},
+          RunSimulate};
 }
 
 }  // namespace sagitta

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 
 namespace sagitta {
 namespace {
@@ -16,14 +17,19 @@ std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 Section ResultSection(const CalibrationProblem& problem, const Estimate& estimate) {
   Section section;
   section.title = problem.robot.name.empty() ? "Calibration" : problem.robot.name;
-  section.paragraphs = {
-      std::string("Status: ") + StatusName(estimate.status) + " (" + estimate.message + ").",
-      Plural(estimate.fit.observations, "observation") + " of " +
-          Plural(estimate.calibration_configurations, "configuration") + ", " +
-          Plural(problem.data.stations.size(), "station") + ", " + Plural(problem.data.markers.size(), "marker") +
-          "; " + Plural(estimate.estimated.size(), "unknown") + " estimated in " +
-          Plural(estimate.iterations, "iteration") + ", " + Fixed(estimate.seconds, 2) + " s."};
+  section.paragraphs = {std::string("Status: ") + StatusName(estimate.status) + " (" + estimate.message + ").",
+                        Plural(estimate.fit.observations, "observation") + " of " +
+                            Plural(estimate.calibration_configurations, "configuration") + ", " +
+                            Plural(problem.data.stations.size(), "station") + ", " +
+                            Plural(problem.data.markers.size(), "marker") + "; " +
+                            Plural(estimate.estimated.size(), "unknown") + " estimated in " +
+                            Plural(estimate.iterations, "iteration") + ", " + Fixed(estimate.seconds, 2) + " s."};
   return section;
+}
+
+std::string Factor(double before, double after) {
+  if (!(after > 0.0 && before > 0.0)) return "-";
+  return before / after < 1e5 ? Fixed(before / after, 1) : "> 100000";
 }
 
 // As paper 002, Tables IV and XI.
@@ -32,7 +38,7 @@ Section ResidualSection(const std::string& title, const ResidualSize& before, co
   section.title = title;
   section.header = {"mm", "before", "after", "factor"};
   const auto add = [&section](const std::string& name, double b, double a) {
-    section.rows.push_back({name, Millimetres(b), Millimetres(a), a > 0.0 && b > 0.0 ? Fixed(b / a, 1) : "-"});
+    section.rows.push_back({name, Millimetres(b), Millimetres(a), Factor(b, a)});
   };
   add("coordinate max", before.max, after.max);
   add("coordinate RMS", before.rms, after.rms);
@@ -45,8 +51,9 @@ Section ResidualSection(const std::string& title, const ResidualSize& before, co
 }
 
 Section ValidationSection(const Estimate& estimate) {
-  Section section = ResidualSection("Residuals on " + Plural(estimate.validation.observations, "validation observation"),
-                                    estimate.validation_before, estimate.validation);
+  Section section =
+      ResidualSection("Residuals on " + Plural(estimate.validation.observations, "validation observation"),
+                      estimate.validation_before, estimate.validation);
   section.paragraphs = {"Predicted coordinate RMS from noise and parameter uncertainty: " +
                         Millimetres(estimate.validation_predicted_rms) + " mm."};
   return section;
@@ -122,19 +129,23 @@ Section ParameterSection(const Estimate& estimate) {
     const bool known = row.free && half > 0.0 && std::isfinite(half);
     const int decimals = DecimalsFor(known ? half : 0.0);
     section.rows.push_back({row.name, Fixed(row.value / traits.si_per_unit, decimals),
-                            known ? Fixed(half, decimals) : "-", traits.unit,
-                            StateOf(row, estimate.identifiability)});
+                            known ? Fixed(half, decimals) : "-", traits.unit, StateOf(row, estimate.identifiability)});
   }
   if (!estimate.identifiability.unidentifiable.empty()) {
-    section.paragraphs = {"held: stays where nominal robot and alignment put it. tied: moves with a held one; the "
-                          "interval takes that one as exact."};
+    section.paragraphs = {
+        "held: stays where nominal robot and alignment put it. tied: moves with a held one; the "
+        "interval takes that one as exact."};
   }
   return section;
 }
 
 std::string List(const std::vector<std::string>& names, const std::string& prefix) {
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + prefix + name;
+  for (const std::string& name : names) {
+    if (!text.empty()) text += ", ";
+    text += prefix;
+    text += name;
+  }
   return text;
 }
 
@@ -188,6 +199,22 @@ std::string TableToText(const Section& section) {
   return text;
 }
 
+constexpr size_t kTerminalWidth = 110;
+
+std::string Wrapped(const std::string& paragraph) {
+  const std::string indent = paragraph.rfind("- ", 0) == 0 ? "    " : "  ";
+  std::string text, line = " ";
+  std::istringstream words(paragraph);
+  for (std::string word; words >> word;) {
+    if (Width(line) + 1 + Width(word) > kTerminalWidth && line.size() > indent.size()) {
+      text += line + "\n";
+      line = indent.substr(1);
+    }
+    line += " " + word;
+  }
+  return text + line + "\n";
+}
+
 }  // namespace
 
 std::string Fixed(double value, int decimals) {
@@ -222,7 +249,7 @@ std::string SectionsToText(const std::vector<Section>& sections) {
   for (const Section& section : sections) {
     text += (text.empty() ? "" : "\n") + section.title + "\n";
     if (!section.header.empty()) text += TableToText(section);
-    for (const std::string& paragraph : section.paragraphs) text += "  " + paragraph + "\n";
+    for (const std::string& paragraph : section.paragraphs) text += Wrapped(paragraph);
   }
   return text;
 }

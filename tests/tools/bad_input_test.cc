@@ -77,10 +77,14 @@ std::vector<BadFile> BadFiles() {
          for (const char* axis : {"sigma_x_mm", "sigma_y_mm", "sigma_z_mm"}) Append(axis, "0.1", r);
          (*r)[2].back() = "0";
        },
-       {":3: sigma_z_mm"}, {}},
+       {":3: sigma_z_mm"},
+       {}},
       {"duplicate_rows", [](Rows* r) { r->push_back(r->back()); }, {}, {}},
       {"joints_differ_within_a_visit", [](Rows* r) { (*r)[2][Column(*r, "q3_deg")] = "1.5"; }, {"C01"}, {}},
-      {"one_configuration_only", [](Rows* r) { Keep("config", "C01", r); }, {"configuration"}, {"--free=geometry/p_x1"}},
+      {"one_configuration_only",
+       [](Rows* r) { Keep("config", "C01", r); },
+       {"configuration"},
+       {"--free=geometry/p_x1"}},
       {"fewer_equations_than_unknowns", [](Rows* r) { r->resize(5); }, {}, {}},
       {"joint_count", [](Rows* r) { Remove("q6_deg", r); }, {"6 joints", "q5"}, {}},
       {"validation_only_station",
@@ -88,7 +92,8 @@ std::vector<BadFile> BadFiles() {
          SeparateStations(r);
          Validate("station", "S2", r);
        },
-       {"station", "S2"}, {}},
+       {"station", "S2"},
+       {}},
       {"radians_in_degree_columns", [](Rows* r) { ScaleJoints(kRadians, r); }, {"q1_deg", "q1_rad", "radians"}, {}},
       {"absent_validation_column", [](Rows*) {}, {"grupp"}, {"--validation=grupp=a"}},
       {"empty", [](Rows* r) { r->clear(); }, {}, {}},
@@ -101,7 +106,8 @@ class BadInputTest : public ProgramTest {
   void ExpectRefused(const Outcome& outcome, const std::vector<std::string>& words) const {
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     EXPECT_EQ(outcome.out, "");
-    for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << word << "\n" << outcome.err;
+    for (const std::string& word : words)
+      EXPECT_NE(outcome.err.find(word), std::string::npos) << word << "\n" << outcome.err;
     for (const char* file : {"estimate.json", "robot.calibrated.yaml", "residuals.csv", "report.html"}) {
       EXPECT_FALSE(Exists(std::string("out/") + file)) << file;
     }
@@ -129,7 +135,8 @@ TEST_F(BadInputTest, UnknownKeyOfRobotAndExperiment) {
   robot.replace(robot.find("kinematics:"), 11, "kinematic:");
   ExpectRefused(Run({"calibrate", Write("odd.yaml", robot), Published("kr270/geometric.csv"), "--out=" + Path("out")}),
                 {"odd.yaml", "kinematics"});
-  const std::string experiment = Write("exp.yaml", "schema: sagitta/experiment/1\nrobbot: r.yaml\nmeasurements: [a.csv]\n");
+  const std::string experiment =
+      Write("exp.yaml", "schema: sagitta/experiment/1\nrobbot: r.yaml\nmeasurements: [a.csv]\n");
   ExpectRefused(Run({"calibrate", experiment, "--out=" + Path("out")}), {"exp.yaml:2", "robot"});
 }
 
@@ -153,7 +160,8 @@ TEST_F(BadInputTest, MetresInMillimetreColumns) {
     for (size_t i = 1; i < rows.size(); ++i) rows[i][c] = std::to_string(std::stod(rows[i][c]) / 1e3);
   }
   const std::string file = Write("metres.csv", Csv(rows));
-  ExpectRefused(Run({"calibrate", Published("kr270/robot.yaml"), file, "--out=" + Path("out")}), {"x_mm", "x_m", "metres"});
+  ExpectRefused(Run({"calibrate", Published("kr270/robot.yaml"), file, "--out=" + Path("out")}),
+                {"x_mm", "x_m", "metres"});
 }
 
 TEST_F(BadInputTest, DegreesInRadianColumns) {

@@ -60,10 +60,10 @@ TEST_F(CommandLineTest, FlagsOfLibrariesAndOtherCommandsAreNotTaken) {
 }
 
 TEST_F(CommandLineTest, BadValuesAreUsageErrors) {
-  for (const char* flag : {"--sigma_mm=abc", "--sigma_mm=nan", "--sigma_mm=0", "--sigma_mm=-1", "--seed=-1", "--threads=0",
-                           "--holdout=1.5", "--validation=group", "--load_point_mm=1,2", "--significance=2",
-                           "--method=joynt", "--require=fit.rms_mm", "--require=fit.rms_mm<x", "--quiet=maybe",
-                           "--free=geometry/p_x11", "--out"}) {
+  for (const char* flag :
+       {"--sigma_mm=abc", "--sigma_mm=nan", "--sigma_mm=0", "--sigma_mm=-1", "--seed=-1", "--threads=0",
+        "--holdout=1.5", "--validation=group", "--load_point_mm=1,2", "--significance=2", "--method=joynt",
+        "--require=fit.rms_mm", "--require=fit.rms_mm<x", "--quiet=maybe", "--free=geometry/p_x11", "--out"}) {
     const Outcome outcome = Run({"calibrate", kExperiment, flag});
     EXPECT_EQ(outcome.status, 2) << flag << outcome.err;
     EXPECT_EQ(outcome.out, "") << flag;

@@ -33,7 +33,8 @@ class ProgramTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = "sagitta_" + std::string(info->test_suite_name()) + "_" + info->name() + std::to_string(getpid());
+    std::string name =
+        "sagitta_" + std::string(info->test_suite_name()) + "_" + info->name() + std::to_string(getpid());
     std::replace(name.begin(), name.end(), '/', '_');
     folder_ = std::filesystem::temp_directory_path() / name;
     std::filesystem::remove_all(folder_);

@@ -40,7 +40,8 @@ TEST_F(ResultsTest, CalibrateWritesFourFilesThatAgree) {
 
 TEST_F(ResultsTest, TheCalibratedRobotLoadsAgainAndHasNothingLeftToFind) {
   ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("a")}).status, 0);
-  ASSERT_EQ(Run({"calibrate", Path("a/robot.calibrated.yaml"), data_, "--sigma_mm=0.1", "--out=" + Path("b")}).status, 0);
+  ASSERT_EQ(Run({"calibrate", Path("a/robot.calibrated.yaml"), data_, "--sigma_mm=0.1", "--out=" + Path("b")}).status,
+            0);
   const auto first = ReadJson("a/estimate.json"), second = ReadJson("b/estimate.json");
   EXPECT_NEAR(first["fit"]["rms_mm"].get<double>(), second["fit"]["rms_mm"].get<double>(), 1e-8);
   for (const auto& parameter : second["parameters"]) {
@@ -60,7 +61,8 @@ TEST_F(ResultsTest, PredictGivesTheSameNumbersAsResiduals) {
   for (size_t i = 1; i < residuals.size(); ++i) {
     for (const std::string axis : {"x", "y", "z"}) {
       const std::string name = "pred_" + axis + "_mm";
-      EXPECT_NEAR(std::stod(residuals[i][Column(residuals, name)]), std::stod(predicted[i][Column(predicted, name)]), 1e-9);
+      EXPECT_NEAR(std::stod(residuals[i][Column(residuals, name)]), std::stod(predicted[i][Column(predicted, name)]),
+                  1e-9);
       const double sigma = std::stod(predicted[i][Column(predicted, "psig_" + axis + "_mm")]);
       EXPECT_GT(sigma, 0.01);
       EXPECT_LT(sigma, 0.1);  // the noise of one coordinate: a fit of 162 rows by 39 unknowns averages
@@ -93,7 +95,9 @@ TEST_F(ResultsTest, PredictRefusesWhatTheEstimateDoesNotKnow) {
     EXPECT_FALSE(Exists("p.csv"));
   }
   EXPECT_EQ(Run({"predict", robot_, data_, "--out=" + Path("p.csv")}).status, 2);
-  EXPECT_EQ(Run({"predict", Write("x.json", "{\"schema\": \"sagitta/diagnosis/1\"}"), data_, "--out=" + Path("p.csv")}).status, 2);
+  EXPECT_EQ(Run({"predict", Write("x.json", "{\"schema\": \"sagitta/diagnosis/1\"}"), data_, "--out=" + Path("p.csv")})
+                .status,
+            2);
 }
 
 TEST_F(ResultsTest, SimulatedMeasurementsGiveTheTruthBack) {
@@ -126,7 +130,9 @@ TEST_F(ResultsTest, SimulateWithoutASceneSaysWhatIsMissing) {
 }
 
 TEST_F(ResultsTest, RequirementMetUnmetAndUnknown) {
-  EXPECT_EQ(Run({"calibrate", experiment_, "--require=fit.rms_mm<0.2,fit.reduced_chi2 >= 0.5", "--out=" + Path("a")}).status, 0);
+  EXPECT_EQ(
+      Run({"calibrate", experiment_, "--require=fit.rms_mm<0.2,fit.reduced_chi2 >= 0.5", "--out=" + Path("a")}).status,
+      0);
   const Outcome unmet = Run({"calibrate", experiment_, "--require=fit.rms_mm<0.01", "--out=" + Path("b")});
   EXPECT_EQ(unmet.status, 1);
   EXPECT_NE(unmet.err.find("fit.rms_mm"), std::string::npos);
@@ -166,8 +172,66 @@ TEST_F(ResultsTest, CompareListsEveryMethod) {
   ASSERT_EQ(methods.size(), 2);
   EXPECT_EQ(methods[0]["name"], "joint");
   EXPECT_LT(methods[1]["max_deviation_sigma"].get<double>(), 1e-5);
-  for (const char* key : {"status", "iterations", "seconds", "cost", "rms_mm", "parameters", "rate_measured", "rate_predicted"}) {
+  for (const char* key :
+       {"status", "iterations", "seconds", "cost", "rms_mm", "parameters", "rate_measured", "rate_predicted"}) {
     EXPECT_TRUE(methods[1].contains(key)) << key;
+  }
+}
+
+// Poor data is not bad input: what an unmoved joint hides is held, said in words, and marked.
+TEST_F(ResultsTest, AnUnmovedJointEndsInHeldParameters) {
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("truth")}).status, 0);
+  auto rows = Cells(ReadAll(data_));
+  for (size_t i = 1; i < rows.size(); ++i) rows[i][Column(rows, "q6_deg")] = "10";
+  const std::string poses = Write("poses.csv", Csv(rows));
+  ASSERT_EQ(Run({"simulate", robot_, poses, "--truth=" + Path("truth/estimate.json"), "--sigma_mm=0.1",
+                 "--out=" + Path("still.csv")})
+                .status,
+            0);
+  const Outcome outcome = Run({"calibrate", robot_, Path("still.csv"), "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto estimate = ReadJson("out/estimate.json");
+  EXPECT_EQ(estimate["status"], "converged_with_held_parameters");
+  size_t held = 0;
+  for (const auto& parameter : estimate["parameters"]) {
+    if (parameter["identifiable"]) continue;
+    ++held;
+    EXPECT_EQ(parameter["free"], false);
+    EXPECT_TRUE(parameter["sigma"].is_null());
+  }
+  EXPECT_GT(held, 0u);
+  EXPECT_EQ(held, estimate["identifiability"]["unidentifiable"].size());
+  for (const auto& direction : estimate["identifiability"]["unidentifiable"]) {
+    EXPECT_NE(outcome.out.find(direction["direction"].begin().key()), std::string::npos);
+    EXPECT_FALSE(direction["words"].get<std::string>().empty());
+  }
+}
+
+TEST_F(ResultsTest, NumericalFailureSaysWhyAndWritesNoEstimate) {
+  auto rows = Cells(ReadAll(data_));
+  std::vector<std::vector<std::string>> one_marker = {rows[0]};
+  for (const auto& row : rows) {
+    if (row[Column(rows, "marker")] == "P1") one_marker.push_back(row);
+  }
+  const std::string file = Write("one.csv", Csv(one_marker));
+  const Outcome outcome = Run({"calibrate", robot_, file, "--method=full-pose", "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("three markers"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(Exists("out/estimate.json"));
+}
+
+// Signs and zero positions are no units: nothing to propose, but not to be passed over.
+TEST_F(ResultsTest, ARobotThatDoesNotFitTheDataIsWarnedOf) {
+  auto rows = Cells(ReadAll(data_));
+  for (size_t i = 1; i < rows.size(); ++i) {
+    std::string& cell = rows[i][Column(rows, "q2_deg")];
+    cell = std::to_string(-std::stod(cell));
+  }
+  const Outcome outcome = Run({"calibrate", robot_, Write("sign.csv", Csv(rows)), "--out=" + Path("out")});
+  if (outcome.status == 0) {
+    EXPECT_NE(outcome.out.find("check signs"), std::string::npos) << outcome.out;
+  } else {
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
   }
 }
 
