@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
+constexpr size_t kMostNames = 6;  // in words
 
 bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -100,10 +101,12 @@ std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& 
   if (components.empty()) return "";
   if (components.size() == 1) return components[0].first + " is not measured by these data";
   std::string names;
-  for (size_t i = 0; i < components.size(); ++i) {
+  const size_t shown = std::min(components.size(), kMostNames);
+  for (size_t i = 0; i < shown; ++i) {
     if (i > 0) names += i + 1 == components.size() ? " and " : ", ";
     names += components[i].first;
   }
+  if (shown < components.size()) names += " and " + std::to_string(components.size() - shown) + " more";
   if (components.size() > 2) {
     return names + " move together: only " + std::to_string(components.size() - 1) + " combinations of them are measured";
   }

@@ -135,7 +135,11 @@ void Finish(const CalibrationProblem& problem, const ResidualSelection& residual
   const double step = RemainingStep(solution, std::max(1e-12, NoiseScale(problem, linearization)));
   const bool exact_fit = linearization.residual.norm() < 1e-9 * std::sqrt(linearization.num_rows());
   if (step < kConvergedSteps) TakeStep(linearization, solution, &estimate->parameters);
-  if (!solution.full_rank) {
+  if (linearization.num_columns() == 0) {
+    estimate->status = Status::kSingular;
+    estimate->message = "the scatter is so large that every unknown had to be held; check signs and zero positions of "
+                        "the joints, the kinematics and the units";
+  } else if (!solution.full_rank) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the optimum although nothing is held";
   } else if (!minimized.usable || !(step < kConvergedSteps || exact_fit)) {

@@ -128,6 +128,12 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
 LinearSolution SolveLinearization(const Linearization& linearization) {
   LinearSolution solution;
   const int n = linearization.num_columns();
+  if (n == 0) {  // everything is held; Eigen's SVD takes no empty matrix
+    solution.step.resize(0);
+    solution.covariance.resize(0, 0);
+    solution.residual_norm_squared = linearization.residual.squaredNorm();
+    return solution;
+  }
   Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);

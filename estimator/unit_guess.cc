@@ -119,6 +119,9 @@ CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& read
       if (meant && revolute) reread.data.configurations[index].q[j] *= reading.factor;
     }
   }
+  for (size_t s = 0; s < reread.shot_inputs.size(); ++s) {
+    reread.shot_inputs[s].q = reread.data.configurations[reread.data.shots[s].configuration].q;
+  }
   return reread;
 }
 

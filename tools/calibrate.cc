@@ -1,6 +1,7 @@
 // sagitta calibrate: the main job.
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "estimator/compare_methods.h"
@@ -25,6 +26,7 @@ namespace {
 
 constexpr int kRequirementNotMet = 1;
 constexpr int kNumericalFailure = 3;
+constexpr size_t kShownDirections = 5;
 
 void CheckMethod() {
   for (const std::string& method : MethodNames()) {
@@ -46,8 +48,9 @@ Estimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
 
 int ReportFailure(const Estimate& estimate) {
   std::cerr << "sagitta: no estimate: " << StatusName(estimate.status) << ": " << estimate.message << "\n";
-  for (const Direction& direction : estimate.identifiability.unidentifiable) {
-    std::cerr << "  " << direction.words << "; " << direction.remedy << "\n";
+  const std::vector<Direction>& directions = estimate.identifiability.unidentifiable;
+  for (size_t i = 0; i < std::min(kShownDirections, directions.size()); ++i) {
+    std::cerr << "  " << directions[i].words << "; " << directions[i].remedy << "\n";
   }
   return kNumericalFailure;
 }

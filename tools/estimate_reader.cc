@@ -3,7 +3,6 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
-#include "problems/loads.h"
 #include "problems/io/robot_file.h"
 #include "problems/loads.h"
 #include "tools/estimate_json.h"
@@ -24,7 +23,7 @@ class EstimateReader {
     known_.robot = ReadRobotText(Get(json, "robot").dump(), path_);
     ReadStations(Get(json, "stations"));
     ReadMarkers(Get(json, "markers"));
-    ReadLoading(Get(json, "loading"), &known_.loading);
+    if (json.contains("loading")) ReadLoading(json.at("loading"), &known_.loading);
     ReadCovariance(json);
     return known_;
   }
@@ -95,8 +94,8 @@ class EstimateReader {
   }
 
   double SiPerUnit(const std::string& unit) const {
-    for (const Quantity quantity :
-         QQ) {
+    for (const Quantity quantity : {Quantity::kLength, Quantity::kAngle, Quantity::kRotationVector,
+                                    Quantity::kCompliance, Quantity::kLinearCompliance, Quantity::kSpringRate}) {
       if (unit == TraitsOf(quantity).unit) return TraitsOf(quantity).si_per_unit;
     }
     Fail("parameters.unit", "unit '" + unit + "' is not known");

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <iostream>
+#include <numeric>
+#include <stdexcept>
 
 #include "estimator/linearization.h"
 #include "problems/input_error.h"
@@ -48,8 +50,9 @@ int RunPredict(const CommandLine& line) {
   const CalibrationProblem problem = PredictionProblem(known, ReadMeasurementsFor(known.robot, files, options));
 
   std::vector<int> all(problem.data.observations.size());
-  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
+  if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
   const Eigen::Matrix3Xd sigmas = PredictedSigmas(problem, known, all);
   std::vector<AddedColumn> added = PointColumns("pred_", points);
   for (const AddedColumn& column : PointColumns("psig_", sigmas)) added.push_back(column);

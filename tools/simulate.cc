@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <iostream>
+#include <numeric>
+#include <stdexcept>
 
+#include "estimator/linearization.h"
 #include "problems/input_error.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
@@ -23,6 +26,7 @@ KnownRobot KnownFromExperiment(const std::string& file, const Robot& robot, cons
   KnownRobot known;
   known.file = file;
   known.robot = robot;
+  known.loading = experiment;
   for (const auto& [name, spec] : experiment.stations) {
     if (!spec.base_xyz && !spec.base_rotvec) continue;
     Pose<double> pose;
@@ -61,6 +65,7 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
                                                    std::to_string(inputs.robot.num_joints()));
   }
   CheckHasScene(known);
+  if (!inputs.experiment.file.empty()) known.loading = inputs.experiment;  // the rows' loads are those of EXP
   return known;
 }
 
@@ -72,6 +77,23 @@ std::vector<Vector3<double>> NoiseOf(const ExperimentInputs& inputs, const Measu
   return SigmaOfRows(data, Vector3<double>::Constant(inputs.experiment.noise.sigma.value_or(0.0)));
 }
 
+// As SimulateMeasurements, which knows no loads: n standard normal numbers per axis, in row order.
+Measurements Simulate(const CalibrationProblem& problem, const std::vector<Vector3<double>>& sigma) {
+  Measurements simulated = problem.data;
+  std::vector<int> all(simulated.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
+  if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
+  NormalNumbers normal(FLAGS_seed);
+  for (size_t i = 0; i < all.size(); ++i) {
+    simulated.observations[i].point_in_station = points.col(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      simulated.observations[i].point_in_station[axis] += sigma[i][axis] * normal();
+    }
+  }
+  return simulated;
+}
+
 int RunSimulate(const CommandLine& line) {
   ExpectArguments(line, SimulateCommand(), 1, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
@@ -80,15 +102,8 @@ int RunSimulate(const CommandLine& line) {
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
   const CalibrationProblem problem = PredictionProblem(ReadTruth(line.arguments[0], inputs), inputs.data);
 
-  SimulationTruth truth{problem.robot, {}, {}};
-  for (int s = 0; s < problem.parameters.num_stations(); ++s) {
-    truth.base_in_station.push_back(problem.parameters.BaseInStation(s));
-  }
-  for (int m = 0; m < problem.parameters.num_markers(); ++m) {
-    truth.markers.push_back({problem.marker_frames[m], problem.parameters.MarkerPoint(m)});
-  }
   const std::vector<Vector3<double>> sigma = NoiseOf(inputs, problem.data);
-  const std::string csv = MeasurementsToCsv(SimulateMeasurements(problem.data, truth, sigma, FLAGS_seed));
+  const std::string csv = MeasurementsToCsv(Simulate(problem, sigma));
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);

@@ -233,6 +233,12 @@ std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate
   std::vector<Section> sections = {ResultSection(problem, estimate)};
   sections.push_back(ResidualSection("Residuals on calibration observations", estimate.fit_before, estimate.fit));
   if (estimate.validation.observations > 0) sections.push_back(ValidationSection(estimate));
+  if (estimate.deflection_before.observations > 0) {
+    sections.push_back(ResidualSection("Deflections, loaded minus unloaded, " +
+                                           Plural(estimate.deflection_before.observations, "pair") +
+                                           ": measured, and measured minus predicted",
+                                       estimate.deflection_before, estimate.deflection_after));
+  }
   sections.push_back(NoiseSection(problem, estimate));
   sections.push_back(ParameterSection(estimate));
   AddIdentifiability(problem, estimate, &sections);

@@ -146,7 +146,7 @@ TEST_P(LoadedDerivatives, EqualJetsAndDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllCases, LoadedDerivatives, ::testing::Range(0, 7),
-                         [](const auto& info) { return Cases()[info.param].name; });
+                         [](const auto& tested) { return Cases()[tested.param].name; });
 
 // Statics: the deflection satisfies u = k tau at the deflected arm.
 TEST(Equilibrium, IsAFixedPoint) {
