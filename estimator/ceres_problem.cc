@@ -22,7 +22,8 @@ std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
 }
 
 void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
-             const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem) {
+             const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem,
+             LatentBlocks* latents) {
   const int shot_index = problem.data.observations[selection.observations[first]].shot;
   const Shot& shot = problem.data.shots[shot_index];
   std::vector<double*> blocks = {parameters->station_translation(shot.station).values.data(),
@@ -35,9 +36,14 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
     blocks.push_back(parameters->marker(observation.marker).values.data());
   }
   for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());
+  std::vector<int> latent_joints;
+  if (latents != nullptr && !problem.latent.empty()) {
+    latent_joints = problem.latent.joints;
+    blocks.push_back((*latents)[problem.latent.visit_of_shot[shot_index]].data());
+  }
   ceres_problem->AddResidualBlock(
       ShotCost::Create(&problem.model, problem.shot_inputs[shot_index], std::move(markers),
-                       parameters->ModelValues(), active)
+                       parameters->ModelValues(), active, latent_joints)
           .release(),
       nullptr, blocks);
 }
@@ -78,6 +84,16 @@ void AddPriors(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
   }
 }
 
+// delta_j / sigma_j per visit that is observed.
+void AddLatentPriors(const LatentModel& latent, LatentBlocks* latents, ceres::Problem* ceres_problem) {
+  const ceres::Matrix weight = latent.sigmas.cwiseInverse().asDiagonal();
+  for (std::vector<double>& block : *latents) {
+    if (!ceres_problem->HasParameterBlock(block.data())) continue;
+    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, ceres::Vector::Zero(latent.size())), nullptr,
+                                    block.data());
+  }
+}
+
 }  // namespace
 
 ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
@@ -88,18 +104,20 @@ ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double
 }
 
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
-                  ceres::Problem* ceres_problem) {
+                  ceres::Problem* ceres_problem, LatentBlocks* latents) {
   const std::vector<int> active = ActiveModelParameters(*parameters);
+  if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));
   const auto shot_of = [&](size_t k) { return problem.data.observations[selection.observations[k]].shot; };
   for (size_t first = 0; first < selection.observations.size();) {
     size_t last = first + 1;
     if (selection.granularity == CostGranularity::kShot) {
       while (last < selection.observations.size() && shot_of(last) == shot_of(first)) ++last;
     }
-    AddShot(problem, selection, first, last, active, parameters, ceres_problem);
+    AddShot(problem, selection, first, last, active, parameters, ceres_problem, latents);
     first = last;
   }
   AddPriors(parameters, ceres_problem);
+  if (latents != nullptr && !problem.latent.empty()) AddLatentPriors(problem.latent, latents, ceres_problem);
   for (const ParameterBlock& block : parameters->blocks()) {
     double* values = const_cast<double*>(block.values.data());
     if (ceres_problem->HasParameterBlock(values)) ConstrainBlock(*parameters, block, values, ceres_problem);

@@ -26,12 +26,17 @@ struct ResidualSelection {
 // `fallback` (m) where none is stated.
 ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback = 1e-3);
 
+// Latent joint deviations: one block of latent.size() values per visit.
+using LatentBlocks = std::vector<std::vector<double>>;
+
 // Adds residuals and parameter blocks. The blocks are the memory of
 // `parameters` (ParameterBlock::values), which must outlive the solve; station
 // rotations are quaternions x y z w on a RotationManifold. Coordinates that
-// are not estimated (fixed or held) are held constant. `problem` must outlive
-// `ceres_problem`.
+// are not estimated (fixed or held) are held constant. Where the problem states
+// a repeatability, `latents` receives one block per visit, each with its prior;
+// eliminate these first (bundle adjustment). Null: joints are taken as exact.
+// `problem` and `latents` must outlive `ceres_problem`.
 void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
-                  ceres::Problem* ceres_problem);
+                  ceres::Problem* ceres_problem, LatentBlocks* latents = nullptr);
 
 }  // namespace sagitta

@@ -40,9 +40,8 @@ struct Context {
 
 Eigen::Matrix3Xd MarkerPoints(const Context& context, const PoseShot& shot, const ParameterSet& parameters) {
   Eigen::Matrix3Xd points(3, shot.markers);
-  for (int i = 0; i < shot.markers; ++i) {
+  for (int i = 0; i < shot.markers; ++i)
     points.col(i) = parameters.MarkerPoint(context.observation(shot.first + i).marker);
-  }
   return points;
 }
 
@@ -135,6 +134,7 @@ Eigen::MatrixXd CoordinatesFromUnknowns(const ParameterSet& parameters, const st
 // The weighted pose equations at one point: residual z, Jacobian B, square root
 // weights L, and the covariance of the z of each shot.
 struct PoseEquations {
+  bool valid = true;         // false: an equilibrium diverged
   Eigen::MatrixXd jacobian;  // L B
   Eigen::VectorXd residual;  // L z, z = measured - predicted
   Eigen::MatrixXd noise;     // 6 x 6 per shot, side by side: L C L'
@@ -169,7 +169,7 @@ PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, c
   const Linearization markers = Linearize(context.problem, parameters, context.observations, coordinates, ones);
   const Eigen::MatrixXd jacobian = markers.jacobian * map;
   const int poses = static_cast<int>(context.shots.size());
-  PoseEquations equations{Eigen::MatrixXd(6 * poses, map.cols()), Eigen::VectorXd(6 * poses),
+  PoseEquations equations{markers.valid, Eigen::MatrixXd(6 * poses, map.cols()), Eigen::VectorXd(6 * poses),
                           Eigen::MatrixXd(6, 6 * poses)};
   for (int s = 0; s < poses; ++s) {
     const int first = 3 * context.shots[s].first, rows = 3 * context.shots[s].markers;
@@ -189,22 +189,18 @@ Eigen::MatrixXd Sandwich(const PoseEquations& equations, const Eigen::MatrixXd& 
   return inverse * middle * inverse;
 }
 
-void MoveTool(const Vector6& motion, ParameterSet* parameters) {
-  const Vector3<double> turn = motion.tail<3>();
-  const Pose<double> pose{RotationFromVector(turn), motion.head<3>()};
-  for (int m = 0; m < parameters->num_markers(); ++m) parameters->SetMarkerPoint(m, pose * parameters->MarkerPoint(m));
-}
-
+// Base and geometry move by the step, the markers rigidly: their shape stays.
 void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, const Eigen::MatrixXd& map,
               bool tool_is_free, ParameterSet* parameters) {
+  const ParameterSet before = *parameters;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters->num_coordinates());
   const Eigen::VectorXd moved = map * step;
-  for (size_t c = 0; c < coordinates.size(); ++c) {
-    const ParameterBlock& block = parameters->blocks()[parameters->coordinates()[coordinates[c]].block];
-    if (block.kind != BlockKind::kMarker) delta[coordinates[c]] = moved[c];
-  }
+  for (size_t c = 0; c < coordinates.size(); ++c) delta[coordinates[c]] = moved[c];
   parameters->Plus(delta);
-  if (tool_is_free) MoveTool(step.tail<6>(), parameters);
+  if (!tool_is_free) return;
+  const Vector3<double> turn = step.tail<3>();
+  const Pose<double> motion{RotationFromVector(turn), step.tail<6>().head<3>()};
+  for (int m = 0; m < before.num_markers(); ++m) parameters->SetMarkerPoint(m, motion * before.MarkerPoint(m));
 }
 
 // This method's own standard deviations in place of the joint ones.
@@ -238,8 +234,9 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
     poses.jacobian = equations.jacobian;
     poses.residual = -equations.residual;
     const LinearSolution solution = SolveLinearization(poses);
-    if (!solution.full_rank) {
-      Stop(Status::kSingular, "the pose equations are singular", estimate);
+    if (!equations.valid || !solution.full_rank) {
+      Stop(Status::kSingular, "the pose equations are singular, or the equilibrium of a loaded shot diverges",
+           estimate);
       break;
     }
     const Eigen::MatrixXd of_unknowns = Sandwich(equations, solution.covariance);

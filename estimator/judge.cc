@@ -94,6 +94,7 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
   const Eigen::MatrixXd root = factor.matrixL();
   const Eigen::MatrixXd whitened = all.jacobian * root;  // rows: standard deviations of predictions / sigma
   const Eigen::VectorXd variance = whitened.rowwise().squaredNorm();
+  const Eigen::VectorXd deviation = all.latent.rowwise().squaredNorm();  // of the joints, in units of sigma
   estimate->leverage.resize(n);
   double sum = 0.0;
   int coordinates = 0;
@@ -102,7 +103,8 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
     if (!problem.data.IsValidation(problem.data.observations[k])) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const double sigma = estimate->sigmas(axis, k);
-      sum += sigma * sigma * (scale * scale + variance[3 * k + axis]);
+      const int row = 3 * k + axis;
+      sum += sigma * sigma * (scale * scale * (1.0 + deviation[row]) + variance[row]);
     }
     coordinates += 3;
   }
@@ -173,7 +175,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const Eigen::VectorXd all_sigmas = ObservationSigmas(problem, all, kFallbackSigma);
   estimate->predicted = PredictPoints(problem, parameters, all);
   estimate->sigmas = Eigen::Map<const Eigen::Matrix3Xd>(all_sigmas.data(), 3, all.size());
-  JudgeRows(problem, Linearize(problem, parameters, all, estimate->estimated, all_sigmas), scale, estimate);
+  JudgeRows(problem, Linearize(problem, parameters, all, estimate->estimated, all_sigmas, LatentTreatment::kIgnore),
+            scale, estimate);
   if (!estimate->sigma.stated) estimate->sigmas.setConstant(estimate->sigma.estimated);
 
   std::set<int> configurations;

@@ -1,5 +1,6 @@
 #include "estimator/linearization.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -36,7 +37,9 @@ ActiveParameters FindActive(const ParameterSet& parameters, const std::vector<in
 // per run of observations of the same shot. False: an equilibrium diverged.
 template <typename Visit>
 bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& parameters,
-                       const std::vector<int>& observations, const std::vector<int>& active, const Visit& visit) {
+                       const std::vector<int>& observations, const std::vector<int>& active, bool with_latents,
+                       const Visit& visit) {
+  const std::vector<double> no_deviation(problem.robot.num_joints(), 0.0);
   const std::vector<double> theta = parameters.ModelValues();
   std::vector<MarkerInFrame> markers;
   std::vector<PointPrediction> predictions;
@@ -50,12 +53,33 @@ bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& pa
       markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker)});
     }
     const bool found = problem.model.Predict(problem.shot_inputs[shot_index], theta.data(), active,
-                                             parameters.BaseInStation(shot.station), markers, &predictions);
+                                             parameters.BaseInStation(shot.station), markers, &predictions,
+                                             with_latents ? no_deviation.data() : nullptr);
     if (!found) return false;
     for (size_t k = first; k < last; ++k) visit(k, predictions[k - first]);
     first = last;
   }
   return true;
+}
+
+// Rows of one visit, whitened together: C = I + L L', rows <- chol(C)^-1 rows.
+// Equal to estimating the deviations with their prior and projecting them out.
+void Marginalise(const CalibrationProblem& problem, Linearization* linearization) {
+  std::map<int, std::vector<int>> rows_of_visit;
+  for (size_t k = 0; k < linearization->observations.size(); ++k) {
+    const int shot = problem.data.observations[linearization->observations[k]].shot;
+    std::vector<int>& rows = rows_of_visit[problem.latent.visit_of_shot[shot]];
+    for (int axis = 0; axis < 3; ++axis) rows.push_back(static_cast<int>(3 * k) + axis);
+  }
+  for (const auto& [visit, rows] : rows_of_visit) {
+    const Eigen::MatrixXd l = linearization->latent(rows, Eigen::all);
+    const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> root(c);
+    const Eigen::VectorXd residual = root.matrixL().solve(Eigen::VectorXd(linearization->residual(rows)));
+    const Eigen::MatrixXd jacobian = root.matrixL().solve(Eigen::MatrixXd(linearization->jacobian(rows, Eigen::all)));
+    linearization->residual(rows) = residual;
+    linearization->jacobian(rows, Eigen::all) = jacobian;
+  }
 }
 
 }  // namespace
@@ -72,15 +96,17 @@ Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::
 
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
                         const std::vector<int>& observations, const std::vector<int>& columns,
-                        const Eigen::VectorXd& sigmas) {
+                        const Eigen::VectorXd& sigmas, LatentTreatment treatment) {
+  const LatentModel& latent = problem.latent;
   Linearization result;
   result.columns = columns;
   result.observations = observations;
   result.residual.resize(3 * observations.size());
   result.jacobian.setZero(3 * observations.size(), columns.size());
+  result.latent.setZero(3 * observations.size(), latent.size());
   const std::vector<int> column_of = ColumnOfCoordinate(parameters, columns);
   const ActiveParameters active = FindActive(parameters, column_of);
-  result.valid = ForEachPrediction(problem, parameters, observations, active.model_parameters,
+  result.valid = ForEachPrediction(problem, parameters, observations, active.model_parameters, !latent.empty(),
                     [&](size_t k, const PointPrediction& prediction) {
     const Observation& observation = problem.data.observations[observations[k]];
     const Shot& shot = problem.data.shots[observation.shot];
@@ -99,7 +125,11 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
     for (size_t i = 0; i < active.columns.size(); ++i) {
       rows.col(active.columns[i]) = prediction.d_theta.col(i).cwiseProduct(weights);
     }
+    for (int i = 0; i < latent.size(); ++i) {
+      result.latent.block<3, 1>(3 * k, i) = latent.sigmas[i] * prediction.d_latent.col(latent.joints[i]).cwiseProduct(weights);
+    }
   });
+  if (treatment == LatentTreatment::kMarginalise && !latent.empty()) Marginalise(problem, &result);
   return result;
 }
 
@@ -120,7 +150,7 @@ void AppendPriors(const ParameterSet& parameters, Linearization* linearization) 
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                const std::vector<int>& observations) {
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, observations.size(), std::nan(""));
-  ForEachPrediction(problem, parameters, observations, {},
+  ForEachPrediction(problem, parameters, observations, {}, false,
                     [&](size_t k, const PointPrediction& prediction) { points.col(k) = prediction.point; });
   return points;
 }

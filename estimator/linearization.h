@@ -10,12 +10,18 @@
 
 namespace sagitta {
 
+// Joint deviations are either marginalised (residuals of one visit share them:
+// rows are whitened together by C = I + L L', L = d residual / d deviation times
+// its sigma) or ignored (rows stay those of their observations).
+enum class LatentTreatment { kMarginalise, kIgnore };
+
 struct Linearization {
   Eigen::VectorXd residual;  // (predicted - measured) / sigma, 3 rows per observation, then priors
   Eigen::MatrixXd jacobian;  // d residual / d coordinate, 1/SI; one column per entry of `columns`
   std::vector<int> columns;  // coordinate indices into ParameterSet
   std::vector<int> observations;  // index into Measurements::observations of each block of 3 rows
 
+  Eigen::MatrixXd latent;  // L of each row; no columns where joints are exact
   bool valid = true;  // false: the equilibrium of a loaded shot diverged there
 
   int num_rows() const { return static_cast<int>(residual.size()); }
@@ -31,7 +37,8 @@ Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::
 // sigmas: 3 per observation, m.
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
                         const std::vector<int>& observations, const std::vector<int>& columns,
-                        const Eigen::VectorXd& sigmas);
+                        const Eigen::VectorXd& sigmas,
+                        LatentTreatment treatment = LatentTreatment::kMarginalise);
 
 // Adds one row per column whose coordinate has a prior: (value - prior) / sigma.
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization);

@@ -3,12 +3,28 @@
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
+#include <memory>
+#include <vector>
+
 namespace sagitta {
 namespace {
 
 // Above this size QR of the Jacobian costs more than it gains over the normal
 // equations of the Jacobi-scaled problem.
 constexpr double kDenseQrEntries = 2e6;
+
+std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& latents, const ceres::Problem& problem) {
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (std::vector<double>& block : latents) {
+    if (problem.HasParameterBlock(block.data())) ordering->AddElementToGroup(block.data(), 0);
+  }
+  std::vector<double*> blocks;
+  problem.GetParameterBlocks(&blocks);
+  for (double* block : blocks) {
+    if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, 1);
+  }
+  return ordering;
+}
 
 }  // namespace
 
@@ -25,7 +41,9 @@ MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const Residua
   ceres::Problem::Options problem_options;
   problem_options.disable_all_safety_checks = true;
   ceres::Problem ceres_problem(problem_options);
-  AddToProblem(problem, selection, parameters, &ceres_problem);
+  LatentBlocks latents;
+  const bool has_latents = !problem.latent.empty() && !options.cautious;
+  AddToProblem(problem, selection, parameters, &ceres_problem, has_latents ? &latents : nullptr);
 
   ceres::Solver::Options solver;
   solver.max_num_iterations = options.max_iterations;
@@ -38,6 +56,11 @@ MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const Residua
   solver.parameter_tolerance = 1e-13;
   const double entries = 3.0 * selection.observations.size() * parameters->EstimatedCoordinates().size();
   solver.linear_solver_type = entries < kDenseQrEntries ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
+  if (has_latents) {
+    // Bundle adjustment: the deviations of the visits are eliminated first.
+    solver.linear_solver_type = ceres::DENSE_SCHUR;
+    solver.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
+  }
 
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);

@@ -10,8 +10,9 @@ namespace sagitta {
 struct MinimizeOptions {
   int max_iterations = 100;
   int num_threads = 1;
-  // Start with small steps: for problems that may be rank deficient. Otherwise
-  // the first step is Gauss-Newton (4-5 iterations from nominal).
+  // For starting values: small steps, because the problem may be rank
+  // deficient, and joints taken as exact. Otherwise the first step is
+  // Gauss-Newton (4-5 iterations from nominal).
   bool cautious = false;
 
   bool IsValid(std::string* error) const;

@@ -5,23 +5,24 @@
 namespace sagitta {
 namespace {
 
-// T_robot(q, Pi) of every listed observation: p_robot, R_robot of eq. (13).
-std::vector<Pose<double>> RobotPoses(const StepContext& context, const ParameterSet& parameters) {
+// T_robot(q, theta, Pi) of every listed observation: p_robot, R_robot of eq. (13),
+// deflections theta at the current base. False when an equilibrium diverges.
+bool RobotPoses(const StepContext& context, const ParameterSet& parameters, std::vector<Pose<double>>* poses) {
   const std::vector<double> theta = parameters.ModelValues();
-  std::vector<Pose<double>> poses;
-  ChainState<double> chain;
   int evaluated = -1;
   for (size_t k = 0; k < context.observations.size(); ++k) {
-    const Shot& shot = context.shot(k);
-    if (shot.configuration != evaluated) {
-      const Eigen::VectorXd& q = context.problem.data.configurations[shot.configuration].q;
-      const std::vector<double> values = context.problem.model.TransformValues(q, theta.data());
-      EvaluateChain(context.problem.robot.chain, values.data(), &chain);
-      evaluated = shot.configuration;
+    const int shot = context.observation(k).shot;
+    if (shot == evaluated) {
+      poses->push_back(poses->back());
+      continue;
     }
-    poses.push_back(chain.frames.back());
+    const Equilibrium equilibrium = context.problem.model.Equilibrate(
+        context.problem.shot_inputs[shot], theta.data(), parameters.BaseInStation(context.shot(k).station).rotation);
+    if (!equilibrium.converged) return false;
+    poses->push_back(equilibrium.state.frames.back());
+    evaluated = shot;
   }
-  return poses;
+  return true;
 }
 
 // The unknowns of eq. (15): p_base and r_base per station, u_tool per marker.
@@ -34,7 +35,8 @@ struct StepOneSolution {
 bool SolveStepOne(const StepContext& context, const StepState& state, bool pull_back, StepOneSolution* solution) {
   const int stations = state.parameters.num_stations();
   const int markers = state.parameters.num_markers();
-  const std::vector<Pose<double>> robot = RobotPoses(context, state.parameters);
+  std::vector<Pose<double>> robot;
+  if (!RobotPoses(context, state.parameters, &robot)) return false;
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * robot.size(), 6 * stations + 3 * markers);
   Eigen::VectorXd b(a.rows());
   for (size_t k = 0; k < robot.size(); ++k) {
@@ -127,10 +129,12 @@ bool LiteralStepTwo(const StepContext& context, StepState* state) {
   std::vector<PointPrediction> prediction;
   for (size_t k = 0; k < context.observations.size(); ++k) {
     const Observation& observation = context.observation(k);
-    const Shot& shot = context.shot(k);
-    problem.model.Predict(
-        problem.data.configurations[shot.configuration].q, theta.data(), active, state->bases[shot.station],
-        {{problem.marker_frames[observation.marker], state->parameters.MarkerPoint(observation.marker)}}, &prediction);
+    const MarkerInFrame marker{problem.marker_frames[observation.marker],
+                               state->parameters.MarkerPoint(observation.marker)};
+    if (!problem.model.Predict(problem.shot_inputs[observation.shot], theta.data(), active,
+                               state->bases[context.shot(k).station], {marker}, &prediction)) {
+      return false;
+    }
     const Matrix3<double> whiten = context.sigmas.segment<3>(3 * k).cwiseInverse().asDiagonal();
     a.middleRows(3 * k, 3) = whiten * prediction[0].d_theta;
     b.segment<3>(3 * k) = whiten * (observation.point_in_station - prediction[0].point);

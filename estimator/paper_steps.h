@@ -28,7 +28,8 @@ struct StepContext {
 // Least squares |a x - b| with column scaling; false when the columns are dependent.
 bool SolveScaled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::VectorXd* x);
 
-// Eq. (9)-(16) about identity. False when singular, as below.
+// Eq. (9)-(16) about identity. False when singular or an equilibrium diverges, as
+// below.
 bool LiteralStepOne(const StepContext& context, StepState* state);
 
 // The same equations on the points pulled back through the current base.

@@ -14,22 +14,24 @@ using RowMajorBlock = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dy
 
 std::unique_ptr<ShotCost> ShotCost::Create(const ForwardModel* model, ShotInput shot,
                                            std::vector<MarkerMeasurement> markers, std::vector<double> theta,
-                                           std::vector<int> active) {
-  return std::unique_ptr<ShotCost>(
-      new ShotCost(model, std::move(shot), std::move(markers), std::move(theta), std::move(active)));
+                                           std::vector<int> active, std::vector<int> latent_joints) {
+  return std::unique_ptr<ShotCost>(new ShotCost(model, std::move(shot), std::move(markers), std::move(theta),
+                                                std::move(active), std::move(latent_joints)));
 }
 
 ShotCost::ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers,
-                   std::vector<double> theta, std::vector<int> active)
+                   std::vector<double> theta, std::vector<int> active, std::vector<int> latent_joints)
     : model_(model),
       shot_(std::move(shot)),
       markers_(std::move(markers)),
       theta_(std::move(theta)),
-      active_(std::move(active)) {
+      active_(std::move(active)),
+      latent_joints_(std::move(latent_joints)) {
   set_num_residuals(3 * static_cast<int>(markers_.size()));
   mutable_parameter_block_sizes()->assign({3, 4});
   mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), markers_.size(), 3);
   mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), active_.size(), 1);
+  if (!latent_joints_.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(latent_joints_.size()));
 }
 
 bool ShotCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
@@ -45,10 +47,14 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
   std::vector<double> theta = theta_;
   for (size_t i = 0; i < active_.size(); ++i) theta[active_[i]] = *parameters[2 + num_markers + i];
 
+  const int latent_block = 2 + num_markers + static_cast<int>(active_.size());
+  std::vector<double> latent(latent_joints_.empty() ? 0 : model_->chain().num_joints(), 0.0);
+  for (size_t i = 0; i < latent_joints_.size(); ++i) latent[latent_joints_[i]] = parameters[latent_block][i];
+
   static const std::vector<int> kNone;
   std::vector<PointPrediction> predictions;
   if (!model_->Predict(shot_, theta.data(), jacobians != nullptr ? active_ : kNone, base_in_station, markers,
-                       &predictions)) {
+                       &predictions, latent.empty() ? nullptr : latent.data())) {
     return false;
   }
 
@@ -75,6 +81,10 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
     for (size_t i = 0; i < active_.size(); ++i) {
       write(2 + num_markers + static_cast<int>(i), 1, whiten * prediction.d_theta.col(i));
     }
+    if (latent_joints_.empty()) continue;
+    Eigen::Matrix3Xd d_latent(3, latent_joints_.size());
+    for (size_t i = 0; i < latent_joints_.size(); ++i) d_latent.col(i) = prediction.d_latent.col(latent_joints_[i]);
+    write(latent_block, d_latent.cols(), whiten * d_latent);
   }
   return true;
 }

@@ -5,7 +5,8 @@
 //
 // Parameter blocks, in order: station translation (3, m), station rotation (4,
 // quaternion x y z w), one point per marker of the shot (3, m each), then one
-// scalar per active model parameter (SI). Derivatives are exact (geometric and
+// scalar per active model parameter (SI), then, where `latent_joints` are given,
+// the visit's joint deviations (one block, rad or m). Derivatives are exact (geometric and
 // implicit through the equilibrium). Evaluate fails where a load folds the arm.
 #pragma once
 
@@ -30,19 +31,20 @@ class ShotCost : public ceres::CostFunction {
   // are not active; `active` lists those that are blocks.
   static std::unique_ptr<ShotCost> Create(const ForwardModel* model, ShotInput shot,
                                           std::vector<MarkerMeasurement> markers, std::vector<double> theta,
-                                          std::vector<int> active);
+                                          std::vector<int> active, std::vector<int> latent_joints = {});
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
   ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers,
-           std::vector<double> theta, std::vector<int> active);
+           std::vector<double> theta, std::vector<int> active, std::vector<int> latent_joints);
 
   const ForwardModel* model_;
   ShotInput shot_;
   std::vector<MarkerMeasurement> markers_;
   std::vector<double> theta_;
   std::vector<int> active_;
+  std::vector<int> latent_joints_;
 };
 
 }  // namespace sagitta

@@ -28,7 +28,7 @@ bool GaussNewtonStep(const StepContext& context, const std::vector<int>& coordin
   const Linearization here =
       Linearize(context.problem, state->parameters, context.observations, coordinates, context.sigmas);
   Eigen::VectorXd step;
-  if (!SolveScaled(here.jacobian, -here.residual, &step)) return false;
+  if (!here.valid || !SolveScaled(here.jacobian, -here.residual, &step)) return false;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(state->parameters.num_coordinates());
   for (size_t c = 0; c < coordinates.size(); ++c) delta[coordinates[c]] = step[c];
   state->parameters.Plus(delta);
@@ -97,7 +97,7 @@ Yardstick MakeYardstick(const StepContext& context, const ParameterSet& paramete
   Yardstick yardstick;
   yardstick.start = Linearize(context.problem, parameters, context.observations, columns, context.sigmas);
   const LinearSolution solution = SolveLinearization(yardstick.start);
-  yardstick.singular = !solution.full_rank;
+  yardstick.singular = !yardstick.start.valid || !solution.full_rank;
   if (yardstick.singular) return yardstick;
   const double dof = context.sigmas.size() - static_cast<double>(columns.size());
   double scale = 1.0;
@@ -135,7 +135,8 @@ void Alternate(const StepContext& context, const TwoStepOptions& options, TwoSte
   for (int i = 0; i < options.max_iterations; ++i) {
     const ParameterSet before = state.parameters;
     if (!Iterate(options.variant, context, &state))
-      return Stop(Status::kSingular, "a step's linear system is singular", &estimate);
+      return Stop(Status::kSingular, "a step's linear system is singular, or the equilibrium of a loaded shot diverges",
+                  &estimate);
     const Eigen::VectorXd change = TangentDifference(state.parameters, before);
     const double step = yardstick.Size(change);
     if (!(step < kDiverged)) return Stop(Status::kNoConvergence, "the alternation diverges", &estimate);

@@ -114,8 +114,8 @@ std::vector<double> ForwardModel::NominalValues() const {
 }
 
 Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta,
-                                      const Matrix3<double>& base_rotation) const {
-  std::vector<double> values = TransformValues(shot.q, theta);
+                                      const Matrix3<double>& base_rotation, const double* latent) const {
+  std::vector<double> values = TransformValues(shot.q, theta, latent);
   if (IsElastic(shot)) {
     const Eigen::VectorXd coupled = chain_.CoupledJointValues(shot.q);
     return SolveEquilibrium({&chain_, &elastic_, &coupled, &shot.wrenches}, theta, std::move(values), base_rotation);
@@ -129,8 +129,8 @@ Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta
 
 bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std::vector<int>& active,
                            const Pose<double>& base_in_station, const std::vector<MarkerInFrame>& markers,
-                           std::vector<PointPrediction>* predictions) const {
-  const Equilibrium equilibrium = Equilibrate(shot, theta, base_in_station.rotation);
+                           std::vector<PointPrediction>* predictions, const double* latent) const {
+  const Equilibrium equilibrium = Equilibrate(shot, theta, base_in_station.rotation, latent);
   if (!equilibrium.converged) return false;
   const LoadedVelocities velocities(chain_, elastic_, equilibrium);
   const Eigen::VectorXd coupled = chain_.CoupledJointValues(shot.q);
@@ -164,6 +164,12 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
         velocity = by_deflection * (velocities.by_torque() * equilibrium.torque_by_spring.col(parameter.index));
       }
       prediction.d_theta.col(i) = base_in_station.rotation * velocity;
+    }
+    prediction.d_latent.resize(3, latent != nullptr ? chain_.num_joints() : 0);
+    for (int j = 0; j < prediction.d_latent.cols(); ++j) {
+      const int e = chain_.JointTransform(j);
+      prediction.d_latent.col(j) = base_in_station.rotation * chain_.transforms[e].sign *
+                                   velocities.BySlot(e, point_in_base, marker.frame, by_deflection);
     }
   }
   return true;

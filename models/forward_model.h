@@ -56,6 +56,7 @@ struct PointPrediction {
   Matrix3<double> d_rotation;                        // d point / d left perturbation of R
   Matrix3<double> d_marker;                          // d point / d marker point
   Eigen::Matrix<double, 3, Eigen::Dynamic> d_theta;  // one column per active parameter
+  Eigen::Matrix<double, 3, Eigen::Dynamic> d_latent;  // one column per joint, where a deviation was given
   // d point / d t is the identity.
 };
 
@@ -83,13 +84,15 @@ class ForwardModel {
 
   // All markers of one shot from one kinematic pass and one equilibrium.
   // `active` lists the parameters to differentiate by, by index into
-  // parameters(). False when the equilibrium diverges (a load folds the arm).
+  // parameters(). `latent`: joint deviations (rad or m, one per joint), null for
+  // none. False when the equilibrium diverges (a load folds the arm).
   bool Predict(const ShotInput& shot, const double* theta, const std::vector<int>& active,
                const Pose<double>& base_in_station, const std::vector<MarkerInFrame>& markers,
-               std::vector<PointPrediction>* predictions) const;
+               std::vector<PointPrediction>* predictions, const double* latent = nullptr) const;
 
   // The loaded state of the arm: deflections, torques, derivatives.
-  Equilibrium Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation) const;
+  Equilibrium Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
+                          const double* latent = nullptr) const;
 
  private:
   void AddGeometry();

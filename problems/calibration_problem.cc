@@ -19,8 +19,8 @@ namespace {
 // What FORMATS allows and this version cannot honour yet is refused, not ignored.
 void RefuseUnsupported(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
-  if (!experiment.repeatability.IsZero()) {
-    Fail(problem, "repeatability_urad", "latent joint deviations are not supported yet", "leave the key out");
+  if (experiment.repeatability.estimate) {
+    Fail(problem, "repeatability_urad", "estimating the repeatability is not supported yet", "state a value");
   }
   if (experiment.loss != "none") Fail(problem, "loss", "robust losses are not supported yet", "use none");
   if (experiment.weights == "eq14") Fail(problem, "weights", "eq14 is not supported yet", "use sigma or equal");
@@ -237,7 +237,11 @@ void CheckCompensator(const CalibrationProblem& problem) {
 }
 
 void CheckSigmas(const CalibrationProblem& problem) {
-  if (!problem.sigma_is_stated()) return;
+  if (!problem.sigma_is_stated()) {
+    if (problem.latent.empty()) return;
+    Fail(problem, "repeatability_urad", "the repeatability is stated but the instrument's noise is not",
+         "state noise: {sigma_mm: …}, sigma columns, or --sigma_mm");
+  }
   for (const Observation& observation : problem.data.observations) {
     if (problem.StatedSigma(observation).minCoeff() > 0.0) continue;
     const MeasurementFile& file = problem.data.files[observation.file];
@@ -332,6 +336,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckCompensator(problem);
   problem.marker_frames = ResolveMarkerFrames(problem);
   problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
+  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   SetStartValues(&problem);
   SetFree(&problem);
   CheckSigmas(problem);

@@ -9,6 +9,7 @@
 #include "models/forward_model.h"
 #include "models/robot.h"
 #include "problems/experiment.h"
+#include "problems/latent_model.h"
 #include "problems/measurements.h"
 #include "problems/parameter_set.h"
 
@@ -23,6 +24,7 @@ struct CalibrationProblem {
   ForwardModel model;                  // of `robot`
   std::vector<int> marker_frames;      // chain frame of each marker of `data`
   std::vector<ShotInput> shot_inputs;  // joint values and wrenches of each shot of `data`
+  LatentModel latent;                  // joint deviations per visit; empty where repeatability is 0
   ParameterSet parameters;         // start values; free and fixed as the experiment says
   std::vector<std::string> redundant_errors;  // default free set: what stays nominal
 

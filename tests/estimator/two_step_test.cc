@@ -182,10 +182,12 @@ TEST(TwoStep, TooFewIterationsAreNoConvergence) {
 TEST(CompareMethods, RunsEveryNameAndKeepsTheJointHolds) {
   Kr270Design design;
   design.sigma = 1e-5;
-  CalibrationProblem problem = test::Kr270Problem(design, Kr270Truth(), 3);
-  for (Configuration& configuration : problem.data.configurations) configuration.q[4] = 0.4;  // A5 does not move
-  Kr270Truth truth;
-  test::MeasureKr270(truth, design.sigma, 3, &problem.data);
+  Measurements data = test::DesignMeasurements(design);
+  for (Configuration& configuration : data.configurations) configuration.q[4] = 0.4;  // A5 does not move
+  test::MeasureKr270(Kr270Truth(), design.sigma, 3, &data);
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  const CalibrationProblem problem = MakeCalibrationProblem(robot, data, Experiment());
   const Estimate joint = EstimateJointly(problem);
   ASSERT_EQ(joint.status, Status::kConvergedWithHeldParameters) << joint.message;
   for (const std::string& name : MethodNames()) {
