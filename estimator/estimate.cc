@@ -34,26 +34,4 @@ ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals) {
   return size;
 }
 
-Robot CalibratedRobot(const Robot& robot, const ParameterSet& parameters, const ForwardModel& model) {
-  const std::vector<double> theta = parameters.ModelValues();
-  std::map<std::string, double> errors;
-  for (int i = 0; i < model.num_parameters(); ++i) {
-    const ModelParameter& parameter = model.parameters()[i];
-    if (parameter.law != ParameterLaw::kGeometry || theta[i] == 0.0) continue;
-    errors[model.chain().transforms[parameter.index].error] = theta[i];
-  }
-  Robot calibrated = WithGeometricErrors(robot, errors);
-  const ElasticSystem& elastic = model.elastic_system();
-  for (size_t j = 0; j < elastic.joints.size(); ++j) {
-    std::vector<JointCompliance::Node>& nodes = calibrated.compliances[j].nodes;
-    for (size_t n = 0; n < nodes.size(); ++n) nodes[n].k = theta[elastic.joints[j].node_parameter[n]];
-  }
-  if (elastic.compensator) {
-    GravityCompensator& spring = *calibrated.gravity_compensator;
-    const double* p = theta.data() + elastic.compensator->first_parameter;
-    spring.L = p[0], spring.a_x = p[1], spring.a_y = p[2], spring.s0 = p[3], spring.Kc = p[4];
-  }
-  return calibrated;
-}
-
 }  // namespace sagitta

@@ -92,8 +92,4 @@ struct Estimate {
   std::vector<std::string> warnings;
 };
 
-// The robot with the estimate in place: geometric errors in its nominal values,
-// compliances and compensator in their homes.
-Robot CalibratedRobot(const Robot& robot, const ParameterSet& parameters, const ForwardModel& model);
-
 }  // namespace sagitta

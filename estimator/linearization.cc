@@ -50,7 +50,7 @@ bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& pa
     size_t last = first;
     for (; last < observations.size() && problem.data.observations[observations[last]].shot == shot_index; ++last) {
       const int marker = problem.data.observations[observations[last]].marker;
-      markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker)});
+      markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker), marker});
     }
     const bool found = problem.model.Predict(problem.shot_inputs[shot_index], theta.data(), active,
                                              parameters.BaseInStation(shot.station), markers, &predictions,
@@ -119,7 +119,7 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
         if (column >= 0) rows.col(column) = derivative.col(i).cwiseProduct(weights);
       }
     };
-    write(parameters.station_translation(shot.station).first_coordinate, Matrix3<double>(Matrix3<double>::Identity()));
+    write(parameters.station_translation(shot.station).first_coordinate, prediction.d_translation);
     write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
     write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
     for (size_t i = 0; i < active.columns.size(); ++i) {

@@ -42,7 +42,7 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
   base_in_station.rotation = rotation.normalized().toRotationMatrix();
   std::vector<MarkerInFrame> markers(num_markers);
   for (int m = 0; m < num_markers; ++m) {
-    markers[m] = {markers_[m].frame, Eigen::Map<const Vector3<double>>(parameters[2 + m])};
+    markers[m] = {markers_[m].frame, Eigen::Map<const Vector3<double>>(parameters[2 + m]), markers_[m].id};
   }
   std::vector<double> theta = theta_;
   for (size_t i = 0; i < active_.size(); ++i) theta[active_[i]] = *parameters[2 + num_markers + i];
@@ -73,7 +73,7 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
         RowMajorBlock(jacobians[block], num_residuals(), size).middleRows(3 * m, 3) = derivative;
       }
     };
-    write(0, 3, whiten);
+    write(0, 3, whiten * prediction.d_translation);
     write(1, 4, whiten * prediction.d_rotation * tangent_from_ambient);
     for (int other = 0; other < num_markers; ++other) {
       write(2 + other, 3, other == m ? Matrix3<double>(whiten * prediction.d_marker) : Matrix3<double>::Zero());

@@ -23,6 +23,7 @@ struct MarkerMeasurement {
   int frame = 0;                    // chain frame the marker rides on
   Vector3<double> point_in_station;  // m
   Vector3<double> sigma;             // m, > 0
+  int id = -1;                       // index of the marker, for effects on it
 };
 
 class ShotCost : public ceres::CostFunction {

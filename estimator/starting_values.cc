@@ -38,8 +38,8 @@ std::vector<FramedObservation> EvaluateFrames(const CalibrationProblem& problem,
     const Observation& observation = problem.data.observations[i];
     const Shot& shot = problem.data.shots[observation.shot];
     if (observation.shot != evaluated_shot) {
-      const Eigen::VectorXd& q = problem.data.configurations[shot.configuration].q;
-      EvaluateChain(problem.robot.chain, problem.model.TransformValues(q, theta.data()).data(), &state);
+      const ShotInput& input = problem.shot_inputs[observation.shot];
+      EvaluateChain(problem.model.chain(), problem.model.TransformValues(input, theta.data()).data(), &state);
       evaluated_shot = observation.shot;
     }
     framed.push_back({shot.station, observation.marker, state.frames[problem.marker_frames[observation.marker]],

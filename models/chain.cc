@@ -25,6 +25,11 @@ int Chain::JointTransform(int joint) const {
   return -1;
 }
 
+int Chain::AfterTiltSlots(int frame) const {
+  while (frame < num_transforms() && transforms[frame].tilt_slot) ++frame;
+  return frame;
+}
+
 Eigen::VectorXd Chain::CoupledJointValues(const Eigen::VectorXd& q) const {
   Eigen::VectorXd coupled = q;
   for (const Coupling& c : couplings) coupled[c.joint] += c.ratio * q[c.driver];

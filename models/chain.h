@@ -37,6 +37,7 @@ struct ElementaryTransform {
   int joint = -1;        // index into Chain::joints, -1: fixed
   double sign = 1.0;     // of the joint value
   std::string error;     // name of the geometric error parameter, "" if none
+  bool tilt_slot = false;  // silent (0) place for a tilt; not part of the description
 
   bool has_joint() const { return joint >= 0; }
   bool is_rotation() const { return motion == Motion::kRotation; }
@@ -66,9 +67,12 @@ struct Chain {
 
   // A frame is named by how many transforms lie before it: 0 is the base,
   // num_transforms() the flange.
-  int BaseFrame() const { return 0; }
+  // The base lies after the foot's tilt slots, a joint's frame after its own.
+  int WorldFrame() const { return 0; }
+  int BaseFrame() const { return AfterTiltSlots(0); }
   int FlangeFrame() const { return num_transforms(); }
-  int FrameAfterJoint(int joint) const { return JointTransform(joint) + 1; }
+  int FrameAfterJoint(int joint) const { return AfterTiltSlots(JointTransform(joint) + 1); }
+  int AfterTiltSlots(int frame) const;
 
   // Joint values after coupling; SI.
   Eigen::VectorXd CoupledJointValues(const Eigen::VectorXd& q) const;

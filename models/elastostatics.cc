@@ -1,7 +1,7 @@
 #include "models/elastostatics.h"
 
 #include <Eigen/LU>
-#include <algorithm>
+#include <cmath>
 #include <unsupported/Eigen/AutoDiff>
 #include <utility>
 
@@ -9,109 +9,172 @@ namespace sagitta {
 namespace {
 
 constexpr int kMaxNewtonSteps = 50;
-constexpr double kConverged = 1e-14;     // rad or m, of a Newton step
+constexpr double kConverged = 1e-14;       // rad or m, of a Newton step
 constexpr double kFoldedDeflection = 1.0;  // rad or m: no elastic model means this
 
-// Torques of all elastic joints at the state; with derivatives if asked.
-void EvaluateTorques(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation,
-                     Equilibrium* equilibrium) {
-  const Chain& chain = *query.chain;
-  const std::vector<ElasticJoint>& joints = query.system->joints;
-  const int n = static_cast<int>(joints.size());
-  EvaluateChain(chain, equilibrium->values.data(), &equilibrium->state);
-  equilibrium->torque.setZero(n);
-  equilibrium->torque_by_value.setZero(n, chain.num_transforms());
-  for (const AppliedWrench& wrench : *query.wrenches) {
-    const WrenchInBase<double> in_base = ToBase(wrench, equilibrium->state, base_rotation);
-    const bool turns = wrench.expressed_in == WrenchFrame::kFlange;
-    for (int j = 0; j < n; ++j) {
-      const int b = joints[j].transform;
-      equilibrium->torque[j] += GeneralisedForce(chain, equilibrium->state, b, in_base);
-      for (int a = 0; a < in_base.frame; ++a) {
-        equilibrium->torque_by_value(j, a) +=
-            GeneralisedForceDerivative(chain, equilibrium->state, b, a, in_base, turns);
+// Torques on the slots and their derivatives by every value, of one set of wrenches.
+struct Torques {
+  Eigen::VectorXd torque;    // n
+  Eigen::MatrixXd by_value;  // n x transforms
+
+  void Add(const ElasticQuery& query, const ChainState<double>& state, const Matrix3<double>& base_rotation,
+           const std::vector<AppliedWrench>& wrenches, double times) {
+    for (const AppliedWrench& wrench : wrenches) {
+      const WrenchInBase<double> in_base = ToBase(wrench, state, base_rotation);
+      const bool turns = wrench.expressed_in == WrenchFrame::kFlange;
+      for (int s = 0; s < torque.size(); ++s) {
+        const int b = (*query.slots)[s];
+        torque[s] += times * GeneralisedForce(*query.chain, state, b, in_base);
+        for (int a = 0; a < in_base.frame; ++a) {
+          by_value(s, a) += times * GeneralisedForceDerivative(*query.chain, state, b, a, in_base, turns);
+        }
       }
     }
   }
-  if (!query.system->compensator) return;
-  // Six derivatives in one pass: the joint's value and the five parameters.
-  using Jet = Eigen::AutoDiffScalar<Eigen::Matrix<double, 6, 1>>;
-  const CompensatorOnJoint& compensator = *query.system->compensator;
-  const int j = compensator.elastic_joint;
-  const int e = joints[j].transform;
-  CompensatorOnJoint local = compensator;
+};
+
+// Six derivatives in one pass: the joint's value and the five parameters.
+void AddCompensator(const ElasticQuery& query, const double* theta, int slot, Torques* torques,
+                    Equilibrium* equilibrium) {
+  using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, 6, 1>>;
+  CompensatorOnJoint local = *query.compensator;
   local.first_parameter = 0;
-  Jet parameters[5];
-  for (int i = 0; i < 5; ++i) parameters[i] = Jet(theta[compensator.first_parameter + i], 6, 1 + i);
-  const Jet torque = local.Torque(parameters, Jet(equilibrium->values[e], 6, 0), (*query.q)[joints[j].joint]);
-  equilibrium->torque[j] += torque.value();
-  equilibrium->torque_by_value(j, e) += torque.derivatives()[0];
-  equilibrium->torque_by_spring.setZero(n, 5);
-  equilibrium->torque_by_spring.row(j) = torque.derivatives().tail<5>().transpose();
+  Dual parameters[5];
+  for (int i = 0; i < 5; ++i) parameters[i] = Dual(theta[query.compensator->first_parameter + i], 6, 1 + i);
+  const Dual value(equilibrium->values[local.transform], 6, 0);
+  const Dual torque = local.Torque(parameters, value, (*query.q)[local.joint]);
+  torques->torque[slot] += torque.value();
+  torques->by_value(slot, local.transform) += torque.derivatives()[0];
+  equilibrium->torque_by_spring.setZero(torques->torque.size(), 5);
+  equilibrium->torque_by_spring.row(slot) = torque.derivatives().tail<5>().transpose();
 }
 
-// d tau / d left perturbation of R: F_base = R' F, so dF = R' [F]x d(omega).
-Eigen::MatrixXd TorqueByRotation(const ElasticQuery& query, const Equilibrium& equilibrium,
-                                 const Matrix3<double>& base_rotation) {
-  const std::vector<ElasticJoint>& joints = query.system->joints;
-  Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(joints.size(), 3);
-  for (const AppliedWrench& wrench : *query.wrenches) {
+int SlotOf(const ElasticQuery& query, int transform) {
+  for (size_t s = 0; s < query.slots->size(); ++s) {
+    if ((*query.slots)[s] == transform) return static_cast<int>(s);
+  }
+  return -1;
+}
+
+double PhiDerivative(ElasticLaw law, double torque) {
+  if (law == ElasticLaw::kCubic) return 3.0 * torque * torque;
+  return law == ElasticLaw::kLinear ? 1.0 : 0.0;
+}
+
+struct Law {
+  Eigen::VectorXd deflection;  // f, n
+  Eigen::MatrixXd by_value;    // F = d f / d v, n x transforms
+};
+
+// f and F at the current values; fills torque and flexibility.
+Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation,
+                Equilibrium* equilibrium) {
+  const int n = static_cast<int>(query.slots->size());
+  const int transforms = query.chain->num_transforms();
+  EvaluateChain(*query.chain, equilibrium->values.data(), &equilibrium->state);
+  Torques all{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
+  all.Add(query, equilibrium->state, base_rotation, *query.wrenches, 1.0);
+  for (const WrenchTerm& load : query.terms->wrenches) {
+    all.Add(query, equilibrium->state, base_rotation, load.wrenches, theta[load.parameter]);
+  }
+  if (query.compensator != nullptr) {
+    AddCompensator(query, theta, SlotOf(query, query.compensator->transform), &all, equilibrium);
+  }
+  equilibrium->torque = all.torque;
+  equilibrium->flexibility.setZero(n);
+  Law law{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
+  for (const ElasticTerm& term : query.terms->elastic) {
+    const int s = SlotOf(query, term.transform);
+    const double gain = term.factor * theta[term.parameter];
+    law.deflection[s] += gain * ElasticPhi(term.law, all.torque[s]);
+    equilibrium->flexibility[s] += gain * PhiDerivative(term.law, all.torque[s]);
+  }
+  law.by_value = equilibrium->flexibility.asDiagonal() * all.by_value;
+  for (const SagTerm& sag : query.terms->sags) {
+    const int s = SlotOf(query, sag.transform);
+    Torques own{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
+    own.Add(query, equilibrium->state, base_rotation, sag.wrenches, 1.0);
+    law.deflection[s] += theta[sag.parameter] * own.torque[s];
+    law.by_value.row(s) += theta[sag.parameter] * own.by_value.row(s);
+  }
+  return law;
+}
+
+Eigen::MatrixXd Response(const ElasticQuery& query, const Law& law) {
+  const int n = static_cast<int>(query.slots->size());
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
+  for (int s = 0; s < n; ++s) matrix.col(s) -= law.by_value.col((*query.slots)[s]);
+  return matrix.partialPivLu().inverse();
+}
+
+// d tau / d left perturbation of R of some wrenches: F_base = R' F, so
+// dF = R' [F]x d(omega). n x 3.
+Eigen::MatrixXd TorqueByRotation(const ElasticQuery& query, const ChainState<double>& state,
+                                 const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
+  Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(query.slots->size(), 3);
+  for (const AppliedWrench& wrench : wrenches) {
     if (wrench.expressed_in != WrenchFrame::kMeasurement) continue;
-    WrenchInBase<double> change = ToBase(wrench, equilibrium.state, base_rotation);
+    WrenchInBase<double> change = ToBase(wrench, state, base_rotation);
     for (int axis = 0; axis < 3; ++axis) {
       change.force = base_rotation.transpose() * Skew(wrench.force).col(axis);
       change.moment = base_rotation.transpose() * Skew(wrench.moment).col(axis);
-      for (size_t j = 0; j < joints.size(); ++j) {
-        derivative(j, axis) += GeneralisedForce(*query.chain, equilibrium.state, joints[j].transform, change);
+      for (size_t s = 0; s < query.slots->size(); ++s) {
+        derivative(s, axis) += GeneralisedForce(*query.chain, state, (*query.slots)[s], change);
       }
     }
   }
   return derivative;
 }
 
-// A = (I - K T_u)^-1 at the current torques.
-Eigen::MatrixXd Response(const ElasticQuery& query, const Equilibrium& equilibrium) {
-  const int n = static_cast<int>(query.system->joints.size());
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
-  for (int l = 0; l < n; ++l) {
-    matrix.col(l) -= equilibrium.compliance.cwiseProduct(
-        equilibrium.torque_by_value.col(query.system->joints[l].transform));
+void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation,
+                   const Law& law, Equilibrium* result) {
+  result->by_value = result->response * law.by_value;
+  result->by_torque = result->response * result->flexibility.asDiagonal();
+  Eigen::MatrixXd torque = TorqueByRotation(query, result->state, *query.wrenches, base_rotation);
+  for (const WrenchTerm& load : query.terms->wrenches) {
+    torque += theta[load.parameter] * TorqueByRotation(query, result->state, load.wrenches, base_rotation);
   }
-  return matrix.partialPivLu().inverse();
+  Eigen::MatrixXd by_rotation = result->flexibility.asDiagonal() * torque;
+  for (const SagTerm& sag : query.terms->sags) {
+    const int s = SlotOf(query, sag.transform);
+    by_rotation.row(s) +=
+        theta[sag.parameter] * TorqueByRotation(query, result->state, sag.wrenches, base_rotation).row(s);
+  }
+  result->by_rotation = result->response * by_rotation;
 }
 
 }  // namespace
 
-std::vector<ElasticJoint::Weight> ElasticJoint::WeightsAt(double q) const {
-  const auto above = std::upper_bound(node_q.begin(), node_q.end(), q) - node_q.begin();
-  if (above == 0) return {{node_parameter.front(), 1.0}};
-  if (above == static_cast<long>(node_q.size())) return {{node_parameter.back(), 1.0}};
-  const double t = (q - node_q[above - 1]) / (node_q[above] - node_q[above - 1]);
-  return {{node_parameter[above - 1], 1.0 - t}, {node_parameter[above], t}};
+Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
+                          const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
+  Eigen::VectorXd torques = Eigen::VectorXd::Zero(query.slots->size());
+  for (const AppliedWrench& wrench : wrenches) {
+    const WrenchInBase<double> in_base = ToBase(wrench, state, base_rotation);
+    for (int s = 0; s < torques.size(); ++s) {
+      torques[s] += GeneralisedForce(*query.chain, state, (*query.slots)[s], in_base);
+    }
+  }
+  return torques;
 }
 
 Equilibrium SolveEquilibrium(const ElasticQuery& query, const double* theta, std::vector<double> values,
                              const Matrix3<double>& base_rotation) {
-  const std::vector<ElasticJoint>& joints = query.system->joints;
-  const int n = static_cast<int>(joints.size());
+  const int n = static_cast<int>(query.slots->size());
   Equilibrium result;
   result.values = std::move(values);
-  result.compliance.resize(n);
-  for (int j = 0; j < n; ++j) result.compliance[j] = joints[j].Compliance((*query.q)[joints[j].joint], theta);
   Eigen::VectorXd deflection = Eigen::VectorXd::Zero(n);
   for (int iteration = 0; iteration < kMaxNewtonSteps && !result.converged; ++iteration) {
-    EvaluateTorques(query, theta, base_rotation, &result);
-    result.response = Response(query, result);
-    const Eigen::VectorXd step = result.response * (result.compliance.cwiseProduct(result.torque) - deflection);
+    const Law law = EvaluateLaw(query, theta, base_rotation, &result);
+    const Eigen::VectorXd step = Response(query, law) * (law.deflection - deflection);
     if (!step.allFinite()) return result;
     deflection += step;
     if (deflection.cwiseAbs().maxCoeff() > kFoldedDeflection) return result;
-    for (int j = 0; j < n; ++j) result.values[joints[j].transform] += step[j];
+    for (int s = 0; s < n; ++s) result.values[(*query.slots)[s]] += step[s];
     result.converged = step.cwiseAbs().maxCoeff() < kConverged;
   }
-  EvaluateTorques(query, theta, base_rotation, &result);
-  result.response = Response(query, result);
-  result.torque_by_rotation = TorqueByRotation(query, result, base_rotation);
+  const Law law = EvaluateLaw(query, theta, base_rotation, &result);
+  result.response = Response(query, law);
+  Differentiate(query, theta, base_rotation, law, &result);
   return result;
 }
 

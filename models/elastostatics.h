@@ -1,50 +1,30 @@
-// Joint deflections under load, iterated to equilibrium, with exact derivatives.
+// Deflections under load, iterated to equilibrium, with exact derivatives.
 //
-//   u_j = k_j tau_j(u)          deflection of elastic joint j, rad or m
-//   tau  = torques of all wrenches at the deflected arm (+ compensator)
+//   u_e = sum of the elastic and sag terms on slot e at the deflected arm
+//       = sum factor theta phi(tau_e) + sum theta tau_e(own wrenches)
 //
-// paper 000, eq. (2); first order (tau at u = 0) would bias k by up to 0.35 %.
-// Newton on G(u) = u - K tau(u) with the second-order term T = d tau / d v.
-// Implicit differentiation of the converged state:
+// e.g. joint compliance u = k tau, paper 000 eq. (2); first order (tau at u = 0)
+// would bias k by up to 0.35 %. tau_e collects every wrench of the shot, those of
+// load effects and the compensator's torque. Newton on G(u) = u - f(u) with the
+// second-order term d tau / d v; implicit differentiation of the converged state:
 //
-//   du = A (dK tau + K d tau|_u),   A = (I - K T_u)^-1
+//   du = A df|_u,   A = (I - F_u)^-1,   F = d f / d v
 //
-// so that a slot e whose value moves by dv_e bends the arm by A K T_e dv_e.
+// so that a slot e whose value moves by dv_e bends the arm by A F_e dv_e.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "models/effects/effect.h"
 #include "models/gravity_compensator.h"
-#include "models/robot.h"
 #include "models/wrench.h"
 
 namespace sagitta {
 
-// A joint with a compliance; its parameters are one k, or one per table node.
-struct ElasticJoint {
-  int joint = -1;
-  int transform = -1;
-  std::vector<double> node_q;      // rad or m, ascending
-  std::vector<int> node_parameter;  // index into theta, one per node
-
-  // Weights of the nodes at commanded q: piecewise linear, constant outside.
-  struct Weight {
-    int parameter;
-    double weight;
-  };
-  std::vector<Weight> WeightsAt(double q) const;
-
-  template <typename T>
-  T Compliance(double q, const T* theta) const {
-    T k(0);
-    for (const Weight& w : WeightsAt(q)) k += w.weight * theta[w.parameter];
-    return k;
-  }
-};
-
 struct CompensatorOnJoint {
-  int elastic_joint = -1;   // index into ElasticSystem::joints
+  int transform = -1;
+  int joint = -1;
   int first_parameter = 0;  // L, a_x, a_y, s0, Kc
   double offset = 0.0;      // of the joint's transform, rad
   double sign = 1.0;
@@ -61,37 +41,45 @@ struct CompensatorOnJoint {
   }
 };
 
-struct ElasticSystem {
-  std::vector<ElasticJoint> joints;
-  std::optional<CompensatorOnJoint> compensator;
-
-  bool empty() const { return joints.empty(); }
-};
-
-// Where the equilibrium is asked for: data and parameters.
+// Where the equilibrium is asked for.
 struct ElasticQuery {
   const Chain* chain;
-  const ElasticSystem* system;
-  const Eigen::VectorXd* q;  // commanded and coupled, one per joint
+  const std::vector<int>* slots;  // transforms that may deflect
+  const CompensatorOnJoint* compensator;  // null: none
+  const Eigen::VectorXd* q;               // commanded and coupled, one per joint
   const std::vector<AppliedWrench>* wrenches;
+  const ShotTerms* terms;
 };
 
-// Converged state and its derivatives, double.
+// Converged state and its derivatives, double. n = number of slots.
 struct Equilibrium {
   bool converged = false;
   std::vector<double> values;  // v_e, deflections included
   ChainState<double> state;
-  Eigen::VectorXd torque;              // tau_j, one per elastic joint
-  Eigen::VectorXd compliance;          // k_j
-  Eigen::MatrixXd response;            // A
-  Eigen::MatrixXd torque_by_value;     // T: d tau_j / d v_e
-  Eigen::MatrixXd torque_by_rotation;  // d tau_j / d left perturbation of the base rotation, 3 columns
-  Eigen::MatrixXd torque_by_spring;    // d tau_j / d (L, a_x, a_y, s0, Kc), 5 columns; empty without a compensator
+  Eigen::VectorXd torque;              // tau, n
+  Eigen::VectorXd flexibility;         // sum factor theta phi'(tau), n
+  Eigen::MatrixXd response;            // A, n x n
+  Eigen::MatrixXd by_value;            // A F: du / dv_e, n x transforms
+  Eigen::MatrixXd by_torque;           // A diag(flexibility): du / d tau from outside, n x n
+  Eigen::MatrixXd by_rotation;         // du / d left perturbation of the base rotation, n x 3
+  Eigen::MatrixXd torque_by_spring;    // d tau / d (L, a_x, a_y, s0, Kc), n x 5; empty without a compensator
 };
 
 // values: v_e without deflections. base_rotation: R of base_in_station.
 Equilibrium SolveEquilibrium(const ElasticQuery& query, const double* theta, std::vector<double> values,
                              const Matrix3<double>& base_rotation);
+
+// Torques of some wrenches on all slots at the equilibrium.
+Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
+                          const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
+
+// phi of an elastic law; its derivative is 0 for the sign.
+template <typename T>
+T ElasticPhi(ElasticLaw law, const T& torque) {
+  if (law == ElasticLaw::kCubic) return torque * torque * torque;
+  if (law == ElasticLaw::kSign) return T(torque > T(0) ? 1.0 : torque < T(0) ? -1.0 : 0.0);
+  return torque;
+}
 
 // The templated reference: plain fixed-point iteration, no derivative of ours.
 template <typename T>
@@ -99,25 +87,29 @@ std::vector<T> IterateEquilibrium(const ElasticQuery& query, const T* theta, con
                                   const Matrix3<T>& base_rotation, int iterations = 60) {
   std::vector<T> deflected = values;
   ChainState<T> state;
+  const auto torque_of = [&](int e, const std::vector<AppliedWrench>& wrenches) {
+    T torque(0);
+    for (const AppliedWrench& wrench : wrenches) {
+      torque += GeneralisedForce(*query.chain, state, e, ToBase(wrench, state, base_rotation));
+    }
+    return torque;
+  };
   for (int i = 0; i < iterations; ++i) {
     EvaluateChain(*query.chain, deflected.data(), &state);
-    std::vector<T> torques;
-    for (size_t j = 0; j < query.system->joints.size(); ++j) {
-      const int e = query.system->joints[j].transform;
-      T torque(0);
-      for (const AppliedWrench& wrench : *query.wrenches) {
-        torque += GeneralisedForce(*query.chain, state, e, ToBase(wrench, state, base_rotation));
+    std::vector<T> next = values;
+    for (const ElasticTerm& term : query.terms->elastic) {
+      const int e = term.transform;
+      T torque = torque_of(e, *query.wrenches);
+      for (const WrenchTerm& load : query.terms->wrenches) torque += theta[load.parameter] * torque_of(e, load.wrenches);
+      if (query.compensator != nullptr && query.compensator->transform == e) {
+        torque += query.compensator->Torque(theta, deflected[e], (*query.q)[query.compensator->joint]);
       }
-      const auto& compensator = query.system->compensator;
-      if (compensator && compensator->elastic_joint == static_cast<int>(j)) {
-        torque += compensator->Torque(theta, deflected[e], (*query.q)[query.system->joints[j].joint]);
-      }
-      torques.push_back(torque);
+      next[e] += term.factor * theta[term.parameter] * ElasticPhi(term.law, torque);
     }
-    for (size_t j = 0; j < query.system->joints.size(); ++j) {
-      const ElasticJoint& joint = query.system->joints[j];
-      deflected[joint.transform] = values[joint.transform] + joint.Compliance((*query.q)[joint.joint], theta) * torques[j];
+    for (const SagTerm& sag : query.terms->sags) {
+      next[sag.transform] += theta[sag.parameter] * torque_of(sag.transform, sag.wrenches);
     }
+    deflected = next;
   }
   return deflected;
 }

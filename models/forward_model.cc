@@ -1,6 +1,9 @@
 #include "models/forward_model.h"
 
+#include <algorithm>
 #include <cstdio>
+
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
@@ -13,97 +16,144 @@ std::string ShortNumber(double value) {
   return text;
 }
 
-// dp / dv_e of a point at the loaded arm: the slot moves the point, and bends
-// the arm by changing the torques (elastostatics.h).
-class LoadedVelocities {
+// Weights of a compliance's nodes at q: piecewise linear, constant outside.
+std::vector<std::pair<int, double>> NodeWeights(const JointCompliance& compliance, double q) {
+  const auto& nodes = compliance.nodes;
+  size_t above = 0;
+  while (above < nodes.size() && nodes[above].q <= q) ++above;
+  if (above == 0) return {{0, 1.0}};
+  if (above == nodes.size()) return {{static_cast<int>(nodes.size()) - 1, 1.0}};
+  const double t = (q - nodes[above - 1].q) / (nodes[above].q - nodes[above - 1].q);
+  return {{static_cast<int>(above) - 1, 1.0 - t}, {static_cast<int>(above), t}};
+}
+
+// The chain with every tilt slot that an effect of the robot needs.
+Robot WithTiltSlots(Robot robot) {
+  for (const EffectSpec& spec : robot.effects) {
+    const EffectDefinition* definition = FindEffect(spec.effect);
+    if (!definition->tilts) continue;
+    AddTiltSlots(definition->target == EffectTarget::kJoint ? robot.chain.FindJoint(spec.target) : -1, &robot.chain);
+  }
+  return robot;
+}
+
+// d point_base of one marker by everything, at the loaded arm.
+class MarkerVelocities {
  public:
-  LoadedVelocities(const Chain& chain, const ElasticSystem& system, const Equilibrium& equilibrium)
-      : chain_(chain), system_(system), equilibrium_(equilibrium) {
-    if (system_.empty() || equilibrium_.response.size() == 0) return;
-    by_torque_ = equilibrium_.response * equilibrium_.compliance.asDiagonal();
-    by_value_ = by_torque_ * equilibrium_.torque_by_value;
+  MarkerVelocities(const Chain& chain, const std::vector<int>& slots, const Equilibrium& equilibrium,
+                   const Vector3<double>& point_in_base, int frame)
+      : chain_(chain), equilibrium_(equilibrium), point_(point_in_base), frame_(frame) {
+    by_deflection_.setZero(3, equilibrium.response.rows());
+    for (int s = 0; s < by_deflection_.cols(); ++s) by_deflection_.col(s) = Direct(slots[s]);
   }
 
-  // 3 x joints: how deflections move the point.
-  Eigen::Matrix3Xd ByDeflection(const Vector3<double>& point_in_base, int frame) const {
-    Eigen::Matrix3Xd velocities = Eigen::Matrix3Xd::Zero(3, is_loaded() ? system_.joints.size() : 0);
-    for (int j = 0; j < velocities.cols(); ++j) {
-      const int e = system_.joints[j].transform;
-      if (e < frame) velocities.col(j) = PointVelocity(chain_, equilibrium_.state, e, point_in_base);
-    }
-    return velocities;
-  }
-  Vector3<double> BySlot(int e, const Vector3<double>& point_in_base, int frame,
-                         const Eigen::Matrix3Xd& by_deflection) const {
-    Vector3<double> velocity = Vector3<double>::Zero();
-    if (e < frame) velocity = PointVelocity(chain_, equilibrium_.state, e, point_in_base);
-    if (is_loaded()) velocity += by_deflection * by_value_.col(e);
+  // By a slot's value: it moves the point, and bends the arm by changing the torques.
+  Vector3<double> BySlot(int e) const {
+    Vector3<double> velocity = Direct(e);
+    if (by_deflection_.cols() > 0) velocity += by_deflection_ * equilibrium_.by_value.col(e);
     return velocity;
   }
-
-  bool is_loaded() const { return by_torque_.size() > 0; }
-  const Eigen::MatrixXd& by_torque() const { return by_torque_; }  // d u / d tau at fixed values
+  Vector3<double> ByTorques(const Eigen::VectorXd& torques) const {
+    return by_deflection_ * (equilibrium_.by_torque * torques);
+  }
+  // By a deflection imposed on slot s (the arm responds).
+  Vector3<double> ByDeflection(int s) const { return by_deflection_ * equilibrium_.response.col(s); }
+  Matrix3<double> ByRotation() const {
+    if (by_deflection_.cols() == 0) return Matrix3<double>::Zero();
+    return by_deflection_ * equilibrium_.by_rotation;
+  }
 
  private:
+  Vector3<double> Direct(int e) const {
+    if (e >= frame_) return Vector3<double>::Zero();
+    return PointVelocity(chain_, equilibrium_.state, e, point_);
+  }
+
   const Chain& chain_;
-  const ElasticSystem& system_;
   const Equilibrium& equilibrium_;
-  Eigen::MatrixXd by_torque_;  // A K
-  Eigen::MatrixXd by_value_;   // A K T
+  const Vector3<double> point_;
+  const int frame_;
+  Eigen::Matrix3Xd by_deflection_;
 };
 
 }  // namespace
 
-ForwardModel::ForwardModel(Chain chain) : chain_(std::move(chain)) { AddGeometry(); }
-
-ForwardModel::ForwardModel(const Robot& robot) : chain_(robot.chain) {
+ForwardModel::ForwardModel(Chain chain) {
+  robot_.chain = std::move(chain);
   AddGeometry();
-  AddCompliances(robot);
-  if (robot.gravity_compensator) AddCompensator(*robot.gravity_compensator);
+}
+
+ForwardModel::ForwardModel(const Robot& robot, std::vector<std::string> markers)
+    : robot_(WithTiltSlots(robot)), markers_(std::move(markers)) {
+  AddGeometry();
+  AddCompliances();
+  AddCompensator();
+  AddEffects();
+  std::sort(elastic_slots_.begin(), elastic_slots_.end());
+  elastic_slots_.erase(std::unique(elastic_slots_.begin(), elastic_slots_.end()), elastic_slots_.end());
 }
 
 void ForwardModel::AddGeometry() {
-  for (int e = 0; e < chain_.num_transforms(); ++e) {
-    const ElementaryTransform& transform = chain_.transforms[e];
+  for (int e = 0; e < chain().num_transforms(); ++e) {
+    const ElementaryTransform& transform = chain().transforms[e];
     if (transform.error.empty()) continue;
     const Quantity quantity = transform.is_rotation() ? Quantity::kAngle : Quantity::kLength;
     parameters_.push_back({"geometry/" + transform.error, quantity, ParameterLaw::kGeometry, e});
   }
 }
 
-void ForwardModel::AddCompliances(const Robot& robot) {
-  for (const JointCompliance& compliance : robot.compliances) {
-    const Joint& joint = chain_.joints[compliance.joint];
+void ForwardModel::AddCompliances() {
+  for (size_t c = 0; c < robot_.compliances.size(); ++c) {
+    const JointCompliance& compliance = robot_.compliances[c];
+    const Joint& joint = chain().joints[compliance.joint];
     const bool turns = joint.type == JointType::kRevolute;
-    ElasticJoint elastic;
-    elastic.joint = compliance.joint;
-    elastic.transform = chain_.JointTransform(compliance.joint);
+    elastic_slots_.push_back(chain().JointTransform(compliance.joint));
+    first_of_compliance_.push_back(num_parameters());
     for (const JointCompliance::Node& node : compliance.nodes) {
       std::string name = "compliance/" + joint.name;
       if (compliance.is_table) name += "@" + ShortNumber(turns ? node.q / kDegree : node.q / 1e-3);
-      elastic.node_q.push_back(node.q);
-      elastic.node_parameter.push_back(num_parameters());
       const Quantity quantity = turns ? Quantity::kCompliance : Quantity::kLinearCompliance;
-      const int index = static_cast<int>(elastic_.joints.size());
-      parameters_.push_back({name, quantity, ParameterLaw::kCompliance, index, node.k, 0.0});
+      parameters_.push_back({name, quantity, ParameterLaw::kCompliance, static_cast<int>(c), node.k, 0.0});
     }
-    elastic_.joints.push_back(elastic);
   }
 }
 
-void ForwardModel::AddCompensator(const GravityCompensator& compensator) {
-  for (size_t j = 0; j < elastic_.joints.size(); ++j) {
-    if (elastic_.joints[j].joint != compensator.joint) continue;
-    const ElementaryTransform& transform = chain_.transforms[elastic_.joints[j].transform];
-    elastic_.compensator = CompensatorOnJoint{static_cast<int>(j), num_parameters(), transform.nominal, transform.sign,
-                                              compensator.preload};
-    const double nominal[5] = {compensator.L, compensator.a_x, compensator.a_y, compensator.s0, compensator.Kc};
-    const char* names[5] = {"L", "a_x", "a_y", "s0", "Kc"};
-    for (int i = 0; i < 5; ++i) {
-      const Quantity quantity = i < 4 ? Quantity::kLength : Quantity::kSpringRate;
-      parameters_.push_back({std::string("compensator/") + names[i], quantity, ParameterLaw::kCompensator, i, nominal[i]});
+void ForwardModel::AddCompensator() {
+  if (!robot_.gravity_compensator) return;
+  const GravityCompensator& spring = *robot_.gravity_compensator;
+  const int slot = chain().JointTransform(spring.joint);
+  const ElementaryTransform& transform = chain().transforms[slot];
+  elastic_slots_.push_back(slot);
+  compensator_ =
+      CompensatorOnJoint{slot, spring.joint, num_parameters(), transform.nominal, transform.sign, spring.preload};
+  const double nominal[5] = {spring.L, spring.a_x, spring.a_y, spring.s0, spring.Kc};
+  const char* names[5] = {"L", "a_x", "a_y", "s0", "Kc"};
+  for (int i = 0; i < 5; ++i) {
+    const Quantity quantity = i < 4 ? Quantity::kLength : Quantity::kSpringRate;
+    parameters_.push_back({std::string("compensator/") + names[i], quantity, ParameterLaw::kCompensator, i, nominal[i]});
+  }
+  parameters_.back().lower = 0.0;  // Kc
+}
+
+void ForwardModel::AddEffects() {
+  for (size_t i = 0; i < robot_.effects.size(); ++i) {
+    const EffectSpec& spec = robot_.effects[i];
+    const EffectDefinition& definition = *FindEffect(spec.effect);
+    first_of_effect_.push_back(num_parameters());
+    const std::vector<EffectParameter> parameters = definition.parameters(robot_, spec);
+    for (size_t p = 0; p < parameters.size(); ++p) {
+      const double value = p < spec.values.size() ? spec.values[p] : 0.0;
+      parameters_.push_back({spec.Path() + "/" + parameters[p].name, parameters[p].quantity, ParameterLaw::kEffect,
+                             static_cast<int>(i), value});
     }
-    parameters_.back().lower = 0.0;  // Kc
+    // Which slots deflect does not depend on the shot: ask with an empty one.
+    ShotConditions nothing;
+    nothing.q = Eigen::VectorXd::Zero(chain().num_joints());
+    nothing.approach.assign(chain().num_joints(), 0);
+    ShotTerms terms;
+    definition.apply({&robot_, &spec, &nothing, &markers_, first_of_effect_.back()}, &terms);
+    for (const ElasticTerm& term : terms.elastic) elastic_slots_.push_back(term.transform);
+    for (const SagTerm& term : terms.sags) elastic_slots_.push_back(term.transform);
   }
 }
 
@@ -113,17 +163,42 @@ std::vector<double> ForwardModel::NominalValues() const {
   return theta;
 }
 
-Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta,
-                                      const Matrix3<double>& base_rotation, const double* latent) const {
-  std::vector<double> values = TransformValues(shot.q, theta, latent);
+void ForwardModel::Prepare(ShotInput* shot) const {
+  shot->terms = ShotTerms();
+  const Eigen::VectorXd coupled = chain().CoupledJointValues(shot->conditions.q);
+  for (size_t c = 0; c < robot_.compliances.size(); ++c) {
+    const JointCompliance& compliance = robot_.compliances[c];
+    for (const auto& [node, weight] : NodeWeights(compliance, coupled[compliance.joint])) {
+      shot->terms.elastic.push_back(
+          {chain().JointTransform(compliance.joint), first_of_compliance_[c] + node, weight, ElasticLaw::kLinear});
+    }
+  }
+  for (size_t i = 0; i < robot_.effects.size(); ++i) {
+    const EffectSpec& spec = robot_.effects[i];
+    FindEffect(spec.effect)->apply({&robot_, &spec, &shot->conditions, &markers_, first_of_effect_[i]}, &shot->terms);
+  }
+}
+
+bool ForwardModel::IsElastic(const ShotInput& shot) const {
+  if (!shot.terms.sags.empty()) return true;
+  return !shot.terms.elastic.empty() && (!shot.wrenches.empty() || !shot.terms.wrenches.empty() || compensator_);
+}
+
+ElasticQuery ForwardModel::Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const {
+  return {&robot_.chain, &elastic_slots_, compensator_ ? &*compensator_ : nullptr, &coupled, &shot.wrenches, &shot.terms};
+}
+
+Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
+                                      const double* latent) const {
+  std::vector<double> values = TransformValues(shot, theta, latent);
   if (IsElastic(shot)) {
-    const Eigen::VectorXd coupled = chain_.CoupledJointValues(shot.q);
-    return SolveEquilibrium({&chain_, &elastic_, &coupled, &shot.wrenches}, theta, std::move(values), base_rotation);
+    const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
+    return SolveEquilibrium(Query(shot, coupled), theta, std::move(values), base_rotation);
   }
   Equilibrium rigid;
   rigid.converged = true;
   rigid.values = std::move(values);
-  EvaluateChain(chain_, rigid.values.data(), &rigid.state);
+  EvaluateChain(chain(), rigid.values.data(), &rigid.state);
   return rigid;
 }
 
@@ -132,47 +207,111 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
                            std::vector<PointPrediction>* predictions, const double* latent) const {
   const Equilibrium equilibrium = Equilibrate(shot, theta, base_in_station.rotation, latent);
   if (!equilibrium.converged) return false;
-  const LoadedVelocities velocities(chain_, elastic_, equilibrium);
-  const Eigen::VectorXd coupled = chain_.CoupledJointValues(shot.q);
+  const Matrix3<double>& rotation = base_in_station.rotation;
+  const bool elastic = equilibrium.response.size() > 0;
+  std::vector<int> column_of(num_parameters(), -1);
+  for (size_t i = 0; i < active.size(); ++i) column_of[active[i]] = static_cast<int>(i);
+  double scale = 1.0;
+  for (const BaseTerm& term : shot.terms.base) scale += theta[term.parameter] * term.factor;
+  Matrix3<double> seen_from_true = Matrix3<double>::Identity();
+  for (const StationTerm& term : shot.terms.station) seen_from_true += theta[term.parameter] * term.gradient;
+  const auto slot_index = [&](int transform) {
+    return std::lower_bound(elastic_slots_.begin(), elastic_slots_.end(), transform) - elastic_slots_.begin();
+  };
   predictions->resize(markers.size());
   for (size_t m = 0; m < markers.size(); ++m) {
     const MarkerInFrame& marker = markers[m];
     PointPrediction& prediction = (*predictions)[m];
     const Pose<double>& base_from_frame = equilibrium.state.frames[marker.frame];
-    const Vector3<double> point_in_base = base_from_frame * marker.point;
-    const Vector3<double> arm = base_in_station.rotation * point_in_base;
-    const Eigen::Matrix3Xd by_deflection = velocities.ByDeflection(point_in_base, marker.frame);
-    prediction.point = arm + base_in_station.translation;
-    prediction.d_rotation = -Skew(arm);
-    prediction.d_marker = base_in_station.rotation * base_from_frame.rotation;
-    prediction.d_theta.setZero(3, active.size());
-    if (velocities.is_loaded()) {
-      prediction.d_rotation += base_in_station.rotation * by_deflection * velocities.by_torque() * equilibrium.torque_by_rotation;
+    Vector3<double> own = marker.point;
+    for (const MarkerTerm& term : shot.terms.markers) {
+      if (term.marker == marker.id) own += theta[term.parameter] * term.direction;
     }
+    const Vector3<double> in_base = base_from_frame * own;
+    const Vector3<double> arm = scale * (rotation * in_base);
+    const Vector3<double> truth = arm + base_in_station.translation;
+    const MarkerVelocities velocities(chain(), elastic_slots_, equilibrium, in_base, marker.frame);
+    const Matrix3<double> seen_from_base = scale * seen_from_true * rotation;  // of a displacement
+    prediction.point = truth;
+    for (const StationTerm& term : shot.terms.station) {
+      prediction.point += theta[term.parameter] * (term.gradient * truth + term.offset);
+    }
+    prediction.d_translation = seen_from_true;
+    prediction.d_rotation = -seen_from_true * Skew(arm) + seen_from_base * velocities.ByRotation();
+    prediction.d_marker = seen_from_base * base_from_frame.rotation;
+
+    prediction.d_theta.setZero(3, active.size());
+    const auto add = [&](int parameter, const Vector3<double>& velocity_in_base) {
+      if (column_of[parameter] >= 0) prediction.d_theta.col(column_of[parameter]) += seen_from_base * velocity_in_base;
+    };
     for (size_t i = 0; i < active.size(); ++i) {
       const ModelParameter& parameter = parameters_[active[i]];
-      Vector3<double> velocity = Vector3<double>::Zero();
-      if (parameter.law == ParameterLaw::kGeometry) {
-        velocity = velocities.BySlot(parameter.index, point_in_base, marker.frame, by_deflection);
-      } else if (velocities.is_loaded() && parameter.law == ParameterLaw::kCompliance) {
-        const ElasticJoint& joint = elastic_.joints[parameter.index];
-        for (const ElasticJoint::Weight& w : joint.WeightsAt(coupled[joint.joint])) {
-          if (w.parameter != active[i]) continue;
-          velocity = by_deflection * equilibrium.response.col(parameter.index) * (w.weight * equilibrium.torque[parameter.index]);
-        }
-      } else if (velocities.is_loaded()) {
-        velocity = by_deflection * (velocities.by_torque() * equilibrium.torque_by_spring.col(parameter.index));
+      if (parameter.law == ParameterLaw::kGeometry) add(active[i], velocities.BySlot(parameter.index));
+      if (parameter.law == ParameterLaw::kCompensator && elastic) {
+        add(active[i], velocities.ByTorques(equilibrium.torque_by_spring.col(parameter.index)));
       }
-      prediction.d_theta.col(i) = base_in_station.rotation * velocity;
     }
-    prediction.d_latent.resize(3, latent != nullptr ? chain_.num_joints() : 0);
+    for (const SlotTerm& term : shot.terms.slots) {
+      if (column_of[term.parameter] >= 0) add(term.parameter, term.factor * velocities.BySlot(term.transform));
+    }
+    if (elastic) {
+      for (const ElasticTerm& term : shot.terms.elastic) {
+        if (column_of[term.parameter] < 0) continue;
+        const long s = slot_index(term.transform);
+        add(term.parameter, term.factor * ElasticPhi(term.law, equilibrium.torque[s]) * velocities.ByDeflection(s));
+      }
+      const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
+      const ElasticQuery query = Query(shot, coupled);
+      for (const WrenchTerm& term : shot.terms.wrenches) {
+        if (column_of[term.parameter] < 0) continue;
+        add(term.parameter, velocities.ByTorques(TorquesOf(query, equilibrium.state, term.wrenches, rotation)));
+      }
+      for (const SagTerm& term : shot.terms.sags) {
+        if (column_of[term.parameter] < 0) continue;
+        const long s = slot_index(term.transform);
+        add(term.parameter, TorquesOf(query, equilibrium.state, term.wrenches, rotation)[s] * velocities.ByDeflection(s));
+      }
+    }
+    for (const MarkerTerm& term : shot.terms.markers) {
+      if (term.marker == marker.id) add(term.parameter, base_from_frame.rotation * term.direction);
+    }
+    for (const BaseTerm& term : shot.terms.base) add(term.parameter, term.factor / scale * in_base);
+    for (const StationTerm& term : shot.terms.station) {
+      if (column_of[term.parameter] < 0) continue;
+      prediction.d_theta.col(column_of[term.parameter]) += term.gradient * truth + term.offset;
+    }
+
+    prediction.d_latent.resize(3, latent != nullptr ? chain().num_joints() : 0);
     for (int j = 0; j < prediction.d_latent.cols(); ++j) {
-      const int e = chain_.JointTransform(j);
-      prediction.d_latent.col(j) = base_in_station.rotation * chain_.transforms[e].sign *
-                                   velocities.BySlot(e, point_in_base, marker.frame, by_deflection);
+      const int e = chain().JointTransform(j);
+      prediction.d_latent.col(j) = seen_from_base * chain().transforms[e].sign * velocities.BySlot(e);
     }
   }
   return true;
+}
+
+Robot ForwardModel::WithValues(const std::vector<double>& theta) const {
+  std::map<std::string, double> errors;
+  for (int i = 0; i < num_parameters(); ++i) {
+    if (parameters_[i].law != ParameterLaw::kGeometry || theta[i] == 0.0) continue;
+    errors[chain().transforms[parameters_[i].index].error] = theta[i];
+  }
+  Robot robot = WithGeometricErrors(robot_, errors);
+  for (size_t c = 0; c < robot.compliances.size(); ++c) {
+    std::vector<JointCompliance::Node>& nodes = robot.compliances[c].nodes;
+    for (size_t n = 0; n < nodes.size(); ++n) nodes[n].k = theta[first_of_compliance_[c] + n];
+  }
+  if (compensator_) {
+    GravityCompensator& spring = *robot.gravity_compensator;
+    const double* p = theta.data() + compensator_->first_parameter;
+    spring.L = p[0], spring.a_x = p[1], spring.a_y = p[2], spring.s0 = p[3], spring.Kc = p[4];
+  }
+  for (size_t i = 0; i < robot.effects.size(); ++i) {
+    const size_t count = FindEffect(robot.effects[i].effect)->parameters(robot, robot.effects[i]).size();
+    const auto first = theta.begin() + first_of_effect_[i];
+    robot.effects[i].values.assign(first, first + static_cast<long>(count));
+  }
+  return robot;
 }
 
 }  // namespace sagitta

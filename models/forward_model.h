@@ -4,8 +4,8 @@
 //   point_station = t + R * point_base(q, theta, loads),   base_in_station = (t, R)
 //
 // paper 000, eq. (6) and (8). theta holds one value per model parameter:
-// geometric errors, joint compliances, the gravity compensator. A marker rides
-// on a frame of the chain (flange, a link, the base).
+// geometric errors, joint compliances, the gravity compensator, the effects of
+// the robot. A marker rides on a frame of the chain (flange, a link, the base).
 #pragma once
 
 #include <limits>
@@ -23,14 +23,14 @@
 
 namespace sagitta {
 
-enum class ParameterLaw { kGeometry, kCompliance, kCompensator };
+enum class ParameterLaw { kGeometry, kCompliance, kCompensator, kEffect };
 
 // One scalar unknown of the robot model.
 struct ModelParameter {
-  std::string name;  // geometry/<error>, compliance/<joint>[@<q_deg>], compensator/L ...
+  std::string name;  // geometry/<error>, compliance/<joint>[@<q_deg>], compensator/L, effect/... of FORMATS section 4
   Quantity quantity = Quantity::kLength;
   ParameterLaw law = ParameterLaw::kGeometry;
-  int index = -1;        // the transform, the elastic joint, or 0..4 of L, a_x, a_y, s0, Kc
+  int index = -1;        // the transform, index into compliances, 0..4 of L, a_x, a_y, s0, Kc, index into effects
   double nominal = 0.0;  // SI, as the robot file states it; 0 for geometric errors
   double lower = -std::numeric_limits<double>::infinity();
 };
@@ -38,46 +38,54 @@ struct ModelParameter {
 // What one shot commands and hangs on the arm; data, no unknowns.
 struct ShotInput {
   ShotInput() = default;
-  ShotInput(Eigen::VectorXd joint_values) : q(std::move(joint_values)) {}  // NOLINT: an unloaded shot
+  ShotInput(Eigen::VectorXd joint_values) { conditions.q = std::move(joint_values); }  // NOLINT: an unloaded shot
 
-  Eigen::VectorXd q;                    // commanded, rad or m, one per joint
+  ShotConditions conditions;
   std::vector<AppliedWrench> wrenches;  // load, tool weight
+  ShotTerms terms;                      // of the model's effects, by ForwardModel::Prepare
 };
 
 // One marker of a shot: `point` in the frame it rides on.
 struct MarkerInFrame {
   int frame = 0;
   Vector3<double> point;  // m
+  int id = -1;            // index of the marker, for effects on it
 };
 
 // A predicted point with its derivatives, all in the station frame, SI.
 struct PointPrediction {
   Vector3<double> point;                             // m
+  Matrix3<double> d_translation;                     // d point / d t: the identity, but for instrument effects
   Matrix3<double> d_rotation;                        // d point / d left perturbation of R
   Matrix3<double> d_marker;                          // d point / d marker point
   Eigen::Matrix<double, 3, Eigen::Dynamic> d_theta;  // one column per active parameter
   Eigen::Matrix<double, 3, Eigen::Dynamic> d_latent;  // one column per joint, where a deviation was given
-  // d point / d t is the identity.
 };
 
 class ForwardModel {
  public:
-  explicit ForwardModel(const Robot& robot);
+  // `markers`: names, for effects that act on one.
+  explicit ForwardModel(const Robot& robot, std::vector<std::string> markers = {});
   explicit ForwardModel(Chain chain);  // rigid
 
-  const Chain& chain() const { return chain_; }
-  const ElasticSystem& elastic_system() const { return elastic_; }
+  const Robot& robot() const { return robot_; }
+  const Chain& chain() const { return robot_.chain; }
   const std::vector<ModelParameter>& parameters() const { return parameters_; }
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
   std::vector<double> NominalValues() const;
 
-  // Transform values v_e of the undeflected arm at commanded joint values q and
-  // parameters theta. `latent` (one per joint, or null) is added on the encoder
-  // side.
-  template <typename T>
-  std::vector<T> TransformValues(const Eigen::VectorXd& q, const T* theta, const T* latent = nullptr) const;
+  // Fills shot->terms: compliances and effects of this model in this shot.
+  void Prepare(ShotInput* shot) const;
 
-  // A marker point in the base frame; the templated reference for Predict.
+  // Transform values v_e of the undeflected arm. `latent` (one per joint, or
+  // null) is added on the encoder side.
+  template <typename T>
+  std::vector<T> TransformValues(const ShotInput& shot, const T* theta, const T* latent = nullptr) const;
+
+  // A marker point in the station frame; the templated reference for Predict.
+  template <typename T>
+  Vector3<T> PointInStation(const ShotInput& shot, const T* theta, const MarkerInFrame& marker, const Vector3<T>& point,
+                            const Matrix3<T>& rotation, const Vector3<T>& translation) const;
   template <typename T>
   Vector3<T> PointInBase(const ShotInput& shot, const T* theta, int frame, const Vector3<T>& point,
                          const Matrix3<T>& base_rotation = Matrix3<T>::Identity()) const;
@@ -94,25 +102,33 @@ class ForwardModel {
   Equilibrium Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
                           const double* latent = nullptr) const;
 
+  // The robot with theta in its homes: nominal values, compliances, compensator, effects.
+  Robot WithValues(const std::vector<double>& theta) const;
+
  private:
   void AddGeometry();
-  void AddCompliances(const Robot& robot);
-  void AddCompensator(const GravityCompensator& compensator);
-  bool IsElastic(const ShotInput& shot) const {
-    return !elastic_.empty() && (!shot.wrenches.empty() || elastic_.compensator);
-  }
+  void AddCompliances();
+  void AddCompensator();
+  void AddEffects();
+  bool IsElastic(const ShotInput& shot) const;
+  ElasticQuery Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const;
 
-  Chain chain_;
-  ElasticSystem elastic_;
+  Robot robot_;
+  std::vector<std::string> markers_;
   std::vector<ModelParameter> parameters_;
+  std::vector<int> elastic_slots_;
+  std::optional<CompensatorOnJoint> compensator_;
+  std::vector<int> first_of_compliance_;  // parameter of its first node
+  std::vector<int> first_of_effect_;
 };
 
 template <typename T>
-std::vector<T> ForwardModel::TransformValues(const Eigen::VectorXd& q, const T* theta, const T* latent) const {
-  const Eigen::VectorXd coupled = chain_.CoupledJointValues(q);
-  std::vector<T> values(chain_.transforms.size());
-  for (int e = 0; e < chain_.num_transforms(); ++e) {
-    const ElementaryTransform& transform = chain_.transforms[e];
+std::vector<T> ForwardModel::TransformValues(const ShotInput& shot, const T* theta, const T* latent) const {
+  const Chain& chain = robot_.chain;
+  const Eigen::VectorXd coupled = chain.CoupledJointValues(shot.conditions.q);
+  std::vector<T> values(chain.transforms.size());
+  for (int e = 0; e < chain.num_transforms(); ++e) {
+    const ElementaryTransform& transform = chain.transforms[e];
     values[e] = T(transform.nominal);
     if (!transform.has_joint()) continue;
     T joint_value = T(coupled[transform.joint]);
@@ -122,20 +138,40 @@ std::vector<T> ForwardModel::TransformValues(const Eigen::VectorXd& q, const T* 
   for (int i = 0; i < num_parameters(); ++i) {
     if (parameters_[i].law == ParameterLaw::kGeometry) values[parameters_[i].index] += theta[i];
   }
+  for (const SlotTerm& term : shot.terms.slots) values[term.transform] += term.factor * theta[term.parameter];
   return values;
 }
 
 template <typename T>
 Vector3<T> ForwardModel::PointInBase(const ShotInput& shot, const T* theta, int frame, const Vector3<T>& point,
                                      const Matrix3<T>& base_rotation) const {
-  std::vector<T> values = TransformValues(shot.q, theta);
+  std::vector<T> values = TransformValues(shot, theta);
   if (IsElastic(shot)) {
-    const Eigen::VectorXd coupled = chain_.CoupledJointValues(shot.q);
-    values = IterateEquilibrium({&chain_, &elastic_, &coupled, &shot.wrenches}, theta, values, base_rotation);
+    const Eigen::VectorXd coupled = robot_.chain.CoupledJointValues(shot.conditions.q);
+    values = IterateEquilibrium(Query(shot, coupled), theta, values, base_rotation);
   }
   ChainState<T> state;
-  EvaluateChain(chain_, values.data(), &state);
+  EvaluateChain(robot_.chain, values.data(), &state);
   return state.frames[frame] * point;
+}
+
+template <typename T>
+Vector3<T> ForwardModel::PointInStation(const ShotInput& shot, const T* theta, const MarkerInFrame& marker,
+                                        const Vector3<T>& point, const Matrix3<T>& rotation,
+                                        const Vector3<T>& translation) const {
+  Vector3<T> own = point;
+  for (const MarkerTerm& term : shot.terms.markers) {
+    if (term.marker == marker.id) own += theta[term.parameter] * term.direction.cast<T>();
+  }
+  Vector3<T> in_base = PointInBase(shot, theta, marker.frame, own, rotation);
+  T scale(1);
+  for (const BaseTerm& term : shot.terms.base) scale += theta[term.parameter] * term.factor;
+  const Vector3<T> truth = rotation * Vector3<T>(scale * in_base) + translation;
+  Vector3<T> seen = truth;
+  for (const StationTerm& term : shot.terms.station) {
+    seen += theta[term.parameter] * (term.gradient.cast<T>() * truth + term.offset.cast<T>());
+  }
+  return seen;
 }
 
 }  // namespace sagitta

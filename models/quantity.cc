@@ -11,7 +11,31 @@ const QuantityTraits& TraitsOf(Quantity quantity) {
   static const QuantityTraits kCompliance{"urad/Nm", 1e-6, 1e-5, 0.0};
   static const QuantityTraits kLinearCompliance{"um/N", 1e-6, 1e-5, 0.0};
   static const QuantityTraits kSpringRate{"N/mm", 1e3, 1e6, 0.0};
+  static const QuantityTraits kSmallAngle{"urad", 1e-6, 1e-3, 0.0};
+  static const QuantityTraits kHardening{"urad/kNm3", 1e-15, 1e-14, 0.0};
+  static const QuantityTraits kRatio{"ppm", 1e-6, 2e-3, 0.0};
+  static const QuantityTraits kMass{"kg", 1.0, 200.0, 0.0};
+  static const QuantityTraits kFirstMoment{"kgm", 1.0, 100.0, 0.0};
+  static const QuantityTraits kDrift{"um/h", 1e-6 / 3600.0, 5e-4 / 3600.0, 0.0};
+  static const QuantityTraits kTurnRate{"urad/h", 1e-6 / 3600.0, 2e-4 / 3600.0, 0.0};
+  static const QuantityTraits kGrowth{"ppm/K", 1e-6, 2e-4, 0.0};
   switch (quantity) {
+    case Quantity::kSmallAngle:
+      return kSmallAngle;
+    case Quantity::kHardening:
+      return kHardening;
+    case Quantity::kRatio:
+      return kRatio;
+    case Quantity::kMass:
+      return kMass;
+    case Quantity::kFirstMoment:
+      return kFirstMoment;
+    case Quantity::kDrift:
+      return kDrift;
+    case Quantity::kTurnRate:
+      return kTurnRate;
+    case Quantity::kGrowth:
+      return kGrowth;
     case Quantity::kLength:
       return kLength;
     case Quantity::kAngle:
@@ -26,6 +50,14 @@ const QuantityTraits& TraitsOf(Quantity quantity) {
       return kSpringRate;
   }
   return kLength;
+}
+
+double SiPerUnit(const std::string& unit) {
+  for (int i = 0; i <= static_cast<int>(Quantity::kGrowth); ++i) {
+    const QuantityTraits& traits = TraitsOf(static_cast<Quantity>(i));
+    if (unit == traits.unit) return traits.si_per_unit;
+  }
+  return 0.0;
 }
 
 }  // namespace sagitta

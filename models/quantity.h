@@ -2,6 +2,8 @@
 // what data can tell (FORMATS section 4).
 #pragma once
 
+#include <string>
+
 namespace sagitta {
 
 enum class Quantity {
@@ -11,6 +13,14 @@ enum class Quantity {
   kCompliance,        // rad/(N m)
   kLinearCompliance,  // m/N
   kSpringRate,        // N/m
+  kSmallAngle,        // rad, stated in urad
+  kHardening,         // rad/(N m)^3
+  kRatio,             // 1, stated in ppm
+  kMass,              // kg
+  kFirstMoment,       // kg m
+  kDrift,             // m/s
+  kTurnRate,          // rad/s
+  kGrowth,            // 1/K
 };
 
 struct QuantityTraits {
@@ -21,5 +31,8 @@ struct QuantityTraits {
 };
 
 const QuantityTraits& TraitsOf(Quantity quantity);
+
+// SI value of one unit of results ("mm", "urad/Nm"); 0 for an unknown unit.
+double SiPerUnit(const std::string& unit);
 
 }  // namespace sagitta

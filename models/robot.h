@@ -9,6 +9,7 @@
 
 #include "models/chain.h"
 #include "models/denavit_hartenberg.h"
+#include "models/effects/effect_spec.h"
 
 namespace sagitta {
 
@@ -50,6 +51,7 @@ struct Robot {
   std::optional<DhTable> dh;
   std::vector<JointCompliance> compliances;
   std::optional<GravityCompensator> gravity_compensator;
+  std::vector<EffectSpec> effects;  // all other effects, with values
 
   int num_joints() const { return chain.num_joints(); }
 };

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "models/default_free_set.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/loads.h"
 #include "problems/split.h"
@@ -44,7 +45,7 @@ std::vector<int> ResolveMarkerFrames(const CalibrationProblem& problem) {
     if (on == "flange") {
       frames.push_back(chain.FlangeFrame());
     } else if (on == "base" || on == "world") {
-      frames.push_back(chain.BaseFrame());
+      frames.push_back(on == "base" ? chain.BaseFrame() : chain.WorldFrame());
     } else if (joint >= 0) {
       frames.push_back(chain.FrameAfterJoint(joint));
     } else {
@@ -186,6 +187,7 @@ void SetFree(CalibrationProblem* problem) {
     if (family == "geometry") coordinate.free = is_in(errors, name);
     if (family == "compliance") coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
     if (family == "compensator") coordinate.free = is_in(spring, name);
+    if (family == "effect") coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
   }
   const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
     std::vector<std::string> known;
@@ -198,6 +200,46 @@ void SetFree(CalibrationProblem* problem) {
   };
   apply(estimate.free, "--free", true);
   apply(estimate.fixed, "--fixed", false);
+}
+
+// Targets that only the data know.
+void CheckEffects(const CalibrationProblem& problem) {
+  std::set<std::string> loads;
+  for (const Shot& shot : problem.data.shots) loads.insert(shot.load);
+  for (const EffectSpec& spec : problem.robot.effects) {
+    std::vector<std::string> known;
+    switch (FindEffect(spec.effect)->target) {
+      case EffectTarget::kStation:
+        known = problem.data.stations;
+        break;
+      case EffectTarget::kMarker:
+        known = problem.data.markers;
+        break;
+      case EffectTarget::kLoad:
+        known.assign(loads.begin(), loads.end());
+        break;
+      default:
+        continue;
+    }
+    if (std::find(known.begin(), known.end(), spec.target) != known.end()) continue;
+    throw InputError({problem.experiment.robot_file, 0, "effects"},
+                     "effect " + spec.effect + ": the data have no '" + spec.target + "'", SpellingHint(spec.target, known));
+  }
+}
+
+// Columns that an effect of the robot needs.
+void CheckEffectColumns(const CalibrationProblem& problem) {
+  for (const EffectSpec& spec : problem.robot.effects) {
+    for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+      const EffectContext context{&problem.robot, &spec, &problem.shot_inputs[s].conditions, &problem.data.markers, 0};
+      const std::string column = FindEffect(spec.effect)->missing(context);
+      if (column.empty()) continue;
+      const Observation& first = problem.data.observations[problem.data.shots[s].observations.front()];
+      const MeasurementFile& file = problem.data.files[first.file];
+      throw InputError({file.path, file.rows[first.row].line, column}, "effect " + spec.Path() + " needs this column",
+                       "add it, or take the effect out of the robot file");
+    }
+  }
 }
 
 void SetPriors(CalibrationProblem* problem) {
@@ -294,8 +336,10 @@ CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Exp
     : robot(std::move(robot_in)),
       data(std::move(data_in)),
       experiment(std::move(experiment_in)),
-      model(robot),
-      parameters(data.stations, data.markers, model.parameters()) {}
+      model(robot, data.markers),
+      parameters(data.stations, data.markers, model.parameters()) {
+  robot = model.robot();  // with the tilt slots that effects need
+}
 
 Vector3<double> CalibrationProblem::StatedSigma(const Observation& observation) const {
   const Vector3<double> fallback = Vector3<double>::Constant(experiment.noise.sigma.value_or(0.0));
@@ -334,8 +378,10 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   RefuseUnsupported(problem);
   CheckNames(problem);
   CheckCompensator(problem);
+  CheckEffects(problem);
   problem.marker_frames = ResolveMarkerFrames(problem);
-  problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
+  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
+  CheckEffectColumns(problem);
   problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   SetStartValues(&problem);
   SetFree(&problem);

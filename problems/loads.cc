@@ -1,5 +1,8 @@
 #include "problems/loads.h"
 
+#include <algorithm>
+#include <map>
+
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -42,24 +45,71 @@ AppliedWrench LoadWrench(const Chain& chain, const Measurements& data, const Sho
   return wrench;
 }
 
+// Time counts from each station's first row, temperature from the mean of the data.
+struct Origins {
+  std::map<int, double> first_time;
+  double mean_temperature = 0.0;
+};
+
+Origins FindOrigins(const Measurements& data) {
+  Origins origins;
+  int count = 0;
+  for (const Shot& shot : data.shots) {
+    if (shot.has_time) {
+      const auto found = origins.first_time.emplace(shot.station, shot.time).first;
+      found->second = std::min(found->second, shot.time);
+    }
+    if (!shot.has_temperature) continue;
+    origins.mean_temperature += shot.temperature;
+    ++count;
+  }
+  if (count > 0) origins.mean_temperature /= count;
+  return origins;
+}
+
+ShotConditions ConditionsOf(const Measurements& data, const Shot& shot, const Experiment& experiment,
+                            const Origins& origins) {
+  ShotConditions conditions;
+  conditions.q = data.configurations[shot.configuration].q;
+  conditions.station = data.stations[shot.station];
+  conditions.load = shot.load;
+  conditions.has_time = shot.has_time;
+  if (shot.has_time) conditions.time = shot.time - origins.first_time.at(shot.station);
+  conditions.has_temperature = shot.has_temperature;
+  if (shot.has_temperature) conditions.temperature = shot.temperature - origins.mean_temperature;
+  conditions.approach = shot.approach;
+  conditions.gravity = Gravity(experiment);
+  conditions.gravity_frame = GravityFrame(experiment);
+  const auto station = experiment.stations.find(conditions.station);
+  if (station != experiment.stations.end() && station->second.instrument_xyz) {
+    conditions.instrument = *station->second.instrument_xyz;
+  }
+  return conditions;
+}
+
 }  // namespace
 
 bool IsLoaded(const Shot& shot) { return shot.load != "none"; }
 
-std::vector<ShotInput> MakeShotInputs(const Chain& chain, const Measurements& data, const Experiment& experiment) {
+std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data, const Experiment& experiment) {
+  const Chain& chain = model.chain();
+  const Origins origins = FindOrigins(data);
   std::vector<ShotInput> inputs;
   inputs.reserve(data.shots.size());
   for (const Shot& shot : data.shots) {
-    ShotInput input(data.configurations[shot.configuration].q);
+    ShotInput input;
+    input.conditions = ConditionsOf(data, shot, experiment, origins);
     if (experiment.tool_mass > 0.0) {
       input.wrenches.push_back({chain.FlangeFrame(), experiment.tool_com, experiment.tool_mass * Gravity(experiment),
                                 Vector3<double>::Zero(), GravityFrame(experiment)});
     }
     if (IsLoaded(shot)) {
-      input.wrenches.push_back(LoadWrench(chain, data, shot, experiment));
+      input.conditions.load_wrenches = {LoadWrench(chain, data, shot, experiment)};
+      input.wrenches.push_back(input.conditions.load_wrenches.front());
     } else if (!shot.wrench.IsZero()) {
       FailAt(data, shot, "load", "the row has a wrench but its load is 'none'", "give the load a name in the column load");
     }
+    model.Prepare(&input);
     inputs.push_back(std::move(input));
   }
   return inputs;

@@ -12,11 +12,12 @@ namespace sagitta {
 // True for a shot with a load other than `none`.
 bool IsLoaded(const Shot& shot);
 
-// One input per shot: joint values, the tool's weight, the shot's own load.
+// One input per shot, prepared for the model: joint values, conditions, the
+// tool's weight, the shot's own load.
 // A load acts at its own point or at load_point; its force is the row's wrench
 // or, where the wrench columns are absent or zero, mass times gravity. Throws
 // InputError for a load without a point, without a force, or a wrench on load
 // `none`.
-std::vector<ShotInput> MakeShotInputs(const Chain& chain, const Measurements& data, const Experiment& experiment);
+std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data, const Experiment& experiment);
 
 }  // namespace sagitta

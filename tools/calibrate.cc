@@ -63,7 +63,7 @@ struct ResultFiles {
   ResultFiles(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance)
       : json(EstimateToJson(problem, estimate, provenance)),
         residuals(ResidualsToCsv(problem, estimate)),
-        robot(RobotToYaml(CalibratedRobot(problem.robot, estimate.parameters, problem.model))),
+        robot(RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()))),
         report(ReportToHtml(problem, estimate, provenance)) {}
 
   // The estimate last: where it is, the others are.

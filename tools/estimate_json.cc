@@ -199,7 +199,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
   json["sigma"] = SigmaToJson(estimate.sigma);
   json["warnings"] = WarningsOf(problem, estimate);
-  json["robot"] = RobotToJson(CalibratedRobot(problem.robot, estimate.parameters, problem.model));
+  json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);
   json["markers"] = MarkersToJson(problem, estimate.parameters);
   json["loading"] = LoadingToJson(problem.experiment);

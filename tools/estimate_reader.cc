@@ -88,17 +88,15 @@ class EstimateReader {
       const Json& sigma = Get(row, "sigma");
       if (sigma.is_null()) continue;
       deviations[Get(row, "name").get<std::string>()] =
-          Number(sigma, "parameters.sigma") * SiPerUnit(Get(row, "unit").get<std::string>());
+          Number(sigma, "parameters.sigma") * KnownUnit(Get(row, "unit").get<std::string>());
     }
     return deviations;
   }
 
-  double SiPerUnit(const std::string& unit) const {
-    for (const Quantity quantity : {Quantity::kLength, Quantity::kAngle, Quantity::kRotationVector,
-                                    Quantity::kCompliance, Quantity::kLinearCompliance, Quantity::kSpringRate}) {
-      if (unit == TraitsOf(quantity).unit) return TraitsOf(quantity).si_per_unit;
-    }
-    Fail("parameters.unit", "unit '" + unit + "' is not known");
+  double KnownUnit(const std::string& unit) const {
+    const double si = SiPerUnit(unit);
+    if (si == 0.0) Fail("parameters.unit", "unit '" + unit + "' is not known");
+    return si;
   }
 
   void ReadCovariance(const Json& json) {
@@ -175,7 +173,7 @@ KnownRobot ReadEstimateFile(const std::string& path) {
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
   CheckRows(known, data);
   CalibrationProblem problem(known.robot, std::move(data), known.loading);
-  problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
+  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   for (size_t s = 0; s < problem.data.stations.size(); ++s) {
     problem.parameters.SetBaseInStation(s, known.base_in_station.at(problem.data.stations[s]));
   }
@@ -185,7 +183,7 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
     problem.parameters.SetMarkerPoint(m, *spec.point);
     problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
   }
-  problem.shot_inputs = MakeShotInputs(problem.robot.chain, problem.data, problem.experiment);
+  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   return problem;
 }
 

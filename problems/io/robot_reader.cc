@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/io/effect_entries.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/robot_parts.h"
@@ -130,16 +131,6 @@ void ReadKinematics(const YamlValue& value, const std::vector<Coupling>& couplin
   if (!defect.empty()) value.Fail(defect);
 }
 
-void RefuseEffects(const YamlValue& value) {
-  if (value.IsNull()) return;
-  for (const YamlValue& item : value.Items()) {
-    YamlMap map(item);
-    const YamlValue effect = map.Get("effect");
-    effect.Fail("effects are not supported by this version yet, '" + effect.Text() + "' among them",
-                "leave the list empty: effects: []");
-  }
-}
-
 Robot ReadRobot(const YamlValue& root) {
   YamlMap map(root);
   map.ExpectSchema("sagitta/robot/1");
@@ -159,7 +150,7 @@ Robot ReadRobot(const YamlValue& root) {
   ReadKinematics(kinematics, couplings, joints, &robot);
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
-  if (effects) RefuseEffects(*effects);
+  if (effects) robot.effects = ReadEffects(*effects, robot);
   return robot;
 }
 

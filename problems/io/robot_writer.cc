@@ -2,6 +2,7 @@
 
 #include <cctype>
 
+#include "problems/io/effect_entries.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
@@ -48,7 +49,9 @@ Json TransformToJson(const Chain& chain, const ElementaryTransform& transform) {
 
 Json ChainToJson(const Chain& chain) {
   Json json = Json::array();
-  for (const ElementaryTransform& transform : chain.transforms) json.push_back(TransformToJson(chain, transform));
+  for (const ElementaryTransform& transform : chain.transforms) {
+    if (!transform.tilt_slot) json.push_back(TransformToJson(chain, transform));
+  }
   return json;
 }
 
@@ -170,6 +173,7 @@ Json RobotToJson(const Robot& robot) {
   }
   if (robot.gravity_compensator) json["gravity_compensator"] = CompensatorToJson(chain, *robot.gravity_compensator);
   json["effects"] = Json::array();
+  for (const EffectSpec& effect : robot.effects) json["effects"].push_back(EffectToJson(robot, effect));
   return json;
 }
 

@@ -1,0 +1,39 @@
+// The axis of a joint tilts about its two other directions as harmonics of q.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"u_cos", Quantity::kSmallAngle}, {"u_sin", Quantity::kSmallAngle},
+          {"v_cos", Quantity::kSmallAngle}, {"v_sin", Quantity::kSmallAngle}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const double phase = context.spec->IntegerSetting("order", 1) * context.shot->q[context.joint()];
+  const Axis axis = AxisOf(context.chain(), context.joint());
+  for (int which = 0; which < 2; ++which) {
+    const int slot = TiltSlot(context.chain(), context.joint(), OtherAxis(axis, which));
+    terms->slots.push_back({slot, context.first_parameter + 2 * which, std::cos(phase)});
+    terms->slots.push_back({slot, context.first_parameter + 2 * which + 1, std::sin(phase)});
+  }
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& AxisWobble() {
+  static const EffectDefinition definition = {"axis_wobble",
+                                              "axis wobble",
+                                              "bearing run-out",
+                                              EffectTarget::kJoint,
+                                              {{"order", SettingDefinition::Kind::kInteger, "1", {}}},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              true};
+  return definition;
+}
+
+}  // namespace sagitta

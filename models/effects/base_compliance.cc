@@ -1,0 +1,35 @@
+// The foot tilts about the base's x and y at its origin, times the moments.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"kx", Quantity::kCompliance}, {"ky", Quantity::kCompliance}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  for (int axis = 0; axis < 2; ++axis) {
+    const int slot = TiltSlot(context.chain(), -1, static_cast<Axis>(axis));
+    terms->elastic.push_back({slot, context.first_parameter + axis, 1.0, ElasticLaw::kLinear});
+  }
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& BaseCompliance() {
+  static const EffectDefinition definition = {"base_compliance",
+                                              "tilting of the foot under load",
+                                              "compliance of foundation or pedestal",
+                                              EffectTarget::kBase,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              true};
+  return definition;
+}
+
+}  // namespace sagitta

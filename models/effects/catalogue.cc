@@ -1,0 +1,42 @@
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+
+const std::vector<const EffectDefinition*>& EffectCatalogue() {
+  static const std::vector<const EffectDefinition*> catalogue = {
+      &FrozenGeometry(),
+      &JointComplianceEffect(),
+      &ComplianceHardening(),
+      &TransverseCompliance(),
+      &LinkGravity(),
+      &SelfWeightSag(),
+      &BaseCompliance(),
+      &Payload(),
+      &JointHarmonic(),
+      &AxisWobble(),
+      &EncoderGain(),
+      &JointCoupling(),
+      &Backlash(),
+      &JointSlip(),
+      &ThermalGrowth(),
+      &StationDrift(),
+      &StationScale(),
+      &MarkerShift(),
+  };
+  return catalogue;
+}
+
+const EffectDefinition* FindEffect(const std::string& name) {
+  for (const EffectDefinition* definition : EffectCatalogue()) {
+    if (definition->name == name) return definition;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> EffectNames() {
+  std::vector<std::string> names;
+  for (const EffectDefinition* definition : EffectCatalogue()) names.push_back(definition->name);
+  return names;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,39 @@
+// The catalogue of effects: one list, in the order of FORMATS section 5 (ties go
+// to the earlier). The gravity compensator, whose torque is not linear in its
+// parameters, has its home in the robot (gravity_compensator.h).
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "models/effects/effect.h"
+
+namespace sagitta {
+
+const EffectDefinition& FrozenGeometry();
+const EffectDefinition& JointComplianceEffect();
+const EffectDefinition& ComplianceHardening();
+const EffectDefinition& TransverseCompliance();
+const EffectDefinition& LinkGravity();
+const EffectDefinition& SelfWeightSag();
+const EffectDefinition& BaseCompliance();
+const EffectDefinition& Payload();
+const EffectDefinition& JointHarmonic();
+const EffectDefinition& AxisWobble();
+const EffectDefinition& EncoderGain();
+const EffectDefinition& JointCoupling();
+const EffectDefinition& Backlash();
+const EffectDefinition& JointSlip();
+const EffectDefinition& ThermalGrowth();
+const EffectDefinition& StationDrift();
+const EffectDefinition& StationScale();
+const EffectDefinition& MarkerShift();
+
+const std::vector<const EffectDefinition*>& EffectCatalogue();
+
+// Null: no effect of that name.
+const EffectDefinition* FindEffect(const std::string& name);
+std::vector<std::string> EffectNames();
+
+}  // namespace sagitta

@@ -1,0 +1,32 @@
+// + k3 * torque^3 (torque in kN m).
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"k3", Quantity::kHardening}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  terms->elastic.push_back({context.joint_slot(), context.first_parameter, 1.0, ElasticLaw::kCubic});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& ComplianceHardening() {
+  static const EffectDefinition definition = {"compliance_hardening",
+                                              "compliance that depends on the load",
+                                              "progressive stiffness of gears and bearings",
+                                              EffectTarget::kJoint,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,60 @@
+#include "models/effects/effect.h"
+
+#include <cstdlib>
+
+namespace sagitta {
+
+std::string EffectSpec::Path() const {
+  std::string path = "effect/" + effect;
+  if (!settings.empty()) {
+    path += "[";
+    for (auto it = settings.begin(); it != settings.end(); ++it) {
+      path += (it == settings.begin() ? "" : ",") + it->first + "=" + it->second;
+    }
+    path += "]";
+  }
+  return path + "/" + target;
+}
+
+int EffectSpec::IntegerSetting(const std::string& name, int otherwise) const {
+  const auto found = settings.find(name);
+  return found == settings.end() ? otherwise : std::atoi(found->second.c_str());
+}
+
+double EffectSpec::NumberSetting(const std::string& name, double otherwise) const {
+  const auto found = settings.find(name);
+  return found == settings.end() ? otherwise : std::strtod(found->second.c_str(), nullptr);
+}
+
+std::string EffectSpec::TextSetting(const std::string& name, const std::string& otherwise) const {
+  const auto found = settings.find(name);
+  return found == settings.end() ? otherwise : found->second;
+}
+
+// A joint's slots stand right after its transform, the foot's at the very start.
+bool HasTiltSlots(const Chain& chain, int joint) {
+  const int first = joint < 0 ? 0 : chain.JointTransform(joint) + 1;
+  return first < chain.num_transforms() && chain.transforms[first].tilt_slot;
+}
+
+void AddTiltSlots(int joint, Chain* chain) {
+  if (HasTiltSlots(*chain, joint)) return;
+  const int first = joint < 0 ? 0 : chain->JointTransform(joint) + 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    ElementaryTransform slot;
+    slot.motion = Motion::kRotation;
+    slot.axis = static_cast<Axis>(axis);
+    slot.tilt_slot = true;
+    chain->transforms.insert(chain->transforms.begin() + first + axis, slot);
+  }
+}
+
+int TiltSlot(const Chain& chain, int joint, Axis axis) {
+  return (joint < 0 ? 0 : chain.JointTransform(joint) + 1) + static_cast<int>(axis);
+}
+
+Axis AxisOf(const Chain& chain, int joint) { return chain.transforms[chain.JointTransform(joint)].axis; }
+
+Axis OtherAxis(Axis axis, int which) { return static_cast<Axis>((static_cast<int>(axis) + 1 + which) % 3); }
+
+}  // namespace sagitta

@@ -1,0 +1,158 @@
+// What every physical effect is made of.
+//
+// An effect is a plain definition: name, target, settings, parameters, the
+// columns it needs, and Apply, a few lines that say what one unit of each
+// parameter does in one shot. Every effect of the catalogue is linear in its
+// parameters given the state of the arm, so what it does is a list of *terms*
+// of three laws, and one piece of code (forward_model.cc) turns terms into
+// predictions and exact derivatives:
+//
+//   displacement  a slot's value v_e moves: by data (SlotTerm), by the torque on
+//                 the slot (ElasticTerm), by a wrench of its own (SagTerm)
+//   load          a wrench hangs on a frame (WrenchTerm)
+//   instrument    marker, base-frame or station-frame points move
+//
+// A new effect is one file with one definition and one line in catalogue.cc.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/effects/effect_spec.h"
+#include "models/quantity.h"
+#include "models/robot.h"
+#include "models/wrench.h"
+
+namespace sagitta {
+
+// v_e += factor * theta
+struct SlotTerm {
+  int transform;
+  int parameter;
+  double factor;
+};
+
+enum class ElasticLaw { kLinear, kCubic, kSign };  // phi(tau) = tau, tau^3, sign(tau)
+
+// v_e += factor * theta * phi(tau_e)
+struct ElasticTerm {
+  int transform;
+  int parameter;
+  double factor;
+  ElasticLaw law = ElasticLaw::kLinear;
+};
+
+// v_e += theta * (torque of these wrenches alone on e)
+struct SagTerm {
+  int transform;
+  int parameter;
+  std::vector<AppliedWrench> wrenches;
+};
+
+// theta times these wrenches load the arm.
+struct WrenchTerm {
+  int parameter;
+  std::vector<AppliedWrench> wrenches;
+};
+
+// Marker point += theta * direction, in the frame it is on.
+struct MarkerTerm {
+  int marker;
+  int parameter;
+  Vector3<double> direction;
+};
+
+// Point in the base frame += theta * factor * point.
+struct BaseTerm {
+  int parameter;
+  double factor;
+};
+
+// Measured point += theta * (gradient * p + offset), p the true point in the station.
+struct StationTerm {
+  int parameter;
+  Matrix3<double> gradient;
+  Vector3<double> offset;
+};
+
+struct ShotTerms {
+  std::vector<SlotTerm> slots;
+  std::vector<ElasticTerm> elastic;
+  std::vector<SagTerm> sags;
+  std::vector<WrenchTerm> wrenches;
+  std::vector<MarkerTerm> markers;
+  std::vector<BaseTerm> base;
+  std::vector<StationTerm> station;
+};
+
+// What a shot is, beside its wrenches: all that an effect may look at.
+struct ShotConditions {
+  Eigen::VectorXd q;  // commanded, as in the file
+  std::string station;
+  std::string load = "none";
+  bool has_time = false;
+  double time = 0.0;  // s since the station's first row
+  bool has_temperature = false;
+  double temperature = 0.0;   // K above the mean of the data
+  std::vector<int> approach;  // empty: not stated
+  Vector3<double> gravity = Vector3<double>(0.0, 0.0, -9.80665);  // m/s^2
+  WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
+  Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame
+  std::vector<AppliedWrench> load_wrenches;              // of the shot's own load
+};
+
+enum class EffectTarget { kJoint, kError, kBase, kRobot, kStation, kLoad, kMarker };
+
+struct EffectParameter {
+  std::string name;  // cos; with its unit cos_urad in files
+  Quantity quantity;
+};
+
+struct SettingDefinition {
+  enum class Kind { kInteger, kNumber, kJoint, kChoice };
+  std::string name;
+  Kind kind = Kind::kInteger;
+  std::string fallback;               // "" : required
+  std::vector<std::string> choices;  // of kChoice
+};
+
+// What Apply is given: the model's chain (with tilt slots), the targets by
+// index, and where this use's parameters start.
+struct EffectContext {
+  const Robot* robot;
+  const EffectSpec* spec;
+  const ShotConditions* shot;
+  const std::vector<std::string>* markers;
+  int first_parameter;
+
+  const Chain& chain() const { return robot->chain; }
+  int joint() const { return chain().FindJoint(spec->target); }
+  // Slot of the joint itself, and its sign (encoder-side effects).
+  int joint_slot() const { return chain().JointTransform(joint()); }
+  double joint_sign() const { return chain().transforms[joint_slot()].sign; }
+};
+
+struct EffectDefinition {
+  std::string name;
+  std::string title;      // for reports
+  std::string reference;  // equation or source
+  EffectTarget target = EffectTarget::kJoint;
+  std::vector<SettingDefinition> settings;
+  std::vector<EffectParameter> (*parameters)(const Robot& robot, const EffectSpec& spec) = nullptr;
+  void (*apply)(const EffectContext& context, ShotTerms* terms) = nullptr;
+  // "" or the column that this shot lacks, e.g. "approach3".
+  std::string (*missing)(const EffectContext& context) = nullptr;
+  bool tilts = false;  // needs the tilt slots of its joint, or of the foot
+};
+
+// Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).
+bool HasTiltSlots(const Chain& chain, int joint);
+void AddTiltSlots(int joint, Chain* chain);
+// The slot about `axis` (x, y, z) there.
+int TiltSlot(const Chain& chain, int joint, Axis axis);
+// A joint's own axis and its two others in cyclic order: about z, u = x, v = y.
+Axis AxisOf(const Chain& chain, int joint);
+Axis OtherAxis(Axis axis, int which);  // which: 0 = u, 1 = v
+
+}  // namespace sagitta

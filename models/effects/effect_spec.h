@@ -1,0 +1,23 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+// One use of an effect, as a robot file states it.
+struct EffectSpec {
+  std::string effect;
+  std::string target;                           // "base", "robot" where there is only one
+  std::map<std::string, std::string> settings;  // order: 2, driver: A2, by: torque, after_s: 120
+  std::vector<double> values;                   // SI, one per parameter
+
+  // effect/joint_harmonic[order=1]/A3
+  std::string Path() const;
+  int IntegerSetting(const std::string& name, int otherwise) const;
+  double NumberSetting(const std::string& name, double otherwise) const;
+  std::string TextSetting(const std::string& name, const std::string& otherwise) const;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,35 @@
+// Encoder side: gain * (q - middle of the limits), 0 without limits.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"gain", Quantity::kRatio}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const Joint& joint = context.chain().joints[context.joint()];
+  const double middle = joint.min && joint.max ? 0.5 * (*joint.min + *joint.max) : 0.0;
+  const double q = context.shot->q[context.joint()];
+  terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign() * (q - middle)});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& EncoderGain() {
+  static const EffectDefinition definition = {"encoder_gain",
+                                              "encoder gain",
+                                              "scale error of the joint sensor or gear ratio",
+                                              EffectTarget::kJoint,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

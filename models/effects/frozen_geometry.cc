@@ -1,0 +1,34 @@
+// A geometric error held at nominal is not nominal.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
+  const int slot = robot.chain.FindError(spec.target);
+  const bool turns = slot >= 0 && robot.chain.transforms[slot].is_rotation();
+  return {{"value", turns ? Quantity::kAngle : Quantity::kLength}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  terms->slots.push_back({context.chain().FindError(context.spec->target), context.first_parameter, 1.0});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& FrozenGeometry() {
+  static const EffectDefinition definition = {"frozen_geometry",
+                                              "frozen geometric error",
+                                              "identification Jacobian, paper 002",
+                                              EffectTarget::kError,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

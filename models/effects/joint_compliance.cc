@@ -1,0 +1,32 @@
+// Deflection about the axis = k * torque of everything beyond; paper 000 eq. (2).
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"k", Quantity::kCompliance}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  terms->elastic.push_back({context.joint_slot(), context.first_parameter, 1.0, ElasticLaw::kLinear});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& JointComplianceEffect() {
+  static const EffectDefinition definition = {"joint_compliance",
+                                              "joint compliance",
+                                              "paper 000, eq. (2)",
+                                              EffectTarget::kJoint,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,36 @@
+// Encoder side: cos * cos(n q) + sin * sin(n q); 1 = eccentricity of the encoder
+// disc, the gear ratio = transmission error of the input stage.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"cos", Quantity::kSmallAngle}, {"sin", Quantity::kSmallAngle}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const double phase = context.spec->IntegerSetting("order", 1) * context.shot->q[context.joint()];
+  const double sign = context.joint_sign();
+  terms->slots.push_back({context.joint_slot(), context.first_parameter, sign * std::cos(phase)});
+  terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& JointHarmonic() {
+  static const EffectDefinition definition = {"joint_harmonic",
+                                              "periodic joint error",
+                                              "encoder eccentricity, gear transmission error",
+                                              EffectTarget::kJoint,
+                                              {{"order", SettingDefinition::Kind::kInteger, "1", {}}},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

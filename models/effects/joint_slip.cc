@@ -1,0 +1,33 @@
+// Encoder side: the zero of a joint jumps once.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"jump", Quantity::kSmallAngle}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  if (context.shot->time <= context.spec->NumberSetting("after_s", 0.0)) return;
+  terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign()});
+}
+
+std::string Missing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
+
+}  // namespace
+
+const EffectDefinition& JointSlip() {
+  static const EffectDefinition definition = {"joint_slip",
+                                              "zero shift of a joint",
+                                              "slipped coupling, lost mastering",
+                                              EffectTarget::kJoint,
+                                              {{"after_s", SettingDefinition::Kind::kNumber, "", {}}},
+                                              Parameters,
+                                              Apply,
+                                              Missing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

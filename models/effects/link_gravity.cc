@@ -1,0 +1,45 @@
+// The link's mass at the joint's origin and its first moment in the frame right
+// after the joint load all joints up to it: (R m c) x g is the moment of +g at c
+// and -g at the origin.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"mass", Quantity::kMass}, {"mx", Quantity::kFirstMoment}, {"my", Quantity::kFirstMoment},
+          {"mz", Quantity::kFirstMoment}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const int frame = context.chain().FrameAfterJoint(context.joint());
+  const ShotConditions& shot = *context.shot;
+  const auto weight_at = [&](const Vector3<double>& point, double times) {
+    return AppliedWrench{frame, point, times * shot.gravity, Vector3<double>::Zero(), shot.gravity_frame};
+  };
+  const Vector3<double> origin = Vector3<double>::Zero();
+  terms->wrenches.push_back({context.first_parameter, {weight_at(origin, 1.0)}});
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<AppliedWrench> couple = {weight_at(Vector3<double>::Unit(axis), 1.0), weight_at(origin, -1.0)};
+    terms->wrenches.push_back({context.first_parameter + 1 + axis, couple});
+  }
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& LinkGravity() {
+  static const EffectDefinition definition = {"link_gravity",
+                                              "weight of a link",
+                                              "statics of the links",
+                                              EffectTarget::kJoint,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

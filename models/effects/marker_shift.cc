@@ -1,0 +1,38 @@
+// A reflector was reseated: its point jumps once, in the frame it is on.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"x", Quantity::kLength}, {"y", Quantity::kLength}, {"z", Quantity::kLength}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  if (context.shot->time <= context.spec->NumberSetting("after_s", 0.0)) return;
+  for (size_t m = 0; m < context.markers->size(); ++m) {
+    if ((*context.markers)[m] != context.spec->target) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      terms->markers.push_back({static_cast<int>(m), context.first_parameter + axis, Vector3<double>::Unit(axis)});
+    }
+  }
+}
+
+std::string Missing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
+
+}  // namespace
+
+const EffectDefinition& MarkerShift() {
+  static const EffectDefinition definition = {"marker_shift",
+                                              "reseated marker",
+                                              "reflector moved in its nest",
+                                              EffectTarget::kMarker,
+                                              {{"after_s", SettingDefinition::Kind::kNumber, "", {}}},
+                                              Parameters,
+                                              Apply,
+                                              Missing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,38 @@
+// The load is heavier than stated: a force along gravity at the load point.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"dmass", Quantity::kMass}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const ShotConditions& shot = *context.shot;
+  if (shot.load != context.spec->target || shot.load_wrenches.empty()) return;
+  AppliedWrench extra = shot.load_wrenches.front();
+  extra.force = shot.gravity;
+  extra.moment.setZero();
+  extra.expressed_in = shot.gravity_frame;
+  terms->wrenches.push_back({context.first_parameter, {extra}});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& Payload() {
+  static const EffectDefinition definition = {"payload",
+                                              "load heavier than stated",
+                                              "weighing error",
+                                              EffectTarget::kLoad,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

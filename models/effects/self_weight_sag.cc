@@ -1,0 +1,59 @@
+// Deflection = sum over links i beyond the joint of axis . ((R_i s_i) x down):
+// compliance x weight x arm where no load tells them apart. The torque of a couple
+// (+down at s_i, -down at the origin of frame i) about the slot.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+int LastLink(const Robot& robot) { return robot.num_joints(); }
+
+std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
+  std::vector<EffectParameter> parameters;
+  for (int link = robot.chain.FindJoint(spec.target) + 1; link <= LastLink(robot); ++link) {
+    for (const char* axis : {"x", "y", "z"}) {
+      parameters.push_back({"s" + std::to_string(link) + axis, Quantity::kSmallAngle});
+    }
+  }
+  return parameters;
+}
+
+int Slot(const EffectContext& context) {
+  const std::string about = context.spec->TextSetting("about", "axis");
+  if (about == "axis") return context.joint_slot();
+  const Axis axis = AxisOf(context.chain(), context.joint());
+  return TiltSlot(context.chain(), context.joint(), OtherAxis(axis, about == "u" ? 0 : 1));
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const ShotConditions& shot = *context.shot;
+  const Vector3<double> down = shot.gravity.normalized();
+  int parameter = context.first_parameter;
+  for (int link = context.joint(); link < context.chain().num_joints(); ++link) {
+    const int frame = context.chain().FrameAfterJoint(link);
+    for (int axis = 0; axis < 3; ++axis) {
+      const AppliedWrench pull{frame, Vector3<double>::Unit(axis), down, Vector3<double>::Zero(), shot.gravity_frame};
+      const AppliedWrench back{frame, Vector3<double>::Zero(), -down, Vector3<double>::Zero(), shot.gravity_frame};
+      terms->sags.push_back({Slot(context), parameter++, {pull, back}});
+    }
+  }
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& SelfWeightSag() {
+  static const EffectDefinition definition = {"self_weight_sag",
+                                              "sag under the own weight",
+                                              "statics of the links, compliance unknown",
+                                              EffectTarget::kJoint,
+                                              {{"about", SettingDefinition::Kind::kChoice, "axis", {"axis", "u", "v"}}},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              true};
+  return definition;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,39 @@
+// Measured points move: p + t v + t omega x p in the measurement frame.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"x", Quantity::kDrift}, {"y", Quantity::kDrift}, {"z", Quantity::kDrift},
+          {"rx", Quantity::kTurnRate}, {"ry", Quantity::kTurnRate}, {"rz", Quantity::kTurnRate}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  if (context.shot->station != context.spec->target) return;
+  const double t = context.shot->time;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3<double> unit = Vector3<double>::Unit(axis);
+    terms->station.push_back({context.first_parameter + axis, Matrix3<double>::Zero(), t * unit});
+    terms->station.push_back({context.first_parameter + 3 + axis, t * Skew(unit), Vector3<double>::Zero()});
+  }
+}
+
+std::string Missing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
+
+}  // namespace
+
+const EffectDefinition& StationDrift() {
+  static const EffectDefinition definition = {"station_drift",
+                                              "drift of the station",
+                                              "stand or foundation moves",
+                                              EffectTarget::kStation,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              Missing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,34 @@
+// measured = (1 + scale) * true about the instrument. Testable between stations or
+// with frozen lengths only.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"scale", Quantity::kRatio}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  if (context.shot->station != context.spec->target) return;
+  terms->station.push_back({context.first_parameter, Matrix3<double>::Identity(), -context.shot->instrument});
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& StationScale() {
+  static const EffectDefinition definition = {"station_scale",
+                                              "scale of the instrument",
+                                              "refraction, wavelength",
+                                              EffectTarget::kStation,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              false};
+  return definition;
+}
+
+}  // namespace sagitta

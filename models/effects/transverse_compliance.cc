@@ -1,0 +1,37 @@
+// The frame right after the joint tilts about its two other axes, times the
+// moment about each.
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"ku", Quantity::kCompliance}, {"kv", Quantity::kCompliance}};
+}
+
+void Apply(const EffectContext& context, ShotTerms* terms) {
+  const Axis axis = AxisOf(context.chain(), context.joint());
+  for (int which = 0; which < 2; ++which) {
+    const int slot = TiltSlot(context.chain(), context.joint(), OtherAxis(axis, which));
+    terms->elastic.push_back({slot, context.first_parameter + which, 1.0, ElasticLaw::kLinear});
+  }
+}
+
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+}  // namespace
+
+const EffectDefinition& TransverseCompliance() {
+  static const EffectDefinition definition = {"transverse_compliance",
+                                              "tilting of a joint under load",
+                                              "bearing and housing compliance",
+                                              EffectTarget::kJoint,
+                                              {},
+                                              Parameters,
+                                              Apply,
+                                              NothingMissing,
+                                              true};
+  return definition;
+}
+
+}  // namespace sagitta

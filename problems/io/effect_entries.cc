@@ -1,0 +1,143 @@
+#include "problems/io/effect_entries.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/effects/catalogue.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> JointNames(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.chain.joints) names.push_back(joint.name);
+  return names;
+}
+
+// Stations, loads and markers are known to the data only: checked there.
+std::string ReadTarget(const EffectDefinition& definition, const Robot& robot, YamlMap* map) {
+  const std::string key = TargetKey(definition.target);
+  if (key.empty()) return definition.target == EffectTarget::kBase ? "base" : "robot";
+  const YamlValue value = map->Get(key);
+  if (definition.target == EffectTarget::kJoint) return value.OneOf(JointNames(robot));
+  if (definition.target != EffectTarget::kError) return value.Text();
+  std::vector<std::string> errors;
+  for (const ElementaryTransform& transform : robot.chain.transforms) {
+    if (!transform.error.empty()) errors.push_back(transform.error);
+  }
+  return value.OneOf(errors);
+}
+
+std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, const YamlValue& value) {
+  switch (setting.kind) {
+    case SettingDefinition::Kind::kInteger: {
+      const double number = value.Number();
+      if (number != std::round(number) || number < 1 || number > 1000) value.Fail("a whole number from 1 to 1000 is needed");
+      return std::to_string(static_cast<int>(number));
+    }
+    case SettingDefinition::Kind::kNumber:
+      return FormatNumber(value.Number());
+    case SettingDefinition::Kind::kJoint:
+      return value.OneOf(JointNames(robot));
+    case SettingDefinition::Kind::kChoice:
+      return value.OneOf(setting.choices);
+  }
+  return "";
+}
+
+EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
+  YamlMap map(item);
+  const std::string name = map.Get("effect").Text();
+  const EffectDefinition* definition = FindEffect(name);
+  if (definition == nullptr) {
+    map.Get("effect").Fail("there is no effect '" + name + "'", SpellingHint(name, EffectNames()));
+  }
+  EffectSpec spec;
+  spec.effect = name;
+  spec.target = ReadTarget(*definition, robot, &map);
+  for (const SettingDefinition& setting : definition->settings) {
+    const auto value = map.Find(setting.name);
+    if (value) {
+      spec.settings[setting.name] = ReadSetting(setting, robot, *value);
+    } else if (setting.fallback.empty()) {
+      map.Get(setting.name);  // says what is missing
+    } else {
+      spec.settings[setting.name] = setting.fallback;
+    }
+  }
+  for (const EffectParameter& parameter : definition->parameters(robot, spec)) {
+    const auto value = map.Find(ParameterKey(parameter.name, parameter.quantity));
+    spec.values.push_back(value ? value->Number() * TraitsOf(parameter.quantity).si_per_unit : 0.0);
+  }
+  map.Finish();
+  return spec;
+}
+
+Json SettingToJson(const EffectDefinition& definition, const std::string& name, const std::string& text) {
+  for (const SettingDefinition& setting : definition.settings) {
+    if (setting.name != name) continue;
+    if (setting.kind == SettingDefinition::Kind::kInteger) return std::stoi(text);
+    if (setting.kind == SettingDefinition::Kind::kNumber) return std::stod(text);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ParameterKey(const std::string& name, Quantity quantity) {
+  std::string unit = TraitsOf(quantity).unit;
+  const size_t slash = unit.find('/');
+  if (slash != std::string::npos) unit.replace(slash, 1, "_per_");
+  return name + "_" + unit;
+}
+
+std::string TargetKey(EffectTarget target) {
+  switch (target) {
+    case EffectTarget::kJoint:
+      return "joint";
+    case EffectTarget::kError:
+      return "error";
+    case EffectTarget::kStation:
+      return "station";
+    case EffectTarget::kLoad:
+      return "load";
+    case EffectTarget::kMarker:
+      return "marker";
+    case EffectTarget::kBase:
+    case EffectTarget::kRobot:
+      return "";
+  }
+  return "";
+}
+
+std::vector<EffectSpec> ReadEffects(const YamlValue& value, const Robot& robot) {
+  std::vector<EffectSpec> effects;
+  if (value.IsNull()) return effects;
+  for (const YamlValue& item : value.Items()) {
+    EffectSpec spec = ReadEffect(item, robot);
+    const auto same = [&](const EffectSpec& other) { return other.Path() == spec.Path(); };
+    if (std::any_of(effects.begin(), effects.end(), same)) item.Fail("the effect " + spec.Path() + " stands twice");
+    effects.push_back(std::move(spec));
+  }
+  return effects;
+}
+
+Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition& definition = *FindEffect(spec.effect);
+  Json json = {{"effect", spec.effect}};
+  const std::string key = TargetKey(definition.target);
+  if (!key.empty()) json[key] = spec.target;
+  for (const auto& [name, text] : spec.settings) json[name] = SettingToJson(definition, name, text);
+  const std::vector<EffectParameter> parameters = definition.parameters(robot, spec);
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    const double value = p < spec.values.size() ? spec.values[p] : 0.0;
+    json[ParameterKey(parameters[p].name, parameters[p].quantity)] = value / TraitsOf(parameters[p].quantity).si_per_unit;
+  }
+  return json;
+}
+
+}  // namespace sagitta

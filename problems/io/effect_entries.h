@@ -1,0 +1,26 @@
+// The `effects` list of a robot file, for robot_reader.cc and robot_writer.cc.
+//
+//   {effect: joint_harmonic, joint: A3, order: 1, cos_urad: 210, sin_urad: 0}
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "models/effects/effect.h"
+#include "models/robot.h"
+#include "problems/io/yaml_reader.h"
+
+namespace sagitta {
+
+std::vector<EffectSpec> ReadEffects(const YamlValue& value, const Robot& robot);
+nlohmann::ordered_json EffectToJson(const Robot& robot, const EffectSpec& spec);
+
+// cos_urad, k_urad_per_Nm: a parameter with its unit, as files write it.
+std::string ParameterKey(const std::string& name, Quantity quantity);
+
+// The key under which an entry names its target: joint, error, station ...; ""
+// for effects on the base or the whole robot.
+std::string TargetKey(EffectTarget target);
+
+}  // namespace sagitta
