@@ -187,12 +187,17 @@ double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters)
 }
 
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
+  Report(options, "aligning the nominal robot: base poses and markers");
+  ParameterSet start = problem.parameters;
+  AlignNominal(problem, &start);
+  return EstimateFrom(problem, start, options);
+}
+
+Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start_values, const JointOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
-  estimate.parameters = problem.parameters;
-  Report(options, "aligning the nominal robot: base poses and markers");
-  AlignNominal(problem, &estimate.parameters);
-  estimate.aligned = estimate.parameters;
+  estimate.parameters = start_values;
+  estimate.aligned = start_values;
 
   ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
   residuals.granularity = options.granularity;

@@ -24,6 +24,10 @@ struct JointOptions {
 
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options = {});
 
+// Steps 2 to 4 from a start of one's own: base, markers and model values of
+// `start` are taken as they are.
+Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start, const JointOptions& options = {});
+
 // Step 1 alone: "before" of every table. Returns the RMS distance, m.
 double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters);
 

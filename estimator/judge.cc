@@ -97,6 +97,7 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
   const Eigen::VectorXd deviation = all.latent.rowwise().squaredNorm();  // of the joints, in units of sigma
   estimate->leverage.resize(n);
   double sum = 0.0;
+  double floor = 0.0;
   int coordinates = 0;
   for (int k = 0; k < n; ++k) {
     estimate->leverage[k] = variance.segment<3>(3 * k).mean() / (scale * scale);
@@ -105,9 +106,11 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
       const double sigma = estimate->sigmas(axis, k);
       const int row = 3 * k + axis;
       sum += sigma * sigma * (scale * scale * (1.0 + deviation[row]) + variance[row]);
+      floor += sigma * sigma * (1.0 + deviation[row] + variance[row] / (scale * scale));
     }
     coordinates += 3;
   }
+  estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
   estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
 }
 

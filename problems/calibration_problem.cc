@@ -357,7 +357,8 @@ bool CalibrationProblem::sigma_is_stated() const {
 std::vector<int> CalibrationProblem::CalibrationObservations() const {
   std::vector<int> indices;
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    if (!data.IsValidation(data.observations[i])) indices.push_back(i);
+    const Observation& observation = data.observations[i];
+    if (!observation.excluded && !data.IsValidation(observation)) indices.push_back(i);
   }
   return indices;
 }
@@ -368,6 +369,18 @@ std::vector<int> CalibrationProblem::ValidationObservations() const {
     if (data.IsValidation(data.observations[i])) indices.push_back(i);
   }
   return indices;
+}
+
+CalibrationProblem CalibrationProblem::WithEffect(const EffectSpec& spec) const {
+  Robot extended = robot;
+  extended.effects.push_back(spec);
+  CalibrationProblem problem(std::move(extended), data, experiment);
+  problem.parameters.CopyByName(parameters);
+  problem.marker_frames = ResolveMarkerFrames(problem);
+  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
+  problem.latent = latent;
+  problem.redundant_errors = redundant_errors;
+  return problem;
 }
 
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {

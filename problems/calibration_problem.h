@@ -33,7 +33,11 @@ struct CalibrationProblem {
   Vector3<double> StatedSigma(const Observation& observation) const;
   bool sigma_is_stated() const;
 
-  // Observations that are fitted (not validation), by index.
+  // The same problem with one more effect in the robot; its parameters are free
+  // and at neutral, all others keep values and flags.
+  CalibrationProblem WithEffect(const EffectSpec& spec) const;
+
+  // Observations that are fitted (not validation, not excluded), by index.
   std::vector<int> CalibrationObservations() const;
   std::vector<int> ValidationObservations() const;
 };

@@ -102,6 +102,24 @@ double ParameterSet::Value(int coordinate) const {
   return RotationVector(Eigen::Map<const Eigen::Quaterniond>(block.values.data()))[c.index_in_block];
 }
 
+void ParameterSet::CopyByName(const ParameterSet& other) {
+  std::map<std::string, const ParameterBlock*> known;
+  for (const ParameterBlock& block : other.blocks_) known[block.name] = &block;
+  for (ParameterBlock& block : blocks_) {
+    const auto found = known.find(block.name);
+    if (found == known.end()) continue;
+    block.values = found->second->values;
+    for (int i = 0; i < block.tangent_size; ++i) {
+      Coordinate& own = coordinates_[block.first_coordinate + i];
+      const Coordinate& theirs = other.coordinates_[found->second->first_coordinate + i];
+      own.free = theirs.free;
+      own.held = theirs.held;
+      own.prior_value = theirs.prior_value;
+      own.prior_sigma = theirs.prior_sigma;
+    }
+  }
+}
+
 void ParameterSet::Plus(const Eigen::VectorXd& delta) {
   for (ParameterBlock& block : blocks_) {
     const double* step = delta.data() + block.first_coordinate;

@@ -80,6 +80,8 @@ class ParameterSet {
 
   // A coordinate's value as results state it (rotations: rotation vector), SI.
   double Value(int coordinate) const;
+  // Takes values, flags and priors of every block that both sets have.
+  void CopyByName(const ParameterSet& other);
   // Moves by a tangent step over all coordinates, SI.
   void Plus(const Eigen::VectorXd& delta);
 

@@ -20,7 +20,7 @@ const std::vector<Command>& Commands() {
       PredictCommand(),
       SimulateCommand(),
       CompareCommand(),
-      {"diagnose", "finds, names and adds the missing effect", "", {}},
+      DiagnoseCommand(),
       {"validate", "before and after on unseen configurations", "", {}},
       {"inspect", "lint, identifiability, leverage, without estimating", "", {}},
       {"coverage", "do the intervals hold what they promise", "", {}},

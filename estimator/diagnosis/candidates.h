@@ -1,0 +1,32 @@
+// What may be missing: every effect of the catalogue on every target with every
+// setting that the data can speak about.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/effects/effect.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct Candidate {
+  EffectSpec spec;      // values empty: neutral
+  int settings = 1;     // how many settings of this effect and target were scanned
+  int catalogue = 0;    // place in the catalogue: ties go to the earlier
+};
+
+struct NotTestable {
+  std::string effect;
+  std::string target;
+  std::string needs;  // a column, or words
+};
+
+struct CandidateList {
+  std::vector<Candidate> candidates;
+  std::vector<NotTestable> not_testable;
+};
+
+CandidateList ListCandidates(const CalibrationProblem& problem);
+
+}  // namespace sagitta

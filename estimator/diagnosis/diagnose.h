@@ -1,0 +1,71 @@
+// Find where simulation and measurement disagree, name what is missing, add it,
+// and show the gap shrink on data it has not seen. FORMATS section 6.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/decoys.h"
+#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/selection.h"
+
+namespace sagitta {
+
+struct WhereShare {
+  std::string by;   // config, marker, axis, joint, load, station, time
+  std::string key;
+  double share = 0.0;  // of the excess chi-square
+};
+
+struct Alternative {
+  EffectSpec spec;
+  double overlap = 0.0;  // share of the step's chi-square reduction that it reproduces
+  bool tied = false;
+};
+
+struct DiagnosisStep {
+  ChosenStep chosen;
+  std::vector<ParameterEstimate> parameters;
+  double holdout_before = 0.0, holdout_after = 0.0;  // m
+  double reduced_chi2_after = 0.0;
+  std::vector<Alternative> alternatives;
+};
+
+struct NoiseFinding {
+  double scale = 1.0, low = 1.0, high = 1.0;
+  double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
+  std::vector<std::string> outliers;  // file:line
+  std::string words;
+  bool is_finding = false;
+};
+
+struct Diagnosis {
+  std::string verdict;  // consistent, noise, explained, partly, unknown
+  std::string words;
+  Status status = Status::kNoConvergence;
+  std::string message;
+  DiagnosedModel baseline, final;
+  std::vector<WhereShare> where;
+  NoiseFinding noise;
+  std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
+  std::vector<NotTestable> not_testable;
+  std::vector<DiagnosisStep> steps;
+  double baseline_p = 1.0, final_p = 1.0;  // lack of fit
+  double gap_before = 0.0, gap_after = 0.0, gap_closed = 0.0;  // m, m, share of the squared gap
+  Interval gap_closed_ci95;
+  bool has_unexplained = false;
+  Decoy unexplained;
+};
+
+struct DiagnosisOptions {
+  double significance = 0.01;
+  JointOptions joint;
+  std::function<void(const std::string&)> progress;
+};
+
+Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);
+
+std::vector<WhereShare> FindWhere(const DiagnosedModel& model);
+
+}  // namespace sagitta

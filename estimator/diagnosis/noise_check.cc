@@ -1,0 +1,168 @@
+#include "estimator/diagnosis/noise_check.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "estimator/distributions.h"
+
+namespace sagitta {
+namespace {
+
+struct ShotResidual {
+  std::vector<int> observations;
+  Eigen::VectorXd residual;  // whitened by the row sigmas
+  Eigen::MatrixXd rigid;     // whitened, 6 columns
+};
+
+std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::vector<int> all = problem.CalibrationObservations();
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
+  const Eigen::VectorXd sigmas = ObservationSigmas(problem, all, 1e-3);
+  std::map<int, std::vector<size_t>> members;
+  for (size_t k = 0; k < all.size(); ++k) members[problem.data.observations[all[k]].shot].push_back(k);
+  std::vector<ShotResidual> shots;
+  for (const auto& [shot, ks] : members) {
+    ShotResidual result;
+    result.residual.resize(3 * ks.size());
+    result.rigid.resize(3 * ks.size(), 6);
+    Vector3<double> center = Vector3<double>::Zero();
+    for (const size_t k : ks) center += predicted.col(k) / ks.size();
+    for (size_t i = 0; i < ks.size(); ++i) {
+      const Observation& observation = problem.data.observations[all[ks[i]]];
+      const Vector3<double> weight = sigmas.segment<3>(3 * ks[i]).cwiseInverse();
+      result.observations.push_back(all[ks[i]]);
+      result.residual.segment<3>(3 * i) = (observation.point_in_station - predicted.col(ks[i])).cwiseProduct(weight);
+      const Vector3<double> arm = predicted.col(ks[i]) - center;
+      result.rigid.block<3, 3>(3 * i, 0) = weight.asDiagonal();
+      result.rigid.block<3, 3>(3 * i, 3) = weight.asDiagonal() * Matrix3<double>(-Skew(arm));
+    }
+    shots.push_back(std::move(result));
+  }
+  return shots;
+}
+
+// What the best rigid motion leaves; degrees of freedom by rank.
+Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
+  Eigen::MatrixXd scaled = shot.rigid;
+  for (int c = 0; c < 6; ++c) scaled.col(c) /= std::max(1e-300, scaled.col(c).norm());
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+  qr.setThreshold(1e-9);
+  *dof = static_cast<int>(shot.residual.size() - qr.rank());
+  return shot.residual - scaled * qr.solve(shot.residual);
+}
+
+// ln det and quadratic form of the marginal whitening are in the rows: the
+// likelihood needs ln det C = sum over visits of ln det(I + L L').
+double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
+  const CalibrationProblem with = WithRepeatability(problem, sigma);
+  const std::vector<int> observations = with.CalibrationObservations();
+  const Eigen::VectorXd sigmas = ObservationSigmas(with, observations, 1e-3);
+  const std::vector<int> columns = parameters.EstimatedCoordinates();
+  const LinearSolution solution = SolveLinearization(Linearize(with, parameters, observations, columns, sigmas));
+  const Linearization raw = Linearize(with, parameters, observations, {}, sigmas, LatentTreatment::kIgnore);
+  std::map<int, std::vector<int>> rows;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const int shot = with.data.observations[observations[k]].shot;
+    for (int axis = 0; axis < 3; ++axis) rows[with.latent.visit_of_shot[shot]].push_back(static_cast<int>(3 * k) + axis);
+  }
+  double log_determinant = 0.0;
+  for (const auto& [visit, indices] : rows) {
+    const Eigen::MatrixXd l = raw.latent(indices, Eigen::all);
+    const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(l.cols(), l.cols()) + l.transpose() * l;
+    log_determinant += 2.0 * Eigen::MatrixXd(inner.llt().matrixL()).diagonal().array().log().sum();
+  }
+  return solution.residual_norm_squared + log_determinant;
+}
+
+}  // namespace
+
+std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                               double significance) {
+  NoiseScale noise;
+  double sum = 0.0;
+  for (const ShotResidual& shot : ResidualsByShot(problem, parameters)) {
+    int dof = 0;
+    sum += WithoutRigidMotion(shot, &dof).squaredNorm();
+    noise.dof += dof;
+  }
+  // The marker points are estimated: the shape of the tool costs 3 m - 6.
+  noise.dof -= std::max(0, 3 * static_cast<int>(problem.data.markers.size()) - 6);
+  if (noise.dof < 20) return std::nullopt;
+  noise.scale = std::sqrt(sum / noise.dof);
+  noise.low = std::sqrt(sum / ChiSquareQuantile(0.975, noise.dof));
+  noise.high = std::sqrt(sum / ChiSquareQuantile(0.025, noise.dof));
+  const double upper = ChiSquareSurvival(sum, noise.dof);
+  noise.differs = std::min(upper, 1.0 - upper) < 0.5 * significance;
+  return noise;
+}
+
+std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance) {
+  // A marker that disagrees with its shot's rigid body. Robust scale: median.
+  struct Entry {
+    int observation;
+    double squared;
+  };
+  std::vector<Entry> entries;
+  for (const ShotResidual& shot : ResidualsByShot(problem, estimate.parameters)) {
+    int dof = 0;
+    const Eigen::VectorXd rest = WithoutRigidMotion(shot, &dof);
+    if (dof == 0) continue;
+    for (size_t i = 0; i < shot.observations.size(); ++i) {
+      entries.push_back({shot.observations[i], rest.segment<3>(3 * i).squaredNorm()});
+    }
+  }
+  if (entries.size() < 20) return {};
+  std::vector<double> sorted;
+  for (const Entry& entry : entries) sorted.push_back(entry.squared);
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
+  // 3 markers leave 3 of 9 degrees of freedom: one per marker on average.
+  const double scale = std::max(1.0, sorted[sorted.size() / 2] / 0.455);
+  const double limit = scale * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 2.0);
+  std::map<int, Entry> worst;  // one per shot: the others are pulled by it
+  for (const Entry& entry : entries) {
+    const int shot = problem.data.observations[entry.observation].shot;
+    if (entry.squared < limit) continue;
+    const auto found = worst.emplace(shot, entry).first;
+    if (entry.squared > found->second.squared) found->second = entry;
+  }
+  std::vector<int> outliers;
+  for (const auto& [shot, entry] : worst) outliers.push_back(entry.observation);
+  return outliers;
+}
+
+CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor) {
+  CalibrationProblem scaled = problem;
+  for (Observation& observation : scaled.data.observations) observation.sigma *= factor;
+  if (scaled.experiment.noise.sigma) *scaled.experiment.noise.sigma *= factor;
+  return scaled;
+}
+
+CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
+  CalibrationProblem with = problem;
+  with.experiment.repeatability = RepeatabilitySpec();
+  with.experiment.repeatability.common = sigma;
+  with.latent = MakeLatentModel(with.robot.chain, with.data, with.experiment);
+  return with;
+}
+
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const double none = MarginalDeviance(problem, parameters, 1e-9);
+  std::vector<std::pair<double, double>> grid;
+  for (double sigma = 1e-6; sigma < 3e-4; sigma *= 1.25) grid.emplace_back(sigma, MarginalDeviance(problem, parameters, sigma));
+  const auto best = std::min_element(grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  RepeatabilityFit fit;
+  fit.sigma = best->first;
+  fit.gain = none - best->second;
+  fit.low = fit.high = best->first;
+  for (const auto& [sigma, deviance] : grid) {
+    if (deviance > best->second + 3.84) continue;  // chi-square of one, 95 %
+    fit.low = std::min(fit.low, sigma);
+    fit.high = std::max(fit.high, sigma);
+  }
+  return fit;
+}
+
+}  // namespace sagitta

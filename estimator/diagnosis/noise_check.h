@@ -1,0 +1,43 @@
+// Is the stated noise right? Markers of one shot ride on a rigid flange: what is
+// left after the best rigid motion of each shot's residuals is the instrument's
+// noise alone, whatever the robot does. n markers leave 3 n - 6 degrees of
+// freedom (one or two markers: none).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "estimator/diagnosis/selection.h"
+
+namespace sagitta {
+
+struct NoiseScale {
+  double scale = 1.0;  // true sigma over stated sigma
+  double low = 0.0, high = 0.0;  // 95 %
+  int dof = 0;
+  bool differs = false;  // from 1, at the significance
+};
+
+std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                               double significance);
+
+// Observations whose own residual no rigid motion of the shot and no model
+// error of the neighbours explains: indices into Measurements::observations.
+std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance);
+
+// The problem with every stated sigma multiplied.
+CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
+
+// The problem with one common repeatability on every joint, rad.
+CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
+
+// Repeatability that the marginal likelihood prefers on a grid, rad; the gain
+// 2 ln ML over none, and its 95 % interval by the likelihood ratio.
+struct RepeatabilityFit {
+  double sigma = 0.0;
+  double low = 0.0, high = 0.0;
+  double gain = 0.0;
+};
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters);
+
+}  // namespace sagitta

@@ -1,0 +1,59 @@
+// Choosing the effects that a believed model lacks: forward steps, each refitted
+// in the full joint model, then a swap pass and a backward pass.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/screening.h"
+#include "estimator/joint_estimator.h"
+
+namespace sagitta {
+
+struct SelectionOptions {
+  double significance = 0.005;    // of a step, corrected for the whole search
+  int most_steps = 8;
+  int refitted = 6;               // best of the screening that are refitted
+  double tie = 6.0;               // of the best penalised reduction: ties go to the simpler
+  int most_tests = 300;           // what the correlated search acts like at most
+  JointOptions joint;
+  std::function<void(const std::string&)> progress;
+};
+
+// A model under diagnosis: the problem with its effects, and its fit.
+struct DiagnosedModel {
+  std::shared_ptr<CalibrationProblem> problem;
+  Estimate estimate;
+};
+
+struct ScreenedCandidate {
+  Candidate candidate;
+  Score score;
+  double corrected_p = 1.0;
+};
+
+struct ChosenStep {
+  Candidate candidate;
+  int parameters = 0;
+  double reduction = 0.0;   // chi-square, after refit, when it was chosen
+  double penalised = 0.0;
+  double corrected_p = 1.0;
+};
+
+// All candidates scored against the model, best penalised first.
+std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
+                                      int most_tests);
+
+// The model with these effects more, refitted from its own optimum.
+DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<EffectSpec>& specs, const JointOptions& options);
+
+// Forward selection with swap and backward passes; `model` becomes the extended one.
+std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
+                                      const SelectionOptions& options, DiagnosedModel* model);
+
+// Penalised chi-square reduction of a set of steps against the baseline.
+double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model, const std::vector<ChosenStep>& steps);
+
+}  // namespace sagitta

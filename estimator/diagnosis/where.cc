@@ -1,0 +1,92 @@
+// Where simulation and measurement disagree: excess chi-square by group.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "estimator/diagnosis/diagnose.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kTimeSlices = 6;
+
+struct Group {
+  double chi2 = 0.0;
+  double expected = 0.0;
+};
+
+void AppendShares(const std::string& by, const std::map<std::string, Group>& groups, std::vector<WhereShare>* where) {
+  double total = 0.0;
+  for (const auto& [key, group] : groups) total += std::max(0.0, group.chi2 - group.expected);
+  std::vector<WhereShare> shares;
+  for (const auto& [key, group] : groups) {
+    const double excess = std::max(0.0, group.chi2 - group.expected);
+    if (excess > 0.0 && total > 0.0) shares.push_back({by, key, excess / total});
+  }
+  std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
+  if (shares.size() > 10) shares.resize(10);
+  where->insert(where->end(), shares.begin(), shares.end());
+}
+
+// The residual mapped into joint space: per visit, what a deviation of one joint
+// alone would explain, (l' r)^2 / l' l, chi-square of one where nothing is wrong.
+std::map<std::string, Group> ByJoint(const DiagnosedModel& model, const Linearization& here) {
+  const CalibrationProblem& problem = *model.problem;
+  std::map<std::string, Group> groups;
+  for (const Joint& joint : problem.robot.chain.joints) {
+    if (joint.type != JointType::kRevolute) continue;
+    const EffectSpec constant{"joint_harmonic", joint.name, {{"order", "0"}}, {}};
+    const Eigen::VectorXd l = CandidateColumns(problem, model.estimate.parameters, constant).col(0);
+    std::map<int, std::pair<double, double>> sums;
+    for (size_t k = 0; k < here.observations.size(); ++k) {
+      auto& sum = sums[problem.latent.visit_of_shot[problem.data.observations[here.observations[k]].shot]];
+      sum.first += l.segment<3>(3 * k).dot(here.residual.segment<3>(3 * k));
+      sum.second += l.segment<3>(3 * k).squaredNorm();
+    }
+    Group& group = groups[joint.name];
+    for (const auto& [visit, sum] : sums) {
+      if (sum.second <= 0.0) continue;
+      group.chi2 += sum.first * sum.first / sum.second;
+      group.expected += 1.0;
+    }
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
+  const CalibrationProblem& problem = *model.problem;
+  const Linearization here = LinearizeEstimate(problem, model.estimate.parameters);
+  const double per_row = model.estimate.dof / std::max(1.0, static_cast<double>(model.estimate.rows));
+  std::map<std::string, std::map<std::string, Group>> by;
+  double last_time = 0.0;
+  for (const ShotInput& shot : problem.shot_inputs) last_time = std::max(last_time, shot.conditions.time);
+  for (size_t k = 0; k < here.observations.size(); ++k) {
+    const Observation& observation = problem.data.observations[here.observations[k]];
+    const Shot& shot = problem.data.shots[observation.shot];
+    const auto add = [&](const std::string& family, const std::string& key, double chi2, double rows) {
+      Group& group = by[family][key];
+      group.chi2 += chi2;
+      group.expected += rows * per_row;
+    };
+    const double chi2 = here.residual.segment<3>(3 * k).squaredNorm();
+    add("config", problem.data.configurations[shot.configuration].id, chi2, 3.0);
+    add("marker", problem.data.markers[observation.marker], chi2, 3.0);
+    add("load", shot.load, chi2, 3.0);
+    add("station", problem.data.stations[shot.station], chi2, 3.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      add("axis", std::string(1, "xyz"[axis]), std::pow(here.residual[3 * static_cast<long>(k) + axis], 2), 1.0);
+    }
+    const ShotConditions& conditions = problem.shot_inputs[observation.shot].conditions;
+    if (!conditions.has_time || last_time <= 0.0) continue;
+    const int slice = std::min(kTimeSlices - 1, static_cast<int>(kTimeSlices * conditions.time / last_time));
+    add("time", std::to_string(std::lround(slice * last_time / kTimeSlices)) + " s", chi2, 3.0);
+  }
+  by["joint"] = ByJoint(model, here);
+  std::vector<WhereShare> where;
+  for (const auto& [family, groups] : by) AppendShares(family, groups, &where);
+  return where;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,93 @@
+// sagitta diagnose: finds, names and adds the missing effect.
+#include <gflags/gflags.h>
+
+#include <iostream>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/robot_file.h"
+#include "tools/commands.h"
+#include "tools/diagnosis_json.h"
+#include "tools/estimate_json.h"
+#include "tools/progress.h"
+#include "tools/report_html.h"
+#include "tools/residuals_csv.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kNumericalFailure = 3;
+constexpr double kDefaultHoldout = 0.3;
+
+// A part of the configurations is set aside for the verdict.
+ExperimentInputs WithHoldout(ExperimentInputs inputs) {
+  ValidationSpec& validation = inputs.experiment.validation;
+  bool has_set_column = false;
+  for (const MeasurementFile& file : inputs.data.files) has_set_column |= file.FindColumn("set") >= 0;
+  const bool unset = validation.kind == ValidationSpec::Kind::kSetColumn && !has_set_column;
+  if (unset || validation.kind == ValidationSpec::Kind::kNone) {
+    validation = ValidationSpec();
+    validation.kind = ValidationSpec::Kind::kFraction;
+    validation.fraction = kDefaultHoldout;
+  }
+  return inputs;
+}
+
+int RunDiagnose(const CommandLine& line) {
+  ExpectArguments(line, DiagnoseCommand(), 1, 1000);
+  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  const ExperimentInputs inputs = WithHoldout(ReadExperimentInputs(line.arguments));
+  const CalibrationProblem problem = ProblemFromInputs(inputs);
+  Diagnosis diagnosis;
+  {
+    Progress progress(FLAGS_quiet);
+    DiagnosisOptions options;
+    options.significance = problem.experiment.significance;
+    options.joint.num_threads = FLAGS_threads;
+    options.progress = [&progress](const std::string& what) { progress.Say(what); };
+    diagnosis = Diagnose(problem, options);
+  }
+  if (!IsUsable(diagnosis.status)) {
+    std::cerr << "sagitta: no diagnosis: the believed model does not fit: " << StatusName(diagnosis.status) << ": "
+              << diagnosis.message << "\n";
+    return kNumericalFailure;
+  }
+  std::cout << DiagnosisToText(diagnosis);
+  if (FLAGS_out.empty()) return 0;
+  const CalibrationProblem& extended = *diagnosis.final.problem;
+  const Estimate& estimate = diagnosis.final.estimate;
+  const Provenance provenance{line.text, "joint", inputs.files};
+  const std::string residuals = ResidualsToCsv(extended, estimate);
+  const std::string robot = RobotToYaml(ExtendedRobot(diagnosis));
+  const std::string report = ReportToHtml(extended, estimate, provenance);
+  const std::string estimate_json = DumpJson(EstimateToJson(extended, estimate, provenance));
+  const std::string json = DumpJson(DiagnosisToJson(diagnosis, problem.experiment.significance));
+  WriteTextFile(FLAGS_out + "/robot.extended.yaml", robot);
+  WriteTextFile(FLAGS_out + "/residuals.csv", residuals);
+  WriteTextFile(FLAGS_out + "/report.html", report);
+  WriteTextFile(FLAGS_out + "/estimate.json", estimate_json);
+  WriteTextFile(FLAGS_out + "/diagnosis.json", json);
+  std::cout << "\nResults in " << FLAGS_out
+            << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
+  return 0;
+}
+
+}  // namespace
+
+Command DiagnoseCommand() {
+  return {"diagnose", "finds, names and adds the missing effect",
+          R"(sagitta diagnose EXP --out=DIR
+
+Fits the believed model, asks whether simulation and measurement disagree, screens every effect of the
+catalogue, adds what is significant and shows the gap on configurations that nothing was fitted to. Without a
+validation of its own the experiment holds out 30 % of the configurations. Verdicts: consistent, noise,
+explained, partly, unknown.
+
+Examples
+  sagitta diagnose experiment.yaml --out=results
+  sagitta diagnose robot.yaml measurements.csv --sigma_mm=0.05 --out=results
+)",
+          WithProblemFlags({}), RunDiagnose};
+}
+
+}  // namespace sagitta
