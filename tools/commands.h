@@ -9,5 +9,6 @@ Command CalibrateCommand();
 Command PredictCommand();
 Command SimulateCommand();
 Command CompareCommand();
+Command ReproduceCommand();
 
 }  // namespace sagitta
