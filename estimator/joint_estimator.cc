@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/linearization.h"
+#include "estimator/load_remedy.h"
 #include "estimator/starting_values.h"
 
 namespace sagitta {
@@ -150,16 +151,18 @@ Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& r
   return certificate;
 }
 
-void FailEquilibrium(Estimate* estimate) {
+void FailEquilibrium(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->status = Status::kEquilibriumDiverged;
-  estimate->message = "a load folds the arm: the deflections find no equilibrium at the current compliances; check the "
-                      "units of loads, load points and compliances";
+  const std::string folded = FoldedShot(problem, estimate->parameters);
+  estimate->message = (folded.empty() ? "a load" : folded) +
+                      " folds the arm: the deflections find no equilibrium at the current compliances; check the units "
+                      "of loads, load points and compliances";
 }
 
 void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
             Estimate* estimate) {
   const Certificate certificate = Polish(problem, residuals, &estimate->parameters);
-  if (!certificate.valid) return FailEquilibrium(estimate);
+  if (!certificate.valid) return FailEquilibrium(problem, estimate);
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;
     estimate->message = "the scatter is so large that every unknown had to be held; check signs and zero positions of "
@@ -220,6 +223,7 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   if (IsUsable(estimate.status)) {
     Report(options, "intervals, identifiability and hold-out");
     JudgeEstimate(problem, &estimate);
+    AddLoadRemedies(problem, &estimate);
   }
   return estimate;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "estimator/joint_estimator.h"
@@ -18,19 +19,43 @@ constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: only ratios
 constexpr double kSmallestScale = 1e-4;  // times it: 0.1 um, the scale of steps on data without noise
 constexpr double kDiverged = 1e12;       // standard deviations per step
 constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error
+constexpr double kFarStep = 0.1;         // of the cost, explained by one step: check that it does come down
+constexpr int kMaxHalvings = 20;
 constexpr int kRateWindow = 6;           // iterations the measured rate is taken over ...
 constexpr int kStandstill = 20;          // iterations without progress that show rounding
 constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
 
+Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet& parameters,
+                                  const std::vector<int>& columns) {
+  Linearization here = Linearize(context.problem, parameters, context.observations, columns, context.sigmas);
+  AppendPriors(parameters, &here);
+  return here;
+}
+
 // One Gauss-Newton step in the given coordinates, the others held.
 bool GaussNewtonStep(const StepContext& context, const std::vector<int>& coordinates, StepState* state) {
   if (coordinates.empty()) return true;
-  const Linearization here =
-      Linearize(context.problem, state->parameters, context.observations, coordinates, context.sigmas);
+  Linearization here = LinearizeWithPriors(context, state->parameters, coordinates);
+  // A spring on a joint that is still rigid has no columns: the step finds the compliance first.
+  std::vector<int> moving;
+  for (size_t c = 0; here.valid && c < coordinates.size(); ++c) {
+    if (!here.jacobian.col(c).isZero(0.0)) moving.push_back(coordinates[c]);
+  }
+  if (moving.size() < coordinates.size()) here = LinearizeWithPriors(context, state->parameters, moving);
   Eigen::VectorXd step;
   if (!here.valid || !SolveScaled(here.jacobian, -here.residual, &step)) return false;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(state->parameters.num_coordinates());
-  for (size_t c = 0; c < coordinates.size(); ++c) delta[coordinates[c]] = step[c];
+  for (size_t c = 0; c < moving.size(); ++c) delta[moving[c]] = step[c];
+  // Far from the optimum a full step may overshoot (springs, loads): halve it.
+  const double cost = here.residual.squaredNorm();
+  const bool far = (here.jacobian * step).squaredNorm() > kFarStep * cost;
+  for (int halvings = 0; halvings < kMaxHalvings && far; ++halvings) {
+    ParameterSet trial = state->parameters;
+    trial.Plus(delta);
+    const Linearization there = LinearizeWithPriors(context, trial, moving);
+    if (there.valid && there.residual.squaredNorm() <= cost) break;
+    delta *= 0.5;
+  }
   state->parameters.Plus(delta);
   for (size_t s = 0; s < state->bases.size(); ++s) state->bases[s] = state->parameters.BaseInStation(s);
   return true;
@@ -95,7 +120,7 @@ struct Yardstick {
 Yardstick MakeYardstick(const StepContext& context, const ParameterSet& parameters) {
   const std::vector<int> columns = parameters.EstimatedCoordinates();
   Yardstick yardstick;
-  yardstick.start = Linearize(context.problem, parameters, context.observations, columns, context.sigmas);
+  yardstick.start = LinearizeWithPriors(context, parameters, columns);
   const LinearSolution solution = SolveLinearization(yardstick.start);
   yardstick.singular = !yardstick.start.valid || !solution.full_rank;
   if (yardstick.singular) return yardstick;
@@ -125,12 +150,15 @@ void Stop(Status status, const std::string& message, Estimate* estimate) {
 
 void Alternate(const StepContext& context, const TwoStepOptions& options, TwoStepResult* result) {
   Estimate& estimate = result->estimate;
-  const Yardstick yardstick = MakeYardstick(context, estimate.aligned);
+  StepState state{estimate.aligned, {}};
+  for (int s = 0; s < state.parameters.num_stations(); ++s) state.bases.push_back(state.parameters.BaseInStation(s));
+  Yardstick yardstick = MakeYardstick(context, state.parameters);
+  if (yardstick.singular && Iterate(options.variant, context, &state)) {
+    yardstick = MakeYardstick(context, state.parameters);
+  }
   if (yardstick.singular)
     return Stop(Status::kSingular, "the identification Jacobian is singular at the start", &estimate);
   std::vector<double> norms;
-  StepState state{estimate.aligned, {}};
-  for (int s = 0; s < state.parameters.num_stations(); ++s) state.bases.push_back(state.parameters.BaseInStation(s));
   Stop(Status::kNoConvergence, "stopped after " + std::to_string(options.max_iterations) + " iterations", &estimate);
   for (int i = 0; i < options.max_iterations; ++i) {
     const ParameterSet before = state.parameters;
@@ -146,8 +174,9 @@ void Alternate(const StepContext& context, const TwoStepOptions& options, TwoSte
     estimate.iterations = i + 1;
     estimate.parameters = state.parameters;
     if (options.progress && i % 100 == 99) {
-      options.progress("iteration " + std::to_string(i + 1) + ": step " + std::to_string(step) +
-                       " standard deviations");
+      char size[32];
+      std::snprintf(size, sizeof size, "%.1e", step);
+      options.progress("iteration " + std::to_string(i + 1) + ": step " + size + " standard deviations");
     }
     const bool rounding = i >= kStandstill && step < kRoundOff && step >= result->steps[i - kStandstill];
     const double rate = i == 0 ? 0.5 : std::min(step / std::max(1e-300, result->steps[i - 1]), 0.999);

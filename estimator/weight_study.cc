@@ -175,7 +175,8 @@ std::vector<WeightedFit> FitWeighted(const WeightDesign& design, const Eigen::Ve
                                      const WeightMethod& method) {
   std::vector<WeightedFit> fits;
   Eigen::VectorXd residuals;
-  const WeightMethod ols;
+  const bool from_residuals = method.weights == Weights::kGroup || method.weights == Weights::kResidual;
+  const WeightMethod ols = from_residuals ? PlainFromResiduals() : WeightMethod();
   fits.push_back(Solve(design, deflections, ols, Eigen::VectorXd::Ones(deflections.size()), true, &residuals));
   if (method.weights == Weights::kEqual) return fits;
   const int iterations = method.weights == Weights::kKnownSigma ? 1 : method.iterations;

@@ -74,7 +74,8 @@ struct WeightedFit {
   Eigen::VectorXd value;  // rad/(N m)
   Eigen::VectorXd sigma;  // claimed, rad/(N m)
 };
-// One entry per iteration; the first is OLS.
+// One entry per iteration; the first is OLS, its eq. (8) with known sigmas or, where
+// the method has its sigmas from residuals, with |r|.
 std::vector<WeightedFit> FitWeighted(const WeightDesign& design, const Eigen::VectorXd& deflections,
                                      const WeightMethod& method);
 

@@ -165,6 +165,7 @@ std::vector<double> ForwardModel::NominalValues() const {
 
 void ForwardModel::Prepare(ShotInput* shot) const {
   shot->terms = ShotTerms();
+  shot->prepared = true;
   const Eigen::VectorXd coupled = chain().CoupledJointValues(shot->conditions.q);
   for (size_t c = 0; c < robot_.compliances.size(); ++c) {
     const JointCompliance& compliance = robot_.compliances[c];
@@ -190,6 +191,7 @@ ElasticQuery ForwardModel::Query(const ShotInput& shot, const Eigen::VectorXd& c
 
 Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
                                       const double* latent) const {
+  if (!shot.prepared) return Equilibrate(Prepared(shot), theta, base_rotation, latent);
   std::vector<double> values = TransformValues(shot, theta, latent);
   if (IsElastic(shot)) {
     const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
@@ -205,6 +207,7 @@ Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta
 bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std::vector<int>& active,
                            const Pose<double>& base_in_station, const std::vector<MarkerInFrame>& markers,
                            std::vector<PointPrediction>* predictions, const double* latent) const {
+  if (!shot.prepared) return Predict(Prepared(shot), theta, active, base_in_station, markers, predictions, latent);
   const Equilibrium equilibrium = Equilibrate(shot, theta, base_in_station.rotation, latent);
   if (!equilibrium.converged) return false;
   const Matrix3<double>& rotation = base_in_station.rotation;

@@ -42,7 +42,8 @@ struct ShotInput {
 
   ShotConditions conditions;
   std::vector<AppliedWrench> wrenches;  // load, tool weight
-  ShotTerms terms;                      // of the model's effects, by ForwardModel::Prepare
+  ShotTerms terms;                      // of one model's compliances and effects, by ForwardModel::Prepare
+  bool prepared = false;                // false: the model prepares a copy for every call
 };
 
 // One marker of a shot: `point` in the frame it rides on.
@@ -74,7 +75,8 @@ class ForwardModel {
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
   std::vector<double> NominalValues() const;
 
-  // Fills shot->terms: compliances and effects of this model in this shot.
+  // Fills shot->terms: compliances and effects of this model in this shot. Once
+  // per shot saves doing it in every call.
   void Prepare(ShotInput* shot) const;
 
   // Transform values v_e of the undeflected arm. `latent` (one per joint, or
@@ -110,6 +112,10 @@ class ForwardModel {
   void AddCompliances();
   void AddCompensator();
   void AddEffects();
+  ShotInput Prepared(ShotInput shot) const {
+    Prepare(&shot);
+    return shot;
+  }
   bool IsElastic(const ShotInput& shot) const;
   ElasticQuery Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const;
 
@@ -124,6 +130,7 @@ class ForwardModel {
 
 template <typename T>
 std::vector<T> ForwardModel::TransformValues(const ShotInput& shot, const T* theta, const T* latent) const {
+  if (!shot.prepared) return TransformValues(Prepared(shot), theta, latent);
   const Chain& chain = robot_.chain;
   const Eigen::VectorXd coupled = chain.CoupledJointValues(shot.conditions.q);
   std::vector<T> values(chain.transforms.size());
@@ -145,6 +152,7 @@ std::vector<T> ForwardModel::TransformValues(const ShotInput& shot, const T* the
 template <typename T>
 Vector3<T> ForwardModel::PointInBase(const ShotInput& shot, const T* theta, int frame, const Vector3<T>& point,
                                      const Matrix3<T>& base_rotation) const {
+  if (!shot.prepared) return PointInBase(Prepared(shot), theta, frame, point, base_rotation);
   std::vector<T> values = TransformValues(shot, theta);
   if (IsElastic(shot)) {
     const Eigen::VectorXd coupled = robot_.chain.CoupledJointValues(shot.conditions.q);
@@ -159,6 +167,7 @@ template <typename T>
 Vector3<T> ForwardModel::PointInStation(const ShotInput& shot, const T* theta, const MarkerInFrame& marker,
                                         const Vector3<T>& point, const Matrix3<T>& rotation,
                                         const Vector3<T>& translation) const {
+  if (!shot.prepared) return PointInStation(Prepared(shot), theta, marker, point, rotation, translation);
   Vector3<T> own = point;
   for (const MarkerTerm& term : shot.terms.markers) {
     if (term.marker == marker.id) own += theta[term.parameter] * term.direction.cast<T>();

@@ -385,6 +385,7 @@ CalibrationProblem CalibrationProblem::WithEffect(const EffectSpec& spec) const 
 
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
   SplitConfigurations(experiment.validation, &data);
+  CheckLoadStates(&data);
   const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
   Robot elastic = WithCompliances(std::move(robot), compliant);
   CalibrationProblem problem(std::move(elastic), std::move(data), std::move(experiment));

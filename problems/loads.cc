@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include "problems/input_error.h"
 
@@ -87,9 +90,50 @@ ShotConditions ConditionsOf(const Measurements& data, const Shot& shot, const Ex
   return conditions;
 }
 
+std::set<int> MarkersOf(const Measurements& data, const Shot& shot) {
+  std::set<int> markers;
+  for (const int i : shot.observations) markers.insert(data.observations[i].marker);
+  return markers;
+}
+
 }  // namespace
 
 bool IsLoaded(const Shot& shot) { return shot.load != "none"; }
+
+void CheckLoadStates(Measurements* data) {
+  bool any_loaded = false, any_unloaded = false;
+  std::set<std::pair<int, int>> together;  // markers with a shot in common
+  std::map<std::tuple<int, std::string, std::string, int>, const Shot*> unloaded;
+  for (const Shot& shot : data->shots) {
+    const std::set<int> markers = MarkersOf(*data, shot);
+    for (const int a : markers) {
+      for (const int b : markers) together.insert({a, b});
+    }
+    (IsLoaded(shot) ? any_loaded : any_unloaded) = true;
+    if (!IsLoaded(shot)) unloaded[{shot.configuration, shot.visit, shot.repeat, shot.station}] = &shot;
+  }
+  for (const Shot& shot : data->shots) {
+    const auto found = unloaded.find({shot.configuration, shot.visit, shot.repeat, shot.station});
+    if (!IsLoaded(shot) || found == unloaded.end()) continue;
+    bool overlap = false, elsewhere_together = false;
+    for (const int a : MarkersOf(*data, shot)) {
+      for (const int b : MarkersOf(*data, *found->second)) {
+        overlap |= a == b;
+        elsewhere_together |= a != b && together.count({a, b}) > 0;
+      }
+    }
+    if (overlap || !elsewhere_together) continue;
+    FailAt(*data, shot, "load",
+           "load '" + shot.load + "' is on some markers of the shot only: the others of configuration '" +
+               data->configurations[shot.configuration].id + "' are unloaded",
+           "every marker of a shot bears the same load; give all its rows the same load and wrench");
+  }
+  if (any_loaded && !any_unloaded) {
+    data->warnings.push_back(
+        "every row is loaded: without unloaded rows a deflection is told from geometry only by how it varies with "
+        "torque; measure some configurations unloaded too");
+  }
+}
 
 std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data, const Experiment& experiment) {
   const Chain& chain = model.chain();

@@ -12,6 +12,11 @@ namespace sagitta {
 // True for a shot with a load other than `none`.
 bool IsLoaded(const Shot& shot);
 
+// Refuses a load on some markers of a shot only: the markers of one visit and
+// repeat shared out between `none` and a load, although they are measured
+// together elsewhere. Warns where nothing is measured unloaded.
+void CheckLoadStates(Measurements* data);
+
 // One input per shot, prepared for the model: joint values, conditions, the
 // tool's weight, the shot's own load.
 // A load acts at its own point or at load_point; its force is the row's wrench

@@ -10,5 +10,6 @@ Command PredictCommand();
 Command SimulateCommand();
 Command CompareCommand();
 Command DiagnoseCommand();
+Command ReproduceCommand();
 
 }  // namespace sagitta

@@ -26,7 +26,7 @@ const std::vector<Command>& Commands() {
       {"coverage", "do the intervals hold what they promise", "", {}},
       {"plan", "which poses to measure next", "", {}},
       {"compensate", "corrected joint values for targets", "", {}},
-      {"reproduce", "the published tables side by side", "", {}},
+      ReproduceCommand(),
       {"convert", "robot files between formats", "", {}},
   };
   return commands;

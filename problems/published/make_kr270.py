@@ -3,8 +3,8 @@
 
     python3 problems/published/make_kr270.py [--out DIR]
 
-This file has its own forward kinematics and its own random numbers on purpose:
-data that prove the estimator must not come from the function it estimates.
+This file has its own kinematics, statics and random numbers on purpose: data
+that prove the estimator must not come from the function it estimates.
 Model: paper 002 eq. (2) with the chain of SOURCES.md; truth: kr270/truth.json.
 The same Python writes the same bytes every time.
 """
@@ -68,29 +68,43 @@ class Frame:
         return [self.origin[i] + sum(p[k] * self.axes[k][i] for k in range(3)) for i in range(3)]
 
 
-def flange(q_deg, error):
-    """The flange in the base frame, mm; error in mm and rad by name."""
-    q = [math.radians(value) for value in q_deg]
+def flange(q_deg, error, deflection=(0.0,) * 6, joints=None):
+    """The flange in the base frame, mm; error in mm and rad by name.
+
+    joints: a list that takes (axis, origin) of every joint and the frames right after A1 and A2.
+    """
+    q = [math.radians(value) + bent for value, bent in zip(q_deg, deflection)]
     x_axis, y_axis, z_axis = 0, 1, 2
     frame = Frame()
+
+    def note(axis):
+        if joints is not None:
+            joints.append((list(frame.axes[axis]), list(frame.origin), [list(a) for a in frame.axes]))
+
     frame.move(0, 0, 750)
     frame.turn(z_axis, q[0])
+    note(z_axis)
     frame.move(350 + error["p_x1"], error["p_y1"], 0)
     frame.turn(x_axis, error["phi_x1"])
     frame.turn(y_axis, q[1] + error["dq2"])
+    note(y_axis)
     frame.move(1250 + error["p_x2"], 0, 0)
     frame.turn(x_axis, error["phi_x2"])
     frame.turn(z_axis, error["phi_z2"])
     frame.turn(y_axis, q[2] + error["dq3"])
+    note(y_axis)
     frame.move(1100 + error["p_x3"], 0, -55 + error["p_z3"])
     frame.turn(z_axis, error["phi_z3"])
     frame.turn(x_axis, q[3] + error["dq4"])
+    note(x_axis)
     frame.move(0, error["p_y4"], error["p_z4"])
     frame.turn(z_axis, error["phi_z4"])
     frame.turn(y_axis, q[4] + error["dq5"])
+    note(y_axis)
     frame.move(0, 0, error["p_z5"])
     frame.turn(z_axis, error["phi_z5"])
     frame.turn(x_axis, q[5])
+    note(x_axis)
     frame.move(230, 0, 0)
     return frame
 
@@ -151,6 +165,76 @@ def write(path, comment, header, rows):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def spring_torque(spring, q):
+    """N m on A2: - dU/dq of the spring between (a_x, a_y) and -L (sin q, cos q), mm and N/mm."""
+    u = spring["a_x_mm"] + spring["L_mm"] * math.sin(q)
+    v = spring["a_y_mm"] + spring["L_mm"] * math.cos(q)
+    length = math.hypot(u, v)
+    by_q = spring["L_mm"] * (u * math.cos(q) - v * math.sin(q)) / length
+    return -spring["Kc_N_per_mm"] * (length - spring["s0_mm"]) * by_q / 1e3
+
+
+def loaded_arm(q_deg, error, truth, force, point):
+    """Flange and joints at equilibrium; force in the base frame, N, at point on the flange, mm."""
+    deflection = [0.0] * 6
+    while True:
+        joints = []
+        frame = flange(q_deg, error, deflection, joints)
+        at = frame.point(point)
+        torque = [dot(axis, cross([(a - o) / 1e3 for a, o in zip(at, origin)], force)) for axis, origin, _ in joints]
+        torque[1] += spring_torque(truth["spring"], math.radians(q_deg[1]) + error["dq2"] + deflection[1])
+        bent = [k * 1e-6 * tau for k, tau in zip(truth["compliance_urad_per_Nm"], torque)]
+        if max(abs(a - b) for a, b in zip(bent, deflection)) < 1e-15:
+            return frame, joints
+        deflection = bent
+
+
+def write_loaded(path, configurations, error, markers, geometric, truth):
+    """All stages of paper 002 in one file: geometry, hung loads, sideways pulls, markers on the links."""
+    normal = Normal(truth["seed"])
+    stations = dict(geometric["stations"], S3=truth["stations"]["S3"])
+    hung, pulls = (0.0, 0.0, -truth["load_N"]), ((truth["pull_N"], 0.0, 0.0), (0.0, truth["pull_N"], 0.0))
+    shots = [("geometry", "C%02d" % (c + 1), STATIONS[c * len(STATIONS) // CONFIGURATIONS], "none", (0.0,) * 3, q,
+              markers, geometric["noise"]["sigma_mm"]) for c, q in enumerate(configurations)]
+    for c, q in enumerate(ELASTOSTATIC):
+        states = [("loads", "none", (0.0,) * 3), ("loads", "V250", hung)]
+        if "E%02d" % (c + 1) in truth["pulled"]:
+            states += [("pulls", "HX", pulls[0]), ("pulls", "HY", pulls[1])]
+        shots += [(stage, "E%02d" % (c + 1), "S3", load, force, q, truth["markers"], truth["sigma_mm"])
+                  for stage, load, force in states]
+    for c, q2 in enumerate((0, -30, -60, -90, -120, -140)):
+        shots.append(("compensator", "G%02d" % (c + 1), "S3", "none", (0.0,) * 3, (15, q2, 90, 0, 30, 0),
+                      truth["link_markers"], truth["sigma_mm"]))
+    rows = []
+    for stage, config, station, load, force, q, seen, sigma in shots:
+        turned_by = [value / 1e3 for value in stations[station]["rotvec_mrad"]] if station == "S3" else \
+            [math.radians(value) for value in stations[station]["rotvec_deg"]]
+        in_base = rotate([-value for value in turned_by], force)
+        frame, joints = loaded_arm(q, error, truth, in_base, truth["load_point_mm"])
+        for name, point in sorted(seen.items()):
+            if stage == "compensator":
+                _, origin, axes = joints[point["after_joint"]]
+                at = [origin[i] + sum(point["xyz_mm"][k] * axes[k][i] for k in range(3)) for i in range(3)]
+            else:
+                at = frame.point(point)
+            exact = [t + r for t, r in zip(stations[station]["xyz_mm"], rotate(turned_by, at))]
+            rows.append([stage, config, name, station, load] + ["%.4f" % value for value in q] +
+                        ["%.6f" % (value + sigma * normal()) for value in exact] + ["%g" % sigma] * 3 +
+                        ["%.4f" % value for value in force])
+    write(path, ["Simulated by make_kr270.py from loaded_truth.json (paper 002's stages); not measured.",
+                 "seed %d. See ../SOURCES.md." % truth["seed"]],
+          ["stage", "config", "marker", "station", "load"] + ["q%d_deg" % (j + 1) for j in range(6)] +
+          ["x_mm", "y_mm", "z_mm", "sigma_x_mm", "sigma_y_mm", "sigma_z_mm", "fx_N", "fy_N", "fz_N"], rows)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=pathlib.Path, default=HERE / "kr270")
@@ -176,6 +260,8 @@ def main():
             commanded.append(row)
             measured.append(row + ["%.6f" % (value + sigma * normal()) for value in exact])
 
+    loaded = json.loads((HERE / "kr270" / "loaded_truth.json").read_text(encoding="utf-8"))
+    write_loaded(out / "loaded.csv", draw_configurations(markers, seed), error, markers, truth, loaded)
     simulated = ["Simulated by make_kr270.py from truth.json (paper 002, Tables I-III); not measured.",
                  "sigma %g mm per axis, seed %d. See ../SOURCES.md." % (sigma, seed)]
     write(out / "geometric.csv", simulated, columns + ["x_mm", "y_mm", "z_mm"], measured)

@@ -201,7 +201,7 @@ TEST_F(PublishedScript, WritesTheShippedFilesByteForByte) {
   if (std::system("python3 -c '' > /dev/null 2>&1") != 0) GTEST_SKIP() << "no python3 to run make_kr270.py";
   const std::string command = "python3 -B '" + kPublished + "make_kr270.py' --out '" + folder_ + "'";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  for (const char* file : {"geometric.csv", "configurations.csv", "elastostatic_configurations.csv"}) {
+  for (const char* file : {"geometric.csv", "configurations.csv", "elastostatic_configurations.csv", "loaded.csv"}) {
     EXPECT_EQ(ReadTextFile(Path(file)), ReadTextFile(kPublished + "kr270/" + file)) << file;
   }
 }

@@ -149,10 +149,10 @@ struct LoadedDesign : Kr270Design {
   std::vector<std::string> pulls;             // each in the first `pulled` configurations only
   int pulled = 3;
   bool unloaded = true;
-  std::vector<double> q2_deg;  // where given, A2 takes these values in turn
+  std::function<void(std::vector<Configuration>*)> change;  // of the drawn configurations
 };
 
-// Rows of the design without points: every load state of a configuration is one shot of its station.
+// Rows without points: every load state of a configuration is one shot of its station.
 inline Measurements LoadedRows(const LoadedDesign& design, const LoadedTruth& truth) {
   Measurements data = DesignMeasurements(design);
   const std::vector<Shot> once = data.shots;
@@ -160,9 +160,7 @@ inline Measurements LoadedRows(const LoadedDesign& design, const LoadedTruth& tr
   data.observations.clear();
   data.files[0].rows.clear();
   for (const auto& [name, marker] : truth.link_markers) data.markers.push_back(name);
-  for (size_t c = 0; c < once.size() && !design.q2_deg.empty(); ++c) {
-    data.configurations[c].q[1] = design.q2_deg[c % design.q2_deg.size()] * kDegree;
-  }
+  if (design.change) design.change(&data.configurations);
   for (size_t c = 0; c < once.size(); ++c) {
     std::vector<std::string> states = design.loads;
     if (design.unloaded) states.insert(states.begin(), "none");
@@ -226,25 +224,24 @@ inline void Measure(const std::vector<Vector3<double>>& exact, double sigma, std
 }
 
 // Robot and experiment as files would state them: nominal geometry, no
-// compliance known, the spring `off` by a few per cent but for L.
+// compliance known, the spring off by a few per cent but for L.
 struct LoadedSetup {
   Robot robot;
   Experiment experiment;
 };
 
-inline LoadedSetup SetupFor(const LoadedTruth& truth, double off = 1.0) {
+inline LoadedSetup SetupFor(const LoadedTruth& truth) {
   LoadedSetup setup;
   setup.robot.name = "KR 270";
   setup.robot.chain = Kr270Chain();
   if (truth.coupling != 0.0) setup.robot.chain.couplings.push_back({2, 1, truth.coupling});
   if (truth.spring) {
     const SpringTruth& s = *truth.spring;
+    const double off = s.preload ? 0.01 : 0.0;  // its stiffness alone does not tell where it is fixed
     setup.robot.gravity_compensator = GravityCompensator{
-        1, s.L, s.a_x * (1 + 0.01 * off), s.a_y * (1 - 0.02 * off), s.s0 * (1 + 0.01 * off), s.Kc * (1 - 0.1 * off),
-        s.preload};
-    // A compensator on a rigid joint does nothing and cannot be told.
-    setup.robot.compliances.push_back({1, {{0.0, 0.25e-6}}, false});
-    setup.experiment.estimate.gravity_compensator = {Selection::Kind::kList, {"a_x", "a_y", "s0", "Kc"}};
+        1, s.L, s.a_x * (1 + off), s.a_y * (1 - 2 * off), s.s0 * 1.01, s.Kc * 0.9, s.preload};
+    setup.experiment.estimate.gravity_compensator = {Selection::Kind::kList, {"s0", "Kc"}};
+    if (s.preload) setup.experiment.estimate.gravity_compensator.names = {"a_x", "a_y", "s0", "Kc"};
   }
   for (const auto& [name, load] : truth.loads) {
     LoadSpec spec;
@@ -278,15 +275,21 @@ inline double TrueLoadedValue(const LoadedTruth& truth, const std::string& name)
   return TrueValue(truth, name);
 }
 
-// (estimate - truth)' C^-1 (estimate - truth) over all estimated coordinates.
+// Estimate minus truth of an estimated coordinate; a rotation as left perturbation, as its sigma is.
+inline double ErrorOf(const Estimate& estimate, const LoadedTruth& truth, int coordinate) {
+  const Coordinate& c = estimate.parameters.coordinates()[coordinate];
+  if (c.quantity != Quantity::kRotationVector) return estimate.parameters.Value(coordinate) - TrueLoadedValue(truth, c.name);
+  const int station = estimate.parameters.blocks()[c.block].owner;
+  const Eigen::AngleAxisd turn(estimate.parameters.BaseInStation(station).rotation *
+                               BaseRotation(truth, station).transpose());
+  return turn.angle() * turn.axis()[c.index_in_block];
+}
+
+// error' C^-1 error over all estimated coordinates.
 inline double SquaredDistanceToTruth(const Estimate& estimate, const LoadedTruth& truth) {
   Eigen::VectorXd z(estimate.estimated.size());
-  const Eigen::VectorXd scale = estimate.covariance.diagonal().cwiseSqrt();
-  for (int c = 0; c < z.size(); ++c) {
-    const std::string& name = estimate.parameters.coordinates()[estimate.estimated[c]].name;
-    z[c] = (estimate.parameters.Value(estimate.estimated[c]) - TrueLoadedValue(truth, name)) / scale[c];
-  }
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const Eigen::VectorXd inverse = estimate.covariance.diagonal().cwiseSqrt().cwiseInverse();
+  for (int c = 0; c < z.size(); ++c) z[c] = ErrorOf(estimate, truth, estimate.estimated[c]) * inverse[c];
   const Eigen::MatrixXd correlation = inverse.asDiagonal() * estimate.covariance * inverse.asDiagonal();
   return z.dot(correlation.ldlt().solve(z));
 }

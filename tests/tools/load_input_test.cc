@@ -1,0 +1,137 @@
+// Bad loads: named, explained, nothing half-written.
+#include <gmock/gmock.h>
+
+#include <functional>
+
+#include "tests/tools/program.h"
+
+namespace sagitta::test {
+namespace {
+
+using ::testing::HasSubstr;
+using Rows = std::vector<std::vector<std::string>>;
+
+constexpr const char* kLoaded = "kr270/loaded.csv";
+
+void Set(const std::string& column, const std::string& value, const std::function<bool(size_t)>& which, Rows* rows) {
+  const int c = Column(*rows, column);
+  for (size_t i = 1; i < rows->size(); ++i) {
+    if (which(i)) (*rows)[i][c] = value;
+  }
+}
+
+class LoadInputTest : public ProgramTest {
+ protected:
+  // Loaded and unloaded rows of the 15 published configurations, three flange markers.
+  Rows LoadedRows() const {
+    const Rows all = Cells(ReadAll(Published(kLoaded)));
+    Rows rows = {all[0]};
+    for (size_t i = 1; i < all.size(); ++i) {
+      if (all[i][Column(all, "config")][0] == 'E') rows.push_back(all[i]);
+    }
+    return rows;
+  }
+  std::string Robot(const std::string& more = "") const {
+    return Write("robot.yaml", ReadAll(Published("kr270/robot.yaml")) + more);
+  }
+  Outcome Calibrate(const std::string& experiment, const Rows& rows, const std::string& robot_more = "") const {
+    Robot(robot_more);
+    Write("loads.csv", Csv(rows));
+    const std::string head = "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [loads.csv]\n";
+    return Run({"calibrate", Write("experiment.yaml", head + experiment), "--out=" + Path("out")});
+  }
+  void ExpectNothingWritten(const Outcome& outcome, int status, const std::vector<std::string>& words) const {
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    for (const std::string& word : words) EXPECT_THAT(outcome.err, HasSubstr(word));
+    for (const char* file : {"estimate.json", "robot.calibrated.yaml", "residuals.csv", "report.html"}) {
+      EXPECT_FALSE(Exists(std::string("out/") + file)) << file;
+    }
+  }
+};
+
+constexpr const char* kScene = "load_point_mm: [280, 60, -150]\nnoise: {sigma_mm: 0.03}\n";
+
+TEST_F(LoadInputTest, GoodLoadsPass) {
+  const Outcome outcome = Calibrate(kScene, LoadedRows());
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(Exists("out/estimate.json"));
+}
+
+TEST_F(LoadInputTest, LoadWithoutAPoint) {
+  ExpectNothingWritten(Calibrate("noise: {sigma_mm: 0.03}\n", LoadedRows()), 2,
+                       {"loads.csv:", "V250", "load_point_mm", "--load_point_mm"});
+}
+
+TEST_F(LoadInputTest, LoadWithoutAForce) {
+  Rows rows = LoadedRows();
+  for (const char* column : {"fx_N", "fy_N", "fz_N"}) Set(column, "0", [](size_t) { return true; }, &rows);
+  ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:", "V250", "has no force", "mass_kg"});
+}
+
+TEST_F(LoadInputTest, WrenchColumnInTheWrongUnit) {
+  Rows rows = LoadedRows();
+  rows[0][Column(rows, "fx_N")] = "fx_kN";
+  ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:1", "fx_kN", "fx_N"});
+}
+
+TEST_F(LoadInputTest, WrenchOnSomeMarkersOfAShotOnly) {
+  Rows rows = LoadedRows();
+  const int marker = Column(rows, "marker"), load = Column(rows, "load");
+  Set("fz_N", "0", [&](size_t i) { return rows[i][marker] == "T2" && rows[i][load] == "V250"; }, &rows);
+  ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:", "load", "some markers of a shot only"});
+}
+
+TEST_F(LoadInputTest, LoadStateOnSomeMarkersOfAShotOnly) {
+  const Rows all = LoadedRows();
+  const int config = Column(all, "config"), marker = Column(all, "marker"), load = Column(all, "load");
+  Rows rows = {all[0]};
+  for (size_t i = 1; i < all.size(); ++i) {  // E03: T1 unloaded, T2 and T3 loaded
+    const bool is_first = all[i][marker] == "T1", is_loaded = all[i][load] != "none";
+    if (all[i][config] != "E03" || is_first != is_loaded) rows.push_back(all[i]);
+  }
+  ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:", "V250", "E03", "some markers"});
+}
+
+TEST_F(LoadInputTest, ComplianceWithoutALoadedRow) {
+  Rows all = LoadedRows(), rows = {all[0]};
+  for (size_t i = 1; i < all.size(); ++i) {
+    if (all[i][Column(all, "load")] == "none") rows.push_back(all[i]);
+  }
+  ExpectNothingWritten(Calibrate(std::string(kScene) + "estimate: {compliance: [A2]}\n", rows), 2,
+                       {"estimate.compliance", "no row is loaded"});
+}
+
+TEST_F(LoadInputTest, CompensatorWhoseSpringHasNoLength) {
+  // Lever and anchor coincide at q2 = -90 deg: a_x = L, a_y = 0.
+  const std::string spring = "gravity_compensator: {joint: A2, type: spring, L_mm: 200, a_x_mm: 200, a_y_mm: 0, "
+                             "s0_mm: 100, Kc_N_per_mm: 100}\n";
+  Rows rows = LoadedRows();
+  Set("q2_deg", "-90", [&](size_t i) { return rows[i][Column(rows, "config")] == "E07"; }, &rows);
+  ExpectNothingWritten(Calibrate(kScene, rows, spring), 2, {"gravity_compensator", "no length", "E07"});
+  std::string negative = spring;
+  negative.replace(negative.find("s0_mm: 100"), 10, "s0_mm: -10");
+  ExpectNothingWritten(Calibrate(kScene, LoadedRows(), negative), 2, {"gravity_compensator", "positive"});
+}
+
+TEST_F(LoadInputTest, LoadThatFoldsTheArm) {
+  // rad instead of urad: the arm would turn by radians.
+  const std::string soft = "compliance: {A2: {k_urad_per_Nm: 302}, A3: {k_urad_per_Nm: 416}}\n";
+  const std::string held = "estimate: {compliance: none}\n";
+  ExpectNothingWritten(Calibrate(std::string(kScene) + held, LoadedRows(), soft), 3,
+                       {"equilibrium_diverged", "load 'V250' at configuration 'E", "loads.csv:", "folds the arm"});
+}
+
+TEST_F(LoadInputTest, OnlyLoadedRowsAreAWarning) {
+  Rows all = LoadedRows(), rows = {all[0]};
+  for (size_t i = 1; i < all.size(); ++i) {
+    if (all[i][Column(all, "load")] != "none") rows.push_back(all[i]);
+  }
+  const Outcome outcome = Calibrate(std::string(kScene) + "estimate: {compliance: [A2, A3]}\n", rows);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("every row is loaded"));
+  EXPECT_THAT(Read("out/report.html"), HasSubstr("every row is loaded"));
+  EXPECT_THAT(ReadJson("out/estimate.json")["warnings"].dump(), HasSubstr("every row is loaded"));
+}
+
+}  // namespace
+}  // namespace sagitta::test
