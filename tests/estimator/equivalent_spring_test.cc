@@ -67,7 +67,8 @@ TEST(EquivalentSpring, TooFewNodesOrNoSpringIsNotSolved) {
   const JointTwoNode same{-0.5, 3e-7, 1e-9};
   EXPECT_FALSE(FitEquivalentSpring({same, same, same, same}, kGeometry).solved);
   EXPECT_FALSE(FitEquivalentSpring({{0, 3e-7, 0}, {-1, 0, 0}, {-2, 3e-7, 0}}, kGeometry).solved);
-  EXPECT_FALSE(FitEquivalentSpring({{0, 3e-7, 0}, {-1, 3e-7, 0}, {-2, 3e-7, 0}}, kGeometry, SpringWeights::kSigma).solved);
+  const std::vector<JointTwoNode> without_sigma = {{0, 3e-7, 0}, {-1, 3e-7, 0}, {-2, 3e-7, 0}};
+  EXPECT_FALSE(FitEquivalentSpring(without_sigma, kGeometry, SpringWeights::kSigma).solved);
 }
 
 // k21 ... k25 in the joint solve, configurations at the five q2 only, and on to the spring.

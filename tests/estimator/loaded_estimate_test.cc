@@ -283,10 +283,11 @@ TEST(LoadedEstimate, LeavingOutK1OnATiltedBaseLeavesASidewaysResidual) {
   Simulated without(truth, design, setup);
   const Estimate left = without.SolveExact();
   const ResidualSize& d = left.deflection_after;
-  printf("HERE %g %g %g max %g | fit %g %g %g max %g\n", d.rms_axis.x(), d.rms_axis.y(), d.rms_axis.z(), d.max, left.fit.rms_axis.x(), left.fit.rms_axis.y(), left.fit.rms_axis.z(), left.fit.max);
-  const double sideways = std::hypot(d.rms_axis.x(), d.rms_axis.y()) / std::sqrt(2.0);
-  EXPECT_NEAR(sideways, 0.14e-3, 0.05e-3);
-  EXPECT_LT(d.rms_axis.z(), 0.5 * sideways);
+  // 0.12 mm per axis, 0.17 mm as horizontal distance; PUBLISHED.md: 0.14.
+  const double sideways = std::hypot(d.rms_axis.x(), d.rms_axis.y());
+  EXPECT_NEAR(sideways, 0.17e-3, 0.01e-3);
+  EXPECT_NEAR(sideways / std::sqrt(2.0), 0.12e-3, 0.01e-3);
+  EXPECT_LT(d.rms_axis.z(), 0.2 * sideways);
   Simulated with(truth, design);
   EXPECT_LT(with.SolveExact().deflection_after.rms, 1e-9);
 }

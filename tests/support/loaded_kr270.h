@@ -278,7 +278,8 @@ inline double TrueLoadedValue(const LoadedTruth& truth, const std::string& name)
 // Estimate minus truth of an estimated coordinate; a rotation as left perturbation, as its sigma is.
 inline double ErrorOf(const Estimate& estimate, const LoadedTruth& truth, int coordinate) {
   const Coordinate& c = estimate.parameters.coordinates()[coordinate];
-  if (c.quantity != Quantity::kRotationVector) return estimate.parameters.Value(coordinate) - TrueLoadedValue(truth, c.name);
+  const double difference = estimate.parameters.Value(coordinate) - TrueLoadedValue(truth, c.name);
+  if (c.quantity != Quantity::kRotationVector) return difference;
   const int station = estimate.parameters.blocks()[c.block].owner;
   const Eigen::AngleAxisd turn(estimate.parameters.BaseInStation(station).rotation *
                                BaseRotation(truth, station).transpose());
