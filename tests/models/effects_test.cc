@@ -133,7 +133,9 @@ TEST_P(EffectContract, NeutralExactAndVisible) {
       const MarkerInFrame same{without.chain().FlangeFrame(), marker.point, 1};
       ASSERT_TRUE(without.Predict(plain, theta.data(), {}, base, {same}, &reference));
       const double shift = (prediction[0].point - reference[0].point).norm();
-      if (size == 0.0) EXPECT_LT(shift, 1e-12) << use.Path();
+      if (size == 0.0) {
+        EXPECT_LT(shift, 1e-12) << use.Path();
+      }
       if (size == 1.0) largest = std::max(largest, shift);
 
       Vector3<Jet> delta;
