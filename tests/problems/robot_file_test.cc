@@ -250,8 +250,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadRobot{"effect",
                  kChainRobot,
                  "effects: []",
-                 "effects: [{effect: joint_harmonic, joint: A3, order: 1}]",
-                 {"22: effects[0].effect", "not supported", "joint_harmonic"}}),
+                 "effects: [{effect: joint_harmonc, joint: A3, order: 1}]",
+                 {"22: effects[0].effect", "no effect 'joint_harmonc'", "joint_harmonic"}}),
     [](const auto& param) { return std::string(param.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,0 +1,82 @@
+#include "problems/io/effect_entries.h"
+
+#include <gtest/gtest.h>
+
+#include "models/effects/catalogue.h"
+#include "problems/input_error.h"
+#include "problems/io/robot_file.h"
+
+namespace sagitta {
+namespace {
+
+const char* kRobot = R"(schema: sagitta/robot/1
+joints:
+  - {name: A1, type: revolute}
+  - {name: A2, type: revolute}
+kinematics:
+  chain:
+    - {Rz: A1}
+    - {Tx_mm: 400, error: p_x1}
+    - {Ry: A2, error: dq2}
+effects:
+)";
+
+Robot WithEntry(const std::string& entry) { return ReadRobotText(kRobot + ("  - " + entry + "\n"), "robot.yaml"); }
+
+std::string Refusal(const std::string& entry) {
+  try {
+    WithEntry(entry);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EffectEntries, EveryEffectOfTheCatalogueReadsBackAsWritten) {
+  for (const std::string entry : {"{effect: frozen_geometry, error: dq2, value_deg: 0.01}",
+                                  "{effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3}",
+                                  "{effect: compliance_hardening, joint: A2, k3_urad_per_kNm3: 2}",
+                                  "{effect: transverse_compliance, joint: A1, ku_urad_per_Nm: 0.1, kv_urad_per_Nm: 0.2}",
+                                  "{effect: link_gravity, joint: A2, mass_kg: 80, mx_kgm: 20, my_kgm: 0, mz_kgm: -3}",
+                                  "{effect: self_weight_sag, joint: A2, about: u, s2x_urad: 5, s2y_urad: 6, s2z_urad: 7}",
+                                  "{effect: base_compliance, kx_urad_per_Nm: 0.01, ky_urad_per_Nm: 0.02}",
+                                  "{effect: payload, load: heavy, dmass_kg: 3}",
+                                  "{effect: joint_harmonic, joint: A2, order: 3, cos_urad: 210, sin_urad: -4}",
+                                  "{effect: axis_wobble, joint: A1, order: 1, u_cos_urad: 1, u_sin_urad: 2, v_cos_urad: 3, v_sin_urad: 4}",
+                                  "{effect: encoder_gain, joint: A1, gain_ppm: 120}",
+                                  "{effect: joint_coupling, joint: A2, driver: A1, ratio_ppm: 30}",
+                                  "{effect: backlash, joint: A2, by: torque, half_gap_urad: 40}",
+                                  "{effect: joint_slip, joint: A2, after_s: 120.5, jump_urad: 80}",
+                                  "{effect: thermal_growth, growth_ppm_per_K: 11}",
+                                  "{effect: station_drift, station: S1, x_um_per_h: 1, y_um_per_h: 2, z_um_per_h: 3, rx_urad_per_h: 4, ry_urad_per_h: 5, rz_urad_per_h: 6}",
+                                  "{effect: station_scale, station: S1, scale_ppm: 9}",
+                                  "{effect: marker_shift, marker: M1, after_s: 60, x_mm: 0.1, y_mm: 0.2, z_mm: 0.3}"}) {
+    const Robot robot = WithEntry(entry);
+    ASSERT_EQ(robot.effects.size(), 1u) << entry;
+    const Robot again = ReadRobotText(RobotToYaml(robot), "again.yaml");
+    ASSERT_EQ(again.effects.size(), 1u);
+    EXPECT_EQ(again.effects[0].Path(), robot.effects[0].Path());
+    ASSERT_EQ(again.effects[0].values.size(), robot.effects[0].values.size());
+    for (size_t i = 0; i < robot.effects[0].values.size(); ++i) {
+      EXPECT_NEAR(again.effects[0].values[i], robot.effects[0].values[i], 1e-12 * std::abs(robot.effects[0].values[i]));
+    }
+  }
+}
+
+TEST(EffectEntries, UnitsAreThoseOfTheFormat) {
+  const Robot robot = WithEntry("{effect: joint_harmonic, joint: A2, order: 2, cos_urad: 210, sin_urad: 0}");
+  EXPECT_EQ(robot.effects[0].Path(), "effect/joint_harmonic[order=2]/A2");
+  EXPECT_NEAR(robot.effects[0].values[0], 210e-6, 1e-15);
+  EXPECT_NEAR(WithEntry("{effect: station_drift, station: S1, x_um_per_h: 36}").effects[0].values[0], 1e-8, 1e-18);
+}
+
+TEST(EffectEntries, RefusalsNameKeyAndSpelling) {
+  EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A9}").find("A9"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A2, cos_mrad: 1}").find("cos_urad"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: joint_slip, joint: A2, jump_urad: 1}").find("after_s"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: backlash, joint: A2, by: aproach}").find("approach"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A2, order: 1.5}").find("whole number"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sagitta
