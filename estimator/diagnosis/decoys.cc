@@ -8,7 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kBumps = 8;
+constexpr int kBumps[] = {6, 12, 24};  // over the range: what is smooth at one width is not at another
 constexpr int kPeriods = 24;
 constexpr double kTwoPi = 6.283185307179586;
 
@@ -42,10 +42,10 @@ Eigen::VectorXd PerRow(const CalibrationProblem& problem, const std::function<do
   return rows;
 }
 
-Eigen::MatrixXd Bumps(const Eigen::VectorXd& x) {
-  const double low = x.minCoeff(), high = x.maxCoeff(), spacing = (high - low) / (kBumps - 1);
-  Eigen::MatrixXd bumps(x.size(), kBumps);
-  for (int b = 0; b < kBumps; ++b) {
+Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
+  const double low = x.minCoeff(), high = x.maxCoeff(), spacing = (high - low) / (count - 1);
+  Eigen::MatrixXd bumps(x.size(), count);
+  for (int b = 0; b < count; ++b) {
     bumps.col(b) = (-0.5 * ((x.array() - (low + b * spacing)) / spacing).square()).exp();
   }
   return bumps;
@@ -75,13 +75,16 @@ Decoy BestDecoy(const DiagnosedModel& model) {
     EffectSpec constant{"joint_harmonic", joints[j].name, {{"order", "0"}}, {}};
     deviation.push_back(CandidateColumns(problem, model.estimate.parameters, constant).col(0));
   }
-  const double decoys = 2.0 * std::log(static_cast<double>(n * n + n * n * (n - 1) / 2));
+  const double decoys = 2.0 * std::log(static_cast<double>(3 * n * n + n * n * (n - 1) / 2));
   Decoy best;
   for (int j = 0; j < n; ++j) {
     for (int k = 0; k < n; ++k) {
       if (q[k].maxCoeff() - q[k].minCoeff() < 1e-6) continue;
-      const Eigen::MatrixXd columns = deviation[j].asDiagonal() * Bumps(q[k]);
-      Decoy decoy{"smooth", joints[k].name, joints[j].name, "", MarginalGain(residual, columns) - decoys};
+      double gain = -1e300;
+      for (const int count : kBumps) {
+        gain = std::max(gain, MarginalGain(residual, deviation[j].asDiagonal() * Bumps(q[k], count)));
+      }
+      Decoy decoy{"smooth", joints[k].name, joints[j].name, "", gain - decoys};
       decoy.words = "a smooth deviation of " + joints[j].name + " that depends on " + joints[k].name + " (" + Range(q[k]) + ")";
       Keep(decoy, &best);
     }

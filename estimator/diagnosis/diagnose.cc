@@ -152,7 +152,8 @@ void JudgeGap(Diagnosis* diagnosis) {
   diagnosis->gap_before = std::sqrt(SquaredGap(before, held_out, floor));
   diagnosis->gap_after = std::sqrt(SquaredGap(after, held_out, floor));
   diagnosis->gap_closed = closed(held_out);
-  if (held_out.empty()) return;
+  if (diagnosis->steps.empty()) diagnosis->gap_closed = 0.0;
+  if (held_out.empty() || diagnosis->steps.empty()) return;
   std::mt19937_64 random(1);
   std::vector<double> draws;
   for (int d = 0; d < kBootstrapDraws; ++d) {
