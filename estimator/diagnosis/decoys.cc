@@ -80,13 +80,12 @@ Decoy BestDecoy(const DiagnosedModel& model) {
   for (int j = 0; j < n; ++j) {
     for (int k = 0; k < n; ++k) {
       if (q[k].maxCoeff() - q[k].minCoeff() < 1e-6) continue;
-      double gain = -1e300;
       for (const int count : kBumps) {
-        gain = std::max(gain, MarginalGain(residual, deviation[j].asDiagonal() * Bumps(q[k], count)));
+        Decoy decoy{"smooth", joints[k].name, joints[j].name, "", 0.0, deviation[j].asDiagonal() * Bumps(q[k], count)};
+        decoy.penalised = MarginalGain(residual, decoy.columns) - decoys;
+        decoy.words = "a smooth deviation of " + joints[j].name + " that depends on " + joints[k].name + " (" + Range(q[k]) + ")";
+        Keep(decoy, &best);
       }
-      Decoy decoy{"smooth", joints[k].name, joints[j].name, "", gain - decoys};
-      decoy.words = "a smooth deviation of " + joints[j].name + " that depends on " + joints[k].name + " (" + Range(q[k]) + ")";
-      Keep(decoy, &best);
     }
     for (int a = 0; a < n; ++a) {
       for (int b = a + 1; b < n; ++b) {
@@ -95,7 +94,8 @@ Decoy BestDecoy(const DiagnosedModel& model) {
             (q[a] - q[b]).array().cos().matrix(), (q[a] - q[b]).array().sin().matrix(),
             q[a].array().cos().cwiseProduct(q[b].array()).matrix(), q[b].array().cos().cwiseProduct(q[a].array()).matrix();
         Decoy decoy{"periodic", joints[a].name + "*" + joints[b].name, joints[j].name, "",
-                    MarginalGain(residual, deviation[j].asDiagonal() * basis) - decoys};
+                    0.0, deviation[j].asDiagonal() * basis};
+        decoy.penalised = MarginalGain(residual, decoy.columns) - decoys;
         decoy.words = "a deviation of " + joints[j].name + " that depends on " + joints[a].name + " and " + joints[b].name + " together";
         Keep(decoy, &best);
       }
@@ -118,7 +118,7 @@ Decoy BestDecoy(const DiagnosedModel& model) {
       Eigen::MatrixXd columns(t.size(), 6);
       columns << (omega * t).array().cos().matrix().asDiagonal() * shift, (omega * t).array().sin().matrix().asDiagonal() * shift;
       Decoy decoy{"time", station, station, "",
-                  MarginalGain(residual, columns) - 2.0 * std::log(static_cast<double>(kPeriods))};
+                  MarginalGain(residual, columns) - 2.0 * std::log(static_cast<double>(kPeriods)), columns};
       decoy.words = "station " + station + " moves with a period of about " + std::to_string(std::lround(kTwoPi / omega)) + " s";
       Keep(decoy, &best);
     }

@@ -27,6 +27,7 @@ struct Decoy {
   std::string acts_on;
   std::string words;
   double penalised = -1e300;
+  Eigen::MatrixXd columns;  // whitened, at the model it was scored on
 };
 
 // The best decoy on the model's residual.

@@ -190,24 +190,49 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   }
 }
 
-// A decoy that beats as many catalogue steps: the cause is not in the catalogue.
-// Returns how many of the steps hold.
-size_t StepsThatHold(const std::vector<ChosenStep>& steps, const DiagnosisOptions& options, Diagnosis* diagnosis) {
+// Steps that stay significant beside the decoy: stacks of effects that only
+// imitate it do not.
+std::vector<ChosenStep> Survivors(const DiagnosedModel& partial, const Decoy& decoy, const std::vector<ChosenStep>& rest,
+                                  const SelectionOptions& options, int tests) {
+  ProjectedResidual residual =
+      ProjectedResidual(LinearizeEstimate(*partial.problem, partial.estimate.parameters)).With(decoy.columns);
+  const double left = residual.residual().squaredNorm() / std::max(1, partial.estimate.dof);
+  std::vector<ChosenStep> survivors;
+  for (const ChosenStep& step : rest) {
+    const Eigen::MatrixXd columns = ColumnsOf(partial, step.candidate.spec);
+    const Score score = residual.Test(columns, step.candidate.settings);
+    if (score.rank == 0 || score.penalised <= 0.0) continue;
+    const double p = tests * ChiSquareSurvival(score.reduction / std::max(1.0, left), score.rank);
+    if (p >= options.significance) continue;
+    survivors.push_back(step);
+    residual = residual.With(columns);
+  }
+  return survivors;
+}
+
+// A decoy that beats as many catalogue steps: part of the cause is not in the
+// catalogue. Returns the steps that hold; `final` becomes the model with them.
+std::vector<ChosenStep> StepsThatHold(const std::vector<ChosenStep>& steps, const SelectionOptions& options, int tests,
+                                      Diagnosis* diagnosis) {
+  const auto extend = [&](const std::vector<ChosenStep>& chosen) {
+    std::vector<EffectSpec> specs;
+    for (const ChosenStep& step : chosen) specs.push_back(step.candidate.spec);
+    return Extend(diagnosis->baseline, specs, options.joint);
+  };
   const double total = PenalisedTotal(diagnosis->baseline, diagnosis->final, steps);
   for (size_t kept = 0; kept < steps.size(); ++kept) {
-    std::vector<EffectSpec> specs;
-    std::vector<ChosenStep> first(steps.begin(), steps.begin() + static_cast<long>(kept));
-    for (const ChosenStep& step : first) specs.push_back(step.candidate.spec);
-    const DiagnosedModel partial = Extend(diagnosis->baseline, specs, options.joint);
+    std::vector<ChosenStep> held(steps.begin(), steps.begin() + static_cast<long>(kept));
+    const DiagnosedModel partial = extend(held);
     const Decoy decoy = BestDecoy(partial);
-    const double with_decoy = PenalisedTotal(diagnosis->baseline, partial, first) + decoy.penalised;
-    if (with_decoy <= total + kUnknownMargin) continue;
+    if (PenalisedTotal(diagnosis->baseline, partial, held) + decoy.penalised <= total + kUnknownMargin) continue;
     diagnosis->has_unexplained = true;
     diagnosis->unexplained = decoy;
-    diagnosis->final = partial;
-    return kept;
+    const std::vector<ChosenStep> rest(steps.begin() + static_cast<long>(kept), steps.end());
+    for (const ChosenStep& step : Survivors(partial, decoy, rest, options, tests)) held.push_back(step);
+    diagnosis->final = extend(held);
+    return held;
   }
-  return steps.size();
+  return steps;
 }
 
 void Decide(const DiagnosisOptions& options, Diagnosis* diagnosis) {
@@ -264,7 +289,8 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   std::vector<ChosenStep> steps = SelectEffects(model, list.candidates, selection, &diagnosis.final);
   if (!steps.empty()) {
     report("decoys against " + std::to_string(steps.size()) + " steps");
-    steps.resize(StepsThatHold(steps, options, &diagnosis));
+    const int tests = std::min<int>(selection.most_tests, static_cast<int>(list.candidates.size()));
+    steps = StepsThatHold(steps, selection, tests, &diagnosis);
   }
   report("alternatives");
   FillSteps(steps, list.candidates, selection, &diagnosis);
