@@ -54,7 +54,23 @@ Json DeflectionToJson(const Estimate& estimate) {
   return json;
 }
 
-Json ParameterToJson(const ParameterEstimate& row) {
+// Held parameters that this one moves together with: its value and interval
+// take them as exact.
+Json ConditionalOn(const ParameterEstimate& row, const Estimate& estimate) {
+  Json held = Json::array();
+  if (!row.free) return held;
+  for (const Direction& direction : estimate.identifiability.unidentifiable) {
+    bool is_in = false;
+    for (const auto& [name, share] : direction.components) is_in |= name == row.name;
+    for (const auto& [name, share] : direction.components) {
+      const int i = estimate.parameters.FindCoordinate(name);
+      if (is_in && i >= 0 && estimate.parameters.coordinates()[i].held) held.push_back(name);
+    }
+  }
+  return held;
+}
+
+Json ParameterToJson(const ParameterEstimate& row, const Estimate& estimate) {
   const QuantityTraits& traits = TraitsOf(row.quantity);
   const auto in_unit = [&](double si) { return si / traits.si_per_unit; };
   Json json = {
@@ -66,6 +82,8 @@ Json ParameterToJson(const ParameterEstimate& row) {
   json["free"] = row.free;
   json["identifiable"] = row.identifiable;
   json["at_bound"] = row.at_bound;
+  const Json conditional = ConditionalOn(row, estimate);
+  if (!conditional.empty()) json["conditional_on"] = conditional;
   return json;
 }
 
@@ -194,7 +212,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["validation"] = ValidationToJson(estimate);
   json["deflection"] = DeflectionToJson(estimate);
   json["parameters"] = Json::array();
-  for (const ParameterEstimate& row : estimate.table) json["parameters"].push_back(ParameterToJson(row));
+  for (const ParameterEstimate& row : estimate.table) json["parameters"].push_back(ParameterToJson(row, estimate));
   json["correlation"] = CorrelationToJson(estimate);
   json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
   json["sigma"] = SigmaToJson(estimate.sigma);
