@@ -41,11 +41,10 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
     latent_joints = problem.latent.joints;
     blocks.push_back((*latents)[problem.latent.visit_of_shot[shot_index]].data());
   }
-  ceres_problem->AddResidualBlock(
-      ShotCost::Create(&problem.model, problem.shot_inputs[shot_index], std::move(markers),
-                       parameters->ModelValues(), active, latent_joints)
-          .release(),
-      nullptr, blocks);
+  ceres_problem->AddResidualBlock(ShotCost::Create(&problem.model, problem.shot_inputs[shot_index], std::move(markers),
+                                                   parameters->ModelValues(), active, latent_joints)
+                                      .release(),
+                                  nullptr, blocks);
 }
 
 // Holds what is not estimated: whole blocks, or single coordinates.

@@ -50,7 +50,8 @@ std::optional<Eigen::Vector3d> GeometryAt(const CalibrationProblem& problem, con
   const int joint = chain.JointTransform(problem.robot.gravity_compensator->joint);
   if (problem.marker_frames[lever] != joint + 1 || problem.marker_frames[anchor] > joint) return std::nullopt;
   const std::vector<double> theta = parameters.ModelValues();
-  std::vector<double> values = problem.model.TransformValues(ShotInput(Eigen::VectorXd::Zero(chain.num_joints())), theta.data());
+  std::vector<double> values =
+      problem.model.TransformValues(ShotInput(Eigen::VectorXd::Zero(chain.num_joints())), theta.data());
   values[joint] = chain.transforms[joint].nominal;  // the spring's q = 0: errors and deflections are part of q
   ChainState<double> state;
   EvaluateChain(chain, values.data(), &state);

@@ -20,15 +20,15 @@
 namespace sagitta {
 
 struct CompensatorMarkers {
-  std::vector<double> q;          // of joint 2, rad, one per lever point
-  Eigen::Matrix3Xd lever_points;  // P1, m; joint 1 stands still
+  std::vector<double> q;           // of joint 2, rad, one per lever point
+  Eigen::Matrix3Xd lever_points;   // P1, m; joint 1 stands still
   Eigen::Matrix3Xd anchor_points;  // P2, m, same frame; at least one
   double point_sigma = 0.0;        // m, per coordinate of every point
   double anchor_sigma = 0.0;       // m, on top: how well P2 stands for the anchor
 };
 
 struct CompensatorGeometry {
-  bool solved = false;  // at least three distinct angles, an anchor
+  bool solved = false;                                   // at least three distinct angles, an anchor
   double L = 0.0, a_x = 0.0, a_y = 0.0;                  // m
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (L, a_x, a_y)
   Vector3<double> center = Vector3<double>::Zero();      // m

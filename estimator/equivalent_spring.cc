@@ -13,8 +13,8 @@ Eigen::RowVector3d StiffnessRow(const SpringGeometry& geometry, double q) {
   // a L sin g, a L cos g without forming an angle.
   const double sine = geometry.L * (geometry.a_x * std::cos(q) - geometry.a_y * std::sin(q));
   const double cosine = geometry.L * (geometry.a_y * std::cos(q) + geometry.a_x * std::sin(q));
-  const double squared_length = geometry.a_x * geometry.a_x + geometry.a_y * geometry.a_y +
-                                geometry.L * geometry.L + 2 * cosine;
+  const double squared_length =
+      geometry.a_x * geometry.a_x + geometry.a_y * geometry.a_y + geometry.L * geometry.L + 2 * cosine;
   const double length = std::sqrt(squared_length);
   return {1.0, -cosine, (sine * sine / squared_length + cosine) / length};
 }
@@ -46,8 +46,8 @@ EquivalentSpring FitEquivalentSpring(const std::vector<JointTwoNode>& nodes, con
   spring.condition = s[0] / s[2];
   if (!(s[2] > kSingular * s[0])) return spring;
   // solution = pseudo * stiffness
-  const Eigen::MatrixXd pseudo = scale.cwiseInverse().asDiagonal() * svd.matrixV() *
-                                 s.cwiseInverse().asDiagonal() * svd.matrixU().transpose() * weight.asDiagonal();
+  const Eigen::MatrixXd pseudo = scale.cwiseInverse().asDiagonal() * svd.matrixV() * s.cwiseInverse().asDiagonal() *
+                                 svd.matrixU().transpose() * weight.asDiagonal();
   const Eigen::Vector3d solution = pseudo * stiffness;
   if (solution[0] == 0.0 || solution[1] == 0.0) return spring;
   spring.K0 = solution[0];

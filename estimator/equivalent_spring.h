@@ -24,14 +24,14 @@ struct SpringGeometry {
 };
 
 struct EquivalentSpring {
-  bool solved = false;  // three nodes at least, of full rank, Kc not zero
-  double K0 = 0.0;      // N m/rad
-  double Kc = 0.0;      // N/m
-  double s0 = 0.0;      // m
-  double k0 = 0.0;      // 1 / K0, rad/(N m)
+  bool solved = false;                                   // three nodes at least, of full rank, Kc not zero
+  double K0 = 0.0;                                       // N m/rad
+  double Kc = 0.0;                                       // N/m
+  double s0 = 0.0;                                       // m
+  double k0 = 0.0;                                       // 1 / K0, rad/(N m)
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of (k0, Kc, s0), from the nodes' sigmas
-  double rms = 0.0;       // of the nodes' k, rad/(N m), no degrees of freedom taken off
-  double condition = 0.0;  // of the column-normalised system
+  double rms = 0.0;                                      // of the nodes' k, rad/(N m), no degrees of freedom taken off
+  double condition = 0.0;                                // of the column-normalised system
 };
 
 // Weight of node i: 1, as the papers do, or its own variance of 1/k.

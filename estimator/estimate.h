@@ -44,10 +44,10 @@ struct ParameterEstimate {
   double nominal = 0.0;  // SI; geometric errors 0, base and markers the aligned start
   double sigma = 0.0;    // 0 unless estimated
   Interval ci95;
-  bool free = false;          // estimated
-  bool identifiable = true;   // false: held, the data cannot tell it
-  bool at_bound = false;      // the value or its interval meets the physical bound
-  bool weak = false;          // known worse than 1 mm, 1 mrad or half its value
+  bool free = false;         // estimated
+  bool identifiable = true;  // false: held, the data cannot tell it
+  bool at_bound = false;     // the value or its interval meets the physical bound
+  bool weak = false;         // known worse than 1 mm, 1 mrad or half its value
 };
 
 struct SigmaReport {
@@ -65,12 +65,12 @@ struct Estimate {
   double seconds = 0.0;
   double cost = 0.0;  // 1/2 sum of squared whitened residuals
 
-  ParameterSet parameters;  // the optimum
-  ParameterSet aligned;     // nominal robot, base and markers fitted: "before"
+  ParameterSet parameters;               // the optimum
+  ParameterSet aligned;                  // nominal robot, base and markers fitted: "before"
   std::vector<ParameterEstimate> table;  // one per coordinate
 
-  std::vector<int> estimated;   // coordinates behind the rows of `covariance`
-  Eigen::MatrixXd covariance;   // SI, scaled where sigma.scaled or not stated
+  std::vector<int> estimated;  // coordinates behind the rows of `covariance`
+  Eigen::MatrixXd covariance;  // SI, scaled where sigma.scaled or not stated
   Identifiability identifiability;
   SigmaReport sigma;
   double chi2 = 0.0;
@@ -83,7 +83,7 @@ struct Estimate {
   // Loaded minus unloaded of equal (configuration, visit, marker): measured, and
   // measured minus predicted. `observations` counts the pairs.
   ResidualSize deflection_before, deflection_after;
-  double noise_floor = 0.0;  // m: the same at the sigmas as stated
+  double noise_floor = 0.0;               // m: the same at the sigmas as stated
   double validation_predicted_rms = 0.0;  // m, per coordinate: noise and parameters
 
   // Per observation of the data, in row order.

@@ -78,8 +78,10 @@ std::string RemedyFor(const std::vector<std::pair<std::string, double>>& compone
     return "measure with the flange turned about at least two axes (wrist joints spread over 60 degrees or more), or "
            "state the marker's point";
   }
-  if (marker && geometry) return "only where the marker ends up matters: leave the error at nominal, or state the marker's point";
-  if (base && geometry) return "only where the robot ends up matters: leave the error at nominal, or state the base pose";
+  if (marker && geometry)
+    return "only where the marker ends up matters: leave the error at nominal, or state the marker's point";
+  if (base && geometry)
+    return "only where the robot ends up matters: leave the error at nominal, or state the base pose";
   if (marker) return "observe the marker at more configurations with different flange orientations";
   if (base) return "observe from this station at more configurations spread over the workspace";
   return "move the joints near these transforms over a wider range, or leave the error at nominal";
@@ -108,7 +110,8 @@ std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& 
   }
   if (shown < components.size()) names += " and " + std::to_string(components.size() - shown) + " more";
   if (components.size() > 2) {
-    return names + " move together: only " + std::to_string(components.size() - 1) + " combinations of them are measured";
+    return names + " move together: only " + std::to_string(components.size() - 1) +
+           " combinations of them are measured";
   }
   const double ratio = -components[1].second / components[0].second;
   const bool alike = std::abs(std::abs(ratio) - 1.0) < 0.05;

@@ -10,12 +10,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;       // m, where none is stated: its scale is estimated afterwards
+constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: its scale is estimated afterwards
 constexpr int kMaxHoldRounds = 8;
-constexpr int kFreshRounds = 3;               // afterwards what is held stays held
+constexpr int kFreshRounds = 3;  // afterwards what is held stays held
 constexpr int kMaxPolishSteps = 6;
-constexpr double kPolishReach = 1.0;          // standard deviations: farther off, Ceres has failed
-constexpr double kConvergedSteps = 1e-5;      // Gauss-Newton step left at the optimum, standard deviations
+constexpr double kPolishReach = 1.0;      // standard deviations: farther off, Ceres has failed
+constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
 
 void Report(const JointOptions& options, const std::string& what) {
   if (options.progress) options.progress(what);
@@ -75,9 +75,9 @@ std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
 bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& residuals, bool only_add,
                 Estimate* estimate) {
   ParameterSet& parameters = estimate->parameters;
-  Linearization all = Linearize(problem, parameters, residuals.observations,
-                                      only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters),
-                                      residuals.sigmas);
+  Linearization all =
+      Linearize(problem, parameters, residuals.observations,
+                only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters), residuals.sigmas);
   if (!all.valid) return false;
   AppendPriors(parameters, &all);
   const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
@@ -122,7 +122,7 @@ void TakeStep(const Linearization& linearization, const LinearSolution& solution
 
 // What the last Gauss-Newton step says of the optimum.
 struct Certificate {
-  bool valid = false;      // the equilibria converge
+  bool valid = false;  // the equilibria converge
   bool full_rank = false;
   bool exact_fit = false;  // nothing left to explain
   int columns = 0;
@@ -135,8 +135,8 @@ struct Certificate {
 Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& residuals, ParameterSet* parameters) {
   Certificate certificate;
   for (int i = 0; i < kMaxPolishSteps && certificate.step >= kConvergedSteps; ++i) {
-    Linearization here = Linearize(problem, *parameters, residuals.observations, InteriorCoordinates(*parameters),
-                                   residuals.sigmas);
+    Linearization here =
+        Linearize(problem, *parameters, residuals.observations, InteriorCoordinates(*parameters), residuals.sigmas);
     certificate.valid = here.valid;
     if (!here.valid) return certificate;
     AppendPriors(*parameters, &here);
@@ -165,14 +165,16 @@ void Finish(const CalibrationProblem& problem, const ResidualSelection& residual
   if (!certificate.valid) return FailEquilibrium(problem, estimate);
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;
-    estimate->message = "the scatter is so large that every unknown had to be held; check signs and zero positions of "
-                        "the joints, the kinematics and the units";
+    estimate->message =
+        "the scatter is so large that every unknown had to be held; check signs and zero positions of "
+        "the joints, the kinematics and the units";
   } else if (!certificate.full_rank) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the optimum although nothing is held";
   } else if (!minimized.usable || !(certificate.step < kConvergedSteps || certificate.exact_fit)) {
     estimate->status = Status::kNoConvergence;
-    estimate->message = "stopped " + std::to_string(certificate.step) + " standard deviations from the optimum: " + minimized.message;
+    estimate->message =
+        "stopped " + std::to_string(certificate.step) + " standard deviations from the optimum: " + minimized.message;
   } else if (!estimate->identifiability.unidentifiable.empty()) {
     estimate->status = Status::kConvergedWithHeldParameters;
     estimate->message = std::to_string(estimate->identifiability.unidentifiable.size()) +
@@ -196,7 +198,8 @@ Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& 
   return EstimateFrom(problem, start, options);
 }
 
-Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start_values, const JointOptions& options) {
+Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start_values,
+                      const JointOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.parameters = start_values;
@@ -211,8 +214,8 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   minimize.num_threads = options.num_threads;
   MinimizeSummary minimized;
   for (int round = 0; round < kMaxHoldRounds; ++round) {
-    Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) + " unknowns on " +
-                        std::to_string(residuals.observations.size()) + " observations");
+    Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
+                        " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
     ResetHeld(estimate.aligned, &estimate.parameters);
     minimized = MinimizeJointly(problem, residuals, minimize, &estimate.parameters);
     estimate.iterations += minimized.iterations;

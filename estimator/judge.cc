@@ -183,7 +183,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   if (!estimate->sigma.stated) estimate->sigmas.setConstant(estimate->sigma.estimated);
 
   std::set<int> configurations;
-  for (const int i : calibration) configurations.insert(problem.data.shots[problem.data.observations[i].shot].configuration);
+  for (const int i : calibration)
+    configurations.insert(problem.data.shots[problem.data.observations[i].shot].configuration);
   estimate->calibration_configurations = static_cast<int>(configurations.size());
   estimate->fit = SizeAt(problem, parameters, calibration);
   estimate->validation = SizeAt(problem, parameters, validation);

@@ -106,29 +106,31 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
   result.latent.setZero(3 * observations.size(), latent.size());
   const std::vector<int> column_of = ColumnOfCoordinate(parameters, columns);
   const ActiveParameters active = FindActive(parameters, column_of);
-  result.valid = ForEachPrediction(problem, parameters, observations, active.model_parameters, !latent.empty(),
-                    [&](size_t k, const PointPrediction& prediction) {
-    const Observation& observation = problem.data.observations[observations[k]];
-    const Shot& shot = problem.data.shots[observation.shot];
-    const Vector3<double> weights = sigmas.segment<3>(3 * k).cwiseInverse();
-    result.residual.segment<3>(3 * k) = (prediction.point - observation.point_in_station).cwiseProduct(weights);
-    auto rows = result.jacobian.middleRows(3 * k, 3);
-    const auto write = [&](int first_coordinate, const auto& derivative) {
-      for (int i = 0; i < 3; ++i) {
-        const int column = column_of[first_coordinate + i];
-        if (column >= 0) rows.col(column) = derivative.col(i).cwiseProduct(weights);
-      }
-    };
-    write(parameters.station_translation(shot.station).first_coordinate, prediction.d_translation);
-    write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
-    write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
-    for (size_t i = 0; i < active.columns.size(); ++i) {
-      rows.col(active.columns[i]) = prediction.d_theta.col(i).cwiseProduct(weights);
-    }
-    for (int i = 0; i < latent.size(); ++i) {
-      result.latent.block<3, 1>(3 * k, i) = latent.sigmas[i] * prediction.d_latent.col(latent.joints[i]).cwiseProduct(weights);
-    }
-  });
+  result.valid = ForEachPrediction(
+      problem, parameters, observations, active.model_parameters, !latent.empty(),
+      [&](size_t k, const PointPrediction& prediction) {
+        const Observation& observation = problem.data.observations[observations[k]];
+        const Shot& shot = problem.data.shots[observation.shot];
+        const Vector3<double> weights = sigmas.segment<3>(3 * k).cwiseInverse();
+        result.residual.segment<3>(3 * k) = (prediction.point - observation.point_in_station).cwiseProduct(weights);
+        auto rows = result.jacobian.middleRows(3 * k, 3);
+        const auto write = [&](int first_coordinate, const auto& derivative) {
+          for (int i = 0; i < 3; ++i) {
+            const int column = column_of[first_coordinate + i];
+            if (column >= 0) rows.col(column) = derivative.col(i).cwiseProduct(weights);
+          }
+        };
+        write(parameters.station_translation(shot.station).first_coordinate, prediction.d_translation);
+        write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
+        write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
+        for (size_t i = 0; i < active.columns.size(); ++i) {
+          rows.col(active.columns[i]) = prediction.d_theta.col(i).cwiseProduct(weights);
+        }
+        for (int i = 0; i < latent.size(); ++i) {
+          result.latent.block<3, 1>(3 * k, i) =
+              latent.sigmas[i] * prediction.d_latent.col(latent.joints[i]).cwiseProduct(weights);
+        }
+      });
   if (treatment == LatentTreatment::kMarginalise && !latent.empty()) Marginalise(problem, &result);
   return result;
 }

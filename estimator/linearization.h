@@ -16,13 +16,13 @@ namespace sagitta {
 enum class LatentTreatment { kMarginalise, kIgnore };
 
 struct Linearization {
-  Eigen::VectorXd residual;  // (predicted - measured) / sigma, 3 rows per observation, then priors
-  Eigen::MatrixXd jacobian;  // d residual / d coordinate, 1/SI; one column per entry of `columns`
-  std::vector<int> columns;  // coordinate indices into ParameterSet
+  Eigen::VectorXd residual;       // (predicted - measured) / sigma, 3 rows per observation, then priors
+  Eigen::MatrixXd jacobian;       // d residual / d coordinate, 1/SI; one column per entry of `columns`
+  std::vector<int> columns;       // coordinate indices into ParameterSet
   std::vector<int> observations;  // index into Measurements::observations of each block of 3 rows
 
   Eigen::MatrixXd latent;  // L of each row; no columns where joints are exact
-  bool valid = true;  // false: the equilibrium of a loaded shot diverged there
+  bool valid = true;       // false: the equilibrium of a loaded shot diverged there
 
   int num_rows() const { return static_cast<int>(residual.size()); }
   int num_columns() const { return static_cast<int>(jacobian.cols()); }
@@ -37,8 +37,7 @@ Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::
 // sigmas: 3 per observation, m.
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
                         const std::vector<int>& observations, const std::vector<int>& columns,
-                        const Eigen::VectorXd& sigmas,
-                        LatentTreatment treatment = LatentTreatment::kMarginalise);
+                        const Eigen::VectorXd& sigmas, LatentTreatment treatment = LatentTreatment::kMarginalise);
 
 // Adds one row per column whose coordinate has a prior: (value - prior) / sigma.
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization);
@@ -51,10 +50,10 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
 // Least-squares solution of J x = -r and its covariance factor, with columns
 // scaled to unit norm so that mixed units cannot break the rank decision.
 struct LinearSolution {
-  Eigen::VectorXd step;         // SI, one per column
-  Eigen::MatrixXd covariance;   // (J'J)^-1, SI
+  Eigen::VectorXd step;                // SI, one per column
+  Eigen::MatrixXd covariance;          // (J'J)^-1, SI
   double residual_norm_squared = 0.0;  // |J x + r|^2
-  double condition = 0.0;       // of the column-normalised Jacobian
+  double condition = 0.0;              // of the column-normalised Jacobian
   bool full_rank = true;
 };
 LinearSolution SolveLinearization(const Linearization& linearization);

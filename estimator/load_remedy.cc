@@ -13,9 +13,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;   // m
-constexpr double kPull = 500.0;           // N
-constexpr double kOffAxis = 0.1;          // m
+constexpr double kFallbackSigma = 1e-3;  // m
+constexpr double kPull = 500.0;          // N
+constexpr double kOffAxis = 0.1;         // m
 constexpr int kPulls = 3;
 constexpr int kHeadings = 8;
 constexpr size_t kMostConfigurations = 60;  // tried
@@ -59,7 +59,7 @@ std::vector<int> ShotPerConfiguration(const CalibrationProblem& problem) {
 
 // What the data at hand say of the held coordinate.
 struct Background {
-  std::vector<int> columns;  // estimated, then the held one
+  std::vector<int> columns;    // estimated, then the held one
   Eigen::MatrixXd covariance;  // C, of what is estimated, whitened units
   Eigen::VectorXd follow;      // w
   double information = 0.0;    // i0
@@ -85,8 +85,8 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
 struct Candidate {
   int configuration;
   AppliedWrench wrench;
-  Eigen::VectorXd held;      // b~
-  Eigen::MatrixXd others;    // A
+  Eigen::VectorXd held;       // b~
+  Eigen::MatrixXd others;     // A
   Eigen::MatrixXd deviation;  // L
 };
 
@@ -138,9 +138,8 @@ LoadPlan ChooseBest(const CalibrationProblem& problem, const Estimate& estimate,
     const Candidate* best = nullptr;
     double most = 0.0;
     for (const Candidate& candidate : candidates) {
-      const bool used = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate* c) {
-        return c->configuration == candidate.configuration;
-      });
+      const bool used = std::any_of(chosen.begin(), chosen.end(),
+                                    [&](const Candidate* c) { return c->configuration == candidate.configuration; });
       if (used || candidate.held.size() == 0) continue;
       chosen.push_back(&candidate);
       const double information = Information(chosen, background);

@@ -19,7 +19,7 @@ class RotationManifold : public ceres::Manifold {
   int AmbientSize() const override { return 4; }
   int TangentSize() const override { return static_cast<int>(free_axes_.size()); }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
-  bool PlusJacobian(const double* x, double* jacobian) const override;   // 4 x n, row major
+  bool PlusJacobian(const double* x, double* jacobian) const override;  // 4 x n, row major
   bool Minus(const double* y, const double* x, double* y_minus_x) const override;
   bool MinusJacobian(const double* x, double* jacobian) const override;  // n x 4, row major
 

@@ -20,7 +20,7 @@
 namespace sagitta {
 
 struct MarkerMeasurement {
-  int frame = 0;                    // chain frame the marker rides on
+  int frame = 0;                     // chain frame the marker rides on
   Vector3<double> point_in_station;  // m
   Vector3<double> sigma;             // m, > 0
   int id = -1;                       // index of the marker, for effects on it
@@ -37,8 +37,8 @@ class ShotCost : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
-  ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers,
-           std::vector<double> theta, std::vector<int> active, std::vector<int> latent_joints);
+  ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers, std::vector<double> theta,
+           std::vector<int> active, std::vector<int> latent_joints);
 
   const ForwardModel* model_;
   ShotInput shot_;

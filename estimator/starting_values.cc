@@ -155,7 +155,8 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
     MinimizeJointly(problem, {observations, sigmas, CostGranularity::kShot}, minimize, &polished);
     const double rms = DistanceRms(framed, polished);
     if (!(rms <= candidate.rms * 1.5)) continue;  // weighted and unweighted optimum differ a little
-    for (int s = 0; s < polished.num_stations(); ++s) candidate.parameters.SetBaseInStation(s, polished.BaseInStation(s));
+    for (int s = 0; s < polished.num_stations(); ++s)
+      candidate.parameters.SetBaseInStation(s, polished.BaseInStation(s));
     for (int m = 0; m < polished.num_markers(); ++m) candidate.parameters.SetMarkerPoint(m, polished.MarkerPoint(m));
     candidate.rms = rms;
   }

@@ -17,8 +17,8 @@ namespace sagitta {
 struct StartingValueOptions {
   int random_marker_starts = 6;
   int alternations = 25;
-  int polished = 2;               // how many of the best starts are polished
-  double marker_spread = 0.3;     // m, of the random marker starts
+  int polished = 2;            // how many of the best starts are polished
+  double marker_spread = 0.3;  // m, of the random marker starts
   unsigned long long seed = 1;
 };
 

@@ -21,9 +21,9 @@ constexpr double kDiverged = 1e12;       // standard deviations per step
 constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error
 constexpr double kFarStep = 0.1;         // of the cost, explained by one step: check that it does come down
 constexpr int kMaxHalvings = 20;
-constexpr int kRateWindow = 6;           // iterations the measured rate is taken over ...
-constexpr int kStandstill = 20;          // iterations without progress that show rounding
-constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
+constexpr int kRateWindow = 6;       // iterations the measured rate is taken over ...
+constexpr int kStandstill = 20;      // iterations without progress that show rounding
+constexpr double kRateFloor = 1e-6;  // ... the last ones with steps above this many standard deviations
 
 Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet& parameters,
                                   const std::vector<int>& columns) {

@@ -47,7 +47,8 @@ std::string Chain::Defect() const {
     const Joint& joint = joints[transform.joint];
     ++carried[transform.joint];
     if (transform.is_rotation() != (joint.type == JointType::kRevolute)) {
-      return "joint '" + joint.name + "' is " + (transform.is_rotation() ? "prismatic but turns" : "revolute but slides");
+      return "joint '" + joint.name + "' is " +
+             (transform.is_rotation() ? "prismatic but turns" : "revolute but slides");
     }
   }
   for (int j = 0; j < num_joints(); ++j) {

@@ -33,10 +33,10 @@ enum class Motion { kTranslation, kRotation };
 struct ElementaryTransform {
   Motion motion = Motion::kTranslation;
   Axis axis = Axis::kX;
-  double nominal = 0.0;  // m or rad; on a joint: its offset
-  int joint = -1;        // index into Chain::joints, -1: fixed
-  double sign = 1.0;     // of the joint value
-  std::string error;     // name of the geometric error parameter, "" if none
+  double nominal = 0.0;    // m or rad; on a joint: its offset
+  int joint = -1;          // index into Chain::joints, -1: fixed
+  double sign = 1.0;       // of the joint value
+  std::string error;       // name of the geometric error parameter, "" if none
   bool tilt_slot = false;  // silent (0) place for a tilt; not part of the description
 
   bool has_joint() const { return joint >= 0; }

@@ -18,7 +18,7 @@ namespace sagitta {
 enum class DhConvention { kStandard, kModified };
 
 struct DhLink {
-  int joint = -1;  // index into the joints
+  int joint = -1;      // index into the joints
   double a = 0.0;      // m
   double alpha = 0.0;  // rad
   double d = 0.0;      // m

@@ -126,8 +126,8 @@ Eigen::MatrixXd TorqueByRotation(const ElasticQuery& query, const ChainState<dou
   return derivative;
 }
 
-void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation,
-                   const Law& law, Equilibrium* result) {
+void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation, const Law& law,
+                   Equilibrium* result) {
   result->by_value = result->response * law.by_value;
   result->by_torque = result->response * result->flexibility.asDiagonal();
   Eigen::MatrixXd torque = TorqueByRotation(query, result->state, *query.wrenches, base_rotation);

@@ -44,7 +44,7 @@ struct CompensatorOnJoint {
 // Where the equilibrium is asked for.
 struct ElasticQuery {
   const Chain* chain;
-  const std::vector<int>* slots;  // transforms that may deflect
+  const std::vector<int>* slots;          // transforms that may deflect
   const CompensatorOnJoint* compensator;  // null: none
   const Eigen::VectorXd* q;               // commanded and coupled, one per joint
   const std::vector<AppliedWrench>* wrenches;
@@ -56,13 +56,13 @@ struct Equilibrium {
   bool converged = false;
   std::vector<double> values;  // v_e, deflections included
   ChainState<double> state;
-  Eigen::VectorXd torque;              // tau, n
-  Eigen::VectorXd flexibility;         // sum factor theta phi'(tau), n
-  Eigen::MatrixXd response;            // A, n x n
-  Eigen::MatrixXd by_value;            // A F: du / dv_e, n x transforms
-  Eigen::MatrixXd by_torque;           // A diag(flexibility): du / d tau from outside, n x n
-  Eigen::MatrixXd by_rotation;         // du / d left perturbation of the base rotation, n x 3
-  Eigen::MatrixXd torque_by_spring;    // d tau / d (L, a_x, a_y, s0, Kc), n x 5; empty without a compensator
+  Eigen::VectorXd torque;            // tau, n
+  Eigen::VectorXd flexibility;       // sum factor theta phi'(tau), n
+  Eigen::MatrixXd response;          // A, n x n
+  Eigen::MatrixXd by_value;          // A F: du / dv_e, n x transforms
+  Eigen::MatrixXd by_torque;         // A diag(flexibility): du / d tau from outside, n x n
+  Eigen::MatrixXd by_rotation;       // du / d left perturbation of the base rotation, n x 3
+  Eigen::MatrixXd torque_by_spring;  // d tau / d (L, a_x, a_y, s0, Kc), n x 5; empty without a compensator
 };
 
 // values: v_e without deflections. base_rotation: R of base_in_station.
@@ -100,7 +100,8 @@ std::vector<T> IterateEquilibrium(const ElasticQuery& query, const T* theta, con
     for (const ElasticTerm& term : query.terms->elastic) {
       const int e = term.transform;
       T torque = torque_of(e, *query.wrenches);
-      for (const WrenchTerm& load : query.terms->wrenches) torque += theta[load.parameter] * torque_of(e, load.wrenches);
+      for (const WrenchTerm& load : query.terms->wrenches)
+        torque += theta[load.parameter] * torque_of(e, load.wrenches);
       if (query.compensator != nullptr && query.compensator->transform == e) {
         torque += query.compensator->Torque(theta, deflected[e], (*query.q)[query.compensator->joint]);
       }

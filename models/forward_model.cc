@@ -37,6 +37,29 @@ Robot WithTiltSlots(Robot robot) {
   return robot;
 }
 
+// The instrument's side: scale of the arm (growth), and what the station sees.
+struct SeenFrom {
+  SeenFrom(const ShotTerms& terms, const double* theta, const Pose<double>& base_in_station) {
+    for (const BaseTerm& term : terms.base) scale += theta[term.parameter] * term.factor;
+    for (const StationTerm& term : terms.station) from_true += theta[term.parameter] * term.gradient;
+    from_base = scale * from_true * base_in_station.rotation;
+  }
+
+  double scale = 1.0;
+  Matrix3<double> from_true = Matrix3<double>::Identity();  // of a displacement in the station frame
+  Matrix3<double> from_base;                                // of a displacement in the base frame
+};
+
+Vector3<double> OwnPoint(const ShotTerms& terms, const double* theta, const MarkerInFrame& marker) {
+  Vector3<double> own = marker.point;
+  for (const MarkerTerm& term : terms.markers) {
+    if (term.marker == marker.id) own += theta[term.parameter] * term.direction;
+  }
+  return own;
+}
+
+}  // namespace
+
 // d point_base of one marker by everything, at the loaded arm.
 class MarkerVelocities {
  public:
@@ -75,8 +98,6 @@ class MarkerVelocities {
   const int frame_;
   Eigen::Matrix3Xd by_deflection_;
 };
-
-}  // namespace
 
 ForwardModel::ForwardModel(Chain chain) {
   robot_.chain = std::move(chain);
@@ -130,7 +151,8 @@ void ForwardModel::AddCompensator() {
   const char* names[5] = {"L", "a_x", "a_y", "s0", "Kc"};
   for (int i = 0; i < 5; ++i) {
     const Quantity quantity = i < 4 ? Quantity::kLength : Quantity::kSpringRate;
-    parameters_.push_back({std::string("compensator/") + names[i], quantity, ParameterLaw::kCompensator, i, nominal[i]});
+    parameters_.push_back(
+        {std::string("compensator/") + names[i], quantity, ParameterLaw::kCompensator, i, nominal[i]});
   }
   parameters_.back().lower = 0.0;  // Kc
 }
@@ -186,7 +208,8 @@ bool ForwardModel::IsElastic(const ShotInput& shot) const {
 }
 
 ElasticQuery ForwardModel::Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const {
-  return {&robot_.chain, &elastic_slots_, compensator_ ? &*compensator_ : nullptr, &coupled, &shot.wrenches, &shot.terms};
+  return {&robot_.chain, &elastic_slots_, compensator_ ? &*compensator_ : nullptr,
+          &coupled,      &shot.wrenches,  &shot.terms};
 }
 
 Equilibrium ForwardModel::Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
@@ -210,87 +233,94 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
   if (!shot.prepared) return Predict(Prepared(shot), theta, active, base_in_station, markers, predictions, latent);
   const Equilibrium equilibrium = Equilibrate(shot, theta, base_in_station.rotation, latent);
   if (!equilibrium.converged) return false;
-  const Matrix3<double>& rotation = base_in_station.rotation;
-  const bool elastic = equilibrium.response.size() > 0;
   std::vector<int> column_of(num_parameters(), -1);
   for (size_t i = 0; i < active.size(); ++i) column_of[active[i]] = static_cast<int>(i);
-  double scale = 1.0;
-  for (const BaseTerm& term : shot.terms.base) scale += theta[term.parameter] * term.factor;
-  Matrix3<double> seen_from_true = Matrix3<double>::Identity();
-  for (const StationTerm& term : shot.terms.station) seen_from_true += theta[term.parameter] * term.gradient;
-  const auto slot_index = [&](int transform) {
-    return std::lower_bound(elastic_slots_.begin(), elastic_slots_.end(), transform) - elastic_slots_.begin();
-  };
+  const SeenFrom seen(shot.terms, theta, base_in_station);
   predictions->resize(markers.size());
   for (size_t m = 0; m < markers.size(); ++m) {
     const MarkerInFrame& marker = markers[m];
     PointPrediction& prediction = (*predictions)[m];
     const Pose<double>& base_from_frame = equilibrium.state.frames[marker.frame];
-    Vector3<double> own = marker.point;
-    for (const MarkerTerm& term : shot.terms.markers) {
-      if (term.marker == marker.id) own += theta[term.parameter] * term.direction;
-    }
-    const Vector3<double> in_base = base_from_frame * own;
-    const Vector3<double> arm = scale * (rotation * in_base);
-    const Vector3<double> truth = arm + base_in_station.translation;
+    const Vector3<double> in_base = base_from_frame * OwnPoint(shot.terms, theta, marker);
     const MarkerVelocities velocities(chain(), elastic_slots_, equilibrium, in_base, marker.frame);
-    const Matrix3<double> seen_from_base = scale * seen_from_true * rotation;  // of a displacement
+    const Vector3<double> arm = seen.scale * (base_in_station.rotation * in_base);
+    const Vector3<double> truth = arm + base_in_station.translation;
     prediction.point = truth;
     for (const StationTerm& term : shot.terms.station) {
       prediction.point += theta[term.parameter] * (term.gradient * truth + term.offset);
     }
-    prediction.d_translation = seen_from_true;
-    prediction.d_rotation = -seen_from_true * Skew(arm) + seen_from_base * velocities.ByRotation();
-    prediction.d_marker = seen_from_base * base_from_frame.rotation;
-
+    prediction.d_translation = seen.from_true;
+    prediction.d_rotation = -seen.from_true * Skew(arm) + seen.from_base * velocities.ByRotation();
+    prediction.d_marker = seen.from_base * base_from_frame.rotation;
     prediction.d_theta.setZero(3, active.size());
     const auto add = [&](int parameter, const Vector3<double>& velocity_in_base) {
-      if (column_of[parameter] >= 0) prediction.d_theta.col(column_of[parameter]) += seen_from_base * velocity_in_base;
+      prediction.d_theta.col(column_of[parameter]) += seen.from_base * velocity_in_base;
     };
-    for (size_t i = 0; i < active.size(); ++i) {
-      const ModelParameter& parameter = parameters_[active[i]];
-      if (parameter.law == ParameterLaw::kGeometry) add(active[i], velocities.BySlot(parameter.index));
-      if (parameter.law == ParameterLaw::kCompensator && elastic) {
-        add(active[i], velocities.ByTorques(equilibrium.torque_by_spring.col(parameter.index)));
-      }
-    }
-    for (const SlotTerm& term : shot.terms.slots) {
-      if (column_of[term.parameter] >= 0) add(term.parameter, term.factor * velocities.BySlot(term.transform));
-    }
-    if (elastic) {
-      for (const ElasticTerm& term : shot.terms.elastic) {
-        if (column_of[term.parameter] < 0) continue;
-        const long s = slot_index(term.transform);
-        add(term.parameter, term.factor * ElasticPhi(term.law, equilibrium.torque[s]) * velocities.ByDeflection(s));
-      }
-      const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
-      const ElasticQuery query = Query(shot, coupled);
-      for (const WrenchTerm& term : shot.terms.wrenches) {
-        if (column_of[term.parameter] < 0) continue;
-        add(term.parameter, velocities.ByTorques(TorquesOf(query, equilibrium.state, term.wrenches, rotation)));
-      }
-      for (const SagTerm& term : shot.terms.sags) {
-        if (column_of[term.parameter] < 0) continue;
-        const long s = slot_index(term.transform);
-        add(term.parameter, TorquesOf(query, equilibrium.state, term.wrenches, rotation)[s] * velocities.ByDeflection(s));
-      }
-    }
+    AddDisplacements(shot, column_of, velocities, add);
+    AddLoads(shot, equilibrium, column_of, base_in_station.rotation, velocities, add);
     for (const MarkerTerm& term : shot.terms.markers) {
-      if (term.marker == marker.id) add(term.parameter, base_from_frame.rotation * term.direction);
+      if (term.marker != marker.id || column_of[term.parameter] < 0) continue;
+      add(term.parameter, base_from_frame.rotation * term.direction);
     }
-    for (const BaseTerm& term : shot.terms.base) add(term.parameter, term.factor / scale * in_base);
+    for (const BaseTerm& term : shot.terms.base) {
+      if (column_of[term.parameter] >= 0) add(term.parameter, term.factor / seen.scale * in_base);
+    }
     for (const StationTerm& term : shot.terms.station) {
       if (column_of[term.parameter] < 0) continue;
       prediction.d_theta.col(column_of[term.parameter]) += term.gradient * truth + term.offset;
     }
-
     prediction.d_latent.resize(3, latent != nullptr ? chain().num_joints() : 0);
     for (int j = 0; j < prediction.d_latent.cols(); ++j) {
       const int e = chain().JointTransform(j);
-      prediction.d_latent.col(j) = seen_from_base * chain().transforms[e].sign * velocities.BySlot(e);
+      prediction.d_latent.col(j) = seen.from_base * chain().transforms[e].sign * velocities.BySlot(e);
     }
   }
   return true;
+}
+
+// Columns of everything that moves a transform value by data alone.
+template <typename Add>
+void ForwardModel::AddDisplacements(const ShotInput& shot, const std::vector<int>& column_of,
+                                    const MarkerVelocities& velocities, const Add& add) const {
+  for (int i = 0; i < num_parameters(); ++i) {
+    if (column_of[i] < 0 || parameters_[i].law != ParameterLaw::kGeometry) continue;
+    add(i, velocities.BySlot(parameters_[i].index));
+  }
+  for (const SlotTerm& term : shot.terms.slots) {
+    if (column_of[term.parameter] >= 0) add(term.parameter, term.factor * velocities.BySlot(term.transform));
+  }
+}
+
+// Columns of everything that acts through torques: compliances, loads, springs.
+template <typename Add>
+void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibrium, const std::vector<int>& column_of,
+                            const Matrix3<double>& rotation, const MarkerVelocities& velocities, const Add& add) const {
+  if (equilibrium.response.size() == 0) return;
+  const auto slot_index = [&](int transform) {
+    return std::lower_bound(elastic_slots_.begin(), elastic_slots_.end(), transform) - elastic_slots_.begin();
+  };
+  const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
+  const ElasticQuery query = Query(shot, coupled);
+  const auto torques_of = [&](const std::vector<AppliedWrench>& wrenches) {
+    return TorquesOf(query, equilibrium.state, wrenches, rotation);
+  };
+  for (int i = 0; i < num_parameters(); ++i) {
+    if (column_of[i] < 0 || parameters_[i].law != ParameterLaw::kCompensator) continue;
+    add(i, velocities.ByTorques(equilibrium.torque_by_spring.col(parameters_[i].index)));
+  }
+  for (const ElasticTerm& term : shot.terms.elastic) {
+    if (column_of[term.parameter] < 0) continue;
+    const long s = slot_index(term.transform);
+    add(term.parameter, term.factor * ElasticPhi(term.law, equilibrium.torque[s]) * velocities.ByDeflection(s));
+  }
+  for (const WrenchTerm& term : shot.terms.wrenches) {
+    if (column_of[term.parameter] >= 0) add(term.parameter, velocities.ByTorques(torques_of(term.wrenches)));
+  }
+  for (const SagTerm& term : shot.terms.sags) {
+    if (column_of[term.parameter] < 0) continue;
+    const long s = slot_index(term.transform);
+    add(term.parameter, torques_of(term.wrenches)[s] * velocities.ByDeflection(s));
+  }
 }
 
 Robot ForwardModel::WithValues(const std::vector<double>& theta) const {

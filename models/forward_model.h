@@ -55,13 +55,15 @@ struct MarkerInFrame {
 
 // A predicted point with its derivatives, all in the station frame, SI.
 struct PointPrediction {
-  Vector3<double> point;                             // m
-  Matrix3<double> d_translation;                     // d point / d t: the identity, but for instrument effects
-  Matrix3<double> d_rotation;                        // d point / d left perturbation of R
-  Matrix3<double> d_marker;                          // d point / d marker point
-  Eigen::Matrix<double, 3, Eigen::Dynamic> d_theta;  // one column per active parameter
+  Vector3<double> point;                              // m
+  Matrix3<double> d_translation;                      // d point / d t: the identity, but for instrument effects
+  Matrix3<double> d_rotation;                         // d point / d left perturbation of R
+  Matrix3<double> d_marker;                           // d point / d marker point
+  Eigen::Matrix<double, 3, Eigen::Dynamic> d_theta;   // one column per active parameter
   Eigen::Matrix<double, 3, Eigen::Dynamic> d_latent;  // one column per joint, where a deviation was given
 };
+
+class MarkerVelocities;  // forward_model.cc
 
 class ForwardModel {
  public:
@@ -118,6 +120,12 @@ class ForwardModel {
   }
   bool IsElastic(const ShotInput& shot) const;
   ElasticQuery Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const;
+  template <typename Add>
+  void AddDisplacements(const ShotInput& shot, const std::vector<int>& column_of, const MarkerVelocities& velocities,
+                        const Add& add) const;
+  template <typename Add>
+  void AddLoads(const ShotInput& shot, const Equilibrium& equilibrium, const std::vector<int>& column_of,
+                const Matrix3<double>& rotation, const MarkerVelocities& velocities, const Add& add) const;
 
   Robot robot_;
   std::vector<std::string> markers_;

@@ -24,10 +24,10 @@ enum class Quantity {
 };
 
 struct QuantityTraits {
-  const char* unit;     // in results
-  double si_per_unit;   // SI value of one unit
-  double hold_limit;    // SI; a direction whose sigma exceeds it is unidentifiable
-  double weak_limit;    // SI; known worse than this is "weak"; 0: worse than half its value
+  const char* unit;    // in results
+  double si_per_unit;  // SI value of one unit
+  double hold_limit;   // SI; a direction whose sigma exceeds it is unidentifiable
+  double weak_limit;   // SI; known worse than this is "weak"; 0: worse than half its value
 };
 
 const QuantityTraits& TraitsOf(Quantity quantity);

@@ -89,7 +89,8 @@ void SetStartValues(CalibrationProblem* problem) {
     const auto spec = experiment.markers.find(problem->data.markers[m]);
     const bool given = spec != experiment.markers.end() && spec->second.point;
     if (!given && !experiment.estimate.markers) {
-      Fail(*problem, "estimate.markers", "the markers are held but marker '" + problem->data.markers[m] + "' has no point",
+      Fail(*problem, "estimate.markers",
+           "the markers are held but marker '" + problem->data.markers[m] + "' has no point",
            "state markers: {" + problem->data.markers[m] + ": {xyz_mm: …}}");
     }
     if (given) problem->parameters.SetMarkerPoint(m, *spec->second.point);
@@ -123,9 +124,7 @@ std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
   return set.free;
 }
 
-bool AnyLoaded(const Measurements& data) {
-  return std::any_of(data.shots.begin(), data.shots.end(), IsLoaded);
-}
+bool AnyLoaded(const Measurements& data) { return std::any_of(data.shots.begin(), data.shots.end(), IsLoaded); }
 
 // Joints whose compliance is asked for; by default all of them where rows are
 // loaded (what a load does not excite is held later, with words).
@@ -149,8 +148,8 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
     Fail(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
          "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
   }
-  return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator",
-                    "compensator parameter", problem.experiment.file);
+  return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator", "compensator parameter",
+                    problem.experiment.file);
 }
 
 // Joints that are to be estimated start rigid where the file states nothing.
@@ -172,8 +171,7 @@ void SetFree(CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
   const EstimateSpec& estimate = problem->experiment.estimate;
   const std::vector<std::string> errors = FreeErrors(problem);
-  const std::vector<std::string> compliant =
-      CompliantJoints(problem->robot, problem->data, problem->experiment);
+  const std::vector<std::string> compliant = CompliantJoints(problem->robot, problem->data, problem->experiment);
   const std::vector<std::string> spring = FreeSpring(*problem);
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     Coordinate& coordinate = parameters.coordinate(i);
@@ -223,7 +221,8 @@ void CheckEffects(const CalibrationProblem& problem) {
     }
     if (std::find(known.begin(), known.end(), spec.target) != known.end()) continue;
     throw InputError({problem.experiment.robot_file, 0, "effects"},
-                     "effect " + spec.effect + ": the data have no '" + spec.target + "'", SpellingHint(spec.target, known));
+                     "effect " + spec.effect + ": the data have no '" + spec.target + "'",
+                     SpellingHint(spec.target, known));
   }
 }
 
@@ -254,7 +253,8 @@ void SetPriors(CalibrationProblem* problem) {
     }
     Coordinate& coordinate = problem->parameters.coordinate(i);
     if (coordinate.quantity == Quantity::kRotationVector) {
-      Fail(*problem, key, "a prior on one axis of a rotation is not supported", "hold the station's pose instead (--fixed)");
+      Fail(*problem, key, "a prior on one axis of a rotation is not supported",
+           "hold the station's pose instead (--fixed)");
     }
     coordinate.prior_value = prior.value * TraitsOf(coordinate.quantity).si_per_unit;
     coordinate.prior_sigma = prior.sigma * TraitsOf(coordinate.quantity).si_per_unit;
@@ -324,9 +324,10 @@ void CheckEnoughData(const CalibrationProblem& problem) {
   }
   const int equations = 3 * observations.size();
   if (equations < unknowns) {
-    throw InputError({file, 0, ""},
-                     "fewer equations (" + std::to_string(equations) + ") than unknowns (" + std::to_string(unknowns) + ")",
-                     "measure more configurations or free less (estimate.geometry, --fixed)");
+    throw InputError(
+        {file, 0, ""},
+        "fewer equations (" + std::to_string(equations) + ") than unknowns (" + std::to_string(unknowns) + ")",
+        "measure more configurations or free less (estimate.geometry, --fixed)");
   }
 }
 

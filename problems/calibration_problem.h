@@ -21,11 +21,11 @@ struct CalibrationProblem {
   Robot robot;
   Measurements data;
   Experiment experiment;
-  ForwardModel model;                  // of `robot`
-  std::vector<int> marker_frames;      // chain frame of each marker of `data`
-  std::vector<ShotInput> shot_inputs;  // joint values and wrenches of each shot of `data`
-  LatentModel latent;                  // joint deviations per visit; empty where repeatability is 0
-  ParameterSet parameters;         // start values; free and fixed as the experiment says
+  ForwardModel model;                         // of `robot`
+  std::vector<int> marker_frames;             // chain frame of each marker of `data`
+  std::vector<ShotInput> shot_inputs;         // joint values and wrenches of each shot of `data`
+  LatentModel latent;                         // joint deviations per visit; empty where repeatability is 0
+  ParameterSet parameters;                    // start values; free and fixed as the experiment says
   std::vector<std::string> redundant_errors;  // default free set: what stays nominal
 
   // Standard deviations of an observation as stated (row, experiment or flag);

@@ -25,19 +25,19 @@ struct MarkerSpec {
 };
 
 struct StationSpec {
-  std::optional<Vector3<double>> base_xyz;         // m; base pose in the station frame
-  std::optional<Vector3<double>> base_rotvec;      // rad
-  std::optional<Vector3<double>> instrument_xyz;   // m, where the instrument stands in the measurement frame
+  std::optional<Vector3<double>> base_xyz;        // m; base pose in the station frame
+  std::optional<Vector3<double>> base_rotvec;     // rad
+  std::optional<Vector3<double>> instrument_xyz;  // m, where the instrument stands in the measurement frame
   std::optional<bool> levelled;
 };
 
 struct NoiseSpec {
   enum class From { kDefault, kSigma, kRows, kRepeats, kResiduals, kInstrument, kVarianceComponents };
-  From from = From::kDefault;    // rows where stated, else estimated
-  std::optional<double> sigma;   // m, where a row has none
-  bool replaces_rows = false;    // --sigma_mm
-  double lambda = 1.0;           // paper 003 eq. (14)
-  double sigma0 = 1e-5;          // m
+  From from = From::kDefault;   // rows where stated, else estimated
+  std::optional<double> sigma;  // m, where a row has none
+  bool replaces_rows = false;   // --sigma_mm
+  double lambda = 1.0;          // paper 003 eq. (14)
+  double sigma0 = 1e-5;         // m
   std::string group = "config-axis";
   int iterations = 10;
   double range = 0.0, range_per_m = 0.0, angle = 0.0, angle_per_m = 0.0;  // m, m/m

@@ -135,7 +135,8 @@ void CheckLoadStates(Measurements* data) {
   }
 }
 
-std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data, const Experiment& experiment) {
+std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data,
+                                      const Experiment& experiment) {
   const Chain& chain = model.chain();
   const Origins origins = FindOrigins(data);
   std::vector<ShotInput> inputs;
@@ -151,7 +152,8 @@ std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measureme
       input.conditions.load_wrenches = {LoadWrench(chain, data, shot, experiment)};
       input.wrenches.push_back(input.conditions.load_wrenches.front());
     } else if (!shot.wrench.IsZero()) {
-      FailAt(data, shot, "load", "the row has a wrench but its load is 'none'", "give the load a name in the column load");
+      FailAt(data, shot, "load", "the row has a wrench but its load is 'none'",
+             "give the load a name in the column load");
     }
     model.Prepare(&input);
     inputs.push_back(std::move(input));

@@ -23,6 +23,7 @@ void CheckLoadStates(Measurements* data);
 // or, where the wrench columns are absent or zero, mass times gravity. Throws
 // InputError for a load without a point, without a force, or a wrench on load
 // `none`.
-std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data, const Experiment& experiment);
+std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data,
+                                      const Experiment& experiment);
 
 }  // namespace sagitta

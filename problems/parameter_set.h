@@ -22,9 +22,9 @@ struct Coordinate {
   std::string name;
   Quantity quantity = Quantity::kLength;
   int block = -1;
-  int index_in_block = 0;  // of the tangent
-  bool free = true;        // asked for
-  bool held = false;       // asked for, but the data cannot tell: stays where it is
+  int index_in_block = 0;                                   // of the tangent
+  bool free = true;                                         // asked for
+  bool held = false;                                        // asked for, but the data cannot tell: stays where it is
   double lower = -std::numeric_limits<double>::infinity();  // SI
   double prior_value = 0.0;                                 // SI
   double prior_sigma = 0.0;                                 // SI; 0: no prior

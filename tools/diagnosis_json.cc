@@ -57,19 +57,22 @@ bool IsPlausible(const DiagnosisStep& step) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
     if (is_compliance && row.ci95.high < 0.0) return false;
     if (std::abs(row.value) > 5.0 * TraitsOf(row.quantity).hold_limit) return false;
-    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity") return false;
+    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity")
+      return false;
   }
   return true;
 }
 
 std::string SeparateBy(const EffectSpec& spec) {
   if (spec.effect == "gravity_compensator" || spec.effect == "link_gravity" || spec.effect == "self_weight_sag") {
-    return "poses with " + spec.target + " over its whole range, loaded and unloaded, and with the links beyond it folded and stretched";
+    return "poses with " + spec.target +
+           " over its whole range, loaded and unloaded, and with the links beyond it folded and stretched";
   }
   if (spec.effect == "joint_harmonic" || spec.effect == "encoder_gain" || spec.effect == "axis_wobble") {
     return "poses with " + spec.target + " evenly over its whole range, the other joints independent of it";
   }
-  if (FindEffect(spec.effect)->target == EffectTarget::kStation || spec.effect == "joint_slip" || spec.effect == "marker_shift") {
+  if (FindEffect(spec.effect)->target == EffectTarget::kStation || spec.effect == "joint_slip" ||
+      spec.effect == "marker_shift") {
     return "the first poses repeated at the end, time columns";
   }
   if (spec.effect == "backlash") return "the same poses approached from both sides";
@@ -188,10 +191,11 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
                       {"holdout_distance_rms_mm", 1e3 * before.validation.distance_rms}};
   json["where"] = Json::array();
   for (const WhereShare& share : d.where) {
-    json["where"].push_back({{"by", share.by},
-                             {"key", share.key},
-                             {"share_of_excess", share.share},
-                             {"words", Short(100 * share.share) + " % of the excess is at " + share.by + " " + share.key}});
+    json["where"].push_back(
+        {{"by", share.by},
+         {"key", share.key},
+         {"share_of_excess", share.share},
+         {"words", Short(100 * share.share) + " % of the excess is at " + share.by + " " + share.key}});
   }
   json["noise"] = NoiseToJson(d.noise);
   json["candidates"] = Json::array();
@@ -226,9 +230,10 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
     Json depends = Json::array();
     std::stringstream parts(on);
     for (std::string part; std::getline(parts, part, '*');) depends.push_back(part);
-    json["unexplained"] = {{"words", d.unexplained.words.empty() ? "no driving variable stands out" : d.unexplained.words},
-                           {"depends_on", depends},
-                           {"kind", KindOf(d.unexplained)}};
+    json["unexplained"] = {
+        {"words", d.unexplained.words.empty() ? "no driving variable stands out" : d.unexplained.words},
+        {"depends_on", depends},
+        {"kind", KindOf(d.unexplained)}};
   }
   return json;
 }

@@ -33,7 +33,8 @@ Eigen::Matrix3Xd PredictedSigmas(const CalibrationProblem& problem, const KnownR
     for (int c = 0; c < n; ++c) covariance(r, c) = known.covariance(rows_of_covariance[r], rows_of_covariance[c]);
   }
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(3 * observations.size());
-  const Linearization linearization = Linearize(problem, problem.parameters, observations, columns, ones, LatentTreatment::kIgnore);
+  const Linearization linearization =
+      Linearize(problem, problem.parameters, observations, columns, ones, LatentTreatment::kIgnore);
   const Eigen::VectorXd variance =
       (linearization.jacobian * covariance).cwiseProduct(linearization.jacobian).rowwise().sum();
   const Eigen::VectorXd sigmas = variance.cwiseMax(0.0).cwiseSqrt();

@@ -172,9 +172,9 @@ Eigen::VectorXd TrueDeflections(const ForwardModel& model, const ElasticScene& s
   Eigen::VectorXd deflections(3 * markers * scene.shots.size());
   std::vector<PointPrediction> loaded, unloaded;
   for (size_t s = 0; s < scene.shots.size(); ++s) {
-    const bool found =
-        model.Predict(scene.shots[s], theta.data(), {}, scene.base_in_station, scene.markers, &loaded) &&
-        model.Predict(ShotInput(scene.shots[s].conditions.q), theta.data(), {}, scene.base_in_station, scene.markers, &unloaded);
+    const bool found = model.Predict(scene.shots[s], theta.data(), {}, scene.base_in_station, scene.markers, &loaded) &&
+                       model.Predict(ShotInput(scene.shots[s].conditions.q), theta.data(), {}, scene.base_in_station,
+                                     scene.markers, &unloaded);
     if (!found) throw std::runtime_error("the published load folds the arm: no equilibrium");
     for (int m = 0; m < markers; ++m) {
       deflections.segment<3>(3 * (markers * s + m)) = loaded[m].point - unloaded[m].point;

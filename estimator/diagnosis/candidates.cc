@@ -34,7 +34,8 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
       break;
     case EffectTarget::kError:
       for (const Coordinate& coordinate : problem.parameters.coordinates()) {
-        if (coordinate.name.rfind("geometry/", 0) == 0 && !coordinate.estimated()) targets.push_back(coordinate.name.substr(9));
+        if (coordinate.name.rfind("geometry/", 0) == 0 && !coordinate.estimated())
+          targets.push_back(coordinate.name.substr(9));
       }
       break;
     case EffectTarget::kBase:

@@ -11,9 +11,9 @@
 namespace sagitta {
 
 struct Candidate {
-  EffectSpec spec;      // values empty: neutral
-  int settings = 1;     // how many settings of this effect and target were scanned
-  int catalogue = 0;    // place in the catalogue: ties go to the earlier
+  EffectSpec spec;    // values empty: neutral
+  int settings = 1;   // how many settings of this effect and target were scanned
+  int catalogue = 0;  // place in the catalogue: ties go to the earlier
 };
 
 struct NotTestable {

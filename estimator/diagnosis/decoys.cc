@@ -54,7 +54,8 @@ Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
 // Where along x the fitted deviation is largest, for words.
 std::string Range(const Eigen::VectorXd& x) {
   const double degree = 57.29577951308232;
-  return std::to_string(std::lround(x.minCoeff() * degree)) + " to " + std::to_string(std::lround(x.maxCoeff() * degree)) + " deg";
+  return std::to_string(std::lround(x.minCoeff() * degree)) + " to " +
+         std::to_string(std::lround(x.maxCoeff() * degree)) + " deg";
 }
 
 void Keep(const Decoy& decoy, Decoy* best) {
@@ -83,7 +84,8 @@ Decoy BestDecoy(const DiagnosedModel& model) {
       for (const int count : kBumps) {
         Decoy decoy{"smooth", joints[k].name, joints[j].name, "", 0.0, deviation[j].asDiagonal() * Bumps(q[k], count)};
         decoy.penalised = MarginalGain(residual, decoy.columns) - decoys;
-        decoy.words = "a smooth deviation of " + joints[j].name + " that depends on " + joints[k].name + " (" + Range(q[k]) + ")";
+        decoy.words =
+            "a smooth deviation of " + joints[j].name + " that depends on " + joints[k].name + " (" + Range(q[k]) + ")";
         Keep(decoy, &best);
       }
     }
@@ -92,11 +94,13 @@ Decoy BestDecoy(const DiagnosedModel& model) {
         Eigen::MatrixXd basis(q[a].size(), 7);
         basis << q[a].cwiseProduct(q[b]), (q[a] + q[b]).array().cos().matrix(), (q[a] + q[b]).array().sin().matrix(),
             (q[a] - q[b]).array().cos().matrix(), (q[a] - q[b]).array().sin().matrix(),
-            q[a].array().cos().cwiseProduct(q[b].array()).matrix(), q[b].array().cos().cwiseProduct(q[a].array()).matrix();
+            q[a].array().cos().cwiseProduct(q[b].array()).matrix(),
+            q[b].array().cos().cwiseProduct(q[a].array()).matrix();
         Decoy decoy{"periodic", joints[a].name + "*" + joints[b].name, joints[j].name, "",
-                    0.0, deviation[j].asDiagonal() * basis};
+                    0.0,        deviation[j].asDiagonal() * basis};
         decoy.penalised = MarginalGain(residual, decoy.columns) - decoys;
-        decoy.words = "a deviation of " + joints[j].name + " that depends on " + joints[a].name + " and " + joints[b].name + " together";
+        decoy.words = "a deviation of " + joints[j].name + " that depends on " + joints[a].name + " and " +
+                      joints[b].name + " together";
         Keep(decoy, &best);
       }
     }
@@ -112,14 +116,18 @@ Decoy BestDecoy(const DiagnosedModel& model) {
     EffectSpec drift{"station_drift", station, {}, {}};
     const Eigen::MatrixXd by_drift = CandidateColumns(problem, model.estimate.parameters, drift).leftCols(3);
     Eigen::MatrixXd shift = by_drift;
-    for (int r = 0; r < shift.rows(); ++r) shift.row(r) = t[r] > 0.0 ? Eigen::RowVector3d(by_drift.row(r) / t[r]) : Eigen::RowVector3d::Zero();
+    for (int r = 0; r < shift.rows(); ++r)
+      shift.row(r) = t[r] > 0.0 ? Eigen::RowVector3d(by_drift.row(r) / t[r]) : Eigen::RowVector3d::Zero();
     for (int p = 1; p <= kPeriods; ++p) {
       const double omega = kTwoPi * (0.5 * p) / span;
       Eigen::MatrixXd columns(t.size(), 6);
-      columns << (omega * t).array().cos().matrix().asDiagonal() * shift, (omega * t).array().sin().matrix().asDiagonal() * shift;
-      Decoy decoy{"time", station, station, "",
-                  MarginalGain(residual, columns) - 2.0 * std::log(static_cast<double>(kPeriods)), columns};
-      decoy.words = "station " + station + " moves with a period of about " + std::to_string(std::lround(kTwoPi / omega)) + " s";
+      columns << (omega * t).array().cos().matrix().asDiagonal() * shift,
+          (omega * t).array().sin().matrix().asDiagonal() * shift;
+      Decoy decoy{
+          "time", station, station, "", MarginalGain(residual, columns) - 2.0 * std::log(static_cast<double>(kPeriods)),
+          columns};
+      decoy.words =
+          "station " + station + " moves with a period of about " + std::to_string(std::lround(kTwoPi / omega)) + " s";
       Keep(decoy, &best);
     }
   }

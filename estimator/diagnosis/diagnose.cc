@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kUnknownMargin = 6.0;    // penalised lead of a decoy over as many catalogue steps
+constexpr double kUnknownMargin = 6.0;  // penalised lead of a decoy over as many catalogue steps
 constexpr double kOverlapListed = 0.8;
 constexpr int kMostOutlierRounds = 4;
 constexpr int kBootstrapDraws = 400;
@@ -68,7 +68,8 @@ void CheckScale(DiagnosedModel* model, const DiagnosisOptions& options, NoiseFin
 
 // Undeclared repeatability competes with effects, and with causes outside the
 // catalogue, as one more parameter.
-void CheckRepeatability(DiagnosedModel* model, const DiagnosisOptions& options, double best_effect, NoiseFinding* noise) {
+void CheckRepeatability(DiagnosedModel* model, const DiagnosisOptions& options, double best_effect,
+                        NoiseFinding* noise) {
   if (!model->problem->latent.empty()) return;
   const RepeatabilityFit fit = FitRepeatability(*model->problem, model->estimate.parameters);
   const double penalised = fit.gain - std::log(static_cast<double>(model->estimate.rows));
@@ -108,7 +109,8 @@ std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const E
     const bool tied = score.penalised > own_score.penalised - tie;
     if (overlap >= kOverlapListed || tied) alternatives.push_back({candidate.spec, overlap, tied});
   }
-  std::stable_sort(alternatives.begin(), alternatives.end(), [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
+  std::stable_sort(alternatives.begin(), alternatives.end(),
+                   [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
   if (alternatives.size() > 12) alternatives.resize(12);
   return alternatives;
 }
@@ -192,8 +194,8 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
 
 // Steps that stay significant beside the decoy: stacks of effects that only
 // imitate it do not.
-std::vector<ChosenStep> Survivors(const DiagnosedModel& partial, const Decoy& decoy, const std::vector<ChosenStep>& rest,
-                                  const SelectionOptions& options, int tests) {
+std::vector<ChosenStep> Survivors(const DiagnosedModel& partial, const Decoy& decoy,
+                                  const std::vector<ChosenStep>& rest, const SelectionOptions& options, int tests) {
   ProjectedResidual residual =
       ProjectedResidual(LinearizeEstimate(*partial.problem, partial.estimate.parameters)).With(decoy.columns);
   const double left = residual.residual().squaredNorm() / std::max(1, partial.estimate.dof);

@@ -13,7 +13,7 @@
 namespace sagitta {
 
 struct WhereShare {
-  std::string by;   // config, marker, axis, joint, load, station, time
+  std::string by;  // config, marker, axis, joint, load, station, time
   std::string key;
   double share = 0.0;  // of the excess chi-square
 };
@@ -35,7 +35,7 @@ struct DiagnosisStep {
 struct NoiseFinding {
   double scale = 1.0, low = 1.0, high = 1.0;
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
-  std::vector<std::string> outliers;  // file:line
+  std::vector<std::string> outliers;                                              // file:line
   std::string words;
   bool is_finding = false;
 };
@@ -51,7 +51,7 @@ struct Diagnosis {
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
   std::vector<DiagnosisStep> steps;
-  double baseline_p = 1.0, final_p = 1.0;  // lack of fit
+  double baseline_p = 1.0, final_p = 1.0;                      // lack of fit
   double gap_before = 0.0, gap_after = 0.0, gap_closed = 0.0;  // m, m, share of the squared gap
   Interval gap_closed_ci95;
   bool has_unexplained = false;

@@ -66,7 +66,8 @@ double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& p
   std::map<int, std::vector<int>> rows;
   for (size_t k = 0; k < observations.size(); ++k) {
     const int shot = with.data.observations[observations[k]].shot;
-    for (int axis = 0; axis < 3; ++axis) rows[with.latent.visit_of_shot[shot]].push_back(static_cast<int>(3 * k) + axis);
+    for (int axis = 0; axis < 3; ++axis)
+      rows[with.latent.visit_of_shot[shot]].push_back(static_cast<int>(3 * k) + axis);
   }
   double log_determinant = 0.0;
   for (const auto& [visit, indices] : rows) {
@@ -151,8 +152,10 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const double none = MarginalDeviance(problem, parameters, 1e-9);
   std::vector<std::pair<double, double>> grid;
-  for (double sigma = 1e-6; sigma < 3e-4; sigma *= 1.25) grid.emplace_back(sigma, MarginalDeviance(problem, parameters, sigma));
-  const auto best = std::min_element(grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (double sigma = 1e-6; sigma < 3e-4; sigma *= 1.25)
+    grid.emplace_back(sigma, MarginalDeviance(problem, parameters, sigma));
+  const auto best =
+      std::min_element(grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   RepeatabilityFit fit;
   fit.sigma = best->first;
   fit.gain = none - best->second;

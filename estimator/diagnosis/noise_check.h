@@ -12,7 +12,7 @@
 namespace sagitta {
 
 struct NoiseScale {
-  double scale = 1.0;  // true sigma over stated sigma
+  double scale = 1.0;            // true sigma over stated sigma
   double low = 0.0, high = 0.0;  // 95 %
   int dof = 0;
   bool differs = false;  // from 1, at the significance

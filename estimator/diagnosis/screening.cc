@@ -9,8 +9,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;   // m
-constexpr double kIndependent = 1e-5;     // projected norm over norm below which a column says nothing new
+constexpr double kFallbackSigma = 1e-3;  // m
+constexpr double kIndependent = 1e-5;    // projected norm over norm below which a column says nothing new
 constexpr double kRankTolerance = 1e-6;
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
@@ -69,9 +69,8 @@ Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) cons
 
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<int> observations = problem.CalibrationObservations();
-  Linearization linearization =
-      Linearize(problem, parameters, observations, parameters.EstimatedCoordinates(),
-                ObservationSigmas(problem, observations, kFallbackSigma));
+  Linearization linearization = Linearize(problem, parameters, observations, parameters.EstimatedCoordinates(),
+                                          ObservationSigmas(problem, observations, kFallbackSigma));
   return linearization;
 }
 

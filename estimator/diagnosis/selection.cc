@@ -17,7 +17,8 @@ int NumParameters(const DiagnosedModel& model, const EffectSpec& spec) {
 }
 
 double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
-  return parameters * std::log(static_cast<double>(baseline.estimate.rows)) + 2.0 * std::log(static_cast<double>(settings));
+  return parameters * std::log(static_cast<double>(baseline.estimate.rows)) +
+         2.0 * std::log(static_cast<double>(settings));
 }
 
 // Significance in units of the scatter that is left: a model that does not
@@ -48,8 +49,7 @@ bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candida
     trial.step.parameters = NumParameters(trial.model, entry.candidate.spec);
     if (trial.step.parameters == 0) continue;
     trial.step.reduction = model.estimate.chi2 - trial.model.estimate.chi2;
-    trial.step.penalised =
-        trial.step.reduction - Penalty(model, trial.step.parameters, entry.candidate.settings);
+    trial.step.penalised = trial.step.reduction - Penalty(model, trial.step.parameters, entry.candidate.settings);
     trial.step.corrected_p = CorrectedP(trial.step.reduction, trial.step.parameters, trial.model.estimate, tests);
     trials.push_back(std::move(trial));
   }
@@ -111,8 +111,10 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
   std::vector<ScreenedCandidate> screened;
   for (const Candidate& candidate : candidates) {
     ScreenedCandidate entry{candidate, {}, 1.0};
-    entry.score = residual.Test(CandidateColumns(*model.problem, model.estimate.parameters, candidate.spec), candidate.settings);
-    const double after = (model.estimate.chi2 - entry.score.reduction) / std::max(1, model.estimate.dof - entry.score.rank);
+    entry.score =
+        residual.Test(CandidateColumns(*model.problem, model.estimate.parameters, candidate.spec), candidate.settings);
+    const double after =
+        (model.estimate.chi2 - entry.score.reduction) / std::max(1, model.estimate.dof - entry.score.rank);
     const double yardstick = std::min(left, std::max(1.0, after));
     if (entry.score.rank > 0) {
       entry.corrected_p = std::min(1.0, tests * ChiSquareSurvival(entry.score.reduction / yardstick, entry.score.rank));
@@ -137,7 +139,8 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<EffectSpec>
   return extended;
 }
 
-double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model, const std::vector<ChosenStep>& steps) {
+double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model,
+                      const std::vector<ChosenStep>& steps) {
   double total = baseline.estimate.chi2 - model.estimate.chi2;
   for (const ChosenStep& step : steps) total -= Penalty(baseline, step.parameters, step.candidate.settings);
   return total;

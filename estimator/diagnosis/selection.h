@@ -13,11 +13,11 @@
 namespace sagitta {
 
 struct SelectionOptions {
-  double significance = 0.005;    // of a step, corrected for the whole search
+  double significance = 0.005;  // of a step, corrected for the whole search
   int most_steps = 8;
-  int refitted = 6;               // best of the screening that are refitted
-  double tie = 6.0;               // of the best penalised reduction: ties go to the simpler
-  int most_tests = 300;           // what the correlated search acts like at most
+  int refitted = 6;      // best of the screening that are refitted
+  double tie = 6.0;      // of the best penalised reduction: ties go to the simpler
+  int most_tests = 300;  // what the correlated search acts like at most
   JointOptions joint;
   std::function<void(const std::string&)> progress;
 };
@@ -37,7 +37,7 @@ struct ScreenedCandidate {
 struct ChosenStep {
   Candidate candidate;
   int parameters = 0;
-  double reduction = 0.0;   // chi-square, after refit, when it was chosen
+  double reduction = 0.0;  // chi-square, after refit, when it was chosen
   double penalised = 0.0;
   double corrected_p = 1.0;
 };
@@ -54,6 +54,7 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
                                       const SelectionOptions& options, DiagnosedModel* model);
 
 // Penalised chi-square reduction of a set of steps against the baseline.
-double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model, const std::vector<ChosenStep>& steps);
+double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model,
+                      const std::vector<ChosenStep>& steps);
 
 }  // namespace sagitta

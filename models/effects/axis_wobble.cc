@@ -5,8 +5,10 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"u_cos", Quantity::kSmallAngle}, {"u_sin", Quantity::kSmallAngle},
-          {"v_cos", Quantity::kSmallAngle}, {"v_sin", Quantity::kSmallAngle}};
+  return {{"u_cos", Quantity::kSmallAngle},
+          {"u_sin", Quantity::kSmallAngle},
+          {"v_cos", Quantity::kSmallAngle},
+          {"v_sin", Quantity::kSmallAngle}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {

@@ -27,15 +27,16 @@ std::string Missing(const EffectContext& context) {
 }  // namespace
 
 const EffectDefinition& Backlash() {
-  static const EffectDefinition definition = {"backlash",
-                                              "backlash (or friction wind-up)",
-                                              "play of a gear",
-                                              EffectTarget::kJoint,
-                                              {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}}},
-                                              Parameters,
-                                              Apply,
-                                              Missing,
-                                              false};
+  static const EffectDefinition definition = {
+      "backlash",
+      "backlash (or friction wind-up)",
+      "play of a gear",
+      EffectTarget::kJoint,
+      {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}}},
+      Parameters,
+      Apply,
+      Missing,
+      false};
   return definition;
 }
 

@@ -4,9 +4,7 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"k3", Quantity::kHardening}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"k3", Quantity::kHardening}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->elastic.push_back({context.joint_slot(), context.first_parameter, 1.0, ElasticLaw::kCubic});

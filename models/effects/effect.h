@@ -94,8 +94,8 @@ struct ShotConditions {
   bool has_time = false;
   double time = 0.0;  // s since the station's first row
   bool has_temperature = false;
-  double temperature = 0.0;   // K above the mean of the data
-  std::vector<int> approach;  // empty: not stated
+  double temperature = 0.0;                                       // K above the mean of the data
+  std::vector<int> approach;                                      // empty: not stated
   Vector3<double> gravity = Vector3<double>(0.0, 0.0, -9.80665);  // m/s^2
   WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
   Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame
@@ -113,7 +113,7 @@ struct SettingDefinition {
   enum class Kind { kInteger, kNumber, kJoint, kChoice };
   std::string name;
   Kind kind = Kind::kInteger;
-  std::string fallback;               // "" : required
+  std::string fallback;              // "" : required
   std::vector<std::string> choices;  // of kChoice
 };
 

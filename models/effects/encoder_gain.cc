@@ -4,9 +4,7 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"gain", Quantity::kRatio}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"gain", Quantity::kRatio}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const Joint& joint = context.chain().joints[context.joint()];

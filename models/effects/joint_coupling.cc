@@ -4,13 +4,12 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"ratio", Quantity::kRatio}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"ratio", Quantity::kRatio}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const int driver = context.chain().FindJoint(context.spec->TextSetting("driver", ""));
-  terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign() * context.shot->q[driver]});
+  terms->slots.push_back(
+      {context.joint_slot(), context.first_parameter, context.joint_sign() * context.shot->q[driver]});
 }
 
 std::string NothingMissing(const EffectContext&) { return ""; }

@@ -4,9 +4,7 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"jump", Quantity::kSmallAngle}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"jump", Quantity::kSmallAngle}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->time <= context.spec->NumberSetting("after_s", 0.0)) return;

@@ -7,7 +7,9 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"mass", Quantity::kMass}, {"mx", Quantity::kFirstMoment}, {"my", Quantity::kFirstMoment},
+  return {{"mass", Quantity::kMass},
+          {"mx", Quantity::kFirstMoment},
+          {"my", Quantity::kFirstMoment},
           {"mz", Quantity::kFirstMoment}};
 }
 

@@ -4,9 +4,7 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"dmass", Quantity::kMass}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"dmass", Quantity::kMass}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const ShotConditions& shot = *context.shot;

@@ -5,7 +5,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"x", Quantity::kDrift}, {"y", Quantity::kDrift}, {"z", Quantity::kDrift},
+  return {{"x", Quantity::kDrift},     {"y", Quantity::kDrift},     {"z", Quantity::kDrift},
           {"rx", Quantity::kTurnRate}, {"ry", Quantity::kTurnRate}, {"rz", Quantity::kTurnRate}};
 }
 

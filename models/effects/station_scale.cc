@@ -5,9 +5,7 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"scale", Quantity::kRatio}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"scale", Quantity::kRatio}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;

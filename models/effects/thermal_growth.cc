@@ -4,9 +4,7 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"growth", Quantity::kGrowth}};
-}
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"growth", Quantity::kGrowth}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->has_temperature) terms->base.push_back({context.first_parameter, context.shot->temperature});

@@ -36,7 +36,8 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger: {
       const double number = value.Number();
-      if (number != std::round(number) || number < 1 || number > 1000) value.Fail("a whole number from 1 to 1000 is needed");
+      if (number != std::round(number) || number < 1 || number > 1000)
+        value.Fail("a whole number from 1 to 1000 is needed");
       return std::to_string(static_cast<int>(number));
     }
     case SettingDefinition::Kind::kNumber:
@@ -135,7 +136,8 @@ Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
   const std::vector<EffectParameter> parameters = definition.parameters(robot, spec);
   for (size_t p = 0; p < parameters.size(); ++p) {
     const double value = p < spec.values.size() ? spec.values[p] : 0.0;
-    json[ParameterKey(parameters[p].name, parameters[p].quantity)] = value / TraitsOf(parameters[p].quantity).si_per_unit;
+    json[ParameterKey(parameters[p].name, parameters[p].quantity)] =
+        value / TraitsOf(parameters[p].quantity).si_per_unit;
   }
   return json;
 }

@@ -58,17 +58,16 @@ TEST(AddToProblem, CeresAndLinearizationSeeTheSameJacobian) {
     ParameterSet parameters = problem.parameters;
     parameters.Plus(size * Eigen::VectorXd::Random(parameters.num_coordinates()));
     const ResidualSelection selection = CalibrationResiduals(problem);
-    const Linearization linearization = Linearize(problem, parameters, selection.observations,
-                                                  parameters.EstimatedCoordinates(), selection.sigmas);
+    const Linearization linearization =
+        Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(), selection.sigmas);
     ceres::Problem ceres_problem;
     AddToProblem(problem, selection, &parameters, &ceres_problem);
     ceres::Problem::EvaluateOptions options;
     for (ParameterBlock block : parameters.blocks()) {
-      ParameterBlock& own = block.kind == BlockKind::kMarker           ? parameters.marker(block.owner)
-                            : block.kind == BlockKind::kModelParameter ? parameters.model_parameter(block.owner)
-                            : block.kind == BlockKind::kStationRotation
-                                ? parameters.station_rotation(block.owner)
-                                : parameters.station_translation(block.owner);
+      ParameterBlock& own = block.kind == BlockKind::kMarker            ? parameters.marker(block.owner)
+                            : block.kind == BlockKind::kModelParameter  ? parameters.model_parameter(block.owner)
+                            : block.kind == BlockKind::kStationRotation ? parameters.station_rotation(block.owner)
+                                                                        : parameters.station_translation(block.owner);
       options.parameter_blocks.push_back(own.values.data());
     }
     std::vector<double> residuals;
@@ -93,8 +92,8 @@ TEST(Linearization, JacobianMatchesCentralDifferences) {
   ParameterSet parameters = problem.parameters;
   parameters.Plus(0.2 * Eigen::VectorXd::Random(parameters.num_coordinates()));
   const ResidualSelection selection = CalibrationResiduals(problem);
-  const Linearization at = Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(),
-                                     selection.sigmas);
+  const Linearization at =
+      Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(), selection.sigmas);
   const auto residual = [&](int coordinate, double step) {
     ParameterSet moved = parameters;
     Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters.num_coordinates());

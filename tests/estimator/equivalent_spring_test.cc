@@ -11,7 +11,7 @@ namespace {
 
 using test::kDegree;
 
-constexpr SpringGeometry kGeometry{0.18472, 0.68593, 0.12330};  // paper 002, Table V
+constexpr SpringGeometry kGeometry{0.18472, 0.68593, 0.12330};      // paper 002, Table V
 constexpr double kNodes[5] = {-140, -99.85, -56.9, -25.24, -0.01};  // deg
 
 // 1/k2 = 1/k0 + d2U/dq2, the second derivative by differences of the energy.
@@ -49,8 +49,8 @@ TEST(EquivalentSpring, PublishedFitIsReproduced) {
   }
   const EquivalentSpring fit = FitEquivalentSpring(nodes, kGeometry);
   ASSERT_TRUE(fit.solved);
-  EXPECT_NEAR(fit.k0 / 1e-6, 0.302, 0.004);           // published interval
-  EXPECT_NEAR(1e6 / fit.Kc, 0.144, 0.031);            // um/N
+  EXPECT_NEAR(fit.k0 / 1e-6, 0.302, 0.004);  // published interval
+  EXPECT_NEAR(1e6 / fit.Kc, 0.144, 0.031);   // um/N
   EXPECT_NEAR(fit.s0, 0.458, 0.027);
   // Intervals (3 sigma) from the nodes' own: kc +-.17, s0 +-145 mm.
   EXPECT_NEAR(3 * std::sqrt(fit.covariance(1, 1)) / (fit.Kc * fit.Kc) * 1e6, 0.17, 0.02);

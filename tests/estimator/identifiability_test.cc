@@ -8,9 +8,7 @@ namespace sagitta {
 namespace {
 
 // Two geometric lengths a, b and one marker coordinate family to name columns.
-ParameterSet TwoLengths() {
-  return ParameterSet({}, {}, {{"geometry/a"}, {"geometry/b"}});
-}
+ParameterSet TwoLengths() { return ParameterSet({}, {}, {{"geometry/a"}, {"geometry/b"}}); }
 
 Linearization FromMatrix(const Eigen::MatrixXd& jacobian) {
   Linearization linearization;

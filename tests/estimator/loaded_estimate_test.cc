@@ -134,7 +134,10 @@ std::vector<Variant> Variants() {
        }},
       {"FlangeFrame", [](LoadedTruth* t, LoadedDesign*) { t->loads["V250"].frame = WrenchFrame::kFlange; }},
       {"BaseFrame", [](LoadedTruth* t, LoadedDesign*) { t->loads["V250"].frame = WrenchFrame::kBase; }},
-      {"Moment", [](LoadedTruth* t, LoadedDesign*) { t->loads["V250"].moment = {300, -200, 500}; }},
+      {"Moment",
+       [](LoadedTruth* t, LoadedDesign*) {
+         t->loads["V250"].moment = {300, -200, 500};
+       }},
       {"SpringWithoutPreload",
        [](LoadedTruth* t, LoadedDesign* d) {
          t->spring = test::SpringTruth();
@@ -179,7 +182,7 @@ TEST(LoadedEstimate, TheSpringsScaleGaugeHoldsLWithWords) {
   std::vector<std::string> names;
   for (const auto& [name, value] : components) names.push_back(name);
   EXPECT_THAT(names, ::testing::UnorderedElementsAre("compensator/L", "compensator/a_x", "compensator/a_y",
-                                                      "compensator/s0", "compensator/Kc"));
+                                                     "compensator/s0", "compensator/Kc"));
   EXPECT_EQ(Row(estimate, "compensator/L").value, truth.spring->L);
   EXPECT_GT(ChiSquareSurvival(test::SquaredDistanceToTruth(estimate, truth), estimate.estimated.size()), 1e-5);
 }

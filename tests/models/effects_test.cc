@@ -87,7 +87,8 @@ ShotInput Shot(int flange, test::RandomNumbers* random) {
   shot.conditions.temperature = 2.5;
   shot.conditions.approach = {1, -1, 1, -1, 1, -1};
   shot.conditions.instrument = {3.0, -2.0, 1.0};
-  shot.wrenches = {{flange, {0.28, 0.06, -0.15}, random->Vector(2000.0), random->Vector(100.0), WrenchFrame::kMeasurement}};
+  shot.wrenches = {
+      {flange, {0.28, 0.06, -0.15}, random->Vector(2000.0), random->Vector(100.0), WrenchFrame::kMeasurement}};
   shot.conditions.load_wrenches = shot.wrenches;
   return shot;
 }
@@ -143,8 +144,9 @@ TEST_P(EffectContract, NeutralExactAndVisible) {
       for (int i = 0; i < 3; ++i) delta[i] = Jet(0.0, i);
       for (int i = 0; i < n; ++i) jets.emplace_back(theta[i], 3 + i);
       const Matrix3<Jet> rotation = RotationFromVector(delta) * base.rotation.cast<Jet>();
-      const Vector3<Jet> expected = model.PointInStation(shot, jets.data(), marker, Vector3<Jet>(marker.point.cast<Jet>()),
-                                                         rotation, Vector3<Jet>(base.translation.cast<Jet>()));
+      const Vector3<Jet> expected =
+          model.PointInStation(shot, jets.data(), marker, Vector3<Jet>(marker.point.cast<Jet>()), rotation,
+                               Vector3<Jet>(base.translation.cast<Jet>()));
       const auto column = [&](int i) { return Vector3<double>(expected[0].v[i], expected[1].v[i], expected[2].v[i]); };
       for (int i = 0; i < 3; ++i) EXPECT_NEAR(prediction[0].point[i], expected[i].a, 1e-11) << use.Path();
       for (int i = 0; i < 3; ++i) {
@@ -170,10 +172,11 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EffectContract, ::testing::Range(0, static_c
 
 TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
   const std::vector<std::string> expected = {
-      "frozen_geometry", "joint_compliance", "compliance_hardening", "transverse_compliance", "link_gravity",
-      "self_weight_sag", "base_compliance",  "payload",              "joint_harmonic",        "axis_wobble",
-      "encoder_gain",    "joint_coupling",   "backlash",             "joint_slip",            "thermal_growth",
-      "station_drift",   "station_scale",    "marker_shift"};
+      "frozen_geometry", "joint_compliance", "compliance_hardening", "transverse_compliance",
+      "link_gravity",    "self_weight_sag",  "base_compliance",      "payload",
+      "joint_harmonic",  "axis_wobble",      "encoder_gain",         "joint_coupling",
+      "backlash",        "joint_slip",       "thermal_growth",       "station_drift",
+      "station_scale",   "marker_shift"};
   EXPECT_EQ(EffectNames(), expected);
 }
 

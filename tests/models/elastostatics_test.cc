@@ -38,16 +38,22 @@ Robot Kr270WithSpring(bool preload) {
 
 Robot ElasticSevenAxis() {
   Robot robot;
-  robot.chain = test::DhArm(DhConvention::kModified, {{0, 0, 0.36, 0}, {0, -90, 0, 10}, {0, 90, 0.42, 0}, {0, 90, 0, 0},
-                                                      {0, -90, 0.4, 0}, {0, -90, 0, 5}, {0.08, 90, 0.12, 0}});
+  robot.chain = test::DhArm(DhConvention::kModified, {{0, 0, 0.36, 0},
+                                                      {0, -90, 0, 10},
+                                                      {0, 90, 0.42, 0},
+                                                      {0, 90, 0, 0},
+                                                      {0, -90, 0.4, 0},
+                                                      {0, -90, 0, 5},
+                                                      {0.08, 90, 0.12, 0}});
   for (int j = 0; j < 7; ++j) robot.compliances.push_back({j, {{0.0, (1.0 + j) * 1e-6}}, false});
   return robot;
 }
 
 Robot ElasticGantry() {  // prismatic first axis, soft; one joint's sign reversed
   Robot robot;
-  robot.chain = test::DhArm(DhConvention::kStandard,
-                            {{0.1, -90, 0, 0, JointType::kPrismatic}, {0.3, 0, 0.1, 20}, {0.5, 90, 0, 0}, {0, 0, 0.4, 0}});
+  robot.chain =
+      test::DhArm(DhConvention::kStandard,
+                  {{0.1, -90, 0, 0, JointType::kPrismatic}, {0.3, 0, 0.1, 20}, {0.5, 90, 0, 0}, {0, 0, 0.4, 0}});
   for (ElementaryTransform& transform : robot.chain.transforms) {
     if (transform.joint == 2) transform.sign = -1.0;
   }
@@ -77,8 +83,10 @@ std::vector<LoadedCase> Cases() {
 ShotInput RandomShot(const LoadedCase& loaded, int pose, RandomNumbers* random) {
   const Chain& chain = loaded.robot.chain;
   ShotInput shot(Eigen::VectorXd::Zero(chain.num_joints()));
-  for (int j = 0; pose > 0 && j < shot.conditions.q.size(); ++j) shot.conditions.q[j] = random->Uniform(-1.5, 1.5);  // pose 0: stretched
-  AppliedWrench load{chain.FlangeFrame(), random->Vector(0.3), random->Vector(2500.0), random->Vector(300.0), loaded.frame};
+  for (int j = 0; pose > 0 && j < shot.conditions.q.size(); ++j)
+    shot.conditions.q[j] = random->Uniform(-1.5, 1.5);  // pose 0: stretched
+  AppliedWrench load{chain.FlangeFrame(), random->Vector(0.3), random->Vector(2500.0), random->Vector(300.0),
+                     loaded.frame};
   AppliedWrench weight{chain.FlangeFrame(), random->Vector(0.2), {0, 0, -400}, {0, 0, 0}, WrenchFrame::kBase};
   shot.wrenches = {load, weight};
   return shot;
@@ -118,7 +126,9 @@ TEST_P(LoadedDerivatives, EqualJetsAndDifferences) {
         const Matrix3<Jet> rotation = RotationFromVector(delta) * base.rotation.cast<Jet>();
         const Vector3<Jet> expected =
             rotation * model.PointInBase(shot, jets.data(), frame, point, rotation) + base.translation.cast<Jet>();
-        const auto column = [&](int i) { return Vector3<double>(expected[0].v[i], expected[1].v[i], expected[2].v[i]); };
+        const auto column = [&](int i) {
+          return Vector3<double>(expected[0].v[i], expected[1].v[i], expected[2].v[i]);
+        };
         const auto near = [&](const Vector3<double>& ours, int i, const std::string& what) {
           EXPECT_LE((ours - column(i)).norm(), 1e-10 * std::max(column(i).norm(), 1e-3)) << loaded.name << " " << what;
         };
@@ -194,7 +204,8 @@ TEST(GravityCompensator, TorqueIsTheSlopeOfTheSpringEnergy) {
     EXPECT_NEAR(CompensatorTorque(p, q), -test::RiddersDerivative(energy, q, 0.1)[0], 1e-2);
     const auto torque = [&](double x) { return Eigen::VectorXd::Constant(1, CompensatorTorque(p, x)); };
     const double gamma = alpha - q, s = CompensatorSpringLength(p, q);
-    const double eta = p.s0 / s * (a * p.L / (s * s) * std::pow(std::sin(gamma), 2) + std::cos(gamma)) - std::cos(gamma);
+    const double eta =
+        p.s0 / s * (a * p.L / (s * s) * std::pow(std::sin(gamma), 2) + std::cos(gamma)) - std::cos(gamma);
     EXPECT_NEAR(test::RiddersDerivative(torque, q, 0.1)[0] / (-p.Kc * a * p.L * eta), 1.0, 1e-7);
   }
 }
@@ -242,8 +253,11 @@ TEST(LoadedReference, TorquesAndFirstOrderMarkers) {
     }
     ShotInput shot(Eigen::VectorXd::Zero(6));
     for (int j = 0; j < 6; ++j) shot.conditions.q[j] = reference["q_deg"][c][j].get<double>() * test::kDegree;
-    const AppliedWrench wrench{model.chain().FlangeFrame(), 1e-3 * vector(reference["load_point_tool"]),
-                               vector(reference["force_tracker"]), {0, 0, 0}, WrenchFrame::kMeasurement};
+    const AppliedWrench wrench{model.chain().FlangeFrame(),
+                               1e-3 * vector(reference["load_point_tool"]),
+                               vector(reference["force_tracker"]),
+                               {0, 0, 0},
+                               WrenchFrame::kMeasurement};
     std::vector<double> values = model.TransformValues(shot, theta.data());
     ChainState<double> state;
     EvaluateChain(model.chain(), values.data(), &state);

@@ -33,24 +33,26 @@ std::string Refusal(const std::string& entry) {
 }
 
 TEST(EffectEntries, EveryEffectOfTheCatalogueReadsBackAsWritten) {
-  for (const std::string entry : {"{effect: frozen_geometry, error: dq2, value_deg: 0.01}",
-                                  "{effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3}",
-                                  "{effect: compliance_hardening, joint: A2, k3_urad_per_kNm3: 2}",
-                                  "{effect: transverse_compliance, joint: A1, ku_urad_per_Nm: 0.1, kv_urad_per_Nm: 0.2}",
-                                  "{effect: link_gravity, joint: A2, mass_kg: 80, mx_kgm: 20, my_kgm: 0, mz_kgm: -3}",
-                                  "{effect: self_weight_sag, joint: A2, about: u, s2x_urad: 5, s2y_urad: 6, s2z_urad: 7}",
-                                  "{effect: base_compliance, kx_urad_per_Nm: 0.01, ky_urad_per_Nm: 0.02}",
-                                  "{effect: payload, load: heavy, dmass_kg: 3}",
-                                  "{effect: joint_harmonic, joint: A2, order: 3, cos_urad: 210, sin_urad: -4}",
-                                  "{effect: axis_wobble, joint: A1, order: 1, u_cos_urad: 1, u_sin_urad: 2, v_cos_urad: 3, v_sin_urad: 4}",
-                                  "{effect: encoder_gain, joint: A1, gain_ppm: 120}",
-                                  "{effect: joint_coupling, joint: A2, driver: A1, ratio_ppm: 30}",
-                                  "{effect: backlash, joint: A2, by: torque, half_gap_urad: 40}",
-                                  "{effect: joint_slip, joint: A2, after_s: 120.5, jump_urad: 80}",
-                                  "{effect: thermal_growth, growth_ppm_per_K: 11}",
-                                  "{effect: station_drift, station: S1, x_um_per_h: 1, y_um_per_h: 2, z_um_per_h: 3, rx_urad_per_h: 4, ry_urad_per_h: 5, rz_urad_per_h: 6}",
-                                  "{effect: station_scale, station: S1, scale_ppm: 9}",
-                                  "{effect: marker_shift, marker: M1, after_s: 60, x_mm: 0.1, y_mm: 0.2, z_mm: 0.3}"}) {
+  for (const std::string entry :
+       {"{effect: frozen_geometry, error: dq2, value_deg: 0.01}",
+        "{effect: joint_compliance, joint: A2, k_urad_per_Nm: 0.3}",
+        "{effect: compliance_hardening, joint: A2, k3_urad_per_kNm3: 2}",
+        "{effect: transverse_compliance, joint: A1, ku_urad_per_Nm: 0.1, kv_urad_per_Nm: 0.2}",
+        "{effect: link_gravity, joint: A2, mass_kg: 80, mx_kgm: 20, my_kgm: 0, mz_kgm: -3}",
+        "{effect: self_weight_sag, joint: A2, about: u, s2x_urad: 5, s2y_urad: 6, s2z_urad: 7}",
+        "{effect: base_compliance, kx_urad_per_Nm: 0.01, ky_urad_per_Nm: 0.02}",
+        "{effect: payload, load: heavy, dmass_kg: 3}",
+        "{effect: joint_harmonic, joint: A2, order: 3, cos_urad: 210, sin_urad: -4}",
+        "{effect: axis_wobble, joint: A1, order: 1, u_cos_urad: 1, u_sin_urad: 2, v_cos_urad: 3, v_sin_urad: 4}",
+        "{effect: encoder_gain, joint: A1, gain_ppm: 120}",
+        "{effect: joint_coupling, joint: A2, driver: A1, ratio_ppm: 30}",
+        "{effect: backlash, joint: A2, by: torque, half_gap_urad: 40}",
+        "{effect: joint_slip, joint: A2, after_s: 120.5, jump_urad: 80}",
+        "{effect: thermal_growth, growth_ppm_per_K: 11}",
+        "{effect: station_drift, station: S1, x_um_per_h: 1, y_um_per_h: 2, z_um_per_h: 3, rx_urad_per_h: 4, "
+        "ry_urad_per_h: 5, rz_urad_per_h: 6}",
+        "{effect: station_scale, station: S1, scale_ppm: 9}",
+        "{effect: marker_shift, marker: M1, after_s: 60, x_mm: 0.1, y_mm: 0.2, z_mm: 0.3}"}) {
     const Robot robot = WithEntry(entry);
     ASSERT_EQ(robot.effects.size(), 1u) << entry;
     const Robot again = ReadRobotText(RobotToYaml(robot), "again.yaml");

@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
     std::printf("%-18s coverage %.4f  rmse/sigma %.3f\n", problem.parameters.coordinates()[i].name.c_str(), coverage,
                 std::sqrt(squared_z[i] / used));
   }
-  std::printf("%d trials (seeds %d..%d), %d not converged, Monte-Carlo error of a coverage %.4f, outside 0.93-0.97: %d of %d\n",
-              trials, first_seed, first_seed + trials - 1, failed, error, outside, n);
+  std::printf(
+      "%d trials (seeds %d..%d), %d not converged, Monte-Carlo error of a coverage %.4f, outside 0.93-0.97: %d of %d\n",
+      trials, first_seed, first_seed + trials - 1, failed, error, outside, n);
   return failed > 0 || outside > 0;
 }

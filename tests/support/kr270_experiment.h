@@ -16,13 +16,13 @@ namespace sagitta::test {
 
 struct Kr270Truth {
   // m and rad, order of Kr270Errors(); paper 002, Table III.
-  std::array<double, 18> errors = {-0.353e-3,        0.426e-3,        0.015 * kDegree,  -0.007 * kDegree, 0.458e-3,
-                                   0.022 * kDegree,  -0.023 * kDegree, -0.023 * kDegree, -0.214e-3,        -0.508e-3,
-                                   -0.011 * kDegree, 0.001 * kDegree, -0.167e-3,        -0.018e-3,        0.025 * kDegree,
-                                   -0.011 * kDegree, 0.016e-3,        -0.008 * kDegree};
+  std::array<double, 18> errors = {
+      -0.353e-3,        0.426e-3,         0.015 * kDegree, -0.007 * kDegree, 0.458e-3,         0.022 * kDegree,
+      -0.023 * kDegree, -0.023 * kDegree, -0.214e-3,       -0.508e-3,        -0.011 * kDegree, 0.001 * kDegree,
+      -0.167e-3,        -0.018e-3,        0.025 * kDegree, -0.011 * kDegree, 0.016e-3,         -0.008 * kDegree};
   std::vector<Vector3<double>> base_xyz = {{-0.023e-3, 0.010e-3, 0.057e-3}, {-0.099e-3, -0.098e-3, -0.076e-3}};
-  std::vector<Vector3<double>> base_rotvec = {
-      {-0.004 * kDegree, 0.001 * kDegree, -0.017 * kDegree}, {-0.009 * kDegree, 0.006 * kDegree, -0.013 * kDegree}};
+  std::vector<Vector3<double>> base_rotvec = {{-0.004 * kDegree, 0.001 * kDegree, -0.017 * kDegree},
+                                              {-0.009 * kDegree, 0.006 * kDegree, -0.013 * kDegree}};
   std::vector<Vector3<double>> tools = {
       {0.27723, -0.04653, -0.09387}, {0.27649, -0.04825, 0.09405}, {0.27844, 0.10373, -0.00217}};
 };

@@ -33,8 +33,8 @@ struct SpringTruth {
 };
 
 struct LoadTruth {
-  Vector3<double> force = Vector3<double>::Zero();  // N, in `frame`
-  Vector3<double> moment = Vector3<double>::Zero();  // N m, about the point
+  Vector3<double> force = Vector3<double>::Zero();             // N, in `frame`
+  Vector3<double> moment = Vector3<double>::Zero();            // N m, about the point
   Vector3<double> point = Vector3<double>(0.28, 0.06, -0.15);  // m, flange frame
   WrenchFrame frame = WrenchFrame::kMeasurement;
 };
@@ -47,7 +47,7 @@ struct LoadedTruth : Kr270Truth {
   std::map<std::string, LoadTruth> loads = {{"V250", {{0, 0, -kWeightOf250Kg}}}};
   double tool_mass = 0.0;
   Vector3<double> tool_com = Vector3<double>(0.1, 0.02, 0.05);
-  double coupling = 0.0;  // A3 moves by coupling * q2 on top
+  double coupling = 0.0;                                                // A3 moves by coupling * q2 on top
   std::map<std::string, std::pair<int, Vector3<double>>> link_markers;  // id: after joint 0 or 1, point in that frame
 };
 
@@ -238,8 +238,8 @@ inline LoadedSetup SetupFor(const LoadedTruth& truth) {
   if (truth.spring) {
     const SpringTruth& s = *truth.spring;
     const double off = s.preload ? 0.01 : 0.0;  // its stiffness alone does not tell where it is fixed
-    setup.robot.gravity_compensator = GravityCompensator{
-        1, s.L, s.a_x * (1 + off), s.a_y * (1 - 2 * off), s.s0 * 1.01, s.Kc * 0.9, s.preload};
+    setup.robot.gravity_compensator =
+        GravityCompensator{1, s.L, s.a_x * (1 + off), s.a_y * (1 - 2 * off), s.s0 * 1.01, s.Kc * 0.9, s.preload};
     setup.experiment.estimate.gravity_compensator = {Selection::Kind::kList, {"s0", "Kc"}};
     if (s.preload) setup.experiment.estimate.gravity_compensator.names = {"a_x", "a_y", "s0", "Kc"};
   }

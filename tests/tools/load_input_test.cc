@@ -64,7 +64,9 @@ TEST_F(LoadInputTest, LoadWithoutAPoint) {
 
 TEST_F(LoadInputTest, LoadWithoutAForce) {
   Rows rows = LoadedRows();
-  for (const char* column : {"fx_N", "fy_N", "fz_N"}) Set(column, "0", [](size_t) { return true; }, &rows);
+  for (const char* column : {"fx_N", "fy_N", "fz_N"})
+    Set(
+        column, "0", [](size_t) { return true; }, &rows);
   ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:", "V250", "has no force", "mass_kg"});
 }
 
@@ -77,7 +79,8 @@ TEST_F(LoadInputTest, WrenchColumnInTheWrongUnit) {
 TEST_F(LoadInputTest, WrenchOnSomeMarkersOfAShotOnly) {
   Rows rows = LoadedRows();
   const int marker = Column(rows, "marker"), load = Column(rows, "load");
-  Set("fz_N", "0", [&](size_t i) { return rows[i][marker] == "T2" && rows[i][load] == "V250"; }, &rows);
+  Set(
+      "fz_N", "0", [&](size_t i) { return rows[i][marker] == "T2" && rows[i][load] == "V250"; }, &rows);
   ExpectNothingWritten(Calibrate(kScene, rows), 2, {"loads.csv:", "load", "some markers of a shot only"});
 }
 
@@ -103,10 +106,12 @@ TEST_F(LoadInputTest, ComplianceWithoutALoadedRow) {
 
 TEST_F(LoadInputTest, CompensatorWhoseSpringHasNoLength) {
   // Lever and anchor coincide at q2 = -90 deg: a_x = L, a_y = 0.
-  const std::string spring = "gravity_compensator: {joint: A2, type: spring, L_mm: 200, a_x_mm: 200, a_y_mm: 0, "
-                             "s0_mm: 100, Kc_N_per_mm: 100}\n";
+  const std::string spring =
+      "gravity_compensator: {joint: A2, type: spring, L_mm: 200, a_x_mm: 200, a_y_mm: 0, "
+      "s0_mm: 100, Kc_N_per_mm: 100}\n";
   Rows rows = LoadedRows();
-  Set("q2_deg", "-90", [&](size_t i) { return rows[i][Column(rows, "config")] == "E07"; }, &rows);
+  Set(
+      "q2_deg", "-90", [&](size_t i) { return rows[i][Column(rows, "config")] == "E07"; }, &rows);
   ExpectNothingWritten(Calibrate(kScene, rows, spring), 2, {"gravity_compensator", "no length", "E07"});
   std::string negative = spring;
   negative.replace(negative.find("s0_mm: 100"), 10, "s0_mm: -10");
