@@ -2,6 +2,10 @@
 
 namespace sagitta {
 
+std::string NothingMissing(const EffectContext&) { return ""; }
+
+std::string TimeMissing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
+
 const std::vector<const EffectDefinition*>& EffectCatalogue() {
   static const std::vector<const EffectDefinition*> catalogue = {
       &FrozenGeometry(),

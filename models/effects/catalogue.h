@@ -30,6 +30,10 @@ const EffectDefinition& StationDrift();
 const EffectDefinition& StationScale();
 const EffectDefinition& MarkerShift();
 
+// EffectDefinition::missing of effects that need no column, or time.
+std::string NothingMissing(const EffectContext& context);
+std::string TimeMissing(const EffectContext& context);
+
 const std::vector<const EffectDefinition*>& EffectCatalogue();
 
 // Null: no effect of that name.

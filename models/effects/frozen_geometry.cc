@@ -14,8 +14,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.chain().FindError(context.spec->target), context.first_parameter, 1.0});
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& FrozenGeometry() {

@@ -10,8 +10,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->elastic.push_back({context.joint_slot(), context.first_parameter, 1.0, ElasticLaw::kLinear});
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& JointComplianceEffect() {

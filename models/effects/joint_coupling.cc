@@ -12,8 +12,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
       {context.joint_slot(), context.first_parameter, context.joint_sign() * context.shot->q[driver]});
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& JointCoupling() {

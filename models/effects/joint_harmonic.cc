@@ -16,8 +16,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& JointHarmonic() {

@@ -11,8 +11,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign()});
 }
 
-std::string Missing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
-
 }  // namespace
 
 const EffectDefinition& JointSlip() {
@@ -23,7 +21,7 @@ const EffectDefinition& JointSlip() {
                                               {{"after_s", SettingDefinition::Kind::kNumber, "", {}}},
                                               Parameters,
                                               Apply,
-                                              Missing,
+                                              TimeMissing,
                                               false};
   return definition;
 }

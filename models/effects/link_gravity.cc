@@ -27,8 +27,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& LinkGravity() {

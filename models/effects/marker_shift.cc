@@ -18,8 +18,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-std::string Missing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
-
 }  // namespace
 
 const EffectDefinition& MarkerShift() {
@@ -30,7 +28,7 @@ const EffectDefinition& MarkerShift() {
                                               {{"after_s", SettingDefinition::Kind::kNumber, "", {}}},
                                               Parameters,
                                               Apply,
-                                              Missing,
+                                              TimeMissing,
                                               false};
   return definition;
 }

@@ -16,8 +16,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->wrenches.push_back({context.first_parameter, {extra}});
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& Payload() {

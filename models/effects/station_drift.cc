@@ -19,8 +19,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-std::string Missing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
-
 }  // namespace
 
 const EffectDefinition& StationDrift() {
@@ -31,7 +29,7 @@ const EffectDefinition& StationDrift() {
                                               {},
                                               Parameters,
                                               Apply,
-                                              Missing,
+                                              TimeMissing,
                                               false};
   return definition;
 }

@@ -12,8 +12,6 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->station.push_back({context.first_parameter, Matrix3<double>::Identity(), -context.shot->instrument});
 }
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
 }  // namespace
 
 const EffectDefinition& StationScale() {
