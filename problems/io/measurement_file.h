@@ -10,7 +10,6 @@ namespace sagitta {
 
 struct MeasurementReadOptions {
   bool points_required = true;  // predict and plan: x, y, z may be absent
-  bool stations_known = false;
 };
 
 // Several files make one set of data; ids are shared across them. `joints` are

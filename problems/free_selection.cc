@@ -1,0 +1,116 @@
+#include "problems/free_selection.h"
+
+#include <algorithm>
+
+#include "models/default_free_set.h"
+#include "problems/input_error.h"
+#include "problems/loads.h"
+#include "problems/problem_checks.h"
+
+namespace sagitta {
+namespace {
+
+// Which of `all` a selection names; `what` for messages.
+std::vector<std::string> SelectFrom(const std::vector<std::string>& all, const Selection& selection,
+                                    const std::string& key, const std::string& what, const std::string& file) {
+  if (selection.kind == Selection::Kind::kAll) return all;
+  if (selection.kind != Selection::Kind::kList) return {};
+  for (const std::string& name : selection.names) {
+    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    throw InputError({file, 0, key}, "the robot has no " + what + " '" + name + "'", SpellingHint(name, all));
+  }
+  return selection.names;
+}
+
+std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
+  const Selection& selection = problem->experiment.estimate.geometry;
+  if (selection.kind != Selection::Kind::kDefault) {
+    std::vector<std::string> all;
+    for (const ElementaryTransform& transform : problem->robot.chain.transforms) {
+      if (!transform.error.empty()) all.push_back(transform.error);
+    }
+    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment.file);
+  }
+  const EstimateSpec& estimate = problem->experiment.estimate;
+  FreeSet set = DefaultFreeSet(problem->robot.chain, {estimate.base, estimate.markers});
+  problem->redundant_errors = set.redundant;
+  return set.free;
+}
+
+bool AnyLoaded(const Measurements& data) { return std::any_of(data.shots.begin(), data.shots.end(), IsLoaded); }
+
+std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
+  const Selection& selection = problem.experiment.estimate.gravity_compensator;
+  if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone) return {};
+  if (!problem.robot.gravity_compensator) {
+    FailProblem(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
+                "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
+  }
+  return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator", "compensator parameter",
+                    problem.experiment.file);
+}
+
+}  // namespace
+
+std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
+  std::vector<std::string> all;
+  for (const Joint& joint : robot.chain.joints) all.push_back(joint.name);
+  const Selection& selection = experiment.estimate.compliance;
+  if (selection.kind == Selection::Kind::kDefault) return AnyLoaded(data) ? all : std::vector<std::string>();
+  const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment.file);
+  if (!named.empty() && !AnyLoaded(data) && experiment.tool_mass == 0.0) {
+    throw InputError({experiment.file, 0, "estimate.compliance"}, "compliances are asked for but no row is loaded",
+                     "measure loaded shots (column load), or leave the key out");
+  }
+  return named;
+}
+
+Robot WithCompliances(Robot robot, const std::vector<std::string>& joints) {
+  const auto add = [&robot](int joint) {
+    for (const JointCompliance& compliance : robot.compliances) {
+      if (compliance.joint == joint) return;
+    }
+    robot.compliances.push_back({joint, {{0.0, 0.0}}, false});
+  };
+  for (const std::string& name : joints) add(robot.chain.FindJoint(name));
+  if (robot.gravity_compensator) add(robot.gravity_compensator->joint);
+  std::stable_sort(robot.compliances.begin(), robot.compliances.end(),
+                   [](const auto& a, const auto& b) { return a.joint < b.joint; });
+  return robot;
+}
+
+void SetFree(CalibrationProblem* problem) {
+  ParameterSet& parameters = problem->parameters;
+  const EstimateSpec& estimate = problem->experiment.estimate;
+  const std::vector<std::string> errors = FreeErrors(problem);
+  const std::vector<std::string> compliant = CompliantJoints(problem->robot, problem->data, problem->experiment);
+  const std::vector<std::string> spring = FreeSpring(*problem);
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    Coordinate& coordinate = parameters.coordinate(i);
+    const std::string family = coordinate.name.substr(0, coordinate.name.find('/'));
+    if (family == "base") coordinate.free = estimate.base;
+    if (family == "marker") coordinate.free = estimate.markers;
+    const std::string name = coordinate.name.substr(family.size() + 1);
+    const auto is_in = [&](const std::vector<std::string>& names, const std::string& wanted) {
+      return std::find(names.begin(), names.end(), wanted) != names.end();
+    };
+    if (family == "geometry") coordinate.free = is_in(errors, name);
+    if (family == "compliance") coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
+    if (family == "compensator") coordinate.free = is_in(spring, name);
+    if (family == "effect") coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
+  }
+  const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
+    std::vector<std::string> known;
+    for (const Coordinate& coordinate : parameters.coordinates()) known.push_back(coordinate.name);
+    for (const std::string& name : names) {
+      const std::vector<int> matches = parameters.Match(name);
+      if (matches.empty())
+        FailProblem(*problem, key, "there is no parameter '" + name + "'", SpellingHint(name, known));
+      for (const int i : matches) parameters.coordinate(i).free = free;
+    }
+  };
+  apply(estimate.free, "--free", true);
+  apply(estimate.fixed, "--fixed", false);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,153 @@
+#include "problems/problem_checks.h"
+
+#include <algorithm>
+#include <set>
+
+#include "models/effects/catalogue.h"
+#include "problems/input_error.h"
+
+namespace sagitta {
+
+void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
+                 const std::string& hint) {
+  throw InputError({problem.experiment.file, 0, key}, what, hint);
+}
+
+void RefuseUnsupported(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment;
+  if (experiment.repeatability.estimate) {
+    FailProblem(problem, "repeatability_urad", "estimating the repeatability is not supported yet", "state a value");
+  }
+  if (experiment.loss != "none") FailProblem(problem, "loss", "robust losses are not supported yet", "use none");
+  if (experiment.weights == "eq14") FailProblem(problem, "weights", "eq14 is not supported yet", "use sigma or equal");
+  if (experiment.covariance != "model") FailProblem(problem, "covariance", "only model is supported yet", "use model");
+  using From = NoiseSpec::From;
+  if (experiment.noise.from == From::kRepeats || experiment.noise.from == From::kResiduals ||
+      experiment.noise.from == From::kInstrument || experiment.noise.from == From::kVarianceComponents) {
+    FailProblem(problem, "noise", "this noise model is not supported yet", "use sigma_mm or {from: rows}");
+  }
+}
+
+void CheckNames(const CalibrationProblem& problem) {
+  for (const auto& [name, spec] : problem.experiment.markers) {
+    const auto& known = problem.data.markers;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      FailProblem(problem, "markers." + name, "no row measures this marker", SpellingHint(name, known));
+    }
+  }
+  for (const auto& [name, spec] : problem.experiment.stations) {
+    const auto& known = problem.data.stations;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      FailProblem(problem, "stations." + name, "no row is measured from this station", SpellingHint(name, known));
+    }
+  }
+}
+
+void CheckEffects(const CalibrationProblem& problem) {
+  std::set<std::string> loads;
+  for (const Shot& shot : problem.data.shots) loads.insert(shot.load);
+  for (const EffectSpec& spec : problem.robot.effects) {
+    std::vector<std::string> known;
+    switch (FindEffect(spec.effect)->target) {
+      case EffectTarget::kStation:
+        known = problem.data.stations;
+        break;
+      case EffectTarget::kMarker:
+        known = problem.data.markers;
+        break;
+      case EffectTarget::kLoad:
+        known.assign(loads.begin(), loads.end());
+        break;
+      default:
+        continue;
+    }
+    if (std::find(known.begin(), known.end(), spec.target) != known.end()) continue;
+    throw InputError({problem.experiment.robot_file, 0, "effects"},
+                     "effect " + spec.effect + ": the data have no '" + spec.target + "'",
+                     SpellingHint(spec.target, known));
+  }
+}
+
+void CheckEffectColumns(const CalibrationProblem& problem) {
+  for (const EffectSpec& spec : problem.robot.effects) {
+    for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+      const EffectContext context{&problem.robot, &spec, &problem.shot_inputs[s].conditions, &problem.data.markers, 0};
+      const std::string column = FindEffect(spec.effect)->missing(context);
+      if (column.empty()) continue;
+      const Observation& first = problem.data.observations[problem.data.shots[s].observations.front()];
+      const MeasurementFile& file = problem.data.files[first.file];
+      throw InputError({file.path, file.rows[first.row].line, column}, "effect " + spec.Path() + " needs this column",
+                       "add it, or take the effect out of the robot file");
+    }
+  }
+}
+
+void CheckCompensator(const CalibrationProblem& problem) {
+  if (!problem.robot.gravity_compensator) return;
+  const GravityCompensator& c = *problem.robot.gravity_compensator;
+  const CompensatorParameters<double> parameters{c.L, c.a_x, c.a_y, c.s0, c.Kc};
+  if (c.L <= 0.0 || c.s0 <= 0.0 || c.Kc < 0.0) {
+    throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
+                     "L and s0 must be positive and Kc not negative", "state lengths in mm, stiffness in N/mm");
+  }
+  for (const Configuration& configuration : problem.data.configurations) {
+    if (CompensatorSpringLength(parameters, configuration.q[c.joint]) > 1e-3 * c.s0) continue;
+    throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
+                     "the spring would have no length at configuration '" + configuration.id + "'",
+                     "check L, a_x and a_y: the lever end would lie on the anchor");
+  }
+}
+
+void CheckSigmas(const CalibrationProblem& problem) {
+  if (!problem.sigma_is_stated()) {
+    if (problem.latent.empty()) return;
+    FailProblem(problem, "repeatability_urad", "the repeatability is stated but the instrument's noise is not",
+                "state noise: {sigma_mm: …}, sigma columns, or --sigma_mm");
+  }
+  for (const Observation& observation : problem.data.observations) {
+    if (problem.StatedSigma(observation).minCoeff() > 0.0) continue;
+    const MeasurementFile& file = problem.data.files[observation.file];
+    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
+                     "other rows state standard deviations, this one has none",
+                     "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");
+  }
+}
+
+void CheckEnoughData(const CalibrationProblem& problem) {
+  std::set<int> configurations;
+  std::vector<bool> station_seen(problem.data.stations.size()), marker_seen(problem.data.markers.size());
+  const std::vector<int> observations = problem.CalibrationObservations();
+  for (const int i : observations) {
+    const Observation& observation = problem.data.observations[i];
+    const Shot& shot = problem.data.shots[observation.shot];
+    configurations.insert(shot.configuration);
+    station_seen[shot.station] = true;
+    marker_seen[observation.marker] = true;
+  }
+  const std::string file = problem.data.files.empty() ? "" : problem.data.files[0].path;
+  for (size_t s = 0; s < station_seen.size(); ++s) {
+    if (station_seen[s]) continue;
+    throw InputError({file, 0, "station"}, "station '" + problem.data.stations[s] + "' has validation rows only",
+                     "its base pose cannot be estimated; move some of its configurations to calibration");
+  }
+  for (size_t m = 0; m < marker_seen.size(); ++m) {
+    if (marker_seen[m]) continue;
+    throw InputError({file, 0, "marker"}, "marker '" + problem.data.markers[m] + "' has validation rows only",
+                     "its point cannot be estimated; move some of its configurations to calibration");
+  }
+  const int unknowns = problem.parameters.EstimatedCoordinates().size();
+  if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");
+  if (configurations.size() < 2) {
+    throw InputError({file, 0, "config"}, "one configuration cannot tell the robot from the base",
+                     "measure at least two, better thirty, different configurations");
+  }
+  const int equations = 3 * observations.size();
+  if (equations < unknowns) {
+    throw InputError(
+        {file, 0, ""},
+        "fewer equations (" + std::to_string(equations) + ") than unknowns (" + std::to_string(unknowns) + ")",
+        "measure more configurations or free less (estimate.geometry, --fixed)");
+  }
+}
+
+}  // namespace sagitta

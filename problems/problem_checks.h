@@ -1,0 +1,35 @@
+// What only robot, data and experiment together show to be wrong. Each check throws InputError.
+#pragma once
+
+#include <string>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// At `key` of the experiment file.
+[[noreturn]] void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
+                              const std::string& hint = "");
+
+// What FORMATS allows and this version cannot honour yet is refused, not ignored.
+void RefuseUnsupported(const CalibrationProblem& problem);
+
+// Markers and stations of the experiment that no row has.
+void CheckNames(const CalibrationProblem& problem);
+
+// Targets that only the data know.
+void CheckEffects(const CalibrationProblem& problem);
+
+// Columns that an effect of the robot needs.
+void CheckEffectColumns(const CalibrationProblem& problem);
+
+// A spring can neither have no length nor be pressed through zero.
+void CheckCompensator(const CalibrationProblem& problem);
+
+// Rows without a standard deviation beside rows that have one.
+void CheckSigmas(const CalibrationProblem& problem);
+
+// What no estimate can come from.
+void CheckEnoughData(const CalibrationProblem& problem);
+
+}  // namespace sagitta
