@@ -1,0 +1,51 @@
+#include "tests/hidden_effects/generator/arm.h"
+
+#include <stdexcept>
+
+namespace hidden {
+
+int Arm::Find(const std::string& joint) const {
+  for (int j = 0; j < size(); ++j) {
+    if (joints[j].name == joint) return j;
+  }
+  throw std::invalid_argument("no joint " + joint);
+}
+
+const Element& Arm::ElementOf(int joint) const {
+  for (const Element& element : elements) {
+    if (element.joint == joint) return element;
+  }
+  throw std::invalid_argument("a joint without an element");
+}
+
+Matrix3d SmallTurn(const Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0.0) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+Placement Place(const Arm& arm, const Posture& posture) {
+  Placement placement;
+  placement.after_joint.resize(arm.size());
+  placement.axis.resize(arm.size());
+  Frame frame;
+  frame.turn = SmallTurn(posture.foot);
+  for (const Element& element : arm.elements) {
+    const Vector3d unit = Vector3d::Unit(AxisNumber(element.move));
+    double value = element.nominal + element.deviation;
+    if (element.joint >= 0) value += posture.values[element.joint];
+    if (IsTurn(element.move)) {
+      frame.turn = frame.turn * Eigen::AngleAxisd(value, unit).toRotationMatrix();
+    } else {
+      frame.origin += frame.turn * (value * unit);
+    }
+    if (element.joint < 0) continue;
+    placement.axis[element.joint] = frame.turn * unit;
+    frame.turn = frame.turn * SmallTurn(posture.tilt[element.joint]);
+    placement.after_joint[element.joint] = frame;
+  }
+  placement.flange = frame;
+  return placement;
+}
+
+}  // namespace hidden

@@ -1,0 +1,105 @@
+// Everything that really happens between a command and a reading, cause by
+// cause. The believed model knows a part of it.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/hidden_effects/generator/arm.h"
+
+namespace hidden {
+
+constexpr double kGravity = 9.80665;  // m/s^2
+constexpr double kMicro = 1e-6;
+
+// One shot of the instrument, as commanded and stated.
+struct Shot {
+  int config = 0;
+  std::string station = "S1";
+  std::string load = "none";
+  VectorXd q;                                 // commanded, rad or m
+  Vector3d force = Vector3d::Zero();          // N, stated, measurement frame
+  double time = 0.0;                          // s
+  double since_start = 0.0;                   // s since the station's first row
+  double air = 20.0, arm_temperature = 20.0;  // degC
+  std::vector<int> approach;                  // direction of each joint's last motion
+  Vector3d sigma = Vector3d::Zero();          // m, stated
+};
+
+struct StationPose {
+  Vector3d origin = Vector3d::Zero();
+  Matrix3d turn = Matrix3d::Identity();
+};
+
+struct Weight {
+  int link = 0;  // the link after this joint
+  double mass = 0.0;
+  Vector3d centre = Vector3d::Zero();  // in the frame after the joint
+};
+
+// A real spring between a point of the link and a point of the frame before it.
+struct Spring {
+  int joint = 1;
+  double L = 0, a_x = 0, a_y = 0, s0 = 0, Kc = 0;  // m, N/m
+};
+
+struct Drift {
+  Vector3d move = Vector3d::Zero();  // m/s
+  Vector3d turn = Vector3d::Zero();  // rad/s
+};
+
+struct Nature {
+  Arm arm;
+  std::map<std::string, StationPose> stations;
+  std::map<std::string, Vector3d> markers;  // flange frame, m
+  Vector3d load_point = Vector3d::Zero();   // flange frame, m
+
+  // Encoder side: deviation of a joint, rad.
+  struct Encoder {
+    int joint;
+    std::function<double(const Shot&)> deviation;
+  };
+  std::vector<Encoder> encoder;
+  std::vector<VectorXd> latent;       // per configuration
+  std::map<int, double> torque_play;  // half gap by the sign of the torque, rad
+
+  // Elastic: rad/(N m), rad/(kN m)^3.
+  VectorXd compliance, hardening;
+  std::vector<Vector3d> tilt_compliance;  // about x, y, z of the frame after the joint
+  Vector3d foot_compliance = Vector3d::Zero();
+
+  // Running error of an axis: tilt about x, y, z of the frame after the joint.
+  struct Wobble {
+    int joint, about;
+    std::function<double(const Shot&)> tilt;
+  };
+  std::vector<Wobble> wobble;
+
+  std::vector<Weight> weights;
+  std::optional<Spring> spring;
+  std::map<std::string, double> extra_mass;  // by load, kg
+
+  double growth = 0.0;                 // 1/K
+  double reference_temperature = 0.0;  // degC
+  std::map<std::string, Drift> drift;
+  std::map<std::string, double> scale;
+  struct Reseat {
+    std::string marker;
+    double after = 0.0;  // s since the station's first row
+    Vector3d shift = Vector3d::Zero();
+  };
+  std::vector<Reseat> reseats;
+  std::function<Vector3d(const Shot&)> shake;  // of the station, m; may be empty
+};
+
+// Where a marker is really seen, without the instrument's noise; m, station frame.
+Vector3d SeenAt(const Nature& nature, const Shot& shot, const std::string& marker);
+
+// The posture in equilibrium: deflections from torques at the deflected posture,
+// iterated until they stand.
+Posture Equilibrium(const Nature& nature, const Shot& shot);
+
+}  // namespace hidden

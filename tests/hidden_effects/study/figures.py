@@ -1,0 +1,206 @@
+"""The figures of a study, from its records: what the sealed answers say about the diagnoses."""
+import math
+
+from . import statistics as st
+
+SIGNIFICANCE = 0.01
+SHARE_OF_GATE = 0.5  # of the significance, for the search over effects
+TESTS = 300          # what the correlated search acts like at most
+# Parameters per effect: degrees of freedom of its test.
+DOF = {'frozen_geometry': 1, 'joint_compliance': 1, 'compliance_hardening': 1, 'transverse_compliance': 2,
+       'gravity_compensator': 4, 'link_gravity': 4, 'self_weight_sag': 3, 'base_compliance': 2, 'payload': 1,
+       'joint_harmonic': 2, 'axis_wobble': 4, 'encoder_gain': 1, 'joint_coupling': 1, 'backlash': 1, 'joint_slip': 1,
+       'thermal_growth': 1, 'station_drift': 6, 'station_scale': 1, 'marker_shift': 3}
+
+
+def rate(records, predicate):
+    """k of n with its exact 95 % interval."""
+    k, n = sum(1 for r in records if predicate(r)), len(records)
+    low, high = st.clopper_pearson(k, n)
+    return {'k': k, 'n': n, 'rate': k / n if n else None, 'ci95': [low, high]}
+
+
+def finished(records):
+    return [r for r in records if 'failed' not in r]
+
+
+def single(records):
+    return [r for r in records if r['expects'] == 'catalogue' and len(r['kinds']) == 1]
+
+
+def sep_of(record):
+    seps = [s['sep'] for s in record['separations'] if s['sep'] is not None]
+    return seps[0] if seps else None
+
+
+def naming_limit(records):
+    """mean Phi(sqrt(sep) / 2): how often the better of two known signals wins in this noise."""
+    seps = [max(0.0, sep_of(r)) for r in records if sep_of(r) is not None]
+    return sum(st.normal_cdf(0.5 * math.sqrt(s)) for s in seps) / len(seps) if seps else None
+
+
+def naming(records):
+    """By NC and by sep, of single effects of the catalogue."""
+    ones = single(records)
+    out = {'by_nc': {}, 'by_sep': {}, 'by_kind': {}}
+    for label, low, high in (('NC < 20', 0, 20), ('NC 20-40', 20, 40), ('NC 40-100', 40, 100), ('NC >= 100', 100, 1e99),
+                             ('NC >= 40', 40, 1e99)):
+        chosen = [r for r in ones if low <= r['nc'] < high]
+        out['by_nc'][label] = dict(rates_of(chosen), limit=naming_limit(chosen))
+    for label, low, high in (('sep < 3', -1e99, 3), ('sep 3-10', 3, 10), ('sep 10-20', 10, 20), ('sep >= 20', 20, 1e99)):
+        chosen = [r for r in ones if r['nc'] >= 40 and sep_of(r) is not None and low <= sep_of(r) < high]
+        out['by_sep'][label] = rates_of(chosen)
+    for kind in sorted({r['kinds'][0] for r in ones}):
+        out['by_kind'][kind] = rates_of([r for r in ones if r['kinds'][0] == kind and r['nc'] >= 40])
+    return out
+
+
+def rates_of(records):
+    return {'named_first': rate(records, lambda r: r['named_first']),
+            'named_or_listed': rate(records, lambda r: r['named_or_listed']),
+            'exact': rate(records, lambda r: r['exact']),
+            'detected': rate(records, lambda r: r['detected']),
+            'called_unknown': rate(records, lambda r: r['verdict'] == 'unknown')}
+
+
+def pairs(records):
+    twos = [r for r in records if r['expects'] == 'catalogue' and len(r['kinds']) == 2]
+    return {'n': len(twos), 'first_is_one_of_them': rate(twos, lambda r: r['named_first']),
+            'both_named': rate(twos, lambda r: r['all_named']),
+            'both_named_or_listed': rate(twos, lambda r: r['named_or_listed']),
+            'exact': rate(twos, lambda r: r['exact']),
+            'called_unknown': rate(twos, lambda r: r['verdict'] == 'unknown')}
+
+
+def power(records):
+    """Detection against the power of the chi-square test at the corrected level, by NC."""
+    ones = single(records)
+    level = SHARE_OF_GATE * SIGNIFICANCE / TESTS
+    rows = []
+    edges = [0, 10, 20, 30, 40, 60, 100, 300, 1e99]
+    for low, high in zip(edges, edges[1:]):
+        chosen = [r for r in ones if low <= r['nc'] < high]
+        if not chosen:
+            continue
+        predicted = 0.0
+        for r in chosen:
+            dof = DOF[r['kinds'][0]]
+            predicted += st.noncentral_survival(st.chi_square_quantile_above(level, dof), dof, min(r['nc'], 1000.0))
+        rows.append({'nc': [low, high if high < 1e98 else None], 'curve': predicted / len(chosen),
+                     'detected': rate(chosen, lambda r: r['detected'])})
+    return {'level': level, 'rows': rows}
+
+
+def nothing_hidden(records):
+    none = [r for r in records if r['expects'] == 'nothing']
+    values = [r['lack_of_fit_p'] for r in none if r['lack_of_fit_p'] is not None]
+    distance, p = st.kolmogorov_smirnov(values)
+    smallest = [r['best_p'] for r in none if r['best_p'] is not None]
+    below = {str(level): rate(smallest, lambda v: v <= level) for level in (0.005, 0.01, 0.05, 0.1, 0.5)}
+    return {'n': len(none), 'not_consistent': rate(none, lambda r: r['verdict'] != 'consistent'),
+            'effect_named': rate(none, lambda r: bool(r['steps'])),
+            'verdicts': counted(r['verdict'] for r in none),
+            'lack_of_fit_p_uniform': {'ks_distance': distance, 'p': p, 'n': len(values)},
+            'smallest_corrected_p_below': below}
+
+
+def counted(items):
+    counts = {}
+    for item in items:
+        counts[item] = counts.get(item, 0) + 1
+    return dict(sorted(counts.items(), key=lambda kv: -kv[1]))
+
+
+def outside(records):
+    out = {}
+    chosen = [r for r in records if r['expects'] == 'outside']
+    for group in sorted({r['group'] for r in chosen}):
+        rows = [r for r in chosen if r['group'] == group]
+        out[group] = {'unknown': rate(rows, lambda r: r['verdict'] == 'unknown'),
+                      'unknown_or_partly': rate(rows, lambda r: r['verdict'] in ('unknown', 'partly')),
+                      'consistent': rate(rows, lambda r: r['verdict'] == 'consistent')}
+    strong = [r for r in chosen if r['group'] != 'step' and r['nc'] >= 80]
+    out['all but steps, NC >= 80'] = {'unknown': rate(strong, lambda r: r['verdict'] == 'unknown')}
+    return out
+
+
+def unknown_wrongly(records):
+    return rate([r for r in records if r['expects'] == 'catalogue' and r['nc'] >= 40],
+                lambda r: r['verdict'] == 'unknown')
+
+
+def intervals(records):
+    rows = [p for r in records if r['expects'] == 'catalogue' and r['nc'] >= 100 for p in r['parameters']]
+    worst = max((abs(p['z']) for p in rows), default=None)
+    bound = st.normal_quantile(1.0 - 0.005 / len(rows)) if rows else None  # 1 % over all of them, two-sided
+    return {'coverage': rate(rows, lambda p: p['inside']), 'worst_z': worst, 'bonferroni_bound': bound,
+            'worst': max(rows, key=lambda p: abs(p['z']))['name'] if rows else None}
+
+
+def gap_closed(records):
+    values = [r['gap_closed'] for r in records
+              if r['expects'] == 'catalogue' and r['nc'] >= 200 and r['gap_closed'] is not None]
+    return {'n': len(values), 'median': st.median(values) if values else None}
+
+
+def scale_found(record):
+    low, high = record['noise']['ci95']
+    return low <= record['sealed_noise']['scale'] <= high
+
+
+def wrong_noise(records):
+    out = {}
+    chosen = [r for r in records if r['expects'] == 'noise']
+    for group in sorted({r['group'] for r in chosen}):
+        rows = [r for r in chosen if r['group'] == group]
+        entry = {'effect_named': rate(rows, lambda r: bool(r['steps'])),
+                 'verdict_noise': rate(rows, lambda r: r['verdict'] == 'noise'),
+                 'verdicts': counted(r['verdict'] for r in rows)}
+        if group.startswith('sigma'):
+            entry['scale_in_interval'] = rate(rows, scale_found)
+        if group == 'repeatability':
+            entry['repeatability_found'] = rate(rows, lambda r: bool(r['noise'].get('repeatability_urad')))
+        if group == 'outliers':
+            planted = sum(len(r['sealed_noise']['outliers']) for r in rows)
+            lines = [set(o.rsplit('/', 1)[-1] for o in r['noise']['outliers']) for r in rows]
+            hit = sum(len(found & set(r['sealed_noise']['outliers'])) for found, r in zip(lines, rows))
+            entry['outliers'] = {'planted': planted, 'found': hit, 'wrongly': sum(map(len, lines)) - hit}
+        out[group] = entry
+    return out
+
+
+def confusion(records):
+    """hidden kind -> what was named first (effect only) -> count, NC >= 40."""
+    table = {}
+    for r in records:
+        if r['expects'] == 'nothing' or (r['expects'] != 'noise' and len(r['kinds']) != 1):
+            continue
+        if r['expects'] == 'catalogue' and r['nc'] < 40:
+            continue
+        row = table.setdefault(r['kinds'][0] if r['kinds'] else r['group'], {})
+        if r['steps']:
+            found = r['steps'][0].split('/')[0].split('[')[0]
+            if r['expects'] == 'catalogue' and found == r['kinds'][0] and not r['named_first']:
+                found += ' (other target or setting)'
+        else:
+            found = r['verdict']
+        row[found] = row.get(found, 0) + 1
+    return table
+
+
+def by_group(records):
+    out = {}
+    for r in records:
+        out.setdefault('%s: %s' % (r['suite'], r['group']), []).append(r)
+    return {name: dict(rates_of([r for r in rows if r['expects'] == 'catalogue']), n=len(rows),
+                       verdicts=counted(r['verdict'] for r in rows)) for name, rows in out.items()}
+
+
+def all_figures(records):
+    done = finished(records)
+    return {'cases': len(records), 'failed': [{'folder': r['folder'], 'why': r['failed']} for r in records if 'failed' in r],
+            'nothing_hidden': nothing_hidden(done), 'naming': naming(done), 'pairs': pairs(done), 'power': power(done),
+            'outside': outside(done), 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
+            'gap_closed': gap_closed(done), 'wrong_noise': wrong_noise(done), 'confusion': confusion(done),
+            'groups': by_group(done), 'seconds': {'median': st.median([r['seconds'] for r in records]),
+                                                  'largest': max((r['seconds'] for r in records), default=None)}}

@@ -1,0 +1,20 @@
+"""When two effects are the same: effect, target and settings, but not the time of a change."""
+FREE_SETTINGS = {'after_s'}  # a change point lies somewhere between two visits
+HARMONIC = 'joint_harmonic'
+
+
+def identity(entry, effect_key='effect'):
+    """Tuple that names an effect of diagnosis.json, or (effect_key='kind') of an answer."""
+    settings = tuple(sorted((k, str(v)) for k, v in entry.get('settings', {}).items() if k not in FREE_SETTINGS))
+    return entry[effect_key], entry['target'], settings
+
+
+def words(name):
+    effect, target, settings = name
+    inner = ','.join('%s=%s' % s for s in settings)
+    return '%s%s/%s' % (effect, '[%s]' % inner if inner else '', target)
+
+
+def accepted_besides(hidden):
+    """Names that are right beside the main one: further harmonics of the same gear."""
+    return {(HARMONIC, hidden['target'], (('order', str(n)),)) for n in hidden.get('further_orders', [])}

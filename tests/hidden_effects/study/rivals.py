@@ -1,0 +1,119 @@
+"""sep: the noise-free chi-square lead of the true effect over its best rival, after refit.
+
+The believed model of the noise-free rows is extended by the truth, and by each of the rivals that the
+diagnosis itself put forward, and calibrated; sep is the smallest chi-square with a rival minus that with the truth.
+"""
+import pathlib
+import re
+import shutil
+import tempfile
+
+from . import naming
+
+TARGET_KEY = {'frozen_geometry': 'error', 'payload': 'load', 'station_drift': 'station', 'station_scale': 'station',
+              'marker_shift': 'marker'}
+NO_TARGET = {'base_compliance', 'thermal_growth'}
+PARAMETERS = {
+    'compliance_hardening': ['k3_urad_per_kNm3'], 'transverse_compliance': ['ku_urad_per_Nm', 'kv_urad_per_Nm'],
+    'link_gravity': ['mass_kg', 'mx_kgm', 'my_kgm', 'mz_kgm'], 'base_compliance': ['kx_urad_per_Nm', 'ky_urad_per_Nm'],
+    'payload': ['dmass_kg'], 'joint_harmonic': ['cos_urad', 'sin_urad'], 'encoder_gain': ['gain_ppm'],
+    'axis_wobble': ['u_cos_urad', 'u_sin_urad', 'v_cos_urad', 'v_sin_urad'], 'joint_coupling': ['ratio_ppm'],
+    'backlash': ['half_gap_urad'], 'joint_slip': ['jump_urad'], 'thermal_growth': ['growth_ppm_per_K'],
+    'station_drift': ['x_um_per_h', 'y_um_per_h', 'z_um_per_h', 'rx_urad_per_h', 'ry_urad_per_h', 'rz_urad_per_h'],
+    'station_scale': ['scale_ppm'], 'marker_shift': ['x_mm', 'y_mm', 'z_mm']}
+SPRING = {'L_mm': 184.72, 'a_x_mm': 685.93, 'a_y_mm': 123.30, 's0_mm': 458, 'Kc_N_per_mm': 1}
+MOST_RIVALS = 12
+
+
+def yaml_entry(effect, target, settings, joints):
+    fields = ['effect: %s' % effect]
+    if effect not in NO_TARGET:
+        fields.append('%s: %s' % (TARGET_KEY.get(effect, 'joint'), target))
+    fields += ['%s: %s' % s for s in settings.items()]
+    names = PARAMETERS.get(effect, [])
+    if effect == 'self_weight_sag':
+        names = ['s%d%s_urad' % (i + 1, a) for i in range(joints.index(target), len(joints)) for a in 'xyz']
+    fields += ['%s: 0' % n for n in names]
+    return '  - {%s}' % ', '.join(fields)
+
+
+def add_to_list(text, key, name):
+    """`  key: [a, b]` of experiment.yaml with one more name; the line is added where it is missing."""
+    line = re.compile(r'^  %s: \[(.*)\]$' % key, re.MULTILINE)
+    if line.search(text):
+        return line.sub(lambda m: '  %s: [%s]' % (key, m.group(1) + ', ' + name if m.group(1) else name), text)
+    return text.replace('\nvalidation:', '\n  %s: [%s]\nvalidation:' % (key, name))
+
+
+def extend(answer, out, effects):
+    """The noise-free case with these effects (effect, target, settings, values) believed."""
+    shutil.copytree(answer, out, dirs_exist_ok=True)
+    robot, experiment = (out / 'robot.yaml').read_text(), (out / 'experiment.yaml').read_text()
+    joints = re.findall(r'\{name: (\w+), type', robot)
+    entries = []
+    for effect, target, settings, values in effects:
+        if effect == 'frozen_geometry':
+            experiment = add_to_list(experiment, 'geometry', target)
+        elif effect == 'joint_compliance':
+            experiment = add_to_list(experiment, 'compliance', target)
+        elif effect == 'gravity_compensator':
+            spring = dict(SPRING, **{k: v for k, v in values.items() if k in SPRING})
+            fields = ', '.join('%s: %.9g' % s for s in spring.items())
+            robot += 'gravity_compensator:\n  {joint: %s, type: spring, %s, preload: true}\n' % (target, fields)
+            experiment = add_to_list(experiment, 'gravity_compensator', 'a_x, a_y, s0, Kc')
+        else:
+            entries.append(yaml_entry(effect, target, settings, joints))
+    if entries:
+        robot += 'effects:\n' + '\n'.join(entries) + '\n'
+    (out / 'robot.yaml').write_text(robot)
+    (out / 'experiment.yaml').write_text(experiment)
+
+
+def chi_square_with(programs, answer, effects):
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        extend(answer, scratch / 'case', effects)
+        return programs.chi_square(scratch / 'case' / 'experiment.yaml', scratch / 'estimate')
+
+
+def as_effect(entry, key):
+    return entry[key], entry['target'], entry.get('settings', {}), values_of(entry)
+
+
+def values_of(entry):
+    values = entry.get('parameters') or {}
+    return values if isinstance(values, dict) else {p['name']: p['value'] for p in values}
+
+
+def candidate_rivals(diagnosis, truths):
+    """Steps, their alternatives and the best candidates; each name once, truths left out."""
+    found = []
+    for step in diagnosis['steps']:
+        found.append(step)
+        found += step['alternatives']
+    found += diagnosis['candidates']
+    seen, rivals = set(truths), []
+    for entry in found:
+        name = naming.identity(entry)
+        if name not in seen:
+            seen.add(name)
+            rivals.append(as_effect(entry, 'effect'))
+    return rivals[:MOST_RIVALS]
+
+
+def separation(programs, answer_folder, hidden, number, diagnosis):
+    """{'sep', 'best_rival', 'left'}: lead, who, and the chi-square that the truth itself leaves."""
+    truths = [naming.identity(h, 'kind') for h in hidden]
+    others = [as_effect(h, 'kind') for i, h in enumerate(hidden) if i != number]
+    left = chi_square_with(programs, answer_folder, others + [as_effect(hidden[number], 'kind')])
+    if left is None:
+        return {'sep': None, 'best_rival': None, 'left': None}
+    skip = set(truths)
+    for h in hidden:
+        skip |= naming.accepted_besides(h)
+    best, who = None, None
+    for rival in candidate_rivals(diagnosis, skip):
+        chi2 = chi_square_with(programs, answer_folder, others + [rival])
+        if chi2 is not None and (best is None or chi2 < best):
+            best, who = chi2, naming.words(naming.identity({'effect': rival[0], 'target': rival[1], 'settings': rival[2]}))
+    return {'sep': None if best is None else best - left, 'best_rival': who, 'left': left}
