@@ -2,7 +2,8 @@
 """Keeps the arrows of ARCHITECTURE.md true: tools -> estimator -> problems -> models.
 
 Fails on an #include or a CMake link against the arrows, and on a library that
-the layer may not use. Standard library only.
+the layer may not use. The generator of hidden effects, which must not share code
+with what it tests, may use none of the layers. Standard library only.
 
 usage: layering_test.py [ROOT]        check the tree (default: the one this file is in)
        layering_test.py --self-test   prove that planted violations are found
@@ -27,6 +28,10 @@ LIBRARY_OF_LINK = {
     'Ceres::ceres': 'ceres', 'glog::glog': 'glog', 'gflags': 'gflags',
 }
 LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator'}
+# Apart from everything: the generator of cases in which an effect is hidden.
+GENERATOR = 'tests/hidden_effects/generator'
+GENERATOR_TARGET = 'sagitta_hidden_generator'
+GENERATOR_LIBRARIES = {'Eigen', 'nlohmann'}
 FREE_LINKS = {'PUBLIC', 'PRIVATE', 'INTERFACE', 'sagitta_warnings', 'Threads::Threads'}
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
@@ -84,8 +89,41 @@ def violations_of_cmake(layer, text):
                 yield line, reason
 
 
+def violations_of_generator_source(text):
+    for match in INCLUDE.finditer(text):
+        bracket, header = match.groups()
+        line = text.count('\n', 0, match.start()) + 1
+        if bracket == '"' and not header.startswith(GENERATOR + '/'):
+            yield line, 'the generator may not use "%s"' % header
+        elif bracket == '<' and library_of(header) not in {None} | GENERATOR_LIBRARIES:
+            yield line, 'the generator may not use <%s>' % header
+
+
+def violations_of_generator_links(text):
+    text = re.sub(r'#.*', '', text)
+    for match in LINK.finditer(text):
+        if match.group(1) != GENERATOR_TARGET:
+            continue
+        line = text.count('\n', 0, match.start()) + 1
+        for item in match.group(2).split():
+            if item not in FREE_LINKS and LIBRARY_OF_LINK.get(item) not in GENERATOR_LIBRARIES:
+                yield line, 'the generator may not link %s' % item
+
+
+def generator_violations(root):
+    checks = [(sorted((root / GENERATOR).rglob('*.h')) + sorted((root / GENERATOR).rglob('*.cc')),
+               violations_of_generator_source),
+              (sorted((root / GENERATOR).parent.rglob('CMakeLists.txt')), violations_of_generator_links)]
+    for files, check in checks:
+        if not files:
+            yield '%s/: no sources or no CMakeLists.txt; nothing was checked' % GENERATOR
+        for path in files:
+            for line, reason in check(path.read_text(encoding='utf-8')):
+                yield '%s:%d: %s' % (path.relative_to(root), line, reason)
+
+
 def violations(root):
-    found = []
+    found = list(generator_violations(root))
     for layer in LAYERS:
         sources = sorted(p for p in (root / layer).rglob('*') if p.suffix in ('.h', '.cc'))
         cmakes = sorted((root / layer).rglob('CMakeLists.txt'))
@@ -121,6 +159,13 @@ PLANTED = [  # (file, text, what the message must say; None: no violation)
     ('models/CMakeLists.txt', 'target_link_libraries(m PUBLIC sagitta_problems)\n', 'models/ may not use problems/'),
     ('models/CMakeLists.txt', 'target_link_libraries(m PUBLIC\n Ceres::ceres)\n', 'models/ may not link Ceres::ceres'),
     ('problems/CMakeLists.txt', 'target_link_libraries(p PUBLIC sagitta::sagitta)\n', 'may not use estimator/'),
+    (GENERATOR + '/a.cc', '#include <Eigen/Core>\n#include <cmath>\n#include "%s/b.h"\n' % GENERATOR, None),
+    (GENERATOR + '/a.cc', '#include "models/chain.h"\n', 'may not use "models/chain.h"'),
+    (GENERATOR + '/a.h', '#include "tests/support/arms.h"\n', 'may not use "tests/support/arms.h"'),
+    (GENERATOR + '/a.cc', '#include <ceres/ceres.h>\n', 'may not use <ceres/ceres.h>'),
+    ('tests/hidden_effects/CMakeLists.txt',
+     'target_link_libraries(sagitta_hidden_generator PRIVATE Eigen3::Eigen sagitta_problems)\n',
+     'may not link sagitta_problems'),
     ('estimator/CMakeLists.txt', '# target_link_libraries(e PUBLIC sagitta_tools)\n', None),
 ]
 
@@ -130,8 +175,8 @@ def self_test():
     for file, text, expected in PLANTED:
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            for layer in LAYERS:
-                (root / layer).mkdir()
+            for layer in LAYERS + [GENERATOR]:
+                (root / layer).mkdir(parents=True)
                 (root / layer / 'clean.h').write_text('#include <vector>\n')
                 (root / layer / 'CMakeLists.txt').write_text('')
             (root / file).parent.mkdir(exist_ok=True)
@@ -142,7 +187,7 @@ def self_test():
             wrong += 1
             print('FAIL  %s %r: expected %r, found %r' % (file, text, expected, found))
     with tempfile.TemporaryDirectory() as folder:
-        if len(violations(pathlib.Path(folder))) != len(LAYERS):
+        if len(violations(pathlib.Path(folder))) != len(LAYERS) + 2:
             wrong += 1
             print('FAIL  an empty tree passes')
     print('%d planted cases, %d wrong' % (len(PLANTED) + 1, wrong))

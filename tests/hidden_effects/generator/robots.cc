@@ -77,7 +77,7 @@ void SetHeavyIndustry(RobotKind* robot) {
 }
 
 void SetLightArm(RobotKind* robot) {
-  robot->load_point = {0.02, 0.03, 0.12};
+  robot->load_point = {0.06, 0.08, 0.12};
   robot->heavy = {"W10", 10.0, 0.0};
   robot->light = {"W5", 5.0, 0.0};
   robot->sideways = {"P", 0.0, 60.0};
