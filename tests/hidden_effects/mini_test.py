@@ -99,6 +99,17 @@ class Study(WithFolder):
         self.assertEqual(json.dumps(again), json.dumps(records))
 
 
+class Demo(WithFolder):
+    def test_the_demo_names_what_was_sealed(self):
+        root = HERE.parent.parent
+        command = [str(root / 'tools/demo-hidden-effect'), '--build=%s' % PROGRAMS.sagitta.parent,
+                   '--out=%s' % (self.folder / 'demo')]
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        for part in ('Where the gap is', 'What it says', 'noise floor', 'The seal is opened', 'unchanged', 'named'):
+            self.assertIn(part, done.stdout)
+
+
 if __name__ == '__main__':
     PROGRAMS = programs.Programs(sys.argv.pop(1))
     unittest.main()

@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
+#include "tests/hidden_effects/generator/answer_json.h"
 
 namespace hidden {
 namespace {
@@ -173,16 +173,6 @@ Vector3d Noise(const CaseOptions& options, const Shot& shot, Stream* noise, Stre
   return error;
 }
 
-nlohmann::json Answer(const HiddenEffect& effect) {
-  nlohmann::json entry = {{"kind", effect.kind}, {"in_catalogue", effect.in_catalogue}, {"target", effect.target}};
-  entry["settings"] = effect.settings;
-  entry["parameters"] = nlohmann::json::object();
-  for (const auto& [name, value] : effect.parameters) entry["parameters"][name] = value;
-  if (!effect.words.empty()) entry["words"] = effect.words;
-  if (!effect.further_orders.empty()) entry["further_orders"] = effect.further_orders;
-  return entry;
-}
-
 void WriteAnswer(const Case& made, const std::vector<std::string>& outliers) {
   const CaseOptions& options = made.options;
   nlohmann::json answer = {{"study", options.study},
@@ -196,7 +186,7 @@ void WriteAnswer(const Case& made, const std::vector<std::string>& outliers) {
                            {"outliers", outliers},
                            {"scales", options.scales}};
   answer["hidden"] = nlohmann::json::array();
-  for (const HiddenEffect& effect : made.effects) answer["hidden"].push_back(Answer(effect));
+  for (const HiddenEffect& effect : made.effects) answer["hidden"].push_back(AnswerOf(effect));
   Open(std::filesystem::path(options.answer_folder) / "answer.json") << answer.dump(1) << "\n";
 }
 

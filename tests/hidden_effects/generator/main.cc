@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "tests/hidden_effects/generator/case_files.h"
+#include "tests/hidden_effects/generator/displacements.h"
 
 namespace {
 
@@ -26,6 +27,10 @@ const char* const kHelp = R"(sagitta_hidden_generator --out=DIR --answer=DIR [fl
   --sigma_factor=X            true over stated sigma [1]
   --outliers=X                share of the rows [0]
   --list                      prints the kinds
+
+sagitta_hidden_generator --displacements=IN.json --out=OUT.json --kinds=A [--scales=A] [--study=N] [--case=N]
+
+  where an effect would move the points of an arm that was really measured
 )";
 
 std::vector<std::string> Split(const std::string& text) {
@@ -94,6 +99,18 @@ hidden::CaseOptions Options(Flags* flags) {
   return options;
 }
 
+hidden::DisplacementOptions Displacements(Flags* flags) {
+  hidden::DisplacementOptions options;
+  options.study = std::stoull(flags->Take("study", "1"));
+  options.number = std::stoull(flags->Take("case", "0"));
+  options.kind = flags->Take("kinds", "");
+  options.scale = flags->Number("scales", 1.0);
+  options.input = flags->Take("displacements", "");
+  options.output = flags->Take("out", "");
+  flags->RefuseRest();
+  return options;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,6 +123,10 @@ int main(int argc, char** argv) {
     if (flags.Has("list")) {
       for (const std::string& kind : hidden::CatalogueKinds()) std::printf("%s catalogue\n", kind.c_str());
       for (const std::string& kind : hidden::OutsideKinds()) std::printf("%s outside\n", kind.c_str());
+      return 0;
+    }
+    if (flags.Has("displacements")) {
+      hidden::WriteDisplacements(Displacements(&flags));
       return 0;
     }
     hidden::WriteCase(hidden::MakeCase(Options(&flags)));

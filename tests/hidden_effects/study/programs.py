@@ -20,6 +20,12 @@ class Programs:
         command += ['--%s=%s' % (k, v) if v is not None else '--%s' % k for k, v in flags.items()]
         subprocess.run(command, check=True, capture_output=True, text=True)
 
+    def displace(self, source, target, kind, scale, seed, number):
+        """Where an effect would move the points of an arm that was really measured."""
+        subprocess.run([str(self.generator), '--displacements=%s' % source, '--out=%s' % target, '--kinds=%s' % kind,
+                        '--scales=%.9g' % scale, '--study=%d' % seed, '--case=%d' % number], check=True,
+                       capture_output=True, text=True)
+
     def calibrated(self, experiment, out):
         """estimate.json of an experiment; None where there is no estimate."""
         command = [str(self.sagitta), 'calibrate', str(experiment), '--out=%s' % out, '--quiet']

@@ -2,7 +2,9 @@
 
 The believed model of the noise-free rows is extended by the truth, and by each of the rivals that the
 diagnosis itself put forward, and calibrated; sep is the smallest chi-square with a rival minus that with the truth.
+The penalised lead counts p ln(n) for the free parameters too, as the rule of choosing does.
 """
+import math
 import pathlib
 import re
 import shutil
@@ -69,11 +71,16 @@ def extend(answer, out, effects):
     (out / 'experiment.yaml').write_text(experiment)
 
 
-def chi_square_with(programs, answer, effects):
+def fit_with(programs, answer, effects):
+    """(chi-square, the same with p ln n) of the noise-free rows; None: no estimate."""
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         extend(answer, scratch / 'case', effects)
-        return programs.chi_square(scratch / 'case' / 'experiment.yaml', scratch / 'estimate')
+        estimate = programs.calibrated(scratch / 'case' / 'experiment.yaml', scratch / 'estimate')
+    if estimate is None:
+        return None
+    fit = estimate['fit']
+    return fit['chi2'], fit['chi2'] + fit['free_parameters'] * math.log(3 * fit['observations'])
 
 
 def as_effect(entry, key):
@@ -102,18 +109,23 @@ def candidate_rivals(diagnosis, truths):
 
 
 def separation(programs, answer_folder, hidden, number, diagnosis):
-    """{'sep', 'best_rival', 'left'}: lead, who, and the chi-square that the truth itself leaves."""
+    """{'sep', 'penalised_lead', 'best_rival', 'left'}: leads, over whom, the chi-square that the truth itself leaves."""
     truths = [naming.identity(h, 'kind') for h in hidden]
     others = [as_effect(h, 'kind') for i, h in enumerate(hidden) if i != number]
-    left = chi_square_with(programs, answer_folder, others + [as_effect(hidden[number], 'kind')])
-    if left is None:
-        return {'sep': None, 'best_rival': None, 'left': None}
+    true = fit_with(programs, answer_folder, others + [as_effect(hidden[number], 'kind')])
+    if true is None:
+        return {'sep': None, 'penalised_lead': None, 'best_rival': None, 'left': None}
     skip = set(truths)
     for h in hidden:
         skip |= naming.accepted_besides(h)
-    best, who = None, None
+    fits = []
     for rival in candidate_rivals(diagnosis, skip):
-        chi2 = chi_square_with(programs, answer_folder, others + [rival])
-        if chi2 is not None and (best is None or chi2 < best):
-            best, who = chi2, naming.words(naming.identity({'effect': rival[0], 'target': rival[1], 'settings': rival[2]}))
-    return {'sep': None if best is None else best - left, 'best_rival': who, 'left': left}
+        fit = fit_with(programs, answer_folder, others + [rival])
+        if fit is not None:
+            name = naming.identity({'effect': rival[0], 'target': rival[1], 'settings': rival[2]})
+            fits.append((fit, naming.words(name)))
+    if not fits:
+        return {'sep': None, 'penalised_lead': None, 'best_rival': None, 'left': true[0]}
+    best, who = min(fits)
+    return {'sep': best[0] - true[0], 'penalised_lead': min(f[1] for f, _ in fits) - true[1], 'best_rival': who,
+            'left': true[0]}
