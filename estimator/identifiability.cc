@@ -27,7 +27,9 @@ double HoldPreference(const std::string& name) {
 Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSet& parameters) {
   Eigen::VectorXd limits(linearization.num_columns());
   for (int c = 0; c < limits.size(); ++c) {
-    limits[c] = TraitsOf(parameters.coordinates()[linearization.columns[c]].quantity).hold_limit;
+    const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
+    // A stated prior is knowledge: what it alone tells is not held.
+    limits[c] = std::max(TraitsOf(coordinate.quantity).hold_limit, 2.0 * coordinate.prior_sigma);
   }
   return limits;
 }

@@ -124,11 +124,22 @@ std::vector<int> CalibrationProblem::ValidationObservations() const {
   return indices;
 }
 
-CalibrationProblem CalibrationProblem::WithEffect(const EffectSpec& spec) const {
+CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>& specs) const {
   Robot extended = robot;
-  extended.effects.push_back(spec);
+  bool adds_compensator = false;
+  for (const EffectSpec& spec : specs) {
+    if (spec.effect != "gravity_compensator") {
+      extended.effects.push_back(spec);
+      continue;
+    }
+    const std::vector<double>& p = spec.values;
+    extended.gravity_compensator =
+        GravityCompensator{robot.chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
+    adds_compensator = true;
+  }
   CalibrationProblem problem(std::move(extended), data, experiment);
   problem.parameters.CopyByName(parameters);
+  if (adds_compensator) problem.parameters.coordinate(problem.parameters.FindCoordinate("compensator/L")).free = false;
   problem.marker_frames = ResolveMarkerFrames(problem);
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   problem.latent = latent;

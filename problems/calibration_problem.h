@@ -33,9 +33,12 @@ struct CalibrationProblem {
   Vector3<double> StatedSigma(const Observation& observation) const;
   bool sigma_is_stated() const;
 
-  // The same problem with one more effect in the robot; its parameters are free
-  // and at neutral, all others keep values and flags.
-  CalibrationProblem WithEffect(const EffectSpec& spec) const;
+  // The same problem with more effects in the robot; their parameters are free
+  // and start at the specs' values (none: neutral), all others keep values and
+  // flags. A `gravity_compensator` (values L, a_x, a_y, s0, Kc) goes to its home;
+  // its L is held: the scale gauge.
+  CalibrationProblem WithEffects(const std::vector<EffectSpec>& specs) const;
+  CalibrationProblem WithEffect(const EffectSpec& spec) const { return WithEffects({spec}); }
 
   // Observations that are fitted (not validation, not excluded), by index.
   std::vector<int> CalibrationObservations() const;

@@ -48,7 +48,9 @@ std::string SettingsInWords(const EffectSpec& spec) {
 }
 
 std::string Title(const EffectSpec& spec) {
-  return FindEffect(spec.effect)->title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
+  const EffectDefinition* definition = FindEffect(spec.effect);
+  const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
+  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
 }
 
 // Largest size that a healthy machine could show, in units of results.
@@ -226,10 +228,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
                    {"gap_closed_ci95", {d.gap_closed_ci95.low, d.gap_closed_ci95.high}}};
   json["unexplained"] = nullptr;
   if (d.verdict == "unknown" || d.verdict == "partly") {
-    const std::string& on = d.unexplained.depends_on;
-    Json depends = Json::array();
-    std::stringstream parts(on);
-    for (std::string part; std::getline(parts, part, '*');) depends.push_back(part);
+    const Json depends = d.unexplained.depends_on;
     json["unexplained"] = {
         {"words", d.unexplained.words.empty() ? "no driving variable stands out" : d.unexplained.words},
         {"depends_on", depends},

@@ -122,6 +122,24 @@ std::string Missing(const CalibrationProblem& problem, const EffectDefinition& d
   return "";
 }
 
+// The compensator's home is the robot; its place in the list of effects is after
+// the transverse compliance.
+void AppendCompensators(const CalibrationProblem& problem, int place, CandidateList* list) {
+  if (problem.robot.gravity_compensator) return;
+  std::set<std::string> compliant;
+  for (const JointCompliance& compliance : problem.robot.compliances) {
+    compliant.insert(problem.robot.chain.joints[compliance.joint].name);
+  }
+  for (const Joint& joint : problem.robot.chain.joints) {
+    if (joint.type != JointType::kRevolute) continue;
+    if (compliant.count(joint.name) == 0) {
+      list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance (loaded rows)"});
+    } else {
+      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, place, {}});
+    }
+  }
+}
+
 }  // namespace
 
 CandidateList ListCandidates(const CalibrationProblem& problem) {
@@ -130,6 +148,8 @@ CandidateList ListCandidates(const CalibrationProblem& problem) {
   const bool elastic = !problem.robot.compliances.empty();
   for (size_t c = 0; c < EffectCatalogue().size(); ++c) {
     const EffectDefinition& definition = *EffectCatalogue()[c];
+    const int place = static_cast<int>(2 * c);
+    if (definition.name == "link_gravity") AppendCompensators(problem, place - 1, &list);
     // Sag with unknown compliance stands for link weights where no load tells.
     if (definition.name == "self_weight_sag" && elastic) continue;
     for (const std::string& target : Targets(definition, problem)) {
@@ -163,7 +183,7 @@ CandidateList ListCandidates(const CalibrationProblem& problem) {
       }
       if (!missing.empty()) list.not_testable.push_back({definition.name, target, missing});
       for (const EffectSpec& variant : testable) {
-        list.candidates.push_back({variant, static_cast<int>(testable.size()), static_cast<int>(c)});
+        list.candidates.push_back({variant, static_cast<int>(testable.size()), place, {}});
       }
     }
   }

@@ -10,7 +10,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kUnknownMargin = 6.0;  // penalised lead of a decoy over as many catalogue steps
-constexpr double kOverlapListed = 0.8;
 constexpr int kMostOutlierRounds = 4;
 constexpr int kBootstrapDraws = 400;
 
@@ -81,40 +80,6 @@ void CheckRepeatability(DiagnosedModel* model, const DiagnosisOptions& options, 
   *model = Refit(WithRepeatability(*model->problem, fit.sigma), model->estimate, options.joint);
 }
 
-// Columns of several effects side by side, projected later.
-Eigen::MatrixXd ColumnsOf(const DiagnosedModel& model, const EffectSpec& spec) {
-  return CandidateColumns(*model.problem, model.estimate.parameters, spec);
-}
-
-// Which rivals reproduce the step's contribution on top of the other steps.
-std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const EffectSpec& spec,
-                                          const std::vector<Candidate>& candidates, double tie) {
-  const ProjectedResidual residual(LinearizeEstimate(*without.problem, without.estimate.parameters));
-  const auto contribution_of = [&](const Eigen::MatrixXd& columns) {
-    const Eigen::MatrixXd rest = residual.ProjectOff(columns);
-    return Eigen::VectorXd(rest * rest.completeOrthogonalDecomposition().solve(residual.residual()));
-  };
-  const Eigen::MatrixXd own = ColumnsOf(without, spec);
-  const Eigen::VectorXd found = contribution_of(own);
-  const Score own_score = residual.Test(own);
-  std::vector<Alternative> alternatives;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.spec.Path() == spec.Path()) continue;
-    const Eigen::MatrixXd columns = ColumnsOf(without, candidate.spec);
-    const Eigen::MatrixXd rest = residual.ProjectOff(columns);
-    const Score score = residual.Test(columns, candidate.settings);
-    if (score.rank == 0) continue;
-    const Eigen::VectorXd reproduced = rest * rest.completeOrthogonalDecomposition().solve(found);
-    const double overlap = std::min(1.0, reproduced.squaredNorm() / std::max(1e-300, found.squaredNorm()));
-    const bool tied = score.penalised > own_score.penalised - tie;
-    if (overlap >= kOverlapListed || tied) alternatives.push_back({candidate.spec, overlap, tied});
-  }
-  std::stable_sort(alternatives.begin(), alternatives.end(),
-                   [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
-  if (alternatives.size() > 12) alternatives.resize(12);
-  return alternatives;
-}
-
 // Squared hold-out residuals per configuration, m^2, and how many coordinates.
 std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel& model) {
   std::vector<std::pair<double, int>> sums(model.problem->data.configurations.size(), {0.0, 0});
@@ -169,25 +134,25 @@ void JudgeGap(Diagnosis* diagnosis) {
 
 void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidate>& candidates,
                const SelectionOptions& selection, Diagnosis* diagnosis) {
-  std::vector<EffectSpec> added;
+  std::vector<Candidate> added;
   double before = diagnosis->baseline.estimate.validation.rms;
   for (const ChosenStep& step : chosen) {
     DiagnosisStep result;
     result.chosen = step;
-    added.push_back(step.candidate.spec);
+    added.push_back(step.candidate);
     const DiagnosedModel here = Extend(diagnosis->baseline, added, selection.joint);
     result.holdout_before = before;
     result.holdout_after = before = here.estimate.validation.rms;
     result.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
     for (const ParameterEstimate& row : diagnosis->final.estimate.table) {
-      if (row.name.rfind(step.candidate.spec.Path() + "/", 0) == 0) result.parameters.push_back(row);
+      if (row.free && row.name.rfind(ParametersOf(step.candidate.spec) + "/", 0) == 0) result.parameters.push_back(row);
     }
-    std::vector<EffectSpec> others;
+    std::vector<Candidate> others;
     for (const ChosenStep& other : chosen) {
-      if (&other != &step) others.push_back(other.candidate.spec);
+      if (&other != &step) others.push_back(other.candidate);
     }
     const DiagnosedModel without = Extend(diagnosis->baseline, others, selection.joint);
-    result.alternatives = FindAlternatives(without, step.candidate.spec, candidates, selection.tie);
+    result.alternatives = FindAlternatives(without, step, candidates, selection.tie);
     diagnosis->steps.push_back(std::move(result));
   }
 }
@@ -201,7 +166,9 @@ std::vector<ChosenStep> Survivors(const DiagnosedModel& partial, const Decoy& de
   const double left = residual.residual().squaredNorm() / std::max(1, partial.estimate.dof);
   std::vector<ChosenStep> survivors;
   for (const ChosenStep& step : rest) {
-    const Eigen::MatrixXd columns = ColumnsOf(partial, step.candidate.spec);
+    CandidateColumns own = ColumnsOf(*partial.problem, partial.estimate.parameters, {step.candidate.spec})[0];
+    DropUninformed(residual, &own);
+    const Eigen::MatrixXd& columns = own.columns;
     const Score score = residual.Test(columns, step.candidate.settings);
     if (score.rank == 0 || score.penalised <= 0.0) continue;
     const double p = tests * ChiSquareSurvival(score.reduction / std::max(1.0, left), score.rank);
@@ -217,9 +184,7 @@ std::vector<ChosenStep> Survivors(const DiagnosedModel& partial, const Decoy& de
 std::vector<ChosenStep> StepsThatHold(const std::vector<ChosenStep>& steps, const SelectionOptions& options, int tests,
                                       Diagnosis* diagnosis) {
   const auto extend = [&](const std::vector<ChosenStep>& chosen) {
-    std::vector<EffectSpec> specs;
-    for (const ChosenStep& step : chosen) specs.push_back(step.candidate.spec);
-    return Extend(diagnosis->baseline, specs, options.joint);
+    return Extend(diagnosis->baseline, CandidatesOf(chosen), options.joint);
   };
   const double total = PenalisedTotal(diagnosis->baseline, diagnosis->final, steps);
   for (size_t kept = 0; kept < steps.size(); ++kept) {
@@ -288,6 +253,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.baseline_p = LackOfFit(model.estimate);
   diagnosis.where = FindWhere(model);
 
+  selection.decoy_gain = BestDecoy(model).penalised - kUnknownMargin;
   std::vector<ChosenStep> steps = SelectEffects(model, list.candidates, selection, &diagnosis.final);
   if (!steps.empty()) {
     report("decoys against " + std::to_string(steps.size()) + " steps");

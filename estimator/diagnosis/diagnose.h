@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/diagnosis/alternatives.h"
 #include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/selection.h"
@@ -16,12 +17,6 @@ struct WhereShare {
   std::string by;  // config, marker, axis, joint, load, station, time
   std::string key;
   double share = 0.0;  // of the excess chi-square
-};
-
-struct Alternative {
-  EffectSpec spec;
-  double overlap = 0.0;  // share of the step's chi-square reduction that it reproduces
-  bool tied = false;
 };
 
 struct DiagnosisStep {

@@ -1,8 +1,10 @@
 #include "estimator/diagnosis/screening.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "estimator/distributions.h"
 
@@ -12,6 +14,7 @@ namespace {
 constexpr double kFallbackSigma = 1e-3;  // m
 constexpr double kIndependent = 1e-5;    // projected norm over norm below which a column says nothing new
 constexpr double kRankTolerance = 1e-6;
+constexpr double kTypicalPerHoldLimit = 0.1;  // TraitsOf: a direction is held beyond ten typical sizes
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd scaled = columns;
@@ -52,10 +55,11 @@ Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) cons
     const double norm = rest.col(c).norm();
     if (norm > 0.0) rest.col(c) /= norm;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest.transpose() * rest, Eigen::ComputeFullV);
-  const Eigen::VectorXd projected = svd.matrixV().transpose() * (rest.transpose() * residual_);
+  if (rest.cols() == 0) return score;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest.transpose() * rest);
+  const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * (rest.transpose() * residual_);
   for (int i = 0; i < projected.size(); ++i) {
-    const double squared = svd.singularValues()[i];
+    const double squared = eigen.eigenvalues()[i];
     if (squared < kRankTolerance) continue;
     score.reduction += projected[i] * projected[i] / squared;
     ++score.rank;
@@ -74,22 +78,80 @@ Linearization LinearizeEstimate(const CalibrationProblem& problem, const Paramet
   return linearization;
 }
 
-Eigen::MatrixXd CandidateColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const EffectSpec& spec) {
-  CalibrationProblem extended = problem.WithEffect(spec);
+std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                        const std::vector<EffectSpec>& specs) {
+  std::set<std::string> known;
+  for (const EffectSpec& own : problem.robot.effects) known.insert(own.Path());
+  std::vector<EffectSpec> fresh;
+  for (const EffectSpec& spec : specs) {
+    if (spec.effect != "gravity_compensator" && known.insert(spec.Path()).second) fresh.push_back(spec);
+  }
+  CalibrationProblem extended = problem.WithEffects(fresh);
   extended.parameters.CopyByName(parameters);
-  std::vector<int> columns;
+  std::map<std::string, std::vector<int>> columns_of;  // by path
+  std::vector<int> all;
   for (int i = 0; i < extended.parameters.num_coordinates(); ++i) {
-    if (extended.parameters.coordinates()[i].name.rfind(spec.Path() + "/", 0) == 0) columns.push_back(i);
+    const std::string& name = extended.parameters.coordinates()[i].name;
+    if (parameters.FindCoordinate(name) >= 0) continue;
+    columns_of[name.substr(0, name.rfind('/'))].push_back(static_cast<int>(all.size()));
+    all.push_back(i);
   }
   const std::vector<int> observations = extended.CalibrationObservations();
-  const Linearization linearization = Linearize(extended, extended.parameters, observations, columns,
+  const Linearization linearization = Linearize(extended, extended.parameters, observations, all,
                                                 ObservationSigmas(extended, observations, kFallbackSigma));
-  Eigen::MatrixXd scaled = linearization.jacobian;
-  for (size_t c = 0; c < columns.size(); ++c) {
-    scaled.col(c) *= TraitsOf(extended.parameters.coordinates()[columns[c]].quantity).si_per_unit;
+  std::vector<CandidateColumns> candidates;
+  for (const EffectSpec& spec : specs) {
+    const std::vector<int> own = columns_of[spec.Path()];
+    CandidateColumns candidate{linearization.jacobian(Eigen::all, own), {}, Eigen::VectorXd(own.size())};
+    for (size_t c = 0; c < own.size(); ++c) {
+      const Coordinate& coordinate = extended.parameters.coordinates()[all[own[c]]];
+      const QuantityTraits& traits = TraitsOf(coordinate.quantity);
+      candidate.columns.col(c) *= traits.si_per_unit;
+      candidate.typical[c] = kTypicalPerHoldLimit * traits.hold_limit / traits.si_per_unit;
+      candidate.names.push_back(coordinate.name);
+    }
+    candidates.push_back(std::move(candidate));
   }
-  return scaled;
+  return candidates;
+}
+
+std::vector<std::string> DropUninformed(const ProjectedResidual& residual, CandidateColumns* candidate) {
+  std::vector<std::string> dropped;
+  while (candidate->columns.cols() > 0) {
+    const Eigen::MatrixXd rest = residual.ProjectOff(candidate->columns) * candidate->typical.asDiagonal();
+    const int n = static_cast<int>(rest.cols());
+    Eigen::MatrixXd information = rest.transpose() * rest;
+    information.diagonal().array() += 1e-9;  // what nothing tells: known to 3e4 typical sizes
+    const Eigen::MatrixXd covariance = information.inverse();
+    const Eigen::VectorXd value = covariance * (rest.transpose() * residual.residual());
+    int worst = -1;
+    for (int c = 0; c < n; ++c) {
+      const double variance = covariance(c, c);
+      if (variance < 1.0 || value[c] * value[c] > 9.0 * variance) continue;
+      if (worst < 0 || variance > covariance(worst, worst)) worst = c;
+    }
+    if (worst < 0) break;
+    dropped.push_back(candidate->names[worst]);
+    std::vector<int> kept;
+    for (int c = 0; c < n; ++c) {
+      if (c != worst) kept.push_back(c);
+    }
+    candidate->columns = Eigen::MatrixXd(candidate->columns(Eigen::all, kept));
+    candidate->typical = Eigen::VectorXd(candidate->typical(kept));
+    candidate->names.erase(candidate->names.begin() + worst);
+  }
+  return dropped;
+}
+
+Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  // Order 0: the cosine column is that of a constant joint deviation.
+  std::vector<EffectSpec> specs;
+  for (const Joint& joint : problem.robot.chain.joints)
+    specs.push_back({"joint_harmonic", joint.name, {{"order", "0"}}, {}});
+  const std::vector<CandidateColumns> joints = ColumnsOf(problem, parameters, specs);
+  Eigen::MatrixXd deviations(joints[0].columns.rows(), specs.size());
+  for (size_t j = 0; j < specs.size(); ++j) deviations.col(j) = joints[j].columns.col(0);
+  return deviations;
 }
 
 }  // namespace sagitta

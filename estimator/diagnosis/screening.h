@@ -43,8 +43,26 @@ class ProjectedResidual {
 
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters);
 
-// Whitened columns of a candidate at neutral, scaled to O(1).
-Eigen::MatrixXd CandidateColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const EffectSpec& spec);
+// Whitened columns of one candidate at neutral, in units of results.
+struct CandidateColumns {
+  Eigen::MatrixXd columns;         // rows x parameters
+  std::vector<std::string> names;  // of the parameters
+  Eigen::VectorXd typical;         // sizes, in the same units
+};
+
+// From one linearization of the model with all of them. A candidate that the
+// model already has gets no columns, and so does a gravity compensator (not
+// linear: compensator_search.h).
+std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                        const std::vector<EffectSpec>& specs);
+
+// Leaves out, worst first, parameters that would stay unknown to more than a
+// typical size: they would only fit noise, and their values would mean nothing.
+// Returns their names.
+std::vector<std::string> DropUninformed(const ProjectedResidual& residual, CandidateColumns* candidate);
+
+// How a deviation of each joint on its encoder side moves the rows, whitened,
+// per urad (um); one column per joint.
+Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters);
 
 }  // namespace sagitta

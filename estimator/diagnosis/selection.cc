@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "estimator/diagnosis/compensator_search.h"
+#include "estimator/diagnosis/quick_refit.h"
 #include "estimator/distributions.h"
 
 namespace sagitta {
 namespace {
 
-int NumParameters(const DiagnosedModel& model, const EffectSpec& spec) {
-  int count = 0;
-  for (const int i : model.estimate.parameters.Match(spec.Path())) {
-    count += model.estimate.parameters.coordinates()[i].estimated();
-  }
-  return count;
-}
+constexpr int kShapesRefitted = 3;
+constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
 
 double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
   return parameters * std::log(static_cast<double>(baseline.estimate.rows)) +
@@ -23,15 +21,65 @@ double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
 
 // Significance in units of the scatter that is left: a model that does not
 // reach the stated sigma cannot use it as yardstick.
-double CorrectedP(double reduction, int parameters, const Estimate& after, int tests) {
-  const double left = after.dof > 0 ? std::max(1.0, after.chi2 / after.dof) : 1.0;
+double CorrectedP(double reduction, int parameters, double chi2_left, int dof_left, int tests) {
+  const double left = dof_left > 0 ? std::max(1.0, chi2_left / dof_left) : 1.0;
   return std::min(1.0, tests * ChiSquareSurvival(reduction / left, std::max(1, parameters)));
+}
+
+CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
+  CalibrationProblem believed = *model.problem;
+  believed.parameters.CopyByName(model.estimate.parameters);
+  std::vector<EffectSpec> specs;
+  for (const Candidate& candidate : added) specs.push_back(candidate.spec);
+  CalibrationProblem problem = believed.WithEffects(specs);
+  for (const Candidate& candidate : added) {
+    for (const std::string& name : candidate.held) {
+      problem.parameters.coordinate(problem.parameters.FindCoordinate(name)).free = false;
+    }
+  }
+  BoundCompensatorShape(&problem.parameters);
+  return problem;
 }
 
 struct Trial {
   ChosenStep step;
-  DiagnosedModel model;
+  ParameterSet parameters;
 };
+
+// One candidate refitted, from the best of its starts; false where that fails.
+bool TryStep(const DiagnosedModel& model, const ScreenedCandidate& entry, const SelectionOptions& options, int tests,
+             Trial* trial) {
+  ChosenStep& step = trial->step;
+  step.candidate = entry.candidate;
+  step.parameters = entry.score.rank;
+  double best = std::numeric_limits<double>::infinity();
+  int dof = 0;
+  for (const EffectSpec& start : entry.starts) {
+    Candidate candidate = entry.candidate;
+    candidate.spec = start;
+    const CalibrationProblem problem = ExtendedProblem(model, {candidate});
+    const QuickRefit quick = RefitQuickly(problem, problem.parameters);
+    double chi2 = quick.chi2;
+    ParameterSet parameters = quick.parameters;
+    dof = quick.dof;
+    if (!quick.converged) {
+      const Estimate full = EstimateFrom(problem, problem.parameters, options.joint);
+      if (!IsUsable(full.status)) continue;
+      chi2 = full.chi2;
+      dof = full.dof;
+      parameters = full.parameters;
+    }
+    if (chi2 >= best) continue;
+    best = chi2;
+    trial->parameters = std::move(parameters);
+    step.candidate.spec = start;
+  }
+  if (!std::isfinite(best)) return false;
+  step.reduction = model.estimate.chi2 - best;
+  step.penalised = step.reduction - Penalty(model, step.parameters, entry.candidate.settings);
+  step.corrected_p = CorrectedP(step.reduction, step.parameters, best, dof, tests);
+  return true;
+}
 
 // Refits the best of the screening and picks by FORMATS section 6; false when
 // nothing is significant.
@@ -43,14 +91,7 @@ bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candida
   for (const ScreenedCandidate& entry : screened) {
     if (static_cast<int>(trials.size()) >= options.refitted || entry.score.rank == 0) break;
     Trial trial;
-    trial.model = Extend(model, {entry.candidate.spec}, options.joint);
-    if (!IsUsable(trial.model.estimate.status)) continue;
-    trial.step.candidate = entry.candidate;
-    trial.step.parameters = NumParameters(trial.model, entry.candidate.spec);
-    if (trial.step.parameters == 0) continue;
-    trial.step.reduction = model.estimate.chi2 - trial.model.estimate.chi2;
-    trial.step.penalised = trial.step.reduction - Penalty(model, trial.step.parameters, entry.candidate.settings);
-    trial.step.corrected_p = CorrectedP(trial.step.reduction, trial.step.parameters, trial.model.estimate, tests);
+    if (!TryStep(model, entry, options, tests, &trial)) continue;
     trials.push_back(std::move(trial));
   }
   if (trials.empty()) return false;
@@ -65,14 +106,25 @@ bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candida
     }
     return a.step.penalised > b.step.penalised;
   };
-  *picked = *std::min_element(trials.begin(), trials.end(), simpler);
+  *picked = std::move(*std::min_element(trials.begin(), trials.end(), simpler));
   return picked->step.corrected_p < options.significance && picked->step.penalised > 0.0;
 }
 
-std::vector<EffectSpec> SpecsOf(const std::vector<ChosenStep>& steps) {
-  std::vector<EffectSpec> specs;
-  for (const ChosenStep& step : steps) specs.push_back(step.candidate.spec);
-  return specs;
+// A compensator's shape counts as parameters.
+void ScreenCompensator(const DiagnosedModel& model, const ProjectedResidual& residual,
+                       const Eigen::MatrixXd& deviations, ScreenedCandidate* entry) {
+  const std::string& joint = entry->candidate.spec.target;
+  const int j = model.problem->robot.chain.FindJoint(joint);
+  const std::vector<CompensatorShape> shapes =
+      ScanCompensator(*model.problem, model.estimate.parameters, residual, deviations.col(j), joint);
+  entry->starts.clear();
+  if (shapes.empty()) return;
+  for (int s = 0; s < kShapesRefitted; ++s) entry->starts.push_back(shapes[s].start);
+  entry->candidate.spec = shapes[0].start;
+  entry->score.reduction = shapes[0].reduction;
+  entry->score.rank = kCompensatorParameters;
+  entry->score.p_value = ChiSquareSurvival(shapes[0].reduction, kCompensatorParameters);
+  entry->score.penalised = shapes[0].reduction - Penalty(model, kCompensatorParameters, 1);
 }
 
 // Drops each step once and lets the screening name a better one.
@@ -82,7 +134,7 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
   for (size_t i = 0; i < steps->size(); ++i) {
     std::vector<ChosenStep> others = *steps;
     others.erase(others.begin() + static_cast<long>(i));
-    const DiagnosedModel without = Extend(baseline, SpecsOf(others), options.joint);
+    const DiagnosedModel without = Extend(baseline, CandidatesOf(others), options.joint);
     if (!IsUsable(without.estimate.status)) continue;
     if (PenalisedTotal(baseline, without, others) > total) {  // no longer needed
       *steps = others;
@@ -93,9 +145,11 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
     if (!PickStep(without, candidates, options, &trial)) continue;
     if (trial.step.candidate.spec.Path() == (*steps)[i].candidate.spec.Path()) continue;
     others.insert(others.begin() + static_cast<long>(i), trial.step);
-    if (PenalisedTotal(baseline, trial.model, others) <= total + 1.0) continue;
+    if (PenalisedTotal(baseline, without, others) + trial.step.reduction <= total + 1.0) continue;
+    DiagnosedModel swapped = Extend(without, {trial.step.candidate}, options.joint);
+    if (!IsUsable(swapped.estimate.status) || PenalisedTotal(baseline, swapped, others) <= total + 1.0) continue;
     *steps = others;
-    *model = trial.model;
+    *model = std::move(swapped);
     return true;
   }
   return false;
@@ -103,16 +157,30 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
 
 }  // namespace
 
+std::string ParametersOf(const EffectSpec& spec) {
+  return spec.effect == "gravity_compensator" ? "compensator" : spec.Path();
+}
+
 std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
                                       int most_tests) {
-  const ProjectedResidual residual(LinearizeEstimate(*model.problem, model.estimate.parameters));
+  const CalibrationProblem& problem = *model.problem;
+  const ParameterSet& parameters = model.estimate.parameters;
+  const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
+  const Eigen::MatrixXd deviations = JointDeviationColumns(problem, parameters);
+  std::vector<EffectSpec> specs;
+  for (const Candidate& candidate : candidates) specs.push_back(candidate.spec);
+  std::vector<CandidateColumns> columns = ColumnsOf(problem, parameters, specs);
   const double left = model.estimate.dof > 0 ? std::max(1.0, model.estimate.chi2 / model.estimate.dof) : 1.0;
   const int tests = std::min<int>(most_tests, static_cast<int>(candidates.size()));
   std::vector<ScreenedCandidate> screened;
-  for (const Candidate& candidate : candidates) {
-    ScreenedCandidate entry{candidate, {}, 1.0};
-    entry.score =
-        residual.Test(CandidateColumns(*model.problem, model.estimate.parameters, candidate.spec), candidate.settings);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    ScreenedCandidate entry{candidates[i], {}, 1.0, {candidates[i].spec}};
+    if (specs[i].effect == "gravity_compensator") {
+      ScreenCompensator(model, residual, deviations, &entry);
+    } else {
+      entry.candidate.held = DropUninformed(residual, &columns[i]);
+      entry.score = residual.Test(columns[i].columns, candidates[i].settings);
+    }
     const double after =
         (model.estimate.chi2 - entry.score.reduction) / std::max(1, model.estimate.dof - entry.score.rank);
     const double yardstick = std::min(left, std::max(1.0, after));
@@ -128,15 +196,17 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
   return screened;
 }
 
-DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<EffectSpec>& specs, const JointOptions& options) {
+DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options) {
   DiagnosedModel extended;
-  extended.problem = std::make_shared<CalibrationProblem>(*model.problem);
-  extended.problem->parameters.CopyByName(model.estimate.parameters);
-  for (const EffectSpec& spec : specs) {
-    extended.problem = std::make_shared<CalibrationProblem>(extended.problem->WithEffect(spec));
-  }
+  extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
   extended.estimate = EstimateFrom(*extended.problem, extended.problem->parameters, options);
   return extended;
+}
+
+std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
+  std::vector<Candidate> candidates;
+  for (const ChosenStep& step : steps) candidates.push_back(step.candidate);
+  return candidates;
 }
 
 double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model,
@@ -152,15 +222,17 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
   *model = baseline;
   Trial trial;
   while (static_cast<int>(steps.size()) < options.most_steps && PickStep(*model, candidates, options, &trial)) {
+    DiagnosedModel next = Extend(*model, {trial.step.candidate}, options.joint);
+    if (!IsUsable(next.estimate.status)) break;
     steps.push_back(trial.step);
-    *model = trial.model;
+    *model = std::move(next);
     if (options.progress) {
       options.progress("step " + std::to_string(steps.size()) + ": " + trial.step.candidate.spec.Path());
     }
-    if (steps.size() > 1) {
-      for (int pass = 0; pass < 2 && SwapOne(baseline, candidates, options, &steps, model); ++pass) {
-      }
+    for (int pass = 0; steps.size() > 1 && pass < 2; ++pass) {
+      if (!SwapOne(baseline, candidates, options, &steps, model)) break;
     }
+    if (steps.size() >= 3 && PenalisedTotal(baseline, *model, steps) < options.decoy_gain) break;
   }
   return steps;
 }

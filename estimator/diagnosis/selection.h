@@ -18,6 +18,8 @@ struct SelectionOptions {
   int refitted = 6;      // best of the screening that are refitted
   double tie = 6.0;      // of the best penalised reduction: ties go to the simpler
   int most_tests = 300;  // what the correlated search acts like at most
+  double decoy_gain = -1e300;  // of the best decoy on the baseline: three steps that lose to it are a stack that
+                               // imitates something else, and the search ends
   JointOptions joint;
   std::function<void(const std::string&)> progress;
 };
@@ -32,7 +34,11 @@ struct ScreenedCandidate {
   Candidate candidate;
   Score score;
   double corrected_p = 1.0;
+  std::vector<EffectSpec> starts;  // of the refit; more than one where the effect is not linear
 };
+
+// What the names of an effect's parameters start with.
+std::string ParametersOf(const EffectSpec& spec);
 
 struct ChosenStep {
   Candidate candidate;
@@ -47,7 +53,8 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
                                       int most_tests);
 
 // The model with these effects more, refitted from its own optimum.
-DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<EffectSpec>& specs, const JointOptions& options);
+DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
+std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
 // Forward selection with swap and backward passes; `model` becomes the extended one.
 std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,

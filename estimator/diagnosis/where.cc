@@ -32,11 +32,11 @@ void AppendShares(const std::string& by, const std::map<std::string, Group>& gro
 // alone would explain, (l' r)^2 / l' l, chi-square of one where nothing is wrong.
 std::map<std::string, Group> ByJoint(const DiagnosedModel& model, const Linearization& here) {
   const CalibrationProblem& problem = *model.problem;
+  const Eigen::MatrixXd deviations = JointDeviationColumns(problem, model.estimate.parameters);
   std::map<std::string, Group> groups;
   for (const Joint& joint : problem.robot.chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
-    const EffectSpec constant{"joint_harmonic", joint.name, {{"order", "0"}}, {}};
-    const Eigen::VectorXd l = CandidateColumns(problem, model.estimate.parameters, constant).col(0);
+    const Eigen::VectorXd l = deviations.col(problem.robot.chain.FindJoint(joint.name));
     std::map<int, std::pair<double, double>> sums;
     for (size_t k = 0; k < here.observations.size(); ++k) {
       auto& sum = sums[problem.latent.visit_of_shot[problem.data.observations[here.observations[k]].shot]];

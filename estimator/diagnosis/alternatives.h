@@ -1,0 +1,23 @@
+// What else would explain a step: overlap is the share of the step's chi-square
+// reduction that a rival reproduces, |P_rival c|^2 / |c|^2 with c the step's
+// contribution to the whitened rows, projected off everything believed.
+#pragma once
+
+#include <vector>
+
+#include "estimator/diagnosis/selection.h"
+
+namespace sagitta {
+
+struct Alternative {
+  EffectSpec spec;
+  double overlap = 0.0;
+  bool tied = false;  // within the tie of the step's penalised reduction
+};
+
+// `without`: the model with all other steps. Sorted by overlap; all tied ones
+// and all with an overlap of 0.8 or more.
+std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const ChosenStep& step,
+                                          const std::vector<Candidate>& candidates, double tie);
+
+}  // namespace sagitta

@@ -1,0 +1,113 @@
+#include "estimator/diagnosis/compensator_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+
+#include "models/gravity_compensator.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kLever = 0.2;                      // m: L of every start; the gauge makes it free
+constexpr double kRatios[] = {1.4, 2.2, 3.5, 6.0};  // a / L
+constexpr int kDirections = 16;                     // of the anchor around the joint
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y
+constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
+
+// Compliance of the joint at the model's values, rad/(N m); the mean of a table.
+double ComplianceOf(const ParameterSet& parameters, const std::string& joint) {
+  double sum = 0.0;
+  int nodes = 0;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const std::string& name = parameters.coordinates()[i].name;
+    if (name != "compliance/" + joint && name.rfind("compliance/" + joint + "@", 0) != 0) continue;
+    sum += parameters.Value(i);
+    ++nodes;
+  }
+  return nodes > 0 ? sum / nodes : 0.0;
+}
+
+// One commanded angle per row of the linearization.
+Eigen::VectorXd JointAngles(const CalibrationProblem& problem, int joint) {
+  const std::vector<int> observations = problem.CalibrationObservations();
+  Eigen::VectorXd q(3 * observations.size());
+  for (size_t o = 0; o < observations.size(); ++o) {
+    q.segment<3>(3 * o).setConstant(problem.data.ConfigurationOf(problem.data.observations[observations[o]]).q[joint]);
+  }
+  return q;
+}
+
+// Torque per unit of Kc and of Kc s0.
+Eigen::MatrixX2d TorquesPerRate(const CompensatorParameters<double>& unit, const Eigen::VectorXd& q) {
+  Eigen::MatrixX2d torques(q.size(), 2);
+  for (int r = 0; r < q.size(); ++r) {
+    torques(r, 0) = CompensatorTorque(unit, q[r]);  // s0 = 0: -a L sin(gamma)
+    torques(r, 1) = -torques(r, 0) / CompensatorSpringLength(unit, q[r]);
+  }
+  return torques;
+}
+
+// Start values from the linear solution (Kc, Kc s0); a spring that no machine
+// has (negative rate or rest length) goes behind the others.
+void Seed(const Eigen::Vector2d& solution, CompensatorShape* shape) {
+  std::vector<double>& p = shape->start.values;
+  const double longest = 2.0 * std::hypot(p[1], p[2]) + 2.0 * p[0];
+  const double s0 = solution[0] > 0.0 ? solution[1] / solution[0] : -1.0;
+  if (!(s0 > 0.0 && s0 < longest)) shape->reduction *= 0.5;
+  p[3] = std::min(std::max(s0, 0.5 * p[0]), longest);
+  p[4] = std::max(solution[0], 100.0);
+}
+
+}  // namespace
+
+std::vector<CompensatorShape> ScanCompensator(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                              const ProjectedResidual& residual, const Eigen::VectorXd& deviation,
+                                              const std::string& joint) {
+  std::vector<CompensatorShape> shapes;
+  const int j = problem.robot.chain.FindJoint(joint);
+  const double k = ComplianceOf(parameters, joint);
+  if (problem.robot.gravity_compensator || k <= 0.0) return shapes;
+  const Eigen::VectorXd q = JointAngles(problem, j);
+  for (const double ratio : kRatios) {
+    for (int d = 0; d < kDirections; ++d) {
+      const double alpha = kTwoPi * d / kDirections;
+      const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
+      shapes.push_back({{"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}}, 0.0, {}});
+    }
+  }
+  Eigen::MatrixXd columns(deviation.size(), 2 * shapes.size());
+  for (size_t s = 0; s < shapes.size(); ++s) {
+    const std::vector<double>& p = shapes[s].start.values;
+    columns.middleCols<2>(2 * s) = (1e6 * k * deviation).asDiagonal() * TorquesPerRate({p[0], p[1], p[2], 0.0, 1.0}, q);
+  }
+  const Eigen::MatrixXd rest = residual.ProjectOff(columns);
+  for (size_t s = 0; s < shapes.size(); ++s) {
+    CompensatorShape& shape = shapes[s];
+    shape.columns = columns.middleCols<2>(2 * s);
+    const Eigen::MatrixXd own = rest.middleCols<2>(2 * s);
+    const Eigen::Vector2d projected = own.transpose() * residual.residual();
+    const Eigen::Vector2d c = -(own.transpose() * own).completeOrthogonalDecomposition().solve(projected);
+    shape.reduction = -c.dot(projected);
+    Seed(c, &shape);
+  }
+  std::stable_sort(shapes.begin(), shapes.end(),
+                   [](const auto& a, const auto& b) { return a.reduction > b.reduction; });
+  return shapes;
+}
+
+void BoundCompensatorShape(ParameterSet* parameters) {
+  const auto prior = [&](const char* name, double value, double sigma) {
+    const int i = parameters->FindCoordinate(name);
+    if (i < 0 || !parameters->coordinates()[i].free) return;
+    parameters->coordinate(i).prior_value = value;
+    parameters->coordinate(i).prior_sigma = sigma;
+  };
+  prior("compensator/a_x", 0.0, kAnchorReach);
+  prior("compensator/a_y", 0.0, kAnchorReach);
+  prior("compensator/s0", kSpringRest, kSpringRest);
+}
+
+}  // namespace sagitta
