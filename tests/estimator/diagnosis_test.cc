@@ -69,7 +69,7 @@ TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
   const auto bump = [](double q) { return 300e-6 * std::exp(-0.5 * std::pow((q - 0.3) / 0.15, 2)); };
   const Diagnosis diagnosis = Diagnose(Hidden(4, bump), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, "unknown");
-  EXPECT_EQ(diagnosis.unexplained.depends_on, "A3");
+  EXPECT_EQ(diagnosis.unexplained.depends_on, std::vector<std::string>{"A3"});
 }
 
 }  // namespace
