@@ -30,7 +30,7 @@ std::vector<std::pair<int, double>> NodeWeights(const JointCompliance& complianc
 // The chain with every tilt slot that an effect of the robot needs.
 Robot WithTiltSlots(Robot robot) {
   for (const EffectSpec& spec : robot.effects) {
-    const EffectDefinition* definition = FindEffect(spec.effect);
+    const EffectDefinition* definition = FindEffect(robot, spec.effect);
     if (!definition->tilts) continue;
     AddTiltSlots(definition->target == EffectTarget::kJoint ? robot.chain.FindJoint(spec.target) : -1, &robot.chain);
   }
@@ -160,7 +160,7 @@ void ForwardModel::AddCompensator() {
 void ForwardModel::AddEffects() {
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
     const EffectSpec& spec = robot_.effects[i];
-    const EffectDefinition& definition = *FindEffect(spec.effect);
+    const EffectDefinition& definition = *FindEffect(robot_, spec.effect);
     first_of_effect_.push_back(num_parameters());
     const std::vector<EffectParameter> parameters = definition.parameters(robot_, spec);
     for (size_t p = 0; p < parameters.size(); ++p) {
@@ -198,7 +198,8 @@ void ForwardModel::Prepare(ShotInput* shot) const {
   }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
     const EffectSpec& spec = robot_.effects[i];
-    FindEffect(spec.effect)->apply({&robot_, &spec, &shot->conditions, &markers_, first_of_effect_[i]}, &shot->terms);
+    FindEffect(robot_, spec.effect)
+        ->apply({&robot_, &spec, &shot->conditions, &markers_, first_of_effect_[i]}, &shot->terms);
   }
 }
 
@@ -340,7 +341,7 @@ Robot ForwardModel::WithValues(const std::vector<double>& theta) const {
     spring.L = p[0], spring.a_x = p[1], spring.a_y = p[2], spring.s0 = p[3], spring.Kc = p[4];
   }
   for (size_t i = 0; i < robot.effects.size(); ++i) {
-    const size_t count = FindEffect(robot.effects[i].effect)->parameters(robot, robot.effects[i]).size();
+    const size_t count = FindEffect(robot, robot.effects[i].effect)->parameters(robot, robot.effects[i]).size();
     const auto first = theta.begin() + first_of_effect_[i];
     robot.effects[i].values.assign(first, first + static_cast<long>(count));
   }

@@ -45,6 +45,8 @@ struct GravityCompensator {
   bool preload = true;
 };
 
+struct EffectDefinition;  // models/effects/effect.h
+
 struct Robot {
   std::string name;
   Chain chain;
@@ -52,6 +54,8 @@ struct Robot {
   std::vector<JointCompliance> compliances;
   std::optional<GravityCompensator> gravity_compensator;
   std::vector<EffectSpec> effects;  // all other effects, with values
+  // Definitions of the user's own that `effects` and the diagnosis may use beside the catalogue.
+  std::vector<const EffectDefinition*> own_effects;
 
   int num_joints() const { return chain.num_joints(); }
 };

@@ -146,8 +146,9 @@ CandidateList ListCandidates(const CalibrationProblem& problem) {
   CandidateList list;
   const bool loaded = AnyLoad(problem);
   const bool elastic = !problem.robot.compliances.empty();
-  for (size_t c = 0; c < EffectCatalogue().size(); ++c) {
-    const EffectDefinition& definition = *EffectCatalogue()[c];
+  const std::vector<const EffectDefinition*> definitions = EffectsOf(problem.robot);
+  for (size_t c = 0; c < definitions.size(); ++c) {
+    const EffectDefinition& definition = *definitions[c];
     const int place = static_cast<int>(2 * c);
     if (definition.name == "link_gravity") AppendCompensators(problem, place - 1, &list);
     // Sag with unknown compliance stands for link weights where no load tells.

@@ -30,17 +30,40 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
   return catalogue;
 }
 
-const EffectDefinition* FindEffect(const std::string& name) {
-  for (const EffectDefinition* definition : EffectCatalogue()) {
+namespace {
+
+using Definitions = std::vector<const EffectDefinition*>;
+
+const EffectDefinition* FindIn(const Definitions& definitions, const std::string& name) {
+  for (const EffectDefinition* definition : definitions) {
     if (definition->name == name) return definition;
   }
   return nullptr;
 }
 
-std::vector<std::string> EffectNames() {
+std::vector<std::string> NamesOf(const Definitions& definitions) {
   std::vector<std::string> names;
-  for (const EffectDefinition* definition : EffectCatalogue()) names.push_back(definition->name);
+  for (const EffectDefinition* definition : definitions) names.push_back(definition->name);
   return names;
 }
+
+}  // namespace
+
+const EffectDefinition* FindEffect(const std::string& name) { return FindIn(EffectCatalogue(), name); }
+
+std::vector<std::string> EffectNames() { return NamesOf(EffectCatalogue()); }
+
+Definitions EffectsOf(const Robot& robot) {
+  Definitions definitions = EffectCatalogue();
+  definitions.insert(definitions.end(), robot.own_effects.begin(), robot.own_effects.end());
+  return definitions;
+}
+
+const EffectDefinition* FindEffect(const Robot& robot, const std::string& name) {
+  const EffectDefinition* shipped = FindEffect(name);
+  return shipped != nullptr ? shipped : FindIn(robot.own_effects, name);
+}
+
+std::vector<std::string> EffectNames(const Robot& robot) { return NamesOf(EffectsOf(robot)); }
 
 }  // namespace sagitta

@@ -40,4 +40,10 @@ const std::vector<const EffectDefinition*>& EffectCatalogue();
 const EffectDefinition* FindEffect(const std::string& name);
 std::vector<std::string> EffectNames();
 
+// The same for a robot: the catalogue, then the user's own definitions that it
+// carries (Robot::own_effects). Whatever has a robot asks here.
+std::vector<const EffectDefinition*> EffectsOf(const Robot& robot);
+const EffectDefinition* FindEffect(const Robot& robot, const std::string& name);
+std::vector<std::string> EffectNames(const Robot& robot);
+
 }  // namespace sagitta

@@ -53,9 +53,9 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
 EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   YamlMap map(item);
   const std::string name = map.Get("effect").Text();
-  const EffectDefinition* definition = FindEffect(name);
+  const EffectDefinition* definition = FindEffect(robot, name);
   if (definition == nullptr) {
-    map.Get("effect").Fail("there is no effect '" + name + "'", SpellingHint(name, EffectNames()));
+    map.Get("effect").Fail("there is no effect '" + name + "'", SpellingHint(name, EffectNames(robot)));
   }
   EffectSpec spec;
   spec.effect = name;
@@ -128,7 +128,7 @@ std::vector<EffectSpec> ReadEffects(const YamlValue& value, const Robot& robot) 
 }
 
 Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
-  const EffectDefinition& definition = *FindEffect(spec.effect);
+  const EffectDefinition& definition = *FindEffect(robot, spec.effect);
   Json json = {{"effect", spec.effect}};
   const std::string key = TargetKey(definition.target);
   if (!key.empty()) json[key] = spec.target;

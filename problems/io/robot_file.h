@@ -3,14 +3,17 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "models/robot.h"
 
 namespace sagitta {
 
-// Throws InputError. Reads YAML, and JSON as its subset.
-Robot ReadRobotFile(const std::string& path);
-Robot ReadRobotText(const std::string& text, const std::string& file_in_messages);
+// Throws InputError. Reads YAML, and JSON as its subset. `own_effects`: definitions
+// beside the catalogue that the file may use; the robot carries them on.
+Robot ReadRobotFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects = {});
+Robot ReadRobotText(const std::string& text, const std::string& file_in_messages,
+                    const std::vector<const EffectDefinition*>& own_effects = {});
 
 // The robot in the file's keys, lengths in mm, angles in deg; ReadRobotText of
 // its dump gives the robot back to 1e-12.

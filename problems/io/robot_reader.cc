@@ -131,10 +131,11 @@ void ReadKinematics(const YamlValue& value, const std::vector<Coupling>& couplin
   if (!defect.empty()) value.Fail(defect);
 }
 
-Robot ReadRobot(const YamlValue& root) {
+Robot ReadRobot(const YamlValue& root, const std::vector<const EffectDefinition*>& own_effects) {
   YamlMap map(root);
   map.ExpectSchema("sagitta/robot/1");
   Robot robot;
+  robot.own_effects = own_effects;
   if (const auto name = map.Find("name")) robot.name = name->Text();
   const YamlValue joints_value = map.Get("joints");
   const YamlValue kinematics = map.Get("kinematics");
@@ -167,10 +168,13 @@ int ReadJointIndex(const YamlValue& value, const std::vector<Joint>& joints) {
   return static_cast<int>(found - names.begin());
 }
 
-Robot ReadRobotText(const std::string& text, const std::string& file_in_messages) {
-  return ReadRobot(ParseYaml(text, file_in_messages));
+Robot ReadRobotText(const std::string& text, const std::string& file_in_messages,
+                    const std::vector<const EffectDefinition*>& own_effects) {
+  return ReadRobot(ParseYaml(text, file_in_messages), own_effects);
 }
 
-Robot ReadRobotFile(const std::string& path) { return ReadRobotText(ReadTextFile(path), path); }
+Robot ReadRobotFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects) {
+  return ReadRobotText(ReadTextFile(path), path, own_effects);
+}
 
 }  // namespace sagitta

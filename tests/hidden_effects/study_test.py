@@ -67,6 +67,11 @@ class Judgement(unittest.TestCase):
         self.assertEqual([p['inside'] for p in record['parameters']], [True, False])
         self.assertAlmostEqual(record['parameters'][1]['z'], 2.5)
 
+    def test_values_conditional_on_a_held_parameter_are_not_compared(self):
+        held = step(2)
+        held['parameters'][0].update(sigma=0.0, ci95=[0.0, 0.0])
+        self.assertEqual(judged([held])['parameters'], [])
+
     def test_further_harmonics_of_the_same_gear_are_right_others_not(self):
         self.assertTrue(judged([step(2), step(3)])['exact'])
         self.assertFalse(judged([step(2), step(3, 'A4')])['exact'])

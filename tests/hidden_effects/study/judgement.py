@@ -1,19 +1,22 @@
 """One case: the diagnosis against the sealed answer."""
 from . import naming
 
-# A gauge ties these parameters together, or the shape is reported with parts held: no interval is judged.
+# A gauge ties these parameters together: no interval is judged.
 NO_INTERVALS = {'link_gravity', 'self_weight_sag', 'gravity_compensator'}
 GAP_VERDICTS = {'explained', 'partly', 'unknown'}
 
 
 def parameter_judgements(step, hidden):
-    """z and coverage of every parameter of a rightly named step."""
-    if hidden['kind'] in NO_INTERVALS:
+    """z and coverage of every parameter of a rightly named step.
+
+    Where a parameter of the step is held (no sigma), the others are conditional on it and not to be compared.
+    """
+    if hidden['kind'] in NO_INTERVALS or not all(p.get('sigma') for p in step['parameters']):
         return []
     judged = []
     for parameter in step['parameters']:
         truth = hidden['parameters'].get(parameter['name'])
-        if truth is None or not parameter.get('sigma'):
+        if truth is None:
             continue
         low, high = parameter['ci95']
         judged.append({'name': '%s/%s' % (hidden['kind'], parameter['name']), 'truth': truth,

@@ -109,7 +109,10 @@ def candidate_rivals(diagnosis, truths):
 
 
 def separation(programs, answer_folder, hidden, number, diagnosis):
-    """{'sep', 'penalised_lead', 'best_rival', 'left'}: leads, over whom, the chi-square that the truth itself leaves."""
+    """{'sep', 'penalised_lead', 'best_rival', 'left'}: leads, over whom, the chi-square that the truth itself leaves.
+
+    The model without any of them is a rival too.
+    """
     truths = [naming.identity(h, 'kind') for h in hidden]
     others = [as_effect(h, 'kind') for i, h in enumerate(hidden) if i != number]
     true = fit_with(programs, answer_folder, others + [as_effect(hidden[number], 'kind')])
@@ -118,7 +121,8 @@ def separation(programs, answer_folder, hidden, number, diagnosis):
     skip = set(truths)
     for h in hidden:
         skip |= naming.accepted_besides(h)
-    fits = []
+    without = fit_with(programs, answer_folder, others)
+    fits = [] if without is None else [(without, 'nothing')]
     for rival in candidate_rivals(diagnosis, skip):
         fit = fit_with(programs, answer_folder, others + [rival])
         if fit is not None:

@@ -9,7 +9,7 @@ import shutil
 import tempfile
 
 CLOSE = 0.05           # of the wanted NC
-LARGEST_SCALE = 60.0   # times a typical size; beyond, the draw is given up
+LARGEST_SCALE = 10.0   # times a typical size; beyond, the draw is given up
 SMALLEST_NC = 1e-3     # of a typical size
 MOST_DRAWS = 60
 

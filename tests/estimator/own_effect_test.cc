@@ -1,0 +1,141 @@
+// An effect of one's own, as docs/ADDING_AN_EFFECT.md adds it: defined here,
+// outside the catalogue, carried by the robot, held to the catalogue's contract,
+// read and written, estimated, and found by screening where it is hidden.
+#include <gtest/gtest.h>
+
+#include "estimator/diagnosis/diagnose.h"
+#include "problems/input_error.h"
+#include "problems/io/robot_file.h"
+#include "tests/support/effect_contract.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+// A gear whose wave generator is turned by another joint: encoder side,
+// cos * cos(n q_driver) + sin * sin(n q_driver).
+std::vector<EffectParameter> DrivenParameters(const Robot&, const EffectSpec&) {
+  return {{"cos", Quantity::kSmallAngle}, {"sin", Quantity::kSmallAngle}};
+}
+
+void ApplyDriven(const EffectContext& context, ShotTerms* terms) {
+  const int driver = context.chain().FindJoint(context.spec->TextSetting("driver", ""));
+  const double phase = context.spec->IntegerSetting("order", 1) * context.shot->q[driver];
+  const double sign = context.joint_sign();
+  terms->slots.push_back({context.joint_slot(), context.first_parameter, sign * std::cos(phase)});
+  terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
+}
+
+const EffectDefinition& DrivenHarmonic() {
+  static const EffectDefinition definition = {
+      "driven_harmonic",
+      "periodic error driven by another joint",
+      "this test",
+      EffectTarget::kJoint,
+      {{"driver", SettingDefinition::Kind::kJoint, "", {}}, {"order", SettingDefinition::Kind::kInteger, "1", {}}},
+      DrivenParameters,
+      ApplyDriven,
+      NothingMissing,
+      false};
+  return definition;
+}
+
+const std::vector<const EffectDefinition*>& Own() {
+  static const std::vector<const EffectDefinition*> own = {&DrivenHarmonic()};
+  return own;
+}
+
+constexpr double kSigma = 2e-5;                // m
+constexpr double kCos = 70e-6, kSin = -40e-6;  // rad
+const char* const kPath = "effect/driven_harmonic[driver=A2,order=2]/A3";
+
+// 40 configurations from one station; joint 3 is off with twice the angle of joint 2.
+CalibrationProblem Hidden(const Robot& robot) {
+  test::Kr270Design design;
+  design.configurations = 40;
+  design.stations = 1;
+  design.sigma = kSigma;
+  design.seed = 31;
+  Measurements data = test::DesignMeasurements(design);
+  Measurements moved = data;
+  for (Configuration& configuration : moved.configurations) {
+    configuration.q[2] += kCos * std::cos(2 * configuration.q[1]) + kSin * std::sin(2 * configuration.q[1]);
+  }
+  test::MeasureKr270(test::Kr270Truth(), kSigma, 131, &moved);
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    data.observations[i].point_in_station = moved.observations[i].point_in_station;
+  }
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  return MakeCalibrationProblem(robot, data, experiment);
+}
+
+Robot ArmThatKnowsIt() {
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  robot.own_effects = Own();
+  return robot;
+}
+
+TEST(OwnEffect, IsNoneOfTheCatalogue) {
+  EXPECT_EQ(FindEffect("driven_harmonic"), nullptr);
+  EXPECT_EQ(FindEffect(Robot(), "driven_harmonic"), nullptr);
+  EXPECT_EQ(FindEffect(ArmThatKnowsIt(), "driven_harmonic"), &DrivenHarmonic());
+}
+
+TEST(OwnEffect, KeepsTheContract) {
+  const std::vector<EffectSpec> uses = test::ContractUses(Own());
+  ASSERT_EQ(uses.size(), 2u);  // orders 1 and 3
+  for (size_t i = 0; i < uses.size(); ++i) test::ExpectEffectContract(uses[i], 500 + static_cast<int>(i), Own());
+}
+
+TEST(OwnEffect, ReadsBackAsWrittenAndIsRefusedWhereNobodyKnowsIt) {
+  const std::string text = R"(schema: sagitta/robot/1
+joints:
+  - {name: A1, type: revolute}
+  - {name: A2, type: revolute}
+kinematics:
+  chain:
+    - {Rz: A1}
+    - {Tx_mm: 400}
+    - {Ry: A2}
+effects:
+  - {effect: driven_harmonic, joint: A2, driver: A1, order: 3, cos_urad: 12, sin_urad: -7}
+)";
+  const Robot robot = ReadRobotText(text, "robot.yaml", Own());
+  const Robot again = ReadRobotText(RobotToYaml(robot), "again.yaml", Own());
+  ASSERT_EQ(again.effects.size(), 1u);
+  EXPECT_EQ(again.effects[0].Path(), "effect/driven_harmonic[driver=A1,order=3]/A2");
+  EXPECT_NEAR(again.effects[0].values[0], 12e-6, 1e-15);
+  EXPECT_NEAR(again.effects[0].values[1], -7e-6, 1e-15);
+  EXPECT_THROW(ReadRobotText(text, "robot.yaml"), InputError);
+}
+
+TEST(OwnEffect, IsEstimatedWithinItsInterval) {
+  Robot robot = ArmThatKnowsIt();
+  robot.effects = {{"driven_harmonic", "A3", {{"driver", "A2"}, {"order", "2"}}, {}}};
+  const Estimate estimate = EstimateJointly(Hidden(robot));
+  ASSERT_EQ(estimate.status, Status::kConverged);
+  int found = 0;
+  for (const ParameterEstimate& row : estimate.table) {
+    if (row.name.rfind(kPath, 0) != 0) continue;
+    const double truth = row.name.back() == 's' ? kCos : kSin;  // …/cos, …/sin
+    EXPECT_LT(std::abs(row.value - truth), 4 * row.sigma) << row.name;
+    EXPECT_GT(row.sigma, 0.0);
+    ++found;
+  }
+  EXPECT_EQ(found, 2);
+}
+
+TEST(OwnEffect, IsFoundByScreeningAndNamed) {
+  const Diagnosis diagnosis = Diagnose(Hidden(ArmThatKnowsIt()), DiagnosisOptions());
+  ASSERT_FALSE(diagnosis.candidates.empty());
+  EXPECT_EQ(diagnosis.candidates[0].candidate.spec.Path(), kPath);
+  EXPECT_EQ(diagnosis.verdict, "explained");
+  ASSERT_EQ(diagnosis.steps.size(), 1u);
+  EXPECT_EQ(diagnosis.steps[0].chosen.candidate.spec.Path(), kPath);
+}
+
+}  // namespace
+}  // namespace sagitta
