@@ -11,16 +11,19 @@ import tempfile
 CLOSE = 0.05           # of the wanted NC
 LARGEST_SCALE = 10.0   # times a typical size; beyond, the draw is given up
 SMALLEST_NC = 1e-3     # of a typical size
-MOST_DRAWS = 60
+MOST_DRAWS = 300
 
 
 class CannotSize(Exception):
     pass
 
 
-def noncentrality(programs, flags, scales, folder):
+def generate(programs, flags, scales, folder):
     flags = dict(flags, scales=','.join('%.9g' % s for s in scales))
     programs.generate(flags, folder / 'case', folder / 'answer')
+
+
+def noncentrality(programs, folder):
     return programs.chi_square(folder / 'answer' / 'experiment.yaml', folder / 'estimate')
 
 
@@ -32,9 +35,10 @@ def target_is(folder, number, wanted):
 def size_of_one(programs, flags, count, number, wanted_nc, wanted_target, folder):
     scale = 1.0
     for _ in range(8):
-        nc = noncentrality(programs, flags, [scale if i == number else 0.0 for i in range(count)], folder)
+        generate(programs, flags, [scale if i == number else 0.0 for i in range(count)], folder)
         if not target_is(folder, number, wanted_target):
             raise CannotSize('another target')
+        nc = noncentrality(programs, folder)
         if nc is None or nc < SMALLEST_NC * scale * scale:
             raise CannotSize('invisible')
         if abs(nc / wanted_nc - 1.0) < CLOSE:
@@ -60,7 +64,8 @@ def make_case(programs, case, folder, answer):
             except CannotSize:
                 continue
             scales = [s for s, _ in sized]
-            total = noncentrality(programs, flags, scales, scratch)
+            generate(programs, flags, scales, scratch)
+            total = noncentrality(programs, scratch)
             if total is None:
                 continue
             for source, target in (('case', folder), ('answer', answer)):
