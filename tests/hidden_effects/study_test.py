@@ -71,6 +71,8 @@ class Judgement(unittest.TestCase):
         held = step(2)
         held['parameters'][0].update(sigma=0.0, ci95=[0.0, 0.0])
         self.assertEqual(judged([held])['parameters'], [])
+        del held['parameters'][0]
+        self.assertEqual(judged([held])['parameters'], [])
 
     def test_further_harmonics_of_the_same_gear_are_right_others_not(self):
         self.assertTrue(judged([step(2), step(3)])['exact'])

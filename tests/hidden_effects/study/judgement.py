@@ -9,9 +9,11 @@ GAP_VERDICTS = {'explained', 'partly', 'unknown'}
 def parameter_judgements(step, hidden):
     """z and coverage of every parameter of a rightly named step.
 
-    Where a parameter of the step is held (no sigma), the others are conditional on it and not to be compared.
+    Where a parameter of the effect is held (left out, or without sigma), the others are conditional on it and not
+    to be compared.
     """
-    if hidden['kind'] in NO_INTERVALS or not all(p.get('sigma') for p in step['parameters']):
+    estimated = {p['name'] for p in step['parameters'] if p.get('sigma')}
+    if hidden['kind'] in NO_INTERVALS or not set(hidden['parameters']) <= estimated:
         return []
     judged = []
     for parameter in step['parameters']:
