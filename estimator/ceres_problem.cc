@@ -32,7 +32,7 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
   for (size_t k = first; k < last; ++k) {
     const Observation& observation = problem.data.observations[selection.observations[k]];
     markers.push_back({problem.marker_frames[observation.marker], observation.point_in_station,
-                       selection.sigmas.segment<3>(3 * k), observation.marker});
+                       selection.noise[k].inverse(), observation.marker});
     blocks.push_back(parameters->marker(observation.marker).values.data());
   }
   for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());
@@ -98,7 +98,7 @@ void AddLatentPriors(const LatentModel& latent, LatentBlocks* latents, ceres::Pr
 ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
   ResidualSelection selection;
   selection.observations = problem.CalibrationObservations();
-  selection.sigmas = ObservationSigmas(problem, selection.observations, fallback);
+  selection.noise = ObservationNoise(problem, selection.observations, fallback);
   return selection;
 }
 

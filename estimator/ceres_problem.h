@@ -18,11 +18,11 @@ enum class CostGranularity {
 
 struct ResidualSelection {
   std::vector<int> observations;  // indices into Measurements::observations
-  Eigen::VectorXd sigmas;         // 3 per observation, m
+  NoiseRoots noise;               // one per observation, m
   CostGranularity granularity = CostGranularity::kShot;
 };
 
-// All calibration observations with their stated standard deviations;
+// All calibration observations with their noise; standard deviation
 // `fallback` (m) where none is stated.
 ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback = 1e-3);
 

@@ -39,7 +39,7 @@ double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
   if (!IsUsable(joint.status)) return kNone;
   const ResidualSelection residuals = CalibrationResiduals(problem);
   return PredictTwoStepRate(
-      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.sigmas),
+      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise),
       joint.parameters);
 }
 

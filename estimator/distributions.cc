@@ -45,4 +45,13 @@ double StudentQuantile(double p, double dof) {
   return Bisect([&](double t) { return tail - StudentUpperTail(t, dof); }, 0.0, high);
 }
 
+double KolmogorovSurvival(double d, double n) {
+  const double root = std::sqrt(n);
+  const double x = (root + 0.12 + 0.11 / root) * d;
+  if (x < 0.2) return 1.0;  // the series needs more terms than it is worth
+  double sum = 0.0;
+  for (int k = 1; k <= 100; ++k) sum += (k % 2 == 1 ? 2.0 : -2.0) * std::exp(-2.0 * k * k * x * x);
+  return std::min(1.0, std::max(0.0, sum));
+}
+
 }  // namespace sagitta

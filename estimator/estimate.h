@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "estimator/identifiability.h"
+#include "estimator/noise_report.h"
 #include "models/robot.h"
+#include "problems/noise_model.h"
 #include "problems/parameter_set.h"
 
 namespace sagitta {
@@ -73,6 +75,7 @@ struct Estimate {
   Eigen::MatrixXd covariance;  // SI, scaled where sigma.scaled or not stated
   Identifiability identifiability;
   SigmaReport sigma;
+  NoiseReport noise_report;
   double chi2 = 0.0;
   int dof = 0;
   int rows = 0;  // residuals fitted
@@ -88,7 +91,7 @@ struct Estimate {
 
   // Per observation of the data, in row order.
   Eigen::Matrix3Xd predicted;  // m, station frame
-  Eigen::Matrix3Xd sigmas;     // m, as used for whitening
+  NoiseRoots noise;            // m, as used for whitening
   Eigen::VectorXd leverage;    // mean over the axes of the hat matrix's diagonal
   std::vector<std::string> warnings;
 };

@@ -29,7 +29,7 @@ struct Context {
   const CalibrationProblem& problem;
   const FullPoseOptions& options;
   std::vector<int> observations;  // of the shots with a pose
-  Eigen::VectorXd sigmas;
+  Eigen::VectorXd sigmas;         // 3 per observation, m; full covariances are refused (MethodObstacle)
   std::vector<PoseShot> shots;
   int free_marker_coordinates = 0;
 
@@ -66,7 +66,9 @@ void CollectShots(const ParameterSet& aligned, Context* context) {
     context->shots.push_back({static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
     context->observations.insert(context->observations.end(), all.begin() + first, all.begin() + last);
   }
-  context->sigmas = ObservationSigmas(problem, context->observations, kFallbackSigma);
+  const NoiseRoots noise = ObservationNoise(problem, context->observations, kFallbackSigma);
+  context->sigmas.resize(3 * noise.size());
+  for (size_t k = 0; k < noise.size(); ++k) context->sigmas.segment<3>(3 * k) = noise[k].diagonal();
 }
 
 // Generalised Procrustes: the markers' mean shape over all shots, placed where the
@@ -165,7 +167,7 @@ void EvaluateShot(const Context& context, int s, const ParameterSet& parameters,
 
 PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, const std::vector<int>& coordinates,
                        const Eigen::MatrixXd& map) {
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(context.sigmas.size());
+  const NoiseRoots ones(context.observations.size(), Matrix3<double>::Identity());
   const Linearization markers = Linearize(context.problem, parameters, context.observations, coordinates, ones);
   const Eigen::MatrixXd jacobian = markers.jacobian * map;
   const int poses = static_cast<int>(context.shots.size());

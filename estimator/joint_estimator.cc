@@ -77,7 +77,7 @@ bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& resi
   ParameterSet& parameters = estimate->parameters;
   Linearization all =
       Linearize(problem, parameters, residuals.observations,
-                only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters), residuals.sigmas);
+                only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters), residuals.noise);
   if (!all.valid) return false;
   AppendPriors(parameters, &all);
   const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
@@ -136,7 +136,7 @@ Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& r
   Certificate certificate;
   for (int i = 0; i < kMaxPolishSteps && certificate.step >= kConvergedSteps; ++i) {
     Linearization here =
-        Linearize(problem, *parameters, residuals.observations, InteriorCoordinates(*parameters), residuals.sigmas);
+        Linearize(problem, *parameters, residuals.observations, InteriorCoordinates(*parameters), residuals.noise);
     certificate.valid = here.valid;
     if (!here.valid) return certificate;
     AppendPriors(*parameters, &here);
@@ -203,7 +203,7 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.parameters = start_values;
-  estimate.aligned = start_values;
+  estimate.aligned = options.aligned != nullptr ? *options.aligned : start_values;
 
   ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
   residuals.granularity = options.granularity;
@@ -223,7 +223,7 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   }
   Finish(problem, residuals, minimized, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (IsUsable(estimate.status)) {
+  if (IsUsable(estimate.status) && options.judge) {
     Report(options, "intervals, identifiability and hold-out");
     JudgeEstimate(problem, &estimate);
     AddLoadRemedies(problem, &estimate);

@@ -20,6 +20,9 @@ struct JointOptions {
   int num_threads = 1;
   CostGranularity granularity = CostGranularity::kShot;
   std::function<void(const std::string&)> progress;  // may be empty
+  // Where held coordinates rest, and "before" of every table; null: the start.
+  const ParameterSet* aligned = nullptr;
+  bool judge = true;  // step 4; false between the rounds of an outer loop
 };
 
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options = {});

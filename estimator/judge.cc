@@ -94,7 +94,6 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
   const Eigen::MatrixXd root = factor.matrixL();
   const Eigen::MatrixXd whitened = all.jacobian * root;  // rows: standard deviations of predictions / sigma
   const Eigen::VectorXd variance = whitened.rowwise().squaredNorm();
-  const Eigen::VectorXd deviation = all.latent.rowwise().squaredNorm();  // of the joints, in units of sigma
   estimate->leverage.resize(n);
   double sum = 0.0;
   double floor = 0.0;
@@ -102,12 +101,12 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
   for (int k = 0; k < n; ++k) {
     estimate->leverage[k] = variance.segment<3>(3 * k).mean() / (scale * scale);
     if (!problem.data.IsValidation(problem.data.observations[k])) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double sigma = estimate->sigmas(axis, k);
-      const int row = 3 * k + axis;
-      sum += sigma * sigma * (scale * scale * (1.0 + deviation[row]) + variance[row]);
-      floor += sigma * sigma * (1.0 + deviation[row] + variance[row] / (scale * scale));
-    }
+    // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
+    const Matrix3<double>& root = estimate->noise[k];
+    const double noise = root.squaredNorm() + (root * all.latent.middleRows<3>(3 * k)).squaredNorm();
+    const double parameters = (root * whitened.middleRows<3>(3 * k)).squaredNorm();
+    sum += scale * scale * noise + parameters;
+    floor += noise + parameters / (scale * scale);
     coordinates += 3;
   }
   estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
@@ -160,8 +159,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const std::vector<int> validation = problem.ValidationObservations();
   const ParameterSet& parameters = estimate->parameters;
   estimate->estimated = parameters.EstimatedCoordinates();
-  const Eigen::VectorXd sigmas = ObservationSigmas(problem, calibration, kFallbackSigma);
-  Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, sigmas);
+  const NoiseRoots noise = ObservationNoise(problem, calibration, kFallbackSigma);
+  Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, noise);
   AppendPriors(parameters, &linearization);
   const LinearSolution solution = SolveLinearization(linearization);
   estimate->cost = 0.5 * linearization.residual.squaredNorm();
@@ -175,12 +174,14 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
 
   std::vector<int> all(problem.data.observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  const Eigen::VectorXd all_sigmas = ObservationSigmas(problem, all, kFallbackSigma);
+  estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
   estimate->predicted = PredictPoints(problem, parameters, all);
-  estimate->sigmas = Eigen::Map<const Eigen::Matrix3Xd>(all_sigmas.data(), 3, all.size());
-  JudgeRows(problem, Linearize(problem, parameters, all, estimate->estimated, all_sigmas, LatentTreatment::kIgnore),
-            scale, estimate);
-  if (!estimate->sigma.stated) estimate->sigmas.setConstant(estimate->sigma.estimated);
+  JudgeRows(problem,
+            Linearize(problem, parameters, all, estimate->estimated, estimate->noise, LatentTreatment::kIgnore), scale,
+            estimate);
+  if (!estimate->sigma.stated) {
+    for (Matrix3<double>& root : estimate->noise) root *= estimate->sigma.estimated / kFallbackSigma;
+  }
 
   std::set<int> configurations;
   for (const int i : calibration)

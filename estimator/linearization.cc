@@ -84,19 +84,19 @@ void Marginalise(const CalibrationProblem& problem, Linearization* linearization
 
 }  // namespace
 
-Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::vector<int>& observations,
-                                  double fallback) {
-  Eigen::VectorXd sigmas(3 * observations.size());
-  for (size_t k = 0; k < observations.size(); ++k) {
-    const Vector3<double> stated = problem.StatedSigma(problem.data.observations[observations[k]]);
-    sigmas.segment<3>(3 * k) = stated.minCoeff() > 0.0 ? stated : Vector3<double>::Constant(fallback);
+NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback) {
+  NoiseRoots noise;
+  noise.reserve(observations.size());
+  for (const int i : observations) {
+    noise.push_back(problem.NoiseRoot(i));
+    if (!IsStated(noise.back())) noise.back() = fallback * Matrix3<double>::Identity();
   }
-  return sigmas;
+  return noise;
 }
 
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
-                        const std::vector<int>& observations, const std::vector<int>& columns,
-                        const Eigen::VectorXd& sigmas, LatentTreatment treatment) {
+                        const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
+                        LatentTreatment treatment) {
   const LatentModel& latent = problem.latent;
   Linearization result;
   result.columns = columns;
@@ -111,24 +111,24 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
       [&](size_t k, const PointPrediction& prediction) {
         const Observation& observation = problem.data.observations[observations[k]];
         const Shot& shot = problem.data.shots[observation.shot];
-        const Vector3<double> weights = sigmas.segment<3>(3 * k).cwiseInverse();
-        result.residual.segment<3>(3 * k) = (prediction.point - observation.point_in_station).cwiseProduct(weights);
+        const Matrix3<double> whitener = noise[k].inverse();
+        result.residual.segment<3>(3 * k) = whitener * (prediction.point - observation.point_in_station);
         auto rows = result.jacobian.middleRows(3 * k, 3);
         const auto write = [&](int first_coordinate, const auto& derivative) {
           for (int i = 0; i < 3; ++i) {
             const int column = column_of[first_coordinate + i];
-            if (column >= 0) rows.col(column) = derivative.col(i).cwiseProduct(weights);
+            if (column >= 0) rows.col(column) = whitener * derivative.col(i);
           }
         };
         write(parameters.station_translation(shot.station).first_coordinate, prediction.d_translation);
         write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
         write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
         for (size_t i = 0; i < active.columns.size(); ++i) {
-          rows.col(active.columns[i]) = prediction.d_theta.col(i).cwiseProduct(weights);
+          rows.col(active.columns[i]) = whitener * prediction.d_theta.col(i);
         }
         for (int i = 0; i < latent.size(); ++i) {
           result.latent.block<3, 1>(3 * k, i) =
-              latent.sigmas[i] * prediction.d_latent.col(latent.joints[i]).cwiseProduct(weights);
+              latent.sigmas[i] * (whitener * prediction.d_latent.col(latent.joints[i]));
         }
       });
   if (treatment == LatentTreatment::kMarginalise && !latent.empty()) Marginalise(problem, &result);

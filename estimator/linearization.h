@@ -16,7 +16,7 @@ namespace sagitta {
 enum class LatentTreatment { kMarginalise, kIgnore };
 
 struct Linearization {
-  Eigen::VectorXd residual;       // (predicted - measured) / sigma, 3 rows per observation, then priors
+  Eigen::VectorXd residual;       // S^-1 (predicted - measured), 3 rows per observation, then priors
   Eigen::MatrixXd jacobian;       // d residual / d coordinate, 1/SI; one column per entry of `columns`
   std::vector<int> columns;       // coordinate indices into ParameterSet
   std::vector<int> observations;  // index into Measurements::observations of each block of 3 rows
@@ -28,16 +28,15 @@ struct Linearization {
   int num_columns() const { return static_cast<int>(jacobian.cols()); }
 };
 
-// Standard deviations of the listed observations, 3 per observation, m: as
-// stated, times nothing; `fallback` (m) where none is stated.
-Eigen::VectorXd ObservationSigmas(const CalibrationProblem& problem, const std::vector<int>& observations,
-                                  double fallback);
+// Noise roots of the listed observations, m; standard deviation `fallback` (m)
+// on every axis where none is stated.
+NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);
 
 // Evaluates the problem's observations at `parameters` for the given columns.
-// sigmas: 3 per observation, m.
+// noise: one root per observation, m.
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
-                        const std::vector<int>& observations, const std::vector<int>& columns,
-                        const Eigen::VectorXd& sigmas, LatentTreatment treatment = LatentTreatment::kMarginalise);
+                        const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
+                        LatentTreatment treatment = LatentTreatment::kMarginalise);
 
 // Adds one row per column whose coordinate has a prior: (value - prior) / sigma.
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization);

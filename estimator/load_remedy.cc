@@ -73,7 +73,7 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
   background.covariance = estimate.covariance / (scale * scale);
   const std::vector<int> rows = problem.CalibrationObservations();
   Linearization here = Linearize(problem, estimate.parameters, rows, background.columns,
-                                 ObservationSigmas(problem, rows, kFallbackSigma));
+                                 ObservationNoise(problem, rows, kFallbackSigma));
   AppendPriors(estimate.parameters, &here);
   const int n = static_cast<int>(estimate.estimated.size());
   const Eigen::VectorXd column = here.jacobian.col(n);
@@ -100,7 +100,7 @@ Candidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estim
   input.wrenches.push_back(wrench);
   const std::vector<int>& rows = problem.data.shots[shot].observations;
   const Linearization there = Linearize(*scratch, estimate.parameters, rows, background.columns,
-                                        ObservationSigmas(problem, rows, kFallbackSigma), LatentTreatment::kIgnore);
+                                        ObservationNoise(problem, rows, kFallbackSigma), LatentTreatment::kIgnore);
   input = original;
   Candidate candidate{problem.data.shots[shot].configuration, wrench, {}, {}, {}};
   if (!there.valid) return candidate;  // folds the arm

@@ -45,7 +45,7 @@ bool SolveStepOne(const StepContext& context, const StepState& state, bool pull_
     Pose<double> pull;  // identity: literal
     if (pull_back) pull = state.bases[station];
     const Vector3<double> pulled = pull.rotation.transpose() * (observation.point_in_station - pull.translation);
-    const Matrix3<double> whiten = context.sigmas.segment<3>(3 * k).cwiseInverse().asDiagonal() * pull.rotation;
+    const Matrix3<double> whiten = context.noise[k].inverse() * pull.rotation;
     a.block<3, 3>(3 * k, 6 * station) = whiten;
     a.block<3, 3>(3 * k, 6 * station + 3) = whiten * Skew(robot[k].translation).transpose();
     a.block<3, 3>(3 * k, 6 * stations + 3 * observation.marker) = whiten * robot[k].rotation;
@@ -135,7 +135,7 @@ bool LiteralStepTwo(const StepContext& context, StepState* state) {
                                state->bases[context.shot(k).station], {marker}, &prediction)) {
       return false;
     }
-    const Matrix3<double> whiten = context.sigmas.segment<3>(3 * k).cwiseInverse().asDiagonal();
+    const Matrix3<double> whiten = context.noise[k].inverse();
     a.middleRows(3 * k, 3) = whiten * prediction[0].d_theta;
     b.segment<3>(3 * k) = whiten * (observation.point_in_station - prediction[0].point);
   }

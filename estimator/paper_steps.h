@@ -17,7 +17,7 @@ struct StepState {
 struct StepContext {
   const CalibrationProblem& problem;
   std::vector<int> observations;
-  Eigen::VectorXd sigmas;
+  NoiseRoots noise;
   std::vector<int> base_and_markers;  // coordinates of step 1
   std::vector<int> geometry;          // coordinates of step 2
 

@@ -60,14 +60,14 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
 
   for (int m = 0; m < num_markers; ++m) {
     Eigen::Map<Vector3<double>>(residuals + 3 * m) =
-        (predictions[m].point - markers_[m].point_in_station).cwiseQuotient(markers_[m].sigma);
+        markers_[m].whitener * (predictions[m].point - markers_[m].point_in_station);
   }
   if (jacobians == nullptr) return true;
   // Ambient = tangent * pseudo-inverse of PlusJacobian (orthogonal columns of norm 1/2).
   const Eigen::Matrix<double, 3, 4> tangent_from_ambient = 4.0 * QuaternionPlusJacobian(parameters[1]).transpose();
   for (int m = 0; m < num_markers; ++m) {
     const PointPrediction& prediction = predictions[m];
-    const Matrix3<double> whiten = markers_[m].sigma.cwiseInverse().asDiagonal();
+    const Matrix3<double>& whiten = markers_[m].whitener;
     const auto write = [&](int block, int size, const auto& derivative) {
       if (jacobians[block] != nullptr) {
         RowMajorBlock(jacobians[block], num_residuals(), size).middleRows(3 * m, 3) = derivative;

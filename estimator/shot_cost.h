@@ -1,7 +1,7 @@
 // The residuals of one shot: all markers seen at one configuration share the
 // kinematics. One marker per cost is the same class with one observation.
 //
-//   r = (predicted - measured) / sigma, per axis, 3 rows per marker
+//   r = S^-1 (predicted - measured), 3 rows per marker; S S' is the covariance of the reading
 //
 // Parameter blocks, in order: station translation (3, m), station rotation (4,
 // quaternion x y z w), one point per marker of the shot (3, m each), then one
@@ -22,7 +22,7 @@ namespace sagitta {
 struct MarkerMeasurement {
   int frame = 0;                     // chain frame the marker rides on
   Vector3<double> point_in_station;  // m
-  Vector3<double> sigma;             // m, > 0
+  Matrix3<double> whitener;          // S^-1, 1/m
   int id = -1;                       // index of the marker, for effects on it
 };
 

@@ -146,13 +146,13 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   candidates[0].rms *= 1.0 - kTie;
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   candidates.resize(std::min<size_t>(candidates.size(), options.polished));
-  const Eigen::VectorXd sigmas = ObservationSigmas(problem, observations, 1e-3);
+  const NoiseRoots noise = ObservationNoise(problem, observations, 1e-3);
   for (Candidate& candidate : candidates) {
     ParameterSet polished = candidate.parameters;
     HoldModel(&polished);
     MinimizeOptions minimize;
     minimize.cautious = true;
-    MinimizeJointly(problem, {observations, sigmas, CostGranularity::kShot}, minimize, &polished);
+    MinimizeJointly(problem, {observations, noise, CostGranularity::kShot}, minimize, &polished);
     const double rms = DistanceRms(framed, polished);
     if (!(rms <= candidate.rms * 1.5)) continue;  // weighted and unweighted optimum differ a little
     for (int s = 0; s < polished.num_stations(); ++s)

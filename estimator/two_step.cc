@@ -27,7 +27,7 @@ constexpr double kRateFloor = 1e-6;  // ... the last ones with steps above this 
 
 Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet& parameters,
                                   const std::vector<int>& columns) {
-  Linearization here = Linearize(context.problem, parameters, context.observations, columns, context.sigmas);
+  Linearization here = Linearize(context.problem, parameters, context.observations, columns, context.noise);
   AppendPriors(parameters, &here);
   return here;
 }
@@ -76,7 +76,7 @@ bool Iterate(TwoStepVariant variant, const StepContext& context, StepState* stat
 
 StepContext MakeContext(const CalibrationProblem& problem) {
   StepContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
-  context.sigmas = ObservationSigmas(problem, context.observations, kFallbackSigma);
+  context.noise = ObservationNoise(problem, context.observations, kFallbackSigma);
   for (const int c : problem.parameters.EstimatedCoordinates()) {
     const ParameterBlock& block = problem.parameters.blocks()[problem.parameters.coordinates()[c].block];
     (block.kind == BlockKind::kModelParameter ? context.geometry : context.base_and_markers).push_back(c);
@@ -124,7 +124,7 @@ Yardstick MakeYardstick(const StepContext& context, const ParameterSet& paramete
   const LinearSolution solution = SolveLinearization(yardstick.start);
   yardstick.singular = !yardstick.start.valid || !solution.full_rank;
   if (yardstick.singular) return yardstick;
-  const double dof = context.sigmas.size() - static_cast<double>(columns.size());
+  const double dof = 3.0 * context.observations.size() - static_cast<double>(columns.size());
   double scale = 1.0;
   if (!context.problem.sigma_is_stated() && dof > 0) {
     scale = std::max(kSmallestScale, std::sqrt(solution.residual_norm_squared / dof));

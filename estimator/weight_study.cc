@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/residual_noise.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
@@ -35,22 +36,14 @@ Eigen::VectorXd SigmaFromResiduals(const WeightDesign& design, const Eigen::Vect
                                    const WeightMethod& method) {
   if (method.weights == Weights::kResidual) return residuals.cwiseAbs().cwiseMax(method.floor);
   if (method.weights != Weights::kGroup) return design.sigma;
-  const int num_groups = 1 + *std::max_element(design.groups.begin(), design.groups.end());
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(num_groups), counts = squares;
-  for (int i = 0; i < residuals.size(); ++i) {
-    squares[design.groups[i]] += residuals[i] * residuals[i];
-    counts[design.groups[i]] += 1.0;
-  }
-  Eigen::VectorXd sigma(residuals.size());
-  for (int i = 0; i < sigma.size(); ++i) sigma[i] = std::sqrt(squares[design.groups[i]] / counts[design.groups[i]]);
-  return sigma.cwiseMax(method.floor);
+  return GroupSigmas(design.groups, residuals, Eigen::VectorXd::Ones(residuals.size()), method.floor);
 }
 
 // w^2, eq. (14) or 1 / sigma^2.
 Eigen::VectorXd SquaredWeights(const WeightMethod& method, const Eigen::VectorXd& sigma) {
   if (method.weights == Weights::kEqual) return Eigen::VectorXd::Ones(sigma.size());
-  if (method.weights == Weights::kKnownSigma || method.sigma0 == 0.0) return sigma.array().square().inverse();
-  return (method.sigma0 / (method.sigma0 + method.lambda * sigma.array())).square();
+  const double sigma0 = method.weights == Weights::kKnownSigma ? 0.0 : method.sigma0;
+  return sigma.unaryExpr([&](double s) { return std::pow(Eq14Weight(sigma0, method.lambda, s), 2); });
 }
 
 Eigen::VectorXd ClaimedSigma(const WeightDesign& design, const WeightMethod& method, const Eigen::MatrixXd& inverse,

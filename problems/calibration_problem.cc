@@ -5,6 +5,7 @@
 #include "problems/free_selection.h"
 #include "problems/input_error.h"
 #include "problems/loads.h"
+#include "problems/noise_checks.h"
 #include "problems/problem_checks.h"
 #include "problems/split.h"
 
@@ -94,15 +95,15 @@ CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Exp
   robot = model.robot();  // with the tilt slots that effects need
 }
 
-Vector3<double> CalibrationProblem::StatedSigma(const Observation& observation) const {
-  const Vector3<double> fallback = Vector3<double>::Constant(experiment.noise.sigma.value_or(0.0));
-  if (experiment.weights == "equal" || experiment.noise.replaces_rows) return fallback;
-  return observation.sigma.minCoeff() > 0.0 ? observation.sigma : fallback;
+Matrix3<double> CalibrationProblem::NoiseRoot(int observation) const {
+  if (!resolved_noise.empty()) return resolved_noise[observation];
+  const Observation& row = data.observations[observation];
+  return StatedRoot(experiment, data, row, row.point_in_station);
 }
 
 bool CalibrationProblem::sigma_is_stated() const {
-  for (const Observation& observation : data.observations) {
-    if (StatedSigma(observation).minCoeff() > 0.0) return true;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    if (IsStated(NoiseRoot(static_cast<int>(i)))) return true;
   }
   return false;
 }
@@ -143,6 +144,8 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   problem.marker_frames = ResolveMarkerFrames(problem);
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   problem.latent = latent;
+  problem.resolved_noise = resolved_noise;
+  problem.repeat_scatter = repeat_scatter;
   problem.redundant_errors = redundant_errors;
   return problem;
 }
@@ -163,6 +166,8 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   SetStartValues(&problem);
   SetFree(&problem);
+  CheckNoise(&problem);
+  ResolveRepeats(&problem);
   CheckSigmas(problem);
   SetPriors(&problem);
   CheckEnoughData(problem);

@@ -11,6 +11,7 @@
 #include "problems/experiment.h"
 #include "problems/latent_model.h"
 #include "problems/measurements.h"
+#include "problems/noise_model.h"
 #include "problems/parameter_set.h"
 
 namespace sagitta {
@@ -28,9 +29,14 @@ struct CalibrationProblem {
   ParameterSet parameters;                    // start values; free and fixed as the experiment says
   std::vector<std::string> redundant_errors;  // default free set: what stays nominal
 
-  // Standard deviations of an observation as stated (row, experiment or flag);
-  // 0 where nothing states one: then all rows share one sigma that is estimated.
-  Vector3<double> StatedSigma(const Observation& observation) const;
+  // Noise that is found, not stated (from repeats, or by the estimator): one root
+  // per observation, in place of what is stated. Empty: as stated.
+  NoiseRoots resolved_noise;
+  std::optional<RepeatScatter> repeat_scatter;  // where the noise is from repeats
+
+  // Root of the noise covariance of an observation (problems/noise_model.h);
+  // zero where nothing states one: then all rows share one sigma that is estimated.
+  Matrix3<double> NoiseRoot(int observation) const;
   bool sigma_is_stated() const;
 
   // The same problem with more effects in the robot; their parameters are free

@@ -15,17 +15,7 @@ void FailProblem(const CalibrationProblem& problem, const std::string& key, cons
 
 void RefuseUnsupported(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
-  if (experiment.repeatability.estimate) {
-    FailProblem(problem, "repeatability_urad", "estimating the repeatability is not supported yet", "state a value");
-  }
-  if (experiment.loss != "none") FailProblem(problem, "loss", "robust losses are not supported yet", "use none");
-  if (experiment.weights == "eq14") FailProblem(problem, "weights", "eq14 is not supported yet", "use sigma or equal");
   if (experiment.covariance != "model") FailProblem(problem, "covariance", "only model is supported yet", "use model");
-  using From = NoiseSpec::From;
-  if (experiment.noise.from == From::kRepeats || experiment.noise.from == From::kResiduals ||
-      experiment.noise.from == From::kInstrument || experiment.noise.from == From::kVarianceComponents) {
-    FailProblem(problem, "noise", "this noise model is not supported yet", "use sigma_mm or {from: rows}");
-  }
 }
 
 void CheckNames(const CalibrationProblem& problem) {
@@ -95,21 +85,6 @@ void CheckCompensator(const CalibrationProblem& problem) {
     throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
                      "the spring would have no length at configuration '" + configuration.id + "'",
                      "check L, a_x and a_y: the lever end would lie on the anchor");
-  }
-}
-
-void CheckSigmas(const CalibrationProblem& problem) {
-  if (!problem.sigma_is_stated()) {
-    if (problem.latent.empty()) return;
-    FailProblem(problem, "repeatability_urad", "the repeatability is stated but the instrument's noise is not",
-                "state noise: {sigma_mm: …}, sigma columns, or --sigma_mm");
-  }
-  for (const Observation& observation : problem.data.observations) {
-    if (problem.StatedSigma(observation).minCoeff() > 0.0) continue;
-    const MeasurementFile& file = problem.data.files[observation.file];
-    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
-                     "other rows state standard deviations, this one has none",
-                     "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");
   }
 }
 

@@ -26,9 +26,6 @@ void CheckEffectColumns(const CalibrationProblem& problem);
 // A spring can neither have no length nor be pressed through zero.
 void CheckCompensator(const CalibrationProblem& problem);
 
-// Rows without a standard deviation beside rows that have one.
-void CheckSigmas(const CalibrationProblem& problem);
-
 // What no estimate can come from.
 void CheckEnoughData(const CalibrationProblem& problem);
 

@@ -32,7 +32,7 @@ Eigen::Matrix3Xd PredictedSigmas(const CalibrationProblem& problem, const KnownR
   for (int r = 0; r < n; ++r) {
     for (int c = 0; c < n; ++c) covariance(r, c) = known.covariance(rows_of_covariance[r], rows_of_covariance[c]);
   }
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(3 * observations.size());
+  const NoiseRoots ones(observations.size(), Matrix3<double>::Identity());
   const Linearization linearization =
       Linearize(problem, problem.parameters, observations, columns, ones, LatentTreatment::kIgnore);
   const Eigen::VectorXd variance =

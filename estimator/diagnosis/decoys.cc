@@ -250,7 +250,7 @@ class Bench {
     for (const char* axis : {"/x", "/y", "/z"}) columns.push_back(parameters_.FindCoordinate("base/" + station + axis));
     const std::vector<int> observations = problem_.CalibrationObservations();
     return 1e-6 *
-           Linearize(problem_, parameters_, observations, columns, ObservationSigmas(problem_, observations, 1e-3))
+           Linearize(problem_, parameters_, observations, columns, ObservationNoise(problem_, observations, 1e-3))
                .jacobian;
   }
 

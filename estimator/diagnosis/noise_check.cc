@@ -13,14 +13,14 @@ namespace {
 
 struct ShotResidual {
   std::vector<int> observations;
-  Eigen::VectorXd residual;  // whitened by the row sigmas
+  Eigen::VectorXd residual;  // whitened
   Eigen::MatrixXd rigid;     // whitened, 6 columns
 };
 
 std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<int> all = problem.CalibrationObservations();
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
-  const Eigen::VectorXd sigmas = ObservationSigmas(problem, all, 1e-3);
+  const NoiseRoots noise = ObservationNoise(problem, all, 1e-3);
   std::map<int, std::vector<size_t>> members;
   for (size_t k = 0; k < all.size(); ++k) members[problem.data.observations[all[k]].shot].push_back(k);
   std::vector<ShotResidual> shots;
@@ -32,12 +32,12 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
     for (const size_t k : ks) center += predicted.col(k) / ks.size();
     for (size_t i = 0; i < ks.size(); ++i) {
       const Observation& observation = problem.data.observations[all[ks[i]]];
-      const Vector3<double> weight = sigmas.segment<3>(3 * ks[i]).cwiseInverse();
+      const Matrix3<double> whitener = noise[ks[i]].inverse();
       result.observations.push_back(all[ks[i]]);
-      result.residual.segment<3>(3 * i) = (observation.point_in_station - predicted.col(ks[i])).cwiseProduct(weight);
+      result.residual.segment<3>(3 * i) = whitener * (observation.point_in_station - predicted.col(ks[i]));
       const Vector3<double> arm = predicted.col(ks[i]) - center;
-      result.rigid.block<3, 3>(3 * i, 0) = weight.asDiagonal();
-      result.rigid.block<3, 3>(3 * i, 3) = weight.asDiagonal() * Matrix3<double>(-Skew(arm));
+      result.rigid.block<3, 3>(3 * i, 0) = whitener;
+      result.rigid.block<3, 3>(3 * i, 3) = whitener * Matrix3<double>(-Skew(arm));
     }
     shots.push_back(std::move(result));
   }
@@ -59,10 +59,10 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
 double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
   const CalibrationProblem with = WithRepeatability(problem, sigma);
   const std::vector<int> observations = with.CalibrationObservations();
-  const Eigen::VectorXd sigmas = ObservationSigmas(with, observations, 1e-3);
+  const NoiseRoots noise = ObservationNoise(with, observations, 1e-3);
   const std::vector<int> columns = parameters.EstimatedCoordinates();
-  const LinearSolution solution = SolveLinearization(Linearize(with, parameters, observations, columns, sigmas));
-  const Linearization raw = Linearize(with, parameters, observations, {}, sigmas, LatentTreatment::kIgnore);
+  const LinearSolution solution = SolveLinearization(Linearize(with, parameters, observations, columns, noise));
+  const Linearization raw = Linearize(with, parameters, observations, {}, noise, LatentTreatment::kIgnore);
   std::map<int, std::vector<int>> rows;
   for (size_t k = 0; k < observations.size(); ++k) {
     const int shot = with.data.observations[observations[k]].shot;

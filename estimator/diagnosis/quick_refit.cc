@@ -36,7 +36,7 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
   QuickRefit refit;
   refit.parameters = start;
   const std::vector<int> observations = problem.CalibrationObservations();
-  const Eigen::VectorXd noise = ObservationSigmas(problem, observations, kFallbackSigma);
+  const NoiseRoots noise = ObservationNoise(problem, observations, kFallbackSigma);
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMostSteps; ++i) {
     const std::vector<int> columns = InteriorCoordinates(refit.parameters);

@@ -74,7 +74,7 @@ Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) cons
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<int> observations = problem.CalibrationObservations();
   Linearization linearization = Linearize(problem, parameters, observations, parameters.EstimatedCoordinates(),
-                                          ObservationSigmas(problem, observations, kFallbackSigma));
+                                          ObservationNoise(problem, observations, kFallbackSigma));
   return linearization;
 }
 
@@ -98,7 +98,7 @@ std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const
   }
   const std::vector<int> observations = extended.CalibrationObservations();
   const Linearization linearization = Linearize(extended, extended.parameters, observations, all,
-                                                ObservationSigmas(extended, observations, kFallbackSigma));
+                                                ObservationNoise(extended, observations, kFallbackSigma));
   std::vector<CandidateColumns> candidates;
   for (const EffectSpec& spec : specs) {
     const std::vector<int> own = columns_of[spec.Path()];

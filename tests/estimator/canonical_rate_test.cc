@@ -56,7 +56,7 @@ TEST(PredictTwoStepRate, IsTheMeasuredRateOfTheExactAlternation) {
       ASSERT_EQ(joint.status, Status::kConverged);
       const ResidualSelection residuals = CalibrationResiduals(problem);
       const Linearization optimum =
-          Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.sigmas);
+          Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise);
       const double predicted = PredictTwoStepRate(optimum, joint.parameters);
       const TwoStepResult measured = EstimateInTwoSteps(problem);
       EXPECT_NEAR(measured.rate, predicted, 5e-4) << stations << " stations, seed " << seed;

@@ -59,7 +59,7 @@ TEST(AddToProblem, CeresAndLinearizationSeeTheSameJacobian) {
     parameters.Plus(size * Eigen::VectorXd::Random(parameters.num_coordinates()));
     const ResidualSelection selection = CalibrationResiduals(problem);
     const Linearization linearization =
-        Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(), selection.sigmas);
+        Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(), selection.noise);
     ceres::Problem ceres_problem;
     AddToProblem(problem, selection, &parameters, &ceres_problem);
     ceres::Problem::EvaluateOptions options;
@@ -93,13 +93,13 @@ TEST(Linearization, JacobianMatchesCentralDifferences) {
   parameters.Plus(0.2 * Eigen::VectorXd::Random(parameters.num_coordinates()));
   const ResidualSelection selection = CalibrationResiduals(problem);
   const Linearization at =
-      Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(), selection.sigmas);
+      Linearize(problem, parameters, selection.observations, parameters.EstimatedCoordinates(), selection.noise);
   const auto residual = [&](int coordinate, double step) {
     ParameterSet moved = parameters;
     Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters.num_coordinates());
     delta[coordinate] = step;
     moved.Plus(delta);
-    return Linearize(problem, moved, selection.observations, {}, selection.sigmas).residual;
+    return Linearize(problem, moved, selection.observations, {}, selection.noise).residual;
   };
   for (int c = 0; c < at.num_columns(); ++c) {
     const double h = 1e-3;  // fourth-order differences

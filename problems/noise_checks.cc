@@ -1,0 +1,114 @@
+#include "problems/noise_checks.h"
+
+#include <algorithm>
+
+#include "problems/input_error.h"
+#include "problems/problem_checks.h"
+
+namespace sagitta {
+namespace {
+
+using From = NoiseSpec::From;
+
+const std::vector<std::string> kGroups = {"axis", "config-axis", "marker-axis", "station-axis", "residual"};
+
+void CheckInstrument(const CalibrationProblem& problem) {
+  const NoiseSpec& noise = problem.experiment.noise;
+  if (noise.from != From::kInstrument) return;
+  if (noise.range + noise.range_per_m > 0.0 && noise.angle + noise.angle_per_m > 0.0) return;
+  FailProblem(problem, "noise.instrument",
+              "an instrument that is exact along or across its line of sight is not believed",
+              "state range_um or range_um_per_m, and angle_um or angle_um_per_m");
+}
+
+// Spread of residuals holds everything that scatters: nothing else can be told from it beside.
+void CheckResiduals(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment;
+  if (experiment.noise.from != From::kResiduals) return;
+  const std::string& group = experiment.noise.group;
+  if (std::find(kGroups.begin(), kGroups.end(), group) == kGroups.end()) {
+    FailProblem(problem, "noise.group", "'" + group + "' is no way to group residuals", SpellingHint(group, kGroups));
+  }
+  if (!experiment.repeatability.IsZero()) {
+    FailProblem(problem, "noise.from", "the residuals contain the repeatability already, which is asked for beside",
+                "use {from: variance-components}, or leave repeatability out");
+  }
+  if (experiment.loss != "none") {
+    FailProblem(problem, "loss", "a loss needs noise that outliers do not widen; that of residuals they do",
+                "state noise: {sigma_mm: …}, or use loss: none");
+  }
+}
+
+void CheckWeights(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment;
+  const From from = experiment.noise.from;
+  if (experiment.weights == "equal" &&
+      (from == From::kRepeats || from == From::kResiduals || from == From::kInstrument)) {
+    FailProblem(problem, "weights", "equal weights ignore the noise that noise: states", "use weights: sigma");
+  }
+  if (experiment.weights != "eq14" || from == From::kResiduals) return;
+  const char* kHint = "use weights: sigma";
+  if (from == From::kInstrument || from == From::kVarianceComponents || from == From::kRepeats) {
+    FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", kHint);
+  }
+  if (!experiment.repeatability.IsZero()) {
+    FailProblem(problem, "weights", "eq. (14) knows no repeatability", kHint);
+  }
+  if (experiment.loss != "none") FailProblem(problem, "weights", "eq. (14) does not go with a loss", kHint);
+  if (!problem.sigma_is_stated()) {
+    FailProblem(problem, "weights", "eq. (14) needs standard deviations, and nothing states them",
+                "add sigma columns, or noise: {from: residuals}");
+  }
+}
+
+void CheckRows(const CalibrationProblem& problem) {
+  if (problem.experiment.noise.from != From::kRows || problem.sigma_is_stated()) return;
+  FailProblem(problem, "noise.from", "no row states a standard deviation",
+              "add the columns sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
+}
+
+}  // namespace
+
+void CheckNoise(CalibrationProblem* problem) {
+  RepeatabilitySpec& repeatability = problem->experiment.repeatability;
+  if (problem->experiment.noise.from == From::kVarianceComponents && repeatability.IsZero()) {
+    repeatability.estimate = true;
+  }
+  CheckInstrument(*problem);
+  CheckRows(*problem);
+  CheckResiduals(*problem);
+  CheckWeights(*problem);
+}
+
+void ResolveRepeats(CalibrationProblem* problem) {
+  if (problem->experiment.noise.from != From::kRepeats) return;
+  problem->repeat_scatter = PooledRepeats(problem->data);
+  if (!problem->repeat_scatter) {
+    FailProblem(*problem, "noise.from", "no marker was shot twice at one visit under one load: there are no repeats",
+                "measure repeats (column repeat), or state noise: {sigma_mm: …}");
+  }
+  const Vector3<double> sigma = problem->repeat_scatter->sigma;
+  if (sigma.minCoeff() <= 0.0) {
+    FailProblem(*problem, "noise.from", "repeated shots are equal to the last digit: they show no noise",
+                "measure again instead of copying rows, or state noise: {sigma_mm: …}");
+  }
+  problem->resolved_noise.assign(problem->data.observations.size(), sigma.asDiagonal());
+}
+
+void CheckSigmas(const CalibrationProblem& problem) {
+  if (!problem.sigma_is_stated()) {
+    if (problem.latent.empty() || problem.experiment.noise.from == From::kVarianceComponents) return;
+    FailProblem(problem, "repeatability_urad", "the repeatability is stated but the instrument's noise is not",
+                "state noise: {sigma_mm: …}, sigma columns, --sigma_mm, or noise: {from: variance-components}");
+  }
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    if (IsStated(problem.NoiseRoot(static_cast<int>(i)))) continue;
+    const Observation& observation = problem.data.observations[i];
+    const MeasurementFile& file = problem.data.files[observation.file];
+    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
+                     "other rows state standard deviations, this one has none",
+                     "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");
+  }
+}
+
+}  // namespace sagitta
