@@ -39,8 +39,7 @@ double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
   if (!IsUsable(joint.status)) return kNone;
   const ResidualSelection residuals = CalibrationResiduals(problem);
   return PredictTwoStepRate(
-      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise),
-      joint.parameters);
+      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise), joint.parameters);
 }
 
 }  // namespace
@@ -51,11 +50,28 @@ const std::vector<std::string>& MethodNames() {
   return names;
 }
 
+std::string MethodObstacle(const CalibrationProblem& problem, const std::string& method) {
+  if (method == "joint") return "";
+  if (problem.experiment.loss != "none") return method + " knows no robust loss";
+  if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
+  if (!problem.latent.empty() || problem.experiment.repeatability.estimate) {
+    return method + " knows no joint deviations (repeatability)";
+  }
+  if (!IsDiagonal(CalibrationResiduals(problem).noise)) {
+    return method + " knows standard deviations per axis, not an instrument's covariances";
+  }
+  return "";
+}
+
 MethodResult RunMethod(const CalibrationProblem& problem, const std::string& method, const Estimate& joint,
                        const std::function<void(const std::string&)>& progress) {
   MethodResult result{method, {}, kNone, kNone, kNone};
+  const std::string obstacle = MethodObstacle(problem, method);
   if (method == "joint") {
     result.estimate = joint;
+  } else if (!obstacle.empty()) {
+    result.estimate.parameters = result.estimate.aligned = problem.parameters;
+    result.estimate.message = "not run: " + obstacle;
   } else if (method == "full-pose") {
     result.estimate = EstimateFromFullPoses(WithHeld(problem, joint));
   } else {

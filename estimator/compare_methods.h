@@ -22,6 +22,10 @@ struct MethodResult {
 // joint, two-step, two-step-literal, two-step-relinearised, full-pose.
 const std::vector<std::string>& MethodNames();
 
+// Why a method cannot honour the noise of the problem (joint deviations, full covariances, estimated noise, a loss);
+// empty: it can. The literal methods of the papers know sigmas per axis only.
+std::string MethodObstacle(const CalibrationProblem& problem, const std::string& method);
+
 // `method` is one of MethodNames(). `joint` is the joint estimate of the problem:
 // what it held is held by every method, at the same values. Judge a method by
 // estimate.status: one that cannot run on the data says so there.

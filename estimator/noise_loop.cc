@@ -16,11 +16,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-6;    // m, where none is stated: below any noise, so that nothing is held for it
+constexpr double kFallbackSigma = 1e-6;  // m, where none is stated: below any noise, so that nothing is held for it
 constexpr int kMostRounds = 60;
-constexpr double kSettled = 1e-4;          // largest relative change of a standard deviation
-constexpr double kWeightSettled = 1e-4;    // largest change of the root of a weight
-constexpr double kSmallWeight = 0.2;       // an outlier to variance components
+constexpr double kSettled = 1e-4;           // largest relative change of a standard deviation
+constexpr double kWeightSettled = 1e-4;     // largest change of the root of a weight
+constexpr double kSmallWeight = 0.2;        // an outlier to variance components
 constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of times
 
 bool UsesEq14(const Experiment& experiment) {
@@ -155,8 +155,7 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   for (Matrix3<double>& root : noise) {
     if (!IsStated(root)) root = kFallbackSigma * Matrix3<double>::Identity();
   }
-  const PointCheck check =
-      CheckPoints(loop->problem, estimate->parameters, noise, loop->weights, report.robust_scale);
+  const PointCheck check = CheckPoints(loop->problem, estimate->parameters, noise, loop->weights, report.robust_scale);
   std::vector<bool> kept(observations.size(), true);
   for (size_t k = 0; k < observations.size(); ++k) {
     for (const Outlier& outlier : loop->outliers) kept[k] = kept[k] && outlier.observation != observations[k];

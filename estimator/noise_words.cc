@@ -7,8 +7,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kDominates = 2.0;     // one source over the other
-constexpr size_t kListed = 20;         // outliers named one by one
+constexpr double kDominates = 2.0;  // one source over the other
+constexpr size_t kListed = 20;      // outliers named one by one
 
 std::string Number(const char* format, double value) {
   char text[48];
@@ -72,7 +72,8 @@ std::string WhoIsTheNoise(const NoiseReport& report) {
     if (component.joints.empty() || component.value == 0.0) continue;
     joints += (joints.empty() ? "" : ", ") +
               (report.per_joint || component.joints.size() == 1 ? component.name + " " : std::string()) +
-              WithUncertainty(1e6 * component.value, 1e6 * component.sigma) + (component.is_prismatic ? " µm" : " µrad");
+              WithUncertainty(1e6 * component.value, 1e6 * component.sigma) +
+              (component.is_prismatic ? " µm" : " µrad");
   }
   const std::string moves = " moves a coordinate by " + Number("%.3g", robot) + " µm RMS, the instrument reads it to " +
                             Number("%.3g", instrument) + " µm";
@@ -130,7 +131,8 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
     list += ")";
   }
   if (report.outliers.size() > kListed) list += "; and " + std::to_string(report.outliers.size() - kListed) + " more";
-  const std::string count = std::to_string(report.outliers.size()) + (report.outliers.size() == 1 ? " outlier" : " outliers");
+  const std::string count =
+      std::to_string(report.outliers.size()) + (report.outliers.size() == 1 ? " outlier" : " outliers");
   if (!report.systematic) {
     report.words.push_back(count + ", left out of all figures: " + list + ".");
     return;

@@ -11,9 +11,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kExchanged = 0.2;     // distance left after exchanging two readings, over before
+constexpr double kExchanged = 0.2;      // distance left after exchanging two readings, over before
 constexpr double kMostOutliers = 0.25;  // of the points: more is no minority
-constexpr int kFewest = 3;             // events that can show a pattern
+constexpr int kFewest = 3;              // events that can show a pattern
 
 // P(Binomial(n, p) >= k).
 double BinomialSurvival(int k, int n, double p) {
@@ -52,8 +52,8 @@ void TestCategory(const std::string& what, const std::vector<int>& events, const
     const double share = rows[name] / static_cast<double>(all.size());
     const int n = static_cast<int>(events.size());
     if (BinomialSurvival(count, n, share) * static_cast<double>(rows.size()) >= level) continue;
-    words->push_back(std::to_string(count) + " of " + std::to_string(n) + " are of " + what + " " + name + ", which has " +
-                     Percent(share) + " % of the rows");
+    words->push_back(std::to_string(count) + " of " + std::to_string(n) + " are of " + what + " " + name +
+                     ", which has " + Percent(share) + " % of the rows");
   }
 }
 
@@ -116,7 +116,8 @@ std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const Point
     outliers.push_back({check.observations[k], check.error.col(k).norm(), std::sqrt(check.leave_one_out[k]), -1});
   }
   MarkExchanges(problem, parameters, &outliers);
-  std::stable_sort(outliers.begin(), outliers.end(), [](const auto& a, const auto& b) { return a.whitened > b.whitened; });
+  std::stable_sort(outliers.begin(), outliers.end(),
+                   [](const auto& a, const auto& b) { return a.whitened > b.whitened; });
   return outliers;
 }
 
@@ -132,19 +133,25 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
   const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
   const int joints = problem.robot.num_joints();
   const double level = significance / (5 + joints);  // all tests together
-  TestCategory("configuration", events, all,
-               [&](int i) { return data.configurations[shot_of(i).configuration].id; }, level, &words);
-  TestCategory("marker", events, all, [&](int i) { return data.markers[data.observations[i].marker]; }, level, &words);
-  TestCategory("load", events, all, [&](int i) { return shot_of(i).load; }, level, &words);
-  TestCategory("station", events, all, [&](int i) { return data.stations[shot_of(i).station]; }, level, &words);
+  TestCategory(
+      "configuration", events, all, [&](int i) { return data.configurations[shot_of(i).configuration].id; }, level,
+      &words);
+  TestCategory(
+      "marker", events, all, [&](int i) { return data.markers[data.observations[i].marker]; }, level, &words);
+  TestCategory(
+      "load", events, all, [&](int i) { return shot_of(i).load; }, level, &words);
+  TestCategory(
+      "station", events, all, [&](int i) { return data.stations[shot_of(i).station]; }, level, &words);
   if (std::all_of(all.begin(), all.end(), [&](int i) { return shot_of(i).has_time; })) {
-    TestNumber("times", "s", 1.0, events, all, [&](int i) { return shot_of(i).time; }, level, &words);
+    TestNumber(
+        "times", "s", 1.0, events, all, [&](int i) { return shot_of(i).time; }, level, &words);
   }
   for (int j = 0; j < joints; ++j) {
     const Joint& joint = problem.robot.chain.joints[j];
     const bool turns = joint.type != JointType::kPrismatic;
-    TestNumber("joint " + joint.name, turns ? "deg" : "mm", turns ? 180.0 / EIGEN_PI : 1e3, events, all,
-               [&](int i) { return data.configurations[shot_of(i).configuration].q[j]; }, level, &words);
+    TestNumber(
+        "joint " + joint.name, turns ? "deg" : "mm", turns ? 180.0 / EIGEN_PI : 1e3, events, all,
+        [&](int i) { return data.configurations[shot_of(i).configuration].q[j]; }, level, &words);
   }
   return words;
 }

@@ -19,11 +19,11 @@ struct RepeatabilityChoice {
   bool estimate_instrument = false;
   std::vector<DeviationGroup> groups;
   bool per_joint = false;
-  double gain = 0.0;     // deviance, one per joint against common
+  double gain = 0.0;  // deviance, one per joint against common
   double penalty = 0.0;
-  double instrument = 1.0;        // factor on the roots
-  LatentModel latent;             // with the deviations found
-  Eigen::VectorXd interval_dof;   // Student, of each estimated coordinate; set by FinishComponents
+  double instrument = 1.0;       // factor on the roots
+  LatentModel latent;            // with the deviations found
+  Eigen::VectorXd interval_dof;  // Student, of each estimated coordinate; set by FinishComponents
 };
 
 // REML at `parameters`; `problem` holds the roots that the instrument factor scales. Returns the largest relative

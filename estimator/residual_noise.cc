@@ -31,11 +31,6 @@ Eigen::VectorXd GroupSigmas(const std::vector<int>& groups, const Eigen::VectorX
   return sigma.cwiseMax(floor);
 }
 
-const std::vector<std::string>& GroupWords() {
-  static const std::vector<std::string> kWords = {"axis", "config-axis", "marker-axis", "station-axis", "residual"};
-  return kWords;
-}
-
 RowGroups GroupRows(const Measurements& data, const std::string& word) {
   RowGroups groups;
   std::map<std::string, int> index;
@@ -71,7 +66,8 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
     const Vector3<double> meters = noise[k] * here.residual.segment<3>(3 * k);
     for (int a = 0; a < 3; ++a) {
       const int i = 3 * k + a;
-      const double leverage = columns.empty() ? 0.0 : here.jacobian.row(i).dot(solution.covariance * here.jacobian.row(i).transpose());
+      const double leverage =
+          columns.empty() ? 0.0 : here.jacobian.row(i).dot(solution.covariance * here.jacobian.row(i).transpose());
       residual[i] = meters[a];
       freedom[i] = std::max(kSmallestFreedom, 1.0 - leverage);
       group[i] = groups.group[3 * rows[k] + a];

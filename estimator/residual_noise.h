@@ -26,7 +26,6 @@ struct RowGroups {
   std::vector<std::string> names;  // of each group
 };
 RowGroups GroupRows(const Measurements& data, const std::string& word);
-const std::vector<std::string>& GroupWords();
 
 // Root of every observation from the residuals of an estimate: diagonal, sigma per axis. Groups without a calibration
 // row take the spread of their axis.

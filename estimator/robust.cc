@@ -125,8 +125,7 @@ PointCheck CheckPoints(const CalibrationProblem& problem, const ParameterSet& pa
   check.leave_one_out.resize(n);
   check.expected.resize(n);
   check.error.resize(3, n);
-  const Linearization raw =
-      Linearize(problem, parameters, check.observations, {}, noise, LatentTreatment::kIgnore);
+  const Linearization raw = Linearize(problem, parameters, check.observations, {}, noise, LatentTreatment::kIgnore);
   std::map<int, std::vector<int>> points_of_visit;
   for (size_t k = 0; k < n; ++k) {
     const int shot = problem.data.observations[check.observations[k]].shot;

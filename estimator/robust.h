@@ -24,16 +24,16 @@ namespace sagitta {
 enum class LossKind { kNone, kHuber, kCauchy };
 LossKind LossNamed(const std::string& name);
 double LossTuning(LossKind loss);
-double LossWeight(LossKind loss, double distance);       // psi / r
-double LossDerivative(LossKind loss, double distance);   // psi'
+double LossWeight(LossKind loss, double distance);      // psi / r
+double LossDerivative(LossKind loss, double distance);  // psi'
 
 // What each calibration observation says, given the others.
 struct PointCheck {
   std::vector<int> observations;
-  std::vector<double> distance;        // |u|, joint deviations at their posterior mean
-  std::vector<double> leave_one_out;   // squared Mahalanobis distance to what the others of its visit say: chi2_3
-  Eigen::Matrix3Xd error;              // m, measured minus what the others say
-  std::vector<double> expected;        // tr cov(u) / 3 on clean data: below 1 where deviations follow the point
+  std::vector<double> distance;       // |u|, joint deviations at their posterior mean
+  std::vector<double> leave_one_out;  // squared Mahalanobis distance to what the others of its visit say: chi2_3
+  Eigen::Matrix3Xd error;             // m, measured minus what the others say
+  std::vector<double> expected;       // tr cov(u) / 3 on clean data: below 1 where deviations follow the point
 };
 // `noise`: roots of the calibration observations without weights; `weights` of the same.
 PointCheck CheckPoints(const CalibrationProblem& problem, const ParameterSet& parameters, const NoiseRoots& noise,

@@ -17,6 +17,7 @@ constexpr double kReference = 1e-5;      // rad or m: deviations are counted in 
 constexpr double kFallbackSigma = 1e-3;  // m
 constexpr int kMaxNewton = 100;
 constexpr int kMaxHalvings = 30;
+constexpr int kMostWidenings = 40;
 constexpr double kSmallestInstrument = 1e-8;  // variance factor
 constexpr double kConverged = 1e-9;           // of the deviance
 
@@ -38,6 +39,31 @@ std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, c
     }
   }
   return rows;
+}
+
+// Root of an increasing function between `inside`, where it is negative, and `outside`, where it is `there`
+// (Illinois variant of the false position).
+template <typename Function>
+double FalsePosition(const Function& f, double inside, double outside, double there) {
+  double here = f(inside);
+  int last = 0;  // which end moved
+  for (int k = 0; k < kMostWidenings; ++k) {
+    const double middle = inside + (outside - inside) * (-here) / (there - here);
+    const double value = f(middle);
+    if (std::abs(value) < 1e-4 || std::abs(outside - inside) < 1e-5 * std::max(outside, inside)) return middle;
+    if (value > 0.0) {
+      outside = middle;
+      there = value;
+      if (last > 0) here *= 0.5;
+      last = 1;
+    } else {
+      inside = middle;
+      here = value;
+      if (last < 0) there *= 0.5;
+      last = -1;
+    }
+  }
+  return 0.5 * (inside + outside);
 }
 
 }  // namespace
@@ -272,25 +298,34 @@ void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_ins
   const double unit = i == 0 ? 1.0 : kReference;  // of the standard deviation
   Eigen::VectorXd optimum = fit.variances;
   optimum.tail(groups.size()) /= kReference * kReference;
-  const double limit = fit.deviance + std::pow(NormalQuantile(0.975), 2);
+  const double reach = NormalQuantile(0.975);
+  // Root of the deviance's rise less its 95 % value: nearly straight in the standard deviation.
   const auto excess = [&](double sigma) {
     Eigen::VectorXd variances = optimum;
     variances[i] = std::max(sigma * sigma, i == 0 ? kSmallestInstrument : 0.0);
     Minimise(is_free, groups, &variances);
-    return Evaluate(variances, groups, false).deviance - limit;
+    return std::sqrt(std::max(0.0, Evaluate(variances, groups, false).deviance - fit.deviance)) - reach;
   };
   const double center = std::sqrt(optimum[i]);
-  const auto bisect = [&](double inside, double outside) {
-    for (int k = 0; k < 40 && std::abs(outside - inside) > 1e-4 * std::max(outside, inside); ++k) {
-      const double middle = 0.5 * (inside + outside);
-      (excess(middle) > 0.0 ? outside : inside) = middle;
-    }
-    return 0.5 * (inside + outside);
-  };
-  *low = excess(0.0) <= 0.0 ? 0.0 : unit * bisect(center, 0.0);
-  double outside = std::max(1.2 * center, 0.05);
-  for (int k = 0; k < 40 && excess(outside) <= 0.0; ++k) outside *= 1.4;
-  *high = excess(outside) > 0.0 ? unit * bisect(center, outside) : std::numeric_limits<double>::infinity();
+  const double spread = center > 0.0 ? std::sqrt(fit.covariance(i, i)) / (unit * unit) / (2.0 * center) : 0.0;
+  const double guess = spread > 0.0 ? 2.5 * spread : std::max(0.2 * center, 0.05);
+  double inside = center, outside = std::max(0.0, center - guess);
+  double there = excess(outside);
+  while (there <= 0.0 && outside > 0.0) {
+    inside = outside;
+    outside = outside > 0.05 * center ? std::max(0.0, outside - guess) : 0.0;
+    there = excess(outside);
+  }
+  *low = there <= 0.0 ? 0.0 : unit * FalsePosition(excess, inside, outside, there);
+  inside = center;
+  outside = center + guess;
+  there = excess(outside);
+  for (int k = 0; k < kMostWidenings && there <= 0.0; ++k) {
+    inside = outside;
+    outside = 1.5 * outside + guess;
+    there = excess(outside);
+  }
+  *high = there > 0.0 ? unit * FalsePosition(excess, inside, outside, there) : std::numeric_limits<double>::infinity();
 }
 
 Eigen::VectorXd RestrictedLikelihood::Satterthwaite(const RemlFit& fit,

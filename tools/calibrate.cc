@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "estimator/compare_methods.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/noise_loop.h"
 #include "estimator/unit_guess.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -36,14 +36,20 @@ void CheckMethod() {
                    SpellingHint(FLAGS_method, MethodNames()));
 }
 
-Estimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
+void CheckMethodKnowsNoise(const CalibrationProblem& problem) {
+  const std::string obstacle = MethodObstacle(problem, FLAGS_method);
+  if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
+}
+
+ResolvedEstimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
   JointOptions options;
   options.num_threads = FLAGS_threads;
   options.progress = [progress](const std::string& what) { progress->Say(what); };
-  Estimate joint = EstimateJointly(problem, options);
-  if (FLAGS_method == "joint" || !IsUsable(joint.status)) return joint;
+  ResolvedEstimate joint = EstimateWithNoise(problem, options);
+  if (FLAGS_method == "joint" || !IsUsable(joint.estimate.status)) return joint;
   progress->Say("running " + FLAGS_method);
-  return RunMethod(problem, FLAGS_method, joint, options.progress).estimate;
+  joint.estimate = RunMethod(joint.problem, FLAGS_method, joint.estimate, options.progress).estimate;
+  return joint;
 }
 
 int ReportFailure(const Estimate& estimate) {
@@ -82,13 +88,15 @@ int RunCalibrate(const CommandLine& line) {
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
 
-  Estimate estimate;
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
-  const CalibrationProblem problem = ProblemFromInputs(inputs);
+  ResolvedEstimate resolved{ProblemFromInputs(inputs), {}};
+  CheckMethodKnowsNoise(resolved.problem);
   {
     Progress progress(FLAGS_quiet);
-    estimate = RunEstimate(problem, &progress);
+    resolved = RunEstimate(resolved.problem, &progress);
   }
+  const CalibrationProblem& problem = resolved.problem;
+  Estimate& estimate = resolved.estimate;
   if (!IsUsable(estimate.status)) return ReportFailure(estimate);
 
   const std::string misfit = WarningOfMisfit(problem, estimate.fit.distance_rms);

@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "estimator/compare_methods.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/noise_loop.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
@@ -106,7 +106,8 @@ int RunCompare(const CommandLine& line) {
     progress.Say("running joint");
     JointOptions options;
     options.num_threads = FLAGS_threads;
-    const Estimate joint = EstimateJointly(problem, options);
+    const ResolvedEstimate resolved = EstimateWithNoise(problem, options);
+    const Estimate& joint = resolved.estimate;
     if (!IsUsable(joint.status)) {
       std::cerr << "sagitta: no joint estimate to compare with: " << StatusName(joint.status) << ": " << joint.message
                 << "\n";
@@ -115,7 +116,7 @@ int RunCompare(const CommandLine& line) {
     for (const std::string& method : methods) {
       progress.Say("running " + method);
       results.push_back(
-          RunMethod(problem, method, joint, [&progress](const std::string& what) { progress.Say(what); }));
+          RunMethod(resolved.problem, method, joint, [&progress](const std::string& what) { progress.Say(what); }));
     }
   }
   std::cout << SectionsToText({Table(results)});

@@ -5,6 +5,7 @@
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
 #include "tools/loading_json.h"
+#include "tools/noise_json.h"
 
 namespace sagitta {
 namespace {
@@ -216,6 +217,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["correlation"] = CorrelationToJson(estimate);
   json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
   json["sigma"] = SigmaToJson(estimate.sigma);
+  json["noise"] = NoiseToJson(problem, estimate);
   json["warnings"] = WarningsOf(problem, estimate);
   json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);

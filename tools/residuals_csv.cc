@@ -53,6 +53,13 @@ std::vector<AddedColumn> AxisColumns(const std::string& prefix, const std::strin
   return columns;
 }
 
+// 1 where a robust loss flagged the row.
+AddedColumn OutlierColumn(const Measurements& data, const NoiseReport& report) {
+  AddedColumn column{"outlier", std::vector<std::string>(data.observations.size(), "0")};
+  for (const Outlier& outlier : report.outliers) column.cells[outlier.observation] = "1";
+  return column;
+}
+
 }  // namespace
 
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added) {
@@ -107,6 +114,7 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
     set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
   }
   append({leverage, set});
+  if (estimate.noise_report.loss != "none") append({OutlierColumn(data, estimate.noise_report)});
   return RowsToCsv(data, added);
 }
 

@@ -91,7 +91,10 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
                               Significant(estimate.chi2 / estimate.dof, 4) + ".",
                           StatedSigmaInWords(estimate, problem.experiment.significance)};
+    // Fitted by REML, chi-square is what it should be by construction.
+    if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
   }
+  for (const std::string& words : estimate.noise_report.words) section.paragraphs.push_back(words);
   return section;
 }
 

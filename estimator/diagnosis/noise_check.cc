@@ -136,8 +136,10 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate&
 
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor) {
   CalibrationProblem scaled = problem;
-  for (Observation& observation : scaled.data.observations) observation.sigma *= factor;
-  if (scaled.experiment.noise.sigma) *scaled.experiment.noise.sigma *= factor;
+  scaled.resolved_noise.resize(problem.data.observations.size());
+  for (size_t i = 0; i < scaled.resolved_noise.size(); ++i) {
+    scaled.resolved_noise[i] = factor * problem.NoiseRoot(static_cast<int>(i));
+  }
   return scaled;
 }
 

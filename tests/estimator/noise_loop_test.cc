@@ -1,0 +1,212 @@
+#include "estimator/noise_loop.h"
+
+#include <gtest/gtest.h>
+
+#include "estimator/distributions.h"
+#include "estimator/linearization.h"
+#include "estimator/residual_noise.h"
+#include "tests/support/noise_experiment.h"
+
+namespace sagitta {
+namespace {
+
+// Share of intervals that hold the truth in each trial; trials are independent, parameters are not.
+struct Coverage {
+  std::vector<double> shares;
+
+  void Add(const Estimate& estimate, const test::Kr270Truth& truth) {
+    ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
+    test::IntervalTally one;
+    one.Add(estimate, truth);
+    shares.push_back(one.Coverage());
+  }
+  double Mean() const {
+    double sum = 0.0;
+    for (const double share : shares) sum += share;
+    return sum / static_cast<double>(shares.size());
+  }
+  double Error() const {
+    double squares = 0.0;
+    for (const double share : shares) squares += (share - Mean()) * (share - Mean());
+    return std::sqrt(squares) / static_cast<double>(shares.size());
+  }
+};
+
+// Short form of sagitta_noise_study: 24 draws, REML, both kinds of repeats.
+TEST(NoiseLoop, IntervalsHoldWithVarianceComponentsUnknown) {
+  for (const bool reapproached : {false, true}) {
+    const test::Kr270Truth truth;
+    test::RepeatDesign design;
+    design.repeats = 4;
+    design.reapproached = reapproached;
+    Measurements data = test::RepeatRows(design);
+    Experiment unknown, independent;
+    unknown.noise.from = NoiseSpec::From::kVarianceComponents;
+    independent.weights = "equal";
+    Coverage ours, naive;
+    for (int t = 0; t < 24; ++t) {
+      test::MeasureRepeated(truth, design, 5000 + t, &data);
+      const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, unknown));
+      ours.Add(result.estimate, truth);
+      EXPECT_TRUE(result.estimate.noise_report.converged);
+      EXPECT_GT(result.estimate.noise_report.robot_rms, 4 * result.estimate.noise_report.instrument_rms);
+      naive.Add(EstimateWithNoise(test::Kr270ProblemOf(data, independent)).estimate, truth);
+    }
+    EXPECT_NEAR(ours.Mean(), 0.95, 4 * ours.Error());
+    EXPECT_LT(ours.Error(), 0.02);  // the test has power
+    EXPECT_LT(naive.Mean(), ours.Mean() - 4 * (ours.Error() + naive.Error()));
+  }
+}
+
+TEST(NoiseLoop, TrackerResidualsAreStandardNormalAndIntervalsHold) {
+  const test::Kr270Truth truth;
+  const test::TrackerTruth tracker;
+  test::Kr270Design design;
+  design.configurations = 30;
+  Measurements data = test::DesignMeasurements(design);
+  for (Observation& observation : data.observations) observation.sigma.setZero();
+  Coverage coverage;
+  std::vector<double> whitened;
+  for (int t = 0; t < 12; ++t) {
+    test::MeasureByTracker(truth, tracker, 100 + t, &data);
+    const CalibrationProblem problem = test::Kr270ProblemOf(data, test::TrackerExperiment(tracker));
+    coverage.Add(EstimateWithNoise(problem).estimate, truth);
+    for (size_t i = 0; i < data.observations.size(); ++i) {
+      const Observation& row = data.observations[i];
+      const Shot& shot = data.shots[row.shot];
+      const Vector3<double> exact =
+          test::ExactPoint(truth, data.configurations[shot.configuration].q, row.marker, shot.station);
+      const Vector3<double> u = problem.NoiseRoot(static_cast<int>(i)).inverse() * (row.point_in_station - exact);
+      whitened.insert(whitened.end(), u.data(), u.data() + 3);
+    }
+  }
+  EXPECT_GT(KolmogorovSurvival(test::KolmogorovDistance(whitened), static_cast<double>(whitened.size())), 1e-3);
+  for (double& u : whitened) u *= 1.1;  // what ten per cent would do
+  EXPECT_LT(KolmogorovSurvival(test::KolmogorovDistance(whitened), static_cast<double>(whitened.size())), 1e-3);
+  EXPECT_NEAR(coverage.Mean(), 0.95, 4 * coverage.Error());
+}
+
+TEST(NoiseLoop, GrossErrorsAreFoundAndDoNotMatter) {
+  for (const char* loss : {"huber", "cauchy"}) {
+    const test::Kr270Truth truth;
+    test::Kr270Design design;
+    design.configurations = 40;
+    design.sigma = 3e-5;
+    Measurements data = test::DesignMeasurements(design);
+    Experiment robust;
+    robust.loss = loss;
+    test::FlagTally flags;
+    double squares = 0.0, clean_squares = 0.0;
+    for (int t = 0; t < 8; ++t) {
+      test::MeasureKr270(truth, design.sigma, 40 + t, &data);
+      const Estimate clean = EstimateWithNoise(test::Kr270ProblemOf(data, Experiment())).estimate;
+      const std::set<int> rows = test::Spoil(0.05, 900 + t, &data);
+      const Estimate estimate = EstimateWithNoise(test::Kr270ProblemOf(data, robust)).estimate;
+      ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
+      EXPECT_TRUE(estimate.noise_report.converged);
+      flags.Add(estimate, rows);
+      for (int i = 0; i < estimate.parameters.num_coordinates(); ++i) {
+        squares += std::pow(test::NoiseErrorOf(estimate, truth, i) / clean.table[i].sigma, 2);
+        clean_squares += std::pow(test::NoiseErrorOf(clean, truth, i) / clean.table[i].sigma, 2);
+      }
+    }
+    EXPECT_GE(flags.Precision(), 0.95) << loss;
+    EXPECT_GE(flags.Recall(), 0.95) << loss;
+    EXPECT_EQ(flags.systematic, 0) << loss;
+    EXPECT_GE(flags.exchanged, 8 * 2) << loss;  // every draw exchanges some
+    EXPECT_LT(std::sqrt(squares / clean_squares), 1.1) << loss;
+  }
+}
+
+// Rows beyond a joint angle are off by a millimetre in one direction: a misfit, no outliers.
+TEST(NoiseLoop, MisfitIsNotThrownOut) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design;
+  design.configurations = 60;
+  design.sigma = 3e-5;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, design.sigma, 8, &data);
+  int moved = 0;
+  for (Observation& observation : data.observations) {
+    if (data.ConfigurationOf(observation).q[2] < 110 * test::kDegree) continue;
+    observation.point_in_station += Vector3<double>(3e-3, 0, 0);
+    ++moved;
+  }
+  ASSERT_GE(moved, 9);
+  Experiment robust;
+  robust.loss = "cauchy";
+  const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, robust));
+  ASSERT_TRUE(IsUsable(result.estimate.status));
+  const NoiseReport& report = result.estimate.noise_report;
+  EXPECT_GE(static_cast<int>(report.outliers.size()), moved / 2);
+  EXPECT_TRUE(report.systematic);
+  std::string shared;
+  for (const std::string& words : report.shared) shared += words;
+  EXPECT_NE(shared.find("joint A3"), std::string::npos) << shared;
+  EXPECT_EQ(result.problem.CalibrationObservations().size(), data.observations.size());  // nothing is left out
+  EXPECT_TRUE(result.estimate.sigma.scaled);
+}
+
+// Two kinds of rows, eq. (14) on their residuals finds both spreads.
+TEST(NoiseLoop, SpreadOfResidualsFindsTheGroups) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design;
+  design.configurations = 60;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, 0.0, 1, &data);
+  NormalNumbers normal(17);
+  const Vector3<double> sigma(2e-5, 6e-5, 1.8e-4);
+  for (Observation& observation : data.observations) {
+    for (int a = 0; a < 3; ++a) observation.point_in_station[a] += sigma[a] * normal();
+    observation.sigma.setZero();
+  }
+  Experiment experiment;
+  experiment.noise.from = NoiseSpec::From::kResiduals;
+  experiment.noise.group = "axis";
+  experiment.noise.sigma0 = 1e-6;
+  const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
+  ASSERT_EQ(result.estimate.status, Status::kConverged);
+  ASSERT_EQ(result.estimate.noise_report.groups.size(), 3u);
+  for (int a = 0; a < 3; ++a) {
+    // 180 rows less a third of 39 unknowns: 167 degrees of freedom, four standard errors.
+    EXPECT_NEAR(result.estimate.noise_report.groups[a].sigma, sigma[a], 4 * sigma[a] / std::sqrt(2 * 167.0)) << a;
+  }
+}
+
+// weights: eq14 with stated sigmas; the covariance is eq. (11) written out.
+TEST(NoiseLoop, Eq14CovarianceIsEquationEleven) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, 0.0, 1, &data);
+  NormalNumbers normal(18);
+  for (Observation& observation : data.observations) {
+    observation.sigma = Vector3<double>(2e-5, 6e-5, 1.8e-4);
+    for (int a = 0; a < 3; ++a) observation.point_in_station[a] += observation.sigma[a] * normal();
+  }
+  Experiment experiment;
+  experiment.weights = "eq14";
+  const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
+  ASSERT_EQ(result.estimate.status, Status::kConverged);
+  ASSERT_FALSE(result.estimate.sigma.scaled);
+  const std::vector<int> rows = result.problem.CalibrationObservations();
+  const NoiseRoots metres(rows.size(), Matrix3<double>::Identity());
+  const Linearization raw =
+      Linearize(result.problem, result.estimate.parameters, rows, result.estimate.estimated, metres);
+  Eigen::VectorXd w(raw.num_rows()), s(raw.num_rows());
+  for (int i = 0; i < s.size(); ++i) {
+    s[i] = data.observations[i / 3].sigma[i % 3];
+    w[i] = 1e-5 / (1e-5 + s[i]);
+  }
+  const Eigen::MatrixXd scale = raw.jacobian.colwise().norm().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd b = w.asDiagonal() * raw.jacobian * scale;
+  const Eigen::MatrixXd inverse = (b.transpose() * b).inverse();
+  const Eigen::MatrixXd half = (w.cwiseProduct(s)).asDiagonal() * b * inverse;
+  const Eigen::MatrixXd expected = scale * half.transpose() * half * scale;
+  for (int c = 0; c < expected.rows(); ++c) {
+    EXPECT_NEAR(result.estimate.covariance(c, c), expected(c, c), 1e-6 * expected(c, c));
+  }
+}
+
+}  // namespace
+}  // namespace sagitta

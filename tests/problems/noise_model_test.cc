@@ -1,0 +1,134 @@
+#include "problems/noise_model.h"
+
+#include <gtest/gtest.h>
+
+#include "problems/calibration_problem.h"
+#include "problems/input_error.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using From = NoiseSpec::From;
+
+NoiseSpec Tracker() {
+  NoiseSpec noise;
+  noise.from = From::kInstrument;
+  noise.range = 10e-6;
+  noise.range_per_m = 0.5e-6;
+  noise.angle = 15e-6;
+  noise.angle_per_m = 6e-6;
+  return noise;
+}
+
+// Range and two angles turned into the frame by spherical unit vectors.
+TEST(NoiseModel, InstrumentCovarianceIsThatOfRangeAndAngles) {
+  test::RandomNumbers random(3);
+  const Vector3<double> instrument(0.4, -0.2, 1.1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double r = random.Uniform(2, 8), azimuth = random.Uniform(-3, 3), elevation = random.Uniform(-1.2, 1.2);
+    Eigen::Matrix3d frame;
+    frame.col(0) << std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+        std::sin(elevation);
+    frame.col(1) << -std::sin(azimuth), std::cos(azimuth), 0;
+    frame.col(2) = frame.col(0).cross(frame.col(1));
+    const Vector3<double> sigma(10e-6 + 0.5e-6 * r, 15e-6 + 6e-6 * r, 15e-6 + 6e-6 * r);
+    const Eigen::Matrix3d expected = frame * sigma.cwiseAbs2().asDiagonal() * frame.transpose();
+    const Matrix3<double> root = InstrumentRoot(Tracker(), instrument + r * frame.col(0), instrument);
+    EXPECT_LT((root * root.transpose() - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.maxCoeff());
+  }
+}
+
+Measurements Repeated() {
+  test::Kr270Design design;
+  design.configurations = 12;
+  design.stations = 1;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), 0.0, 1, &data);
+  Shot again = data.shots[0];
+  again.repeat = "2";
+  again.observations.clear();
+  for (int m = 0; m < 3; ++m) {
+    Observation observation = data.observations[m];
+    observation.shot = static_cast<int>(data.shots.size());
+    observation.point_in_station += Vector3<double>(2e-5, 4e-5, 6e-5);
+    again.observations.push_back(static_cast<int>(data.observations.size()));
+    data.observations.push_back(observation);
+  }
+  data.shots.push_back(again);
+  return data;
+}
+
+CalibrationProblem Make(const Measurements& data, const Experiment& experiment) {
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  return MakeCalibrationProblem(robot, data, experiment);
+}
+
+// Two shots d apart: variance d^2 / 2 with one degree of freedom per marker.
+TEST(NoiseModel, RepeatsArePooledPerAxis) {
+  const std::optional<RepeatScatter> scatter = PooledRepeats(Repeated());
+  ASSERT_TRUE(scatter.has_value());
+  EXPECT_EQ(scatter->dof, 3);
+  const Vector3<double> expected = Vector3<double>(2e-5, 4e-5, 6e-5) / std::sqrt(2.0);
+  EXPECT_LT((scatter->sigma - expected).cwiseAbs().maxCoeff(), 1e-12);
+  Experiment experiment;
+  experiment.noise.from = From::kRepeats;
+  const CalibrationProblem problem = Make(Repeated(), experiment);
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    EXPECT_LT((problem.NoiseRoot(static_cast<int>(i)).diagonal() - expected).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+// Another visit, load, station or marker is no repeat.
+TEST(NoiseModel, AnotherArrivalIsNoRepeat) {
+  Measurements data = Repeated();
+  data.shots.back().visit = "2";
+  EXPECT_FALSE(PooledRepeats(data).has_value());
+  data.shots.back().visit = data.shots[0].visit;
+  data.shots.back().load = "V250";
+  EXPECT_FALSE(PooledRepeats(data).has_value());
+}
+
+std::string Refusal(const Measurements& data, const Experiment& experiment) {
+  try {
+    Make(data, experiment);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
+  Measurements once = Repeated();
+  once.shots.back().visit = "2";
+  Experiment experiment;
+  experiment.noise.from = From::kRepeats;
+  EXPECT_NE(Refusal(once, experiment).find("no repeats"), std::string::npos);
+
+  experiment.noise = Tracker();
+  experiment.noise.range = experiment.noise.range_per_m = 0.0;
+  EXPECT_NE(Refusal(once, experiment).find("line of sight"), std::string::npos);
+
+  experiment.noise = NoiseSpec();
+  experiment.noise.from = From::kResiduals;
+  experiment.noise.group = "config-axes";
+  EXPECT_NE(Refusal(once, experiment).find("config-axis"), std::string::npos);
+  experiment.noise.group = "config-axis";
+  experiment.repeatability.common = 1e-5;
+  EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
+
+  experiment = Experiment();
+  experiment.weights = "eq14";
+  experiment.loss = "huber";
+  EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
+  experiment.loss = "none";
+  for (Observation& observation : once.observations) observation.sigma.setZero();
+  EXPECT_NE(Refusal(once, experiment).find("nothing states"), std::string::npos);
+  experiment = Experiment();
+  experiment.noise.from = From::kRows;
+  EXPECT_NE(Refusal(once, experiment).find("no row states"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sagitta

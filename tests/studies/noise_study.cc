@@ -1,0 +1,184 @@
+// Monte Carlo of noise: are intervals true where joints do not repeat, where a
+// tracker reads ranges and angles, and where readings are spoilt?
+//
+//   sagitta_noise_study common|reapproached [trials=200] [first seed=1000]
+//   sagitta_noise_study tracker             [trials=200] [first seed=1000]
+//   sagitta_noise_study outliers-huber|outliers-cauchy [trials=200] [first seed=1000]
+//
+// Truth and measurements come from generators in tests/support, not from models/.
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "estimator/distributions.h"
+#include "tests/support/noise_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using test::IntervalTally;
+
+struct Range {
+  int trials = 200;
+  int first = 1000;
+};
+
+void Print(const char* name, const IntervalTally& tally) {
+  std::printf("%-34s coverage %.3f [%.3f, %.3f]  failed %d\n", name, tally.Coverage(), tally.LeastCoverage(),
+              tally.MostCoverage(), tally.failed);
+}
+
+// RMS over the coordinates of unseen configurations, noise-free truth, m.
+double ValidationRms(const CalibrationProblem& unseen, const Estimate& estimate) {
+  ParameterSet parameters = unseen.parameters;
+  parameters.CopyByName(estimate.parameters);
+  const std::vector<int> rows = unseen.CalibrationObservations();
+  const Eigen::Matrix3Xd predicted = PredictPoints(unseen, parameters, rows);
+  double sum = 0.0;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    sum += (unseen.data.observations[rows[k]].point_in_station - predicted.col(k)).squaredNorm();
+  }
+  return std::sqrt(sum / (3.0 * rows.size()));
+}
+
+void StudyRepeats(bool reapproached, const Range& range) {
+  const test::Kr270Truth truth;
+  test::RepeatDesign design;
+  design.reapproached = reapproached;
+  Measurements data = test::RepeatRows(design);
+  Experiment stated, estimated, known, unknown;
+  stated.noise = {NoiseSpec::From::kSigma, 1e-4, true};
+  estimated.weights = "equal";
+  known.repeatability.common = design.joint;
+  unknown.noise.from = NoiseSpec::From::kVarianceComponents;
+  const std::vector<std::pair<const char*, Experiment>> methods = {{"independent, sigma 0.1 mm", stated},
+                                                                   {"independent, sigma estimated", estimated},
+                                                                   {"joint deviations, 37 urad known", known},
+                                                                   {"variance components (REML)", unknown}};
+  test::RepeatDesign elsewhere;
+  elsewhere.configurations = 40;
+  elsewhere.repeats = 1;
+  elsewhere.seed = 99;
+  elsewhere.joint = elsewhere.tracker = 0.0;
+  Measurements unseen_data = test::RepeatRows(elsewhere);
+  for (Observation& observation : unseen_data.observations) observation.sigma.setConstant(1e-5);
+  test::MeasureRepeated(truth, elsewhere, 1, &unseen_data);
+  const CalibrationProblem unseen = test::Kr270ProblemOf(unseen_data, Experiment());
+  std::vector<IntervalTally> tallies(methods.size());
+  std::vector<double> validation(methods.size(), 0.0);
+  double joint = 0.0, tracker = 0.0;
+  int covered = 0, per_joint = 0;
+  for (int t = 0; t < range.trials; ++t) {
+    test::MeasureRepeated(truth, design, range.first + t, &data);
+    for (size_t m = 0; m < methods.size(); ++m) {
+      const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, methods[m].second));
+      tallies[m].Add(result.estimate, truth);
+      validation[m] += std::pow(ValidationRms(unseen, result.estimate), 2);
+      if (m != 3) continue;
+      const NoiseReport& report = result.estimate.noise_report;
+      per_joint += report.per_joint;
+      tracker += report.components[0].value * design.tracker / range.trials;
+      joint += report.components[1].value / range.trials;
+      covered += report.components[1].low <= design.joint && design.joint <= report.components[1].high;
+    }
+  }
+  for (size_t m = 0; m < methods.size(); ++m) {
+    Print(methods[m].first, tallies[m]);
+    std::printf("%-34s rmse over that with known components %.3f (median), validation %.1f um\n", "",
+                test::MedianRatio(tallies[m], tallies[2]), 1e6 * std::sqrt(validation[m] / range.trials));
+  }
+  std::printf(
+      "REML: joints %.1f urad (truth %.1f), interval covers %.3f, tracker %.2f um, one per joint chosen %d times\n",
+      1e6 * joint, 1e6 * design.joint, covered / static_cast<double>(range.trials), 1e6 * tracker, per_joint);
+}
+
+void StudyTracker(const Range& range) {
+  const test::Kr270Truth truth;
+  const test::TrackerTruth tracker;
+  test::Kr270Design design;
+  design.configurations = 30;
+  Measurements data = test::DesignMeasurements(design);
+  for (Observation& observation : data.observations) observation.sigma.setZero();
+  Experiment per_axis;
+  per_axis.noise = {NoiseSpec::From::kSigma, 4e-5};
+  const std::vector<std::pair<const char*, Experiment>> methods = {
+      {"range and angles", test::TrackerExperiment(tracker)},
+      {"one sigma per axis, stated", per_axis},
+      {"one sigma, estimated", Experiment()}};
+  std::vector<IntervalTally> tallies(methods.size());
+  std::vector<double> whitened;
+  double nearest = 1e9, farthest = 0.0;
+  for (int t = 0; t < range.trials; ++t) {
+    test::MeasureByTracker(truth, tracker, range.first + t, &data);
+    for (size_t m = 0; m < methods.size(); ++m) {
+      const CalibrationProblem problem = test::Kr270ProblemOf(data, methods[m].second);
+      tallies[m].Add(EstimateWithNoise(problem).estimate, truth);
+      if (m > 0) continue;
+      for (size_t i = 0; i < data.observations.size(); ++i) {
+        const Observation& row = data.observations[i];
+        const Shot& shot = data.shots[row.shot];
+        const Vector3<double> exact =
+            test::ExactPoint(truth, data.configurations[shot.configuration].q, row.marker, shot.station);
+        const Vector3<double> u = problem.NoiseRoot(static_cast<int>(i)).inverse() * (row.point_in_station - exact);
+        whitened.insert(whitened.end(), u.data(), u.data() + 3);
+        const double r = (exact - test::TrackerPlaces()[shot.station]).norm();
+        nearest = std::min(nearest, r);
+        farthest = std::max(farthest, r);
+      }
+    }
+  }
+  std::printf("ranges %.1f to %.1f m, %zu whitened coordinates: Kolmogorov p = %.3f\n", nearest, farthest,
+              whitened.size(),
+              KolmogorovSurvival(test::KolmogorovDistance(whitened), static_cast<double>(whitened.size())));
+  for (size_t m = 0; m < methods.size(); ++m) {
+    Print(methods[m].first, tallies[m]);
+    std::printf("%-34s rmse over that with range and angles %.3f (median)\n", "",
+                test::MedianRatio(tallies[m], tallies[0]));
+  }
+}
+
+void StudyOutliers(const std::string& loss, const Range& range) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design;
+  design.configurations = 40;
+  design.sigma = 3e-5;
+  Measurements data = test::DesignMeasurements(design);
+  Experiment robust;
+  robust.loss = loss;
+  IntervalTally clean, spoilt, plain;
+  test::FlagTally flags;
+  for (int t = 0; t < range.trials; ++t) {
+    test::MeasureKr270(truth, design.sigma, range.first + t, &data);
+    clean.Add(EstimateWithNoise(test::Kr270ProblemOf(data, Experiment())).estimate, truth);
+    const std::set<int> rows = test::Spoil(0.05, 77 + range.first + t, &data);
+    const Estimate estimate = EstimateWithNoise(test::Kr270ProblemOf(data, robust)).estimate;
+    spoilt.Add(estimate, truth);
+    flags.Add(estimate, rows);
+  }
+  Print("clean, least squares", clean);
+  Print(("5 % spoilt, " + loss).c_str(), spoilt);
+  std::printf("rmse over that of the clean fit %.3f (median)\n", test::MedianRatio(spoilt, clean));
+  std::printf("precision %.4f, recall %.4f, called systematic %d times, %d rows recognised as exchanged\n",
+              flags.Precision(), flags.Recall(), flags.systematic, flags.exchanged);
+}
+
+}  // namespace
+}  // namespace sagitta
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  sagitta::Range range;
+  if (argc > 2) range.trials = std::atoi(argv[2]);
+  if (argc > 3) range.first = std::atoi(argv[3]);
+  if (what == "common" || what == "reapproached") {
+    sagitta::StudyRepeats(what == "reapproached", range);
+  } else if (what == "tracker") {
+    sagitta::StudyTracker(range);
+  } else if (what == "outliers-huber" || what == "outliers-cauchy") {
+    sagitta::StudyOutliers(what.substr(9), range);
+  } else {
+    std::fprintf(stderr, "which: common, reapproached, tracker, outliers-huber or outliers-cauchy\n");
+    return 2;
+  }
+  return 0;
+}
