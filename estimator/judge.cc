@@ -102,9 +102,9 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
     estimate->leverage[k] = variance.segment<3>(3 * k).mean() / (scale * scale);
     if (!problem.data.IsValidation(problem.data.observations[k])) continue;
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
-    const Matrix3<double>& root = estimate->noise[k];
-    const double noise = root.squaredNorm() + (root * all.latent.middleRows<3>(3 * k)).squaredNorm();
-    const double parameters = (root * whitened.middleRows<3>(3 * k)).squaredNorm();
+    const Matrix3<double>& own = estimate->noise[k];
+    const double noise = own.squaredNorm() + (own * all.latent.middleRows<3>(3 * k)).squaredNorm();
+    const double parameters = (own * whitened.middleRows<3>(3 * k)).squaredNorm();
     sum += scale * scale * noise + parameters;
     floor += noise + parameters / (scale * scale);
     coordinates += 3;

@@ -77,7 +77,8 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   columns_ = all.num_columns();
   AppendPriors(parameters, &all);
   dof_ = all.num_rows() - columns_;
-  all.jacobian *= all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
+  const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
+  all.jacobian = Eigen::MatrixXd(all.jacobian * scale.asDiagonal());
   const Eigen::MatrixXd priors = all.jacobian.bottomRows(all.num_rows() - rows);
   const Eigen::VectorXd prior_residual = all.residual.tail(all.num_rows() - rows);
   prior_normal_ = priors.transpose() * priors;

@@ -69,27 +69,52 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
   return known;
 }
 
-std::vector<Vector3<double>> NoiseOf(const ExperimentInputs& inputs, const Measurements& data) {
+// Root of every row's covariance where it is seen at `points`.
+NoiseRoots NoiseOf(const ExperimentInputs& inputs, const Measurements& data, const Eigen::Matrix3Xd& points) {
   if (IsGiven("sigma_mm")) {
     if (!(FLAGS_sigma_mm >= 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation cannot be below 0");
-    return std::vector<Vector3<double>>(data.observations.size(), Vector3<double>::Constant(FLAGS_sigma_mm / 1e3));
+    return NoiseRoots(data.observations.size(), FLAGS_sigma_mm / 1e3 * Matrix3<double>::Identity());
   }
-  return SigmaOfRows(data, Vector3<double>::Constant(inputs.experiment.noise.sigma.value_or(0.0)));
+  NoiseRoots roots;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    roots.push_back(StatedRoot(inputs.experiment, data, data.observations[i], points.col(i)));
+  }
+  return roots;
+}
+
+std::vector<int> AllRows(const CalibrationProblem& problem) {
+  std::vector<int> all(problem.data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+// What a stated repeatability adds: one deviation of each joint per visit, to first order (1e-9 m for 30 urad). Drawn
+// from a stream of its own, so that the instrument's noise is the same with and without.
+Eigen::Matrix3Xd JointDeviations(CalibrationProblem problem, const Experiment& experiment) {
+  const std::vector<int> all = AllRows(problem);
+  Eigen::Matrix3Xd moved = Eigen::Matrix3Xd::Zero(3, all.size());
+  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, experiment);
+  if (problem.latent.empty()) return moved;
+  NormalNumbers normal(FLAGS_seed + 0x9e3779b97f4a7c15ULL);
+  Eigen::MatrixXd deviations(problem.latent.size(), problem.latent.num_visits);
+  for (double& deviation : deviations.reshaped()) deviation = normal();
+  const NoiseRoots metres(all.size(), Matrix3<double>::Identity());
+  const Linearization raw = Linearize(problem, problem.parameters, all, {}, metres, LatentTreatment::kIgnore);
+  for (size_t i = 0; i < all.size(); ++i) {
+    const int visit = problem.latent.visit_of_shot[problem.data.observations[i].shot];
+    moved.col(i) = raw.latent.middleRows<3>(3 * static_cast<Eigen::Index>(i)) * deviations.col(visit);
+  }
+  return moved;
 }
 
 // As SimulateMeasurements, which knows no loads: n standard normal numbers per axis, in row order.
-Measurements Simulate(const CalibrationProblem& problem, const std::vector<Vector3<double>>& sigma) {
+Measurements Simulate(const CalibrationProblem& problem, const Eigen::Matrix3Xd& points, const NoiseRoots& roots) {
   Measurements simulated = problem.data;
-  std::vector<int> all(simulated.observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
-  if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
   NormalNumbers normal(FLAGS_seed);
-  for (size_t i = 0; i < all.size(); ++i) {
-    simulated.observations[i].point_in_station = points.col(i);
-    for (int axis = 0; axis < 3; ++axis) {
-      simulated.observations[i].point_in_station[axis] += sigma[i][axis] * normal();
-    }
+  for (size_t i = 0; i < roots.size(); ++i) {
+    Vector3<double> n;
+    for (int axis = 0; axis < 3; ++axis) n[axis] = normal();
+    simulated.observations[i].point_in_station = points.col(i) + roots[i] * n;
   }
   return simulated;
 }
@@ -102,14 +127,17 @@ int RunSimulate(const CommandLine& line) {
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
   const CalibrationProblem problem = PredictionProblem(ReadTruth(line.arguments[0], inputs), inputs.data);
 
-  const std::vector<Vector3<double>> sigma = NoiseOf(inputs, problem.data);
-  const std::string csv = MeasurementsToCsv(Simulate(problem, sigma));
+  Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, AllRows(problem));
+  if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
+  points += JointDeviations(problem, inputs.experiment);
+  const NoiseRoots roots = NoiseOf(inputs, problem.data, points);
+  const std::string csv = MeasurementsToCsv(Simulate(problem, points, roots));
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
   double largest = 0.0;
-  for (const Vector3<double>& s : sigma) largest = std::max(largest, s.maxCoeff());
-  std::cout << sigma.size() << " rows simulated with seed " << FLAGS_seed
+  for (const Matrix3<double>& root : roots) largest = std::max(largest, root.norm());
+  std::cout << roots.size() << " rows simulated with seed " << FLAGS_seed
             << (largest > 0.0 ? "" : ", exact: nothing states a standard deviation") << ": " << FLAGS_out << "\n";
   return 0;
 }
@@ -123,7 +151,8 @@ Command SimulateCommand() {
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…. Its rows say which configurations, markers and stations
 are seen; x, y, z may be absent. The truth is an estimate.json, or an experiment with its robot, `stations`
-and `markers` (without --truth: EXP itself). The noise is --sigma_mm, else what rows or experiment state.
+and `markers` (without --truth: EXP itself). The noise is --sigma_mm, else what rows or experiment state
+(an instrument's range and angles too); a stated repeatability moves each joint once per arrival.
 The same seed gives the same numbers on every machine.
 
 Examples

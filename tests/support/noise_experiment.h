@@ -107,7 +107,7 @@ struct TrackerTruth {
 };
 
 // Where the trackers of two stations stand: ranges to the markers from about 2 to 8 m.
-inline std::vector<Vector3<double>> TrackerPlaces() { return {{4.6, 0.5, 0.4}, {-1.0, -5.4, 1.8}}; }
+inline std::vector<Vector3<double>> TrackerPlaces() { return {{3.2, 0.3, 0.4}, {-1.0, -5.6, 1.8}}; }
 
 inline Experiment TrackerExperiment(const TrackerTruth& tracker) {
   Experiment experiment;

@@ -1,0 +1,79 @@
+// The noise keys of an experiment file, through the program.
+#include <cmath>
+#include <set>
+
+#include "tests/tools/program.h"
+
+namespace sagitta::test {
+namespace {
+
+class NoiseTest : public ProgramTest {
+ protected:
+  // The published geometric experiment with `keys` added and rows of one's own.
+  std::string Experiment(const std::string& keys, const std::string& data) const {
+    return Write("experiment.yaml", "schema: sagitta/experiment/1\nrobot: " + Published("kr270/robot.yaml") +
+                                        "\nmeasurements: [" + data + "]\nvalidation: none\n" + keys);
+  }
+  std::string Data() const { return Published("kr270/geometric.csv"); }
+};
+
+TEST_F(NoiseTest, OutliersAreListedByFileAndLine) {
+  auto rows = Cells(ReadAll(Data()));
+  const int x = Column(rows, "x_mm"), y = Column(rows, "y_mm");
+  rows[8][x] = std::to_string(std::stod(rows[8][x]) + 7.0);
+  for (int c = x; c < x + 3; ++c) std::swap(rows[20][c], rows[21][c]);
+  rows[40][y] = std::to_string(std::stod(rows[40][y]) - 2.0);
+  const std::string data = Write("spoilt.csv", Csv(rows));
+  const std::string experiment = Experiment("noise: {sigma_mm: 0.1}\nloss: cauchy\n", data);
+  const Outcome outcome = Run({"calibrate", experiment, "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto noise = ReadJson("out/estimate.json")["noise"];
+  std::set<std::string> found;
+  for (const auto& outlier : noise["outliers"]) found.insert(outlier["row"].get<std::string>());
+  EXPECT_EQ(found, (std::set<std::string>{data + ":9", data + ":21", data + ":22", data + ":41"}));
+  EXPECT_NE(outcome.out.find("spoilt.csv:9 "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("exchanged with"), std::string::npos);
+  EXPECT_FALSE(noise["systematic"].get<bool>());
+  const auto written = Cells(Read("out/residuals.csv"));
+  int flagged = 0;
+  for (size_t i = 1; i < written.size(); ++i) flagged += written[i][Column(written, "outlier")] == "1";
+  EXPECT_EQ(flagged, 4);
+}
+
+TEST_F(NoiseTest, VarianceComponentsSayWhoIsTheNoise) {
+  const std::string experiment = Experiment("noise: {from: variance-components}\n", Data());
+  const Outcome outcome = Run({"calibrate", experiment, "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto noise = ReadJson("out/estimate.json")["noise"];
+  EXPECT_EQ(noise["source"], "variance-components");
+  EXPECT_TRUE(noise["converged"].get<bool>());
+  // Simulated with 0.1 mm and joints that repeat exactly; 123 degrees of freedom.
+  EXPECT_NEAR(noise["variance"]["instrument_rms_mm"].get<double>(), 0.1, 0.1 * 4 / std::sqrt(2 * 123.0));
+  EXPECT_EQ(noise["variance"]["components"][1]["ci95"][0].get<double>(), 0.0);
+  EXPECT_NE(outcome.out.find("The instrument, not the robot, is the noise"), std::string::npos) << outcome.out;
+}
+
+TEST_F(NoiseTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
+  struct Case {
+    const char* keys;
+    const char* words;
+  };
+  const Case cases[] = {{"noise: {from: repeats}\n", "no repeats"},
+                        {"noise: {from: rows}\n", "no row states"},
+                        {"noise: {instrument: {range_um: 10}}\n", "line of sight"},
+                        {"noise: {from: residuals, group: axes}\n", "axis"},
+                        {"weights: eq14\n", "nothing states"}};
+  for (const Case& c : cases) {
+    const Outcome outcome = Run({"calibrate", Experiment(c.keys, Data()), "--out=" + Path("out")});
+    EXPECT_EQ(outcome.status, 2) << c.keys;
+    EXPECT_NE(outcome.err.find(c.words), std::string::npos) << outcome.err;
+    EXPECT_FALSE(Exists("out/estimate.json"));
+  }
+  const std::string stated = Experiment("noise: {sigma_mm: 0.1}\nrepeatability_urad: 8\n", Data());
+  const Outcome outcome = Run({"calibrate", stated, "--method=full-pose", "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("joint deviations"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace sagitta::test
