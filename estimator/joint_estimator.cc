@@ -14,7 +14,9 @@ constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: its scale i
 constexpr int kMaxHoldRounds = 8;
 constexpr int kFreshRounds = 3;  // afterwards what is held stays held
 constexpr int kMaxPolishSteps = 6;
-constexpr double kPolishReach = 1.0;      // standard deviations: farther off, Ceres has failed
+constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
+constexpr int kMaxWarmSteps = 12;
+constexpr double kWarmReach = 1e3;        // standard deviations, from the round before
 constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
 
 void Report(const JointOptions& options, const std::string& what) {
@@ -132,9 +134,10 @@ struct Certificate {
 // Ceres stops where the cost cannot tell (1e-5 standard deviations away), and
 // with joint deviations at the mode instead of the marginal optimum; the
 // gradient still can: a few Gauss-Newton steps bring 1e-7.
-Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& residuals, ParameterSet* parameters) {
+Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& residuals, double reach, int steps,
+                   ParameterSet* parameters) {
   Certificate certificate;
-  for (int i = 0; i < kMaxPolishSteps && certificate.step >= kConvergedSteps; ++i) {
+  for (int i = 0; i < steps && certificate.step >= kConvergedSteps; ++i) {
     Linearization here =
         Linearize(problem, *parameters, residuals.observations, InteriorCoordinates(*parameters), residuals.noise);
     certificate.valid = here.valid;
@@ -145,7 +148,7 @@ Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& r
     certificate.full_rank = solution.full_rank;
     certificate.exact_fit = here.residual.norm() < 1e-9 * std::sqrt(here.num_rows());
     certificate.step = RemainingStep(solution, std::max(1e-12, NoiseScale(problem, here)));
-    if (certificate.exact_fit || !(certificate.step < kPolishReach)) return certificate;
+    if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
     TakeStep(here, solution, parameters);
   }
   return certificate;
@@ -161,7 +164,7 @@ void FailEquilibrium(const CalibrationProblem& problem, Estimate* estimate) {
 
 void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
             Estimate* estimate) {
-  const Certificate certificate = Polish(problem, residuals, &estimate->parameters);
+  const Certificate certificate = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &estimate->parameters);
   if (!certificate.valid) return FailEquilibrium(problem, estimate);
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;
@@ -183,6 +186,19 @@ void Finish(const CalibrationProblem& problem, const ResidualSelection& residual
     estimate->status = Status::kConverged;
     estimate->message = "the remaining Gauss-Newton step is below 1e-5 standard deviations";
   }
+}
+
+// Between the rounds of an outer loop the start is near, and Gauss-Newton on the marginal rows is there in a few
+// steps. With tight readings and loose joints it also goes where Ceres creeps: the valley of a visit's deviations
+// bends by more than the instrument's sigma.
+bool SolveFromNear(const CalibrationProblem& problem, const ResidualSelection& residuals, const JointOptions& options,
+                   ParameterSet* parameters) {
+  if (options.aligned == nullptr || problem.latent.empty()) return false;
+  ParameterSet trial = *parameters;
+  const Certificate certificate = Polish(problem, residuals, kWarmReach, kMaxWarmSteps, &trial);
+  if (!certificate.valid || !certificate.full_rank || !(certificate.step < kConvergedSteps)) return false;
+  *parameters = trial;
+  return true;
 }
 
 }  // namespace
@@ -217,8 +233,12 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
     Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
                         " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
     ResetHeld(estimate.aligned, &estimate.parameters);
-    minimized = MinimizeJointly(problem, residuals, minimize, &estimate.parameters);
-    estimate.iterations += minimized.iterations;
+    if (SolveFromNear(problem, residuals, options, &estimate.parameters)) {
+      minimized.usable = minimized.converged = true;
+    } else {
+      minimized = MinimizeJointly(problem, residuals, minimize, &estimate.parameters);
+      estimate.iterations += minimized.iterations;
+    }
     if (!DecideHeld(problem, residuals, /*only_add=*/round >= kFreshRounds, &estimate)) break;
   }
   Finish(problem, residuals, minimized, &estimate);

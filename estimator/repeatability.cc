@@ -7,14 +7,29 @@ namespace sagitta {
 namespace {
 
 constexpr int kChoosingRounds = 3;
+constexpr double kBlind = 0.05;    // of the largest lever: a value of its own would be anybody's noise
 constexpr double kNothing = 1e-9;  // rad or m: a deviation that is none
 
 bool IsPrismatic(const CalibrationProblem& problem, int joint) {
   return problem.robot.chain.joints[joint].type == JointType::kPrismatic;
 }
 
+// A joint that hardly moves any marker (a marker on the last axis) has the value of the joint before it.
+void JoinBlindJoints(const CalibrationProblem& problem, const Eigen::VectorXd& levers,
+                     std::vector<DeviationGroup>* groups) {
+  for (size_t g = 1; g < groups->size(); ++g) {
+    DeviationGroup& own = (*groups)[g];
+    DeviationGroup& before = (*groups)[g - 1];
+    if (!own.estimated || !before.estimated || levers[own.joints[0]] > kBlind * levers.maxCoeff()) continue;
+    if (IsPrismatic(problem, own.joints[0]) != IsPrismatic(problem, before.joints[0])) continue;
+    before.joints.insert(before.joints.end(), own.joints.begin(), own.joints.end());
+    groups->erase(groups->begin() + static_cast<long>(g--));
+  }
+}
+
 // Joints that are estimated together, by kind; stated ones have a group of their own.
-std::vector<DeviationGroup> MakeGroups(const CalibrationProblem& problem, bool per_joint) {
+std::vector<DeviationGroup> MakeGroups(const CalibrationProblem& problem, bool per_joint,
+                                       const Eigen::VectorXd& levers) {
   const RepeatabilitySpec& spec = problem.experiment.repeatability;
   const bool stated = !spec.estimate && !spec.IsZero();
   std::vector<DeviationGroup> groups;
@@ -33,6 +48,7 @@ std::vector<DeviationGroup> MakeGroups(const CalibrationProblem& problem, bool p
   for (const DeviationGroup& kind : kinds) {
     if (!kind.joints.empty()) groups.push_back(kind);
   }
+  if (per_joint) JoinBlindJoints(problem, levers, &groups);
   return groups;
 }
 
@@ -79,8 +95,12 @@ double ChangeOf(const LatentModel& before, const LatentModel& after, int joints)
   return change;
 }
 
-std::string GroupName(const CalibrationProblem& problem, const DeviationGroup& group) {
-  if (group.joints.size() == 1) return problem.robot.chain.joints[group.joints[0]].name;
+std::string GroupName(const CalibrationProblem& problem, const DeviationGroup& group, bool per_joint) {
+  if (group.joints.size() == 1 || per_joint) {
+    std::string names;
+    for (const int j : group.joints) names += (names.empty() ? "" : " and ") + problem.robot.chain.joints[j].name;
+    return names;
+  }
   return IsPrismatic(problem, group.joints[0]) ? "prismatic joints" : "joints";
 }
 
@@ -123,7 +143,8 @@ double FindComponents(const CalibrationProblem& problem, const ParameterSet& par
   const RestrictedLikelihood reml(problem, parameters);
   RemlFit fit;
   if (round < kChoosingRounds) {
-    std::vector<DeviationGroup> common = MakeGroups(problem, false), separate = MakeGroups(problem, true);
+    std::vector<DeviationGroup> common = MakeGroups(problem, false, reml.Levers());
+    std::vector<DeviationGroup> separate = MakeGroups(problem, true, reml.Levers());
     const RemlFit common_fit = reml.Maximise(choice->estimate_instrument, common);
     SetVariances(common_fit, &common);
     fit = common_fit;
@@ -177,7 +198,7 @@ void FinishComponents(const CalibrationProblem& problem, const ParameterSet& par
       }
     } else {
       const DeviationGroup& group = choice->groups[i - 1];
-      component.name = GroupName(problem, group);
+      component.name = GroupName(problem, group, choice->per_joint);
       component.joints = group.joints;
       component.is_prismatic = IsPrismatic(problem, group.joints[0]);
     }

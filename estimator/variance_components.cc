@@ -329,6 +329,12 @@ void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_ins
   *high = there > 0.0 ? unit * FalsePosition(excess, inside, outside, there) : std::numeric_limits<double>::infinity();
 }
 
+Eigen::VectorXd RestrictedLikelihood::Levers() const {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(visits_.front().deviation.cols());
+  for (const Visit& visit : visits_) squares += visit.deviation.colwise().squaredNorm().transpose();
+  return squares.cwiseSqrt();
+}
+
 Eigen::VectorXd RestrictedLikelihood::Satterthwaite(const RemlFit& fit,
                                                     const std::vector<DeviationGroup>& groups) const {
   Eigen::VectorXd variances = fit.variances;

@@ -49,6 +49,8 @@ class RestrictedLikelihood {
   double Deviance(double instrument, const std::vector<DeviationGroup>& groups) const;
   // Degrees of freedom that carry information on variances: rows minus parameters.
   int dof() const { return dof_; }
+  // How much a deviation of each joint shows in the rows, whitened: root of the sum of squares.
+  Eigen::VectorXd Levers() const;
   // Student degrees of freedom of each estimated coordinate's interval (Satterthwaite).
   Eigen::VectorXd Satterthwaite(const RemlFit& fit, const std::vector<DeviationGroup>& groups) const;
 
