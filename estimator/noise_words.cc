@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <set>
 
 namespace sagitta {
 namespace {
@@ -95,7 +97,16 @@ std::string ChoiceWords(const NoiseReport& report) {
                           : "The data carry one repeatability for all joints of a kind" + figures + ".";
 }
 
-void DescribeComponents(NoiseReport* report) {
+// Arrivals at one configuration tell the robot's scatter from what the model lacks there.
+bool VisitsTwice(const CalibrationProblem& problem) {
+  std::map<int, std::set<int>> visits;
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    visits[problem.data.shots[s].configuration].insert(problem.latent.visit_of_shot[s]);
+  }
+  return std::any_of(visits.begin(), visits.end(), [](const auto& entry) { return entry.second.size() > 1; });
+}
+
+void DescribeComponents(const CalibrationProblem& problem, NoiseReport* report) {
   report->words.push_back(WhoIsTheNoise(*report));
   std::string all;
   for (const VarianceComponent& component : report->components) {
@@ -103,6 +114,10 @@ void DescribeComponents(NoiseReport* report) {
     all += (all.empty() ? "" : "; ") + ComponentWords(component, report->instrument_is_factor);
   }
   if (!all.empty()) report->words.push_back("Variance components (REML): " + all + ".");
+  if (!VisitsTwice(problem) && report->robot_rms > report->instrument_rms) {
+    report->words.push_back(
+        "No configuration was visited twice: what the model lacks at a configuration counts as repeatability here.");
+  }
   if (report->penalty > 0.0) report->words.push_back(ChoiceWords(*report));
 }
 
@@ -173,7 +188,7 @@ void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   report.source = SourceName(problem, estimate->sigma);
   report.loss = problem.experiment.loss;
   if (problem.repeat_scatter) report.words.push_back(RepeatWords(*problem.repeat_scatter));
-  if (!report.components.empty()) DescribeComponents(&report);
+  if (!report.components.empty()) DescribeComponents(problem, &report);
   DescribeGroups(problem, estimate);
   DescribeOutliers(problem, estimate);
   if (report.converged) return;
