@@ -13,7 +13,7 @@ namespace {
 constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: its scale is estimated afterwards
 constexpr int kMaxHoldRounds = 8;
 constexpr int kFreshRounds = 3;  // afterwards what is held stays held
-constexpr int kMaxPolishSteps = 6;
+constexpr int kMaxPolishSteps = 12;
 constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
 constexpr int kMaxWarmSteps = 12;
 constexpr double kWarmReach = 1e3;        // standard deviations, from the round before

@@ -222,10 +222,10 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
                    {"holdout_rms_mm", 1e3 * after.validation.rms},
                    {"holdout_distance_rms_mm", 1e3 * after.validation.distance_rms},
                    {"noise_floor_mm", 1e3 * after.noise_floor},
-                   {"gap_before_mm", 1e3 * d.gap_before},
-                   {"gap_after_mm", 1e3 * d.gap_after},
-                   {"gap_closed", d.gap_closed},
-                   {"gap_closed_ci95", {d.gap_closed_ci95.low, d.gap_closed_ci95.high}}};
+                   {"gap_before_mm", 1e3 * d.gap.before},
+                   {"gap_after_mm", 1e3 * d.gap.after},
+                   {"gap_closed", d.gap.closed},
+                   {"gap_closed_ci95", {d.gap.closed_ci95.low, d.gap.closed_ci95.high}}};
   json["unexplained"] = nullptr;
   if (d.verdict == "unknown" || d.verdict == "partly") {
     const Json depends = d.unexplained.depends_on;
@@ -253,8 +253,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   }
   text << "Final: reduced chi-square " << Short(after.chi2 / std::max(1, after.dof)) << ", hold-out RMS "
        << Short(1e3 * after.validation.rms) << " mm, noise floor " << Short(1e3 * after.noise_floor) << " mm\n";
-  text << "Gap on untouched configurations: " << Short(1e3 * d.gap_before) << " -> " << Short(1e3 * d.gap_after)
-       << " mm, closed " << Short(100 * d.gap_closed) << " %\n";
+  text << "Gap on untouched configurations: " << Short(1e3 * d.gap.before) << " -> " << Short(1e3 * d.gap.after)
+       << " mm, closed " << Short(100 * d.gap.closed) << " %\n";
   text << "Noise: " << NoiseToJson(d.noise)["words"].get<std::string>() << "\n";
   if (d.has_unexplained) text << "Unexplained: " << d.unexplained.words << "\n";
   return text.str();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kHarmonicOrders = 6;
 constexpr int kWobbleOrders = 2;
-constexpr int kMostChangePoints = 40;
+constexpr int kMostChangePoints = 80;
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),

@@ -5,13 +5,15 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <set>
 
 namespace sagitta {
 namespace {
 
-constexpr int kSmoothBumps[] = {6, 12, 24};           // over the range: what is smooth at one width is not at another
-constexpr int kPlaces = 24;                           // of a scanned bump or step
-constexpr double kBumpWidths[] = {0.03, 0.06, 0.12};  // standard deviation over the range
+constexpr int kSmoothBumps[] = {6, 12, 24};  // over the range: what is smooth at one width is not at another
+constexpr int kKindBumps = 24;
+constexpr int kMostPlaces = 48;                                   // of a scanned bump or step
+constexpr double kBumpWidths[] = {0.01, 0.02, 0.04, 0.08, 0.16};  // standard deviation over the range
 constexpr int kOrders = 6;
 constexpr int kPeriods = 24;
 constexpr double kTwoPi = 6.283185307179586;
@@ -31,7 +33,7 @@ struct Gain {
 // What every decoy is scored with: residual, and how joints and stations move the rows.
 class Bench {
  public:
-  explicit Bench(const DiagnosedModel& model)
+  Bench(const DiagnosedModel& model, const std::vector<Decoy>& believed)
       : problem_(*model.problem),
         parameters_(model.estimate.parameters),
         residual_(LinearizeEstimate(problem_, parameters_)),
@@ -42,7 +44,30 @@ class Bench {
                          [](const ShotInput& shot) { return shot.conditions.has_time; });
     if (timed_) time_ = PerRow([](const ShotConditions& shot) { return shot.time; });
     timed_ = timed_ && time_.maxCoeff() > time_.minCoeff();
-    families_ = 5.0 * n * n + 0.5 * n * n * (n - 1) + (timed_ ? n + problem_.data.stations.size() : 0);
+    for (const Decoy& decoy : believed) residual_ = residual_.With(ColumnsOfKind(decoy));
+  }
+
+  Eigen::MatrixXd ColumnsOfKind(const Decoy& decoy) const {
+    std::vector<Eigen::MatrixXd> blocks = {decoy.columns};
+    const int j = problem_.robot.chain.FindJoint(decoy.acts_on);
+    if (j < 0) {  // a station
+      const Eigen::MatrixXd shift = StationShift(decoy.acts_on);
+      const Eigen::MatrixXd bumps = Bumps(time_, kKindBumps);
+      for (int b = 0; b < kKindBumps; ++b) blocks.push_back(bumps.col(b).asDiagonal() * shift);
+    } else if (decoy.kind == "time") {
+      blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(time_, kKindBumps));
+    } else {
+      for (const std::string& driver : decoy.depends_on) {
+        const int k = problem_.robot.chain.FindJoint(driver);
+        blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(angles_[k], kKindBumps));
+      }
+    }
+    Eigen::MatrixXd all(decoy.columns.rows(), 0);
+    for (const Eigen::MatrixXd& block : blocks) {
+      all.conservativeResize(Eigen::NoChange, all.cols() + block.cols());
+      all.rightCols(block.cols()) = block;
+    }
+    return all;
   }
 
   Decoy Best() {
@@ -50,14 +75,14 @@ class Bench {
     for (int j = 0; j < n; ++j) {
       for (int k = 0; k < n; ++k) {
         if (angles_[k].maxCoeff() - angles_[k].minCoeff() < 1e-6) continue;
-        TrySmooth(j, angles_[k], {Name(k)}, "smooth", Name(k) + " (" + Range(angles_[k]) + ")");
-        TryPlaces(j, k);
+        TrySmooth(j, angles_[k], {Name(k)}, "smooth", Name(k) + " (" + Range(angles_[k]) + ")", n);
+        if (k == j) TryPlaces(j);
         if (k != j) TryHarmonics(j, k);
       }
       for (int a = 0; a < n; ++a) {
         for (int b = a + 1; b < n; ++b) TryProduct(j, a, b);
       }
-      if (timed_) TrySmooth(j, time_, {Name(j)}, "time", "time");
+      if (timed_) TrySmooth(j, time_, {Name(j)}, "time", "time", n);
     }
     if (timed_) TryWaves();
     return best_;
@@ -81,27 +106,14 @@ class Bench {
     return Rounded("%.0f", x.minCoeff() * kDegree) + " to " + Rounded("%.0f", x.maxCoeff() * kDegree) + " deg";
   }
 
-  double LogRows() const { return std::log(static_cast<double>(residual_.residual().size())); }
-
-  double MarginalGain(const Eigen::MatrixXd& columns) const {
-    Eigen::MatrixXd rest = residual_.ProjectOff(columns);
-    const double scale = rest.norm();
-    if (scale <= 1e-9 * columns.norm() || scale == 0.0) return -1e300;
-    rest /= scale;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest.transpose() * rest);
-    const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * (rest.transpose() * residual_.residual());
-    double best = 0.0;
-    for (double tau = 1.0; tau < 3e4; tau *= 2.0) {
-      double gain = 0.0;
-      for (int i = 0; i < projected.size(); ++i) {
-        const double squared = eigen.eigenvalues()[i];
-        if (squared < 1e-12) continue;
-        const double t = tau * tau * squared;
-        gain += projected[i] * projected[i] / squared * t / (1.0 + t) - std::log1p(t);
-      }
-      best = std::max(best, gain);
+  // Gaussian bumps evenly over the range, one standard deviation apart.
+  static Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
+    const double low = x.minCoeff(), spacing = (x.maxCoeff() - low) / (count - 1);
+    Eigen::MatrixXd bumps(x.size(), count);
+    for (int b = 0; b < count; ++b) {
+      bumps.col(b) = (-0.5 * ((x.array() - (low + b * spacing)) / spacing).square()).exp();
     }
-    return best - LogRows() - 2.0 * std::log(families_);
+    return bumps;
   }
 
   // Penalised reductions of single columns side by side, `settings` scanned.
@@ -112,7 +124,8 @@ class Bench {
     *sizes = -(projected / squared).matrix();
     const Eigen::ArrayXd whole = columns.colwise().squaredNorm().transpose().array();
     const Eigen::ArrayXd told = (squared > 1e-6 * whole).cast<double>();
-    return (told * projected.square() / squared - LogRows() - 2.0 * std::log(settings * families_)).matrix();
+    const double rows = static_cast<double>(residual_.residual().size());
+    return (told * projected.square() / squared - std::log(rows) - 2.0 * std::log(settings)).matrix();
   }
 
   void Keep(Decoy decoy) {
@@ -120,60 +133,69 @@ class Bench {
   }
 
   void TrySmooth(int j, const Eigen::VectorXd& x, std::vector<std::string> depends_on, const std::string& kind,
-                 const std::string& on) {
-    const double low = x.minCoeff(), high = x.maxCoeff();
+                 const std::string& on, int drivers) {
+    const double scanned = 2.0 * std::log(drivers * (sizeof(kSmoothBumps) / sizeof(kSmoothBumps[0])));
     for (const int count : kSmoothBumps) {
-      const double spacing = (high - low) / (count - 1);
-      Eigen::MatrixXd columns(x.size(), count);
-      for (int b = 0; b < count; ++b) {
-        columns.col(b) =
-            deviations_.col(j).array() * (-0.5 * ((x.array() - (low + b * spacing)) / spacing).square()).exp();
-      }
-      Decoy decoy{kind, depends_on, Name(j), "", MarginalGain(columns), columns};
+      const Eigen::MatrixXd columns = deviations_.col(j).asDiagonal() * Bumps(x, count);
+      Decoy decoy{kind, depends_on, Name(j), "", residual_.MarginalGain(columns) - scanned, columns};
       decoy.words = "a smooth deviation of " + Name(j) + " that depends on " + on;
       Keep(std::move(decoy));
     }
   }
 
-  // One bump or one step along q_k.
-  void TryPlaces(int j, int k) {
-    const Eigen::ArrayXd& q = angles_[k].array();
-    const double low = q.minCoeff(), span = q.maxCoeff() - low;
+  // One bump or one step along the joint's own angle, at the angles that the
+  // data have.
+  void TryPlaces(int j) {
+    const Eigen::ArrayXd& q = angles_[j].array();
+    const double span = q.maxCoeff() - q.minCoeff();
+    const std::vector<double> places = Places(angles_[j]);
     constexpr int kWidths = sizeof(kBumpWidths) / sizeof(kBumpWidths[0]);
-    Eigen::MatrixXd bumps(q.size(), kPlaces * kWidths), steps(q.size(), kPlaces);
-    for (int p = 0; p < kPlaces; ++p) {
-      const double place = low + span * (p + 0.5) / kPlaces;
-      steps.col(p) = deviations_.col(j).array() * (q > place).cast<double>();
+    const int count = static_cast<int>(places.size());
+    Eigen::MatrixXd bumps(q.size(), count * kWidths), steps(q.size(), count - 1);
+    for (int p = 0; p < count; ++p) {
+      if (p + 1 < count) {
+        steps.col(p) = deviations_.col(j).array() * (q > 0.5 * (places[p] + places[p + 1])).cast<double>();
+      }
       for (int w = 0; w < kWidths; ++w) {
         bumps.col(p * kWidths + w) =
-            deviations_.col(j).array() * (-0.5 * ((q - place) / (kBumpWidths[w] * span)).square()).exp();
+            deviations_.col(j).array() * (-0.5 * ((q - places[p]) / (kBumpWidths[w] * span)).square()).exp();
       }
     }
     Eigen::VectorXd sizes;
     int at = 0;
-    const double bump = SingleGains(bumps, kPlaces * kWidths, &sizes).maxCoeff(&at);
+    const double bump = SingleGains(bumps, static_cast<int>(bumps.cols()), &sizes).maxCoeff(&at);
     if (bump > best_.penalised) {
-      const double center = (low + span * (at / kWidths + 0.5) / kPlaces) * kDegree;
-      const double reach = 1.5 * kBumpWidths[at % kWidths] * span * kDegree;
+      const double center = places[at / kWidths] * kDegree, reach = 1.5 * kBumpWidths[at % kWidths] * span * kDegree;
       Keep({"smooth",
-            {Name(k)},
+            {Name(j)},
             Name(j),
-            "a bump of " + Name(j) + " where " + Name(k) + " is between " + Rounded("%.0f", center - reach) + " and " +
+            "a bump of " + Name(j) + " between " + Rounded("%.0f", center - reach) + " and " +
                 Rounded("%.0f", center + reach) + " deg, " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad high",
             bump,
             bumps.col(at)});
     }
-    const double step = SingleGains(steps, kPlaces, &sizes).maxCoeff(&at);
+    if (count < 2) return;
+    const double step = SingleGains(steps, count - 1, &sizes).maxCoeff(&at);
     if (step > best_.penalised) {
-      const double place = (low + span * (at + 0.5) / kPlaces) * kDegree;
+      const double place = 0.5 * (places[at] + places[at + 1]) * kDegree;
       Keep({"step",
-            {Name(k)},
+            {Name(j)},
             Name(j),
-            "a step of " + Name(j) + " by " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad where " + Name(k) +
-                " passes " + Rounded("%.0f", place) + " deg",
+            "a step of " + Name(j) + " by " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad at " + Rounded("%.0f", place) +
+                " deg",
             step,
             steps.col(at)});
     }
+  }
+
+  // Distinct values, thinned.
+  static std::vector<double> Places(const Eigen::VectorXd& x) {
+    const std::set<double> distinct(x.data(), x.data() + x.size());
+    const std::vector<double> sorted(distinct.begin(), distinct.end());
+    std::vector<double> places;
+    const size_t stride = (sorted.size() + kMostPlaces - 1) / kMostPlaces;
+    for (size_t i = stride / 2; i < sorted.size(); i += stride) places.push_back(sorted[i]);
+    return places;
   }
 
   // Joint j deviates with the angle of another joint.
@@ -182,8 +204,9 @@ class Bench {
       Eigen::MatrixXd columns(angles_[k].size(), 2);
       columns << deviations_.col(j).cwiseProduct((order * angles_[k]).array().cos().matrix()),
           deviations_.col(j).cwiseProduct((order * angles_[k]).array().sin().matrix());
-      const Score score = residual_.Test(columns, kOrders);
-      const double penalised = score.rank > 0 ? score.penalised - 2.0 * std::log(families_) : -1e300;
+      const int drivers = problem_.robot.num_joints() - 1;
+      const Score score = residual_.Test(columns, kOrders * drivers);
+      const double penalised = score.rank > 0 ? score.penalised : -1e300;
       if (penalised <= best_.penalised) continue;
       Keep({"periodic",
             {Name(k)},
@@ -204,9 +227,11 @@ class Bench {
     const Eigen::MatrixXd columns = deviations_.col(j).asDiagonal() * basis;
     const std::string words =
         "a deviation of " + Name(j) + " that depends on " + Name(a) + " and " + Name(b) + " together";
-    Keep({"other", {Name(a), Name(b)}, Name(j), words, MarginalGain(columns), columns});
-    const Score product = residual_.Test(columns.col(0));
-    const double penalised = product.rank > 0 ? product.penalised - 2.0 * std::log(families_) : -1e300;
+    const int n = problem_.robot.num_joints(), pairs = n * (n - 1) / 2;
+    const double any = residual_.MarginalGain(columns) - 2.0 * std::log(2.0 * pairs);
+    Keep({"other", {Name(a), Name(b)}, Name(j), words, any, columns});
+    const Score product = residual_.Test(columns.col(0), 2 * pairs);
+    const double penalised = product.rank > 0 ? product.penalised : -1e300;
     Keep({"other", {Name(a), Name(b)}, Name(j), words, penalised, columns.col(0)});
   }
 
@@ -220,13 +245,13 @@ class Bench {
         const Eigen::VectorXd c = (omega * time_).array().cos(), s = (omega * time_).array().sin();
         Eigen::MatrixXd columns(time_.size(), 6);
         columns << c.asDiagonal() * shift, s.asDiagonal() * shift;
-        const double all = MarginalGain(columns) - 2.0 * std::log(static_cast<double>(kPeriods));
+        const double all = residual_.MarginalGain(columns) - 2.0 * std::log(4.0 * kPeriods);
         TryWave(all, columns, omega, "", &best_wave);
         for (int axis = 0; axis < 3; ++axis) {
           Eigen::MatrixXd own(time_.size(), 2);
           own << columns.col(axis), columns.col(3 + axis);
-          const Score score = residual_.Test(own, 3 * kPeriods);
-          const double penalised = score.rank > 0 ? score.penalised - 2.0 * std::log(families_) : -1e300;
+          const Score score = residual_.Test(own, 4 * kPeriods);
+          const double penalised = score.rank > 0 ? score.penalised : -1e300;
           TryWave(penalised, own, omega, std::string(" in ") + "xyz"[axis], &best_wave);
         }
       }
@@ -261,12 +286,17 @@ class Bench {
   std::vector<Eigen::VectorXd> angles_;
   Eigen::VectorXd time_;
   bool timed_ = false;
-  double families_ = 1.0;
   Decoy best_;
 };
 
 }  // namespace
 
-Decoy BestDecoy(const DiagnosedModel& model) { return Bench(model).Best(); }
+Decoy BestDecoy(const DiagnosedModel& model, const std::vector<Decoy>& believed) {
+  return Bench(model, believed).Best();
+}
+
+Eigen::MatrixXd ColumnsOfKind(const DiagnosedModel& model, const Decoy& decoy) {
+  return Bench(model, {}).ColumnsOfKind(decoy);
+}
 
 }  // namespace sagitta

@@ -2,20 +2,16 @@
 // the gap better than catalogue effects do, the cause is not in the catalogue.
 //
 //   smooth    joint j deviates by a smooth function of joint k or of time
-//   bump      by one bump in the angle of joint k          (one column, scanned)
-//   step      by one step in the angle of joint k          (one column, scanned)
+//   bump      by one bump in its own angle                 (one column, scanned)
+//   step      by one step in its own angle                 (one column, scanned)
 //   periodic  by a harmonic of another joint's angle       (two columns, scanned)
 //   product   by products and sums of two joints' angles
 //   wave      a station moves as a wave in time
 //
-// Families of many columns C_perp = U S V' (projected off what is believed), z =
-// U' r, are scored by marginal likelihood with one prior variance tau^2,
-//
-//   2 ln ML = max over tau of sum z_i^2 t_i / (1 + t_i) - ln(1 + t_i),  t_i = (tau s_i)^2
-//
-// minus ln(n) for tau; scanned ones like a catalogue effect, reduction - p ln(n) -
-// 2 ln(settings). Both lose 2 ln(number of families): comparable to a penalised
-// chi-square reduction.
+// Families of many columns are scored by marginal likelihood
+// (ProjectedResidual::MarginalGain), few columns like a catalogue effect,
+// reduction - p ln(n); both lose 2 ln(settings scanned): comparable to the
+// penalised chi-square reduction of FORMATS section 6.
 #pragma once
 
 #include <string>
@@ -34,7 +30,11 @@ struct Decoy {
   Eigen::MatrixXd columns;  // whitened, at the model it was scored on
 };
 
-// The best decoy on the model's residual.
-Decoy BestDecoy(const DiagnosedModel& model);
+// The best decoy on the model's residual, beside others that are believed.
+Decoy BestDecoy(const DiagnosedModel& model, const std::vector<Decoy>& believed = {});
+
+// All that a decoy's kind can do at this model: any smooth function of what it
+// depends on, on what it acts on, and its own columns.
+Eigen::MatrixXd ColumnsOfKind(const DiagnosedModel& model, const Decoy& decoy);
 
 }  // namespace sagitta

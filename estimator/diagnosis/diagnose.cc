@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "estimator/distributions.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kUnknownMargin = 6.0;  // penalised lead of a decoy over as many catalogue steps
+constexpr double kNoiseEvidence = 10.0;  // penalised gain of what is no effect before it counts
+constexpr double kSettled = 0.05;        // of sigma and repeatability
+constexpr int kMostNoiseRounds = 3;
 constexpr int kMostOutlierRounds = 4;
-constexpr int kBootstrapDraws = 400;
 
 double LackOfFit(const Estimate& estimate) {
   return estimate.dof > 0 ? ChiSquareSurvival(estimate.chi2, estimate.dof) : 1.0;
@@ -65,71 +65,40 @@ void CheckScale(DiagnosedModel* model, const DiagnosisOptions& options, NoiseFin
   *model = Refit(WithScaledSigmas(*model->problem, scale->scale), model->estimate, options.joint);
 }
 
-// Undeclared repeatability competes with effects, and with causes outside the
-// catalogue, as one more parameter.
-void CheckRepeatability(DiagnosedModel* model, const DiagnosisOptions& options, double best_effect,
-                        NoiseFinding* noise) {
-  if (!model->problem->latent.empty()) return;
-  const RepeatabilityFit fit = FitRepeatability(*model->problem, model->estimate.parameters);
-  const double penalised = fit.gain - std::log(static_cast<double>(model->estimate.rows));
-  if (penalised < 10.0 || penalised < best_effect || penalised < BestDecoy(*model).penalised) return;
-  noise->repeatability = fit.sigma;
-  noise->repeatability_low = fit.low;
-  noise->repeatability_high = fit.high;
-  noise->is_finding = true;
-  *model = Refit(WithRepeatability(*model->problem, fit.sigma), model->estimate, options.joint);
+// Undeclared repeatability that the model's residuals ask for, rad; 0: none.
+double FindRepeatability(const DiagnosedModel& model, double at_least, NoiseFinding* noise) {
+  const RepeatabilityFit fit = FitRepeatability(*model.problem, model.estimate.parameters);
+  const double penalised = fit.gain - std::log(static_cast<double>(model.estimate.rows));
+  const bool found = penalised > std::max(kNoiseEvidence, at_least);
+  noise->repeatability = found ? fit.sigma : 0.0;
+  noise->repeatability_low = found ? fit.low : 0.0;
+  noise->repeatability_high = found ? fit.high : 0.0;
+  return noise->repeatability;
 }
 
-// Squared hold-out residuals per configuration, m^2, and how many coordinates.
-std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel& model) {
-  std::vector<std::pair<double, int>> sums(model.problem->data.configurations.size(), {0.0, 0});
-  for (const int i : model.problem->ValidationObservations()) {
-    const Observation& observation = model.problem->data.observations[i];
-    auto& sum = sums[model.problem->data.shots[observation.shot].configuration];
-    sum.first += (observation.point_in_station - model.estimate.predicted.col(i)).squaredNorm();
-    sum.second += 3;
+// What the noise is can only be told beside the effects, and the other way
+// round: sigma where nothing states it, and joint repeatability that nobody
+// declared, follow the extended model (repeatability only where it says more
+// than `unnamed`, the gain of a cause outside the catalogue). True when the baseline has changed.
+bool FollowNoise(const DiagnosedModel& extended, double unnamed, bool sigma_is_stated, bool repeatability_is_stated,
+                 const DiagnosisOptions& options, DiagnosedModel* baseline, NoiseFinding* noise) {
+  CalibrationProblem problem = *baseline->problem;
+  bool changed = false;
+  if (!sigma_is_stated) {
+    const double scale = std::sqrt(extended.estimate.chi2 / std::max(1, extended.estimate.dof));
+    changed = std::abs(scale - 1.0) > kSettled;
+    if (changed) problem = WithScaledSigmas(problem, scale);
   }
-  return sums;
-}
-
-double SquaredGap(const std::vector<std::pair<double, int>>& sums, const std::vector<int>& picked, double floor) {
-  double sum = 0.0;
-  int count = 0;
-  for (const int i : picked) {
-    sum += sums[i].first;
-    count += sums[i].second;
+  if (!repeatability_is_stated) {
+    const double before = noise->repeatability;
+    const double now = FindRepeatability(extended, unnamed, noise);
+    if (std::abs(now - before) > kSettled * std::max(now, before)) {
+      problem = WithRepeatability(problem, now);
+      changed = true;
+    }
   }
-  return count > 0 ? std::max(0.0, sum / count - floor * floor) : 0.0;
-}
-
-// gap^2 = holdout rms^2 - floor^2; closed = 1 - after / before; interval by
-// bootstrap over hold-out configurations.
-void JudgeGap(Diagnosis* diagnosis) {
-  const auto before = HoldoutByConfiguration(diagnosis->baseline);
-  const auto after = HoldoutByConfiguration(diagnosis->final);
-  const double floor = diagnosis->final.estimate.noise_floor;
-  std::vector<int> held_out;
-  for (size_t c = 0; c < before.size(); ++c) {
-    if (before[c].second > 0) held_out.push_back(static_cast<int>(c));
-  }
-  const auto closed = [&](const std::vector<int>& picked) {
-    const double b = SquaredGap(before, picked, floor);
-    return b > 0.0 ? 1.0 - SquaredGap(after, picked, floor) / b : 0.0;
-  };
-  diagnosis->gap_before = std::sqrt(SquaredGap(before, held_out, floor));
-  diagnosis->gap_after = std::sqrt(SquaredGap(after, held_out, floor));
-  diagnosis->gap_closed = closed(held_out);
-  if (diagnosis->steps.empty()) diagnosis->gap_closed = 0.0;
-  if (held_out.empty() || diagnosis->steps.empty()) return;
-  std::mt19937_64 random(1);
-  std::vector<double> draws;
-  for (int d = 0; d < kBootstrapDraws; ++d) {
-    std::vector<int> picked;
-    for (size_t i = 0; i < held_out.size(); ++i) picked.push_back(held_out[random() % held_out.size()]);
-    draws.push_back(closed(picked));
-  }
-  std::sort(draws.begin(), draws.end());
-  diagnosis->gap_closed_ci95 = {draws[kBootstrapDraws / 40], draws[kBootstrapDraws - 1 - kBootstrapDraws / 40]};
+  if (changed) *baseline = Refit(problem, baseline->estimate, options.joint);
+  return changed && IsUsable(baseline->estimate.status);
 }
 
 void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidate>& candidates,
@@ -157,66 +126,43 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   }
 }
 
-// Steps that stay significant beside the decoy: stacks of effects that only
-// imitate it do not.
-std::vector<ChosenStep> Survivors(const DiagnosedModel& partial, const Decoy& decoy,
-                                  const std::vector<ChosenStep>& rest, const SelectionOptions& options, int tests) {
-  ProjectedResidual residual =
-      ProjectedResidual(LinearizeEstimate(*partial.problem, partial.estimate.parameters)).With(decoy.columns);
-  const double left = residual.residual().squaredNorm() / std::max(1, partial.estimate.dof);
-  std::vector<ChosenStep> survivors;
-  for (const ChosenStep& step : rest) {
-    CandidateColumns own = ColumnsOf(*partial.problem, partial.estimate.parameters, {step.candidate.spec})[0];
-    DropUninformed(residual, &own);
-    const Eigen::MatrixXd& columns = own.columns;
-    const Score score = residual.Test(columns, step.candidate.settings);
-    if (score.rank == 0 || score.penalised <= 0.0) continue;
-    const double p = tests * ChiSquareSurvival(score.reduction / std::max(1.0, left), score.rank);
-    if (p >= options.significance) continue;
-    survivors.push_back(step);
-    residual = residual.With(columns);
-  }
-  return survivors;
-}
-
-// A decoy that beats as many catalogue steps: part of the cause is not in the
-// catalogue. Returns the steps that hold; `final` becomes the model with them.
-std::vector<ChosenStep> StepsThatHold(const std::vector<ChosenStep>& steps, const SelectionOptions& options, int tests,
-                                      Diagnosis* diagnosis) {
-  const auto extend = [&](const std::vector<ChosenStep>& chosen) {
-    return Extend(diagnosis->baseline, CandidatesOf(chosen), options.joint);
-  };
-  const double total = PenalisedTotal(diagnosis->baseline, diagnosis->final, steps);
-  for (size_t kept = 0; kept < steps.size(); ++kept) {
-    std::vector<ChosenStep> held(steps.begin(), steps.begin() + static_cast<long>(kept));
-    const DiagnosedModel partial = extend(held);
-    const Decoy decoy = BestDecoy(partial);
-    if (PenalisedTotal(diagnosis->baseline, partial, held) + decoy.penalised <= total + kUnknownMargin) continue;
-    diagnosis->has_unexplained = true;
-    diagnosis->unexplained = decoy;
-    const std::vector<ChosenStep> rest(steps.begin() + static_cast<long>(kept), steps.end());
-    for (const ChosenStep& step : Survivors(partial, decoy, rest, options, tests)) held.push_back(step);
-    diagnosis->final = extend(held);
-    return held;
-  }
-  return steps;
+// Where no rigid body of markers tells the instrument's noise, scatter that is
+// too small for it does.
+void CheckTooQuiet(const DiagnosisOptions& options, Diagnosis* diagnosis) {
+  const Estimate& final = diagnosis->final.estimate;
+  if (diagnosis->noise.scale != 1.0 || final.dof <= 0) return;
+  if (1.0 - ChiSquareSurvival(final.chi2, final.dof) > 0.25 * options.significance) return;
+  diagnosis->noise.scale = std::sqrt(final.chi2 / final.dof);
+  diagnosis->noise.low = std::sqrt(final.chi2 / ChiSquareQuantile(0.975, final.dof));
+  diagnosis->noise.high = std::sqrt(final.chi2 / ChiSquareQuantile(0.025, final.dof));
+  diagnosis->noise.is_finding = true;
 }
 
 void Decide(const DiagnosisOptions& options, Diagnosis* diagnosis) {
   const double gate = 0.25 * options.significance;
   diagnosis->final_p = LackOfFit(diagnosis->final.estimate);
-  const bool rest = diagnosis->final_p < gate || diagnosis->has_unexplained;
-  if (rest && !diagnosis->has_unexplained) {
+  if (!diagnosis->has_unexplained) {
     diagnosis->unexplained = BestDecoy(diagnosis->final);
-    diagnosis->has_unexplained = true;
+    const bool stands_out = diagnosis->unexplained.penalised > kNoiseEvidence;
+    diagnosis->has_unexplained = diagnosis->final_p < gate || stands_out;
   }
+  const bool noise_is_wrong = diagnosis->noise.is_finding || !diagnosis->noise.outliers.empty();
   if (!diagnosis->steps.empty()) {
-    diagnosis->verdict = rest ? "partly" : "explained";
-  } else if (rest) {
+    diagnosis->verdict = diagnosis->has_unexplained ? "partly" : "explained";
+  } else if (diagnosis->has_unexplained) {
     diagnosis->verdict = "unknown";
   } else {
-    diagnosis->verdict = diagnosis->noise.is_finding || !diagnosis->noise.outliers.empty() ? "noise" : "consistent";
+    diagnosis->verdict = noise_is_wrong ? "noise" : "consistent";
   }
+}
+
+SelectionOptions SelectionFor(const DiagnosisOptions& options) {
+  SelectionOptions selection;
+  selection.significance = 0.5 * options.significance;
+  selection.joint = options.joint;
+  selection.joint.progress = nullptr;
+  selection.progress = options.progress;
+  return selection;
 }
 
 }  // namespace
@@ -231,39 +177,53 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.status = model.estimate.status;
   diagnosis.message = model.estimate.message;
   if (!IsUsable(model.estimate.status)) return diagnosis;
+  const bool sigma_is_stated = problem.sigma_is_stated();
+  const bool repeatability_is_stated = !problem.latent.empty();
+  NoiseFinding& noise = diagnosis.noise;
   StateSigma(&model, options);
-  RemoveOutliers(&model, options, &diagnosis.noise);
-  CheckScale(&model, options, &diagnosis.noise);
+  RemoveOutliers(&model, options, &noise);
+  CheckScale(&model, options, &noise);
 
   const CandidateList list = ListCandidates(*model.problem);
   diagnosis.not_testable = list.not_testable;
-  SelectionOptions selection;
-  selection.significance = 0.5 * options.significance;
-  selection.joint = options.joint;
-  selection.joint.progress = nullptr;
-  selection.progress = options.progress;
+  SelectionOptions selection = SelectionFor(options);
   report("screening " + std::to_string(list.candidates.size()) + " candidates");
   diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
-  const double best = diagnosis.candidates.empty() ? 0.0 : diagnosis.candidates[0].score.penalised;
-  CheckRepeatability(&model, options, best, &diagnosis.noise);
-  if (diagnosis.noise.repeatability > 0.0) {
-    diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
+  Decoy decoy = BestDecoy(model);
+  if (!repeatability_is_stated) {
+    const double effect = diagnosis.candidates.empty() ? 0.0 : diagnosis.candidates[0].score.penalised;
+    const double found = FindRepeatability(model, std::max(effect, decoy.penalised), &noise);
+    if (found > 0.0) model = Refit(WithRepeatability(*model.problem, found), model.estimate, options.joint);
   }
+  std::vector<ChosenStep> steps;
+  for (int round = 0; round < kMostNoiseRounds; ++round) {
+    decoy = BestDecoy(model);
+    selection.decoy_gain = decoy.penalised - kUnknownMargin;
+    steps = SelectEffects(model, list.candidates, selection, &diagnosis.final);
+    diagnosis.has_unexplained = false;
+    if (!steps.empty()) {
+      report("decoys against " + std::to_string(steps.size()) + " steps");
+      const Unexplained rest = KeepWhatHolds(model, list.candidates, selection, &steps, &diagnosis.final);
+      diagnosis.has_unexplained = rest.found;
+      diagnosis.unexplained = rest.decoy;
+    }
+    if (round + 1 == kMostNoiseRounds) break;
+    const double unnamed = diagnosis.has_unexplained ? diagnosis.unexplained.penalised : 0.0;
+    if (!FollowNoise(diagnosis.final, unnamed, sigma_is_stated, repeatability_is_stated, options, &model, &noise))
+      break;
+    report("the noise beside the effects is not what was taken: once more");
+  }
+  noise.is_finding |= noise.repeatability > 0.0;
+  diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
   diagnosis.baseline = model;
   diagnosis.baseline_p = LackOfFit(model.estimate);
   diagnosis.where = FindWhere(model);
-
-  selection.decoy_gain = BestDecoy(model).penalised - kUnknownMargin;
-  std::vector<ChosenStep> steps = SelectEffects(model, list.candidates, selection, &diagnosis.final);
-  if (!steps.empty()) {
-    report("decoys against " + std::to_string(steps.size()) + " steps");
-    const int tests = std::min<int>(selection.most_tests, static_cast<int>(list.candidates.size()));
-    steps = StepsThatHold(steps, selection, tests, &diagnosis);
-  }
   report("alternatives");
   FillSteps(steps, list.candidates, selection, &diagnosis);
+  if (sigma_is_stated) CheckTooQuiet(options, &diagnosis);
   Decide(options, &diagnosis);
-  JudgeGap(&diagnosis);
+  diagnosis.gap = JudgeGap(diagnosis.baseline, diagnosis.final);
+  if (steps.empty()) diagnosis.gap.closed = 0.0;
   return diagnosis;
 }
 

@@ -8,8 +8,10 @@
 
 #include "estimator/diagnosis/alternatives.h"
 #include "estimator/diagnosis/decoys.h"
+#include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/unexplained.h"
 
 namespace sagitta {
 
@@ -46,9 +48,8 @@ struct Diagnosis {
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
   std::vector<DiagnosisStep> steps;
-  double baseline_p = 1.0, final_p = 1.0;                      // lack of fit
-  double gap_before = 0.0, gap_after = 0.0, gap_closed = 0.0;  // m, m, share of the squared gap
-  Interval gap_closed_ci95;
+  double baseline_p = 1.0, final_p = 1.0;  // lack of fit
+  GapReport gap;
   bool has_unexplained = false;
   Decoy unexplained;
 };

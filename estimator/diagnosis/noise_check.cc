@@ -146,15 +146,15 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
   CalibrationProblem with = problem;
   with.experiment.repeatability = RepeatabilitySpec();
-  with.experiment.repeatability.common = sigma;
+  if (sigma > 0.0) with.experiment.repeatability.common = sigma;
   with.latent = MakeLatentModel(with.robot.chain, with.data, with.experiment);
   return with;
 }
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const double none = MarginalDeviance(problem, parameters, 1e-9);
+  const double none = MarginalDeviance(problem, parameters, 0.0);
   std::vector<std::pair<double, double>> grid;
-  for (double sigma = 1e-6; sigma < 3e-4; sigma *= 1.25)
+  for (double sigma = 1e-6; sigma < 2e-3; sigma *= 1.25)
     grid.emplace_back(sigma, MarginalDeviance(problem, parameters, sigma));
   const auto best =
       std::min_element(grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.second < b.second; });

@@ -71,6 +71,27 @@ Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) cons
   return score;
 }
 
+double ProjectedResidual::MarginalGain(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd rest = ProjectOff(columns);
+  const double scale = rest.norm();
+  if (scale <= 1e-9 * columns.norm() || scale == 0.0) return -1e300;
+  rest /= scale;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest.transpose() * rest);
+  const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * (rest.transpose() * residual_);
+  double best = 0.0;
+  for (double tau = 1.0; tau < 3e4; tau *= 2.0) {
+    double gain = 0.0;
+    for (int i = 0; i < projected.size(); ++i) {
+      const double squared = eigen.eigenvalues()[i];
+      if (squared < 1e-12) continue;
+      const double t = tau * tau * squared;
+      gain += projected[i] * projected[i] / squared * t / (1.0 + t) - std::log1p(t);
+    }
+    best = std::max(best, gain);
+  }
+  return best - std::log(static_cast<double>(residual_.size()));
+}
+
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<int> observations = problem.CalibrationObservations();
   Linearization linearization = Linearize(problem, parameters, observations, parameters.EstimatedCoordinates(),

@@ -30,6 +30,11 @@ class ProjectedResidual {
   explicit ProjectedResidual(const Linearization& believed);
 
   Score Test(const Eigen::MatrixXd& columns, int settings = 1) const;
+  // 2 ln of the marginal likelihood over that of no effect, for coefficients of
+  // one common prior variance tau^2, the best of a grid; minus ln(n) for tau. With
+  // C_perp = U S V', z = U' r, t_i = (tau s_i)^2:
+  //   max over tau of sum z_i^2 t_i / (1 + t_i) - ln(1 + t_i)
+  double MarginalGain(const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd ProjectOff(const Eigen::MatrixXd& columns) const;
   const Eigen::VectorXd& residual() const { return residual_; }
   // A copy that believes these columns too.

@@ -88,10 +88,12 @@ bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candida
   const std::vector<ScreenedCandidate> screened = Screen(model, candidates, options.most_tests);
   const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
   std::vector<Trial> trials;
+  int refitted = 0;
   for (const ScreenedCandidate& entry : screened) {
-    if (static_cast<int>(trials.size()) >= options.refitted || entry.score.rank == 0) break;
+    if (refitted++ >= options.refitted || entry.score.rank == 0) break;
     Trial trial;
     if (!TryStep(model, entry, options, tests, &trial)) continue;
+    if (trial.step.corrected_p >= options.significance || trial.step.penalised <= 0.0) continue;
     trials.push_back(std::move(trial));
   }
   if (trials.empty()) return false;
@@ -107,7 +109,7 @@ bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candida
     return a.step.penalised > b.step.penalised;
   };
   *picked = std::move(*std::min_element(trials.begin(), trials.end(), simpler));
-  return picked->step.corrected_p < options.significance && picked->step.penalised > 0.0;
+  return true;
 }
 
 // A compensator's shape counts as parameters.
@@ -200,6 +202,9 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
   DiagnosedModel extended;
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
   extended.estimate = EstimateFrom(*extended.problem, extended.problem->parameters, options);
+  if (IsUsable(extended.estimate.status)) return extended;
+  const QuickRefit nearer = RefitQuickly(*extended.problem, extended.problem->parameters);
+  if (nearer.converged) extended.estimate = EstimateFrom(*extended.problem, nearer.parameters, options);
   return extended;
 }
 

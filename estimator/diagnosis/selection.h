@@ -15,9 +15,9 @@ namespace sagitta {
 struct SelectionOptions {
   double significance = 0.005;  // of a step, corrected for the whole search
   int most_steps = 8;
-  int refitted = 6;      // best of the screening that are refitted
-  double tie = 6.0;      // of the best penalised reduction: ties go to the simpler
-  int most_tests = 300;  // what the correlated search acts like at most
+  int refitted = 8;            // best of the screening that are refitted
+  double tie = 6.0;            // of the best penalised reduction: ties go to the simpler
+  int most_tests = 300;        // what the correlated search acts like at most
   double decoy_gain = -1e300;  // of the best decoy on the baseline: three steps that lose to it are a stack that
                                // imitates something else, and the search ends
   JointOptions joint;

@@ -1,0 +1,17 @@
+// The gap on configurations that nothing was chosen or fitted on:
+// gap^2 = holdout rms^2 - noise floor^2, closed = 1 - after^2 / before^2.
+#pragma once
+
+#include "estimator/diagnosis/selection.h"
+
+namespace sagitta {
+
+struct GapReport {
+  double before = 0.0, after = 0.0;  // m
+  double closed = 0.0;               // share of the squared gap
+  Interval closed_ci95;              // bootstrap over hold-out configurations
+};
+
+GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended);
+
+}  // namespace sagitta
