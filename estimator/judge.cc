@@ -163,6 +163,11 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, noise);
   AppendPriors(parameters, &linearization);
   const LinearSolution solution = SolveLinearization(linearization);
+  if (!solution.full_rank) {  // a value on its bound can take others' columns with it
+    estimate->status = Status::kSingular;
+    estimate->message = "the identification Jacobian is singular at the estimate";
+    return;
+  }
   estimate->cost = 0.5 * linearization.residual.squaredNorm();
   JudgeNoise(problem, linearization, estimate);
   const double scale = CovarianceScale(estimate->sigma);

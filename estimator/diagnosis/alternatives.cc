@@ -9,6 +9,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kOverlapListed = 0.8;
+constexpr double kOverlapOfRivals = 0.2;  // below, it explains something else
 constexpr size_t kMostListed = 12;
 
 // Projection of `target` on the columns, given their part off the believed model.
@@ -46,7 +47,7 @@ std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const C
   const double own_penalised = own_score.reduction - step.parameters * n - 2.0 * std::log(step.candidate.settings);
   std::vector<Alternative> alternatives;
   const auto consider = [&](const EffectSpec& spec, double overlap, double penalised) {
-    const bool tied = penalised > own_penalised - tie;
+    const bool tied = penalised > own_penalised - tie && overlap >= kOverlapOfRivals;
     if (overlap >= kOverlapListed || tied) alternatives.push_back({spec, std::min(1.0, overlap), tied});
   };
   for (size_t i = 0; i < candidates.size(); ++i) {

@@ -15,7 +15,7 @@ constexpr int kKindBumps = 24;
 constexpr int kMostPlaces = 48;                                   // of a scanned bump or step
 constexpr double kBumpWidths[] = {0.01, 0.02, 0.04, 0.08, 0.16};  // standard deviation over the range
 constexpr int kOrders = 6;
-constexpr int kPeriods = 24;
+constexpr int kPeriods = 100;  // half cycles over the data
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kDegree = 57.29577951308232;
 

@@ -52,17 +52,18 @@ void RemoveOutliers(DiagnosedModel* model, const DiagnosisOptions& options, Nois
   }
 }
 
-// Scale of the instrument's noise from the markers' rigidity; a wrong one is
-// put right before anything is named.
-void CheckScale(DiagnosedModel* model, const DiagnosisOptions& options, NoiseFinding* noise) {
-  const auto scale = InstrumentNoiseScale(*model->problem, model->estimate.parameters, 0.1 * options.significance);
-  if (!scale) return;
+// Scale of the instrument's noise from the markers' rigidity, over what is stated
+// (`applied` is in the model's sigmas already); a wrong one is put right before
+// anything is named. Returns the scale that should be applied.
+double FindScale(const DiagnosedModel& model, double applied, const DiagnosisOptions& options, NoiseFinding* noise) {
+  const CalibrationProblem stated = WithScaledSigmas(*model.problem, 1.0 / applied);
+  const auto scale = InstrumentNoiseScale(stated, model.estimate.parameters, 0.1 * options.significance);
+  if (!scale) return 1.0;
   noise->scale = scale->scale;
   noise->low = scale->low;
   noise->high = scale->high;
-  if (!scale->differs) return;
-  noise->is_finding = true;
-  *model = Refit(WithScaledSigmas(*model->problem, scale->scale), model->estimate, options.joint);
+  noise->scale_differs = scale->differs;
+  return scale->differs ? scale->scale : 1.0;
 }
 
 // Undeclared repeatability that the model's residuals ask for, rad; 0: none.
@@ -77,13 +78,19 @@ double FindRepeatability(const DiagnosedModel& model, double at_least, NoiseFind
 }
 
 // What the noise is can only be told beside the effects, and the other way
-// round: sigma where nothing states it, and joint repeatability that nobody
+// round: sigma where nothing states it, its scale where markers tell, and joint repeatability that nobody
 // declared, follow the extended model (repeatability only where it says more
 // than `unnamed`, the gain of a cause outside the catalogue). True when the baseline has changed.
 bool FollowNoise(const DiagnosedModel& extended, double unnamed, bool sigma_is_stated, bool repeatability_is_stated,
-                 const DiagnosisOptions& options, DiagnosedModel* baseline, NoiseFinding* noise) {
+                 const DiagnosisOptions& options, double* applied, DiagnosedModel* baseline, NoiseFinding* noise) {
   CalibrationProblem problem = *baseline->problem;
   bool changed = false;
+  const double scale_now = sigma_is_stated ? FindScale(extended, *applied, options, noise) : 1.0;
+  if (std::abs(scale_now / *applied - 1.0) > kSettled) {
+    problem = WithScaledSigmas(problem, scale_now / *applied);
+    *applied = scale_now;
+    changed = true;
+  }
   if (!sigma_is_stated) {
     const double scale = std::sqrt(extended.estimate.chi2 / std::max(1, extended.estimate.dof));
     changed = std::abs(scale - 1.0) > kSettled;
@@ -182,7 +189,8 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   NoiseFinding& noise = diagnosis.noise;
   StateSigma(&model, options);
   RemoveOutliers(&model, options, &noise);
-  CheckScale(&model, options, &noise);
+  double applied = sigma_is_stated ? FindScale(model, 1.0, options, &noise) : 1.0;
+  if (applied != 1.0) model = Refit(WithScaledSigmas(*model.problem, applied), model.estimate, options.joint);
 
   const CandidateList list = ListCandidates(*model.problem);
   diagnosis.not_testable = list.not_testable;
@@ -209,11 +217,13 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
     }
     if (round + 1 == kMostNoiseRounds) break;
     const double unnamed = diagnosis.has_unexplained ? diagnosis.unexplained.penalised : 0.0;
-    if (!FollowNoise(diagnosis.final, unnamed, sigma_is_stated, repeatability_is_stated, options, &model, &noise))
+    if (!FollowNoise(diagnosis.final, unnamed, sigma_is_stated, repeatability_is_stated, options, &applied, &model,
+                     &noise)) {
       break;
+    }
     report("the noise beside the effects is not what was taken: once more");
   }
-  noise.is_finding |= noise.repeatability > 0.0;
+  noise.is_finding |= noise.repeatability > 0.0 || noise.scale_differs;
   diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
   diagnosis.baseline = model;
   diagnosis.baseline_p = LackOfFit(model.estimate);

@@ -30,7 +30,8 @@ struct DiagnosisStep {
 };
 
 struct NoiseFinding {
-  double scale = 1.0, low = 1.0, high = 1.0;
+  double scale = 1.0, low = 1.0, high = 1.0;  // of the instrument's sigma over the stated one
+  bool scale_differs = false;
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
   std::vector<std::string> outliers;                                              // file:line
   std::string words;
