@@ -17,15 +17,17 @@ struct Torques {
   Eigen::VectorXd torque;    // n
   Eigen::MatrixXd by_value;  // n x transforms
 
+  // Derivatives only for slots of `moving`: the others do not answer to torque.
   void Add(const ElasticQuery& query, const ChainState<double>& state, const Matrix3<double>& base_rotation,
-           const std::vector<AppliedWrench>& wrenches, double times) {
+           const std::vector<AppliedWrench>& wrenches, double times, const std::vector<bool>& moving) {
+    if (times == 0.0) return;
     for (const AppliedWrench& wrench : wrenches) {
       const WrenchInBase<double> in_base = ToBase(wrench, state, base_rotation);
       const bool turns = wrench.expressed_in == WrenchFrame::kFlange;
       for (int s = 0; s < torque.size(); ++s) {
         const int b = (*query.slots)[s];
         torque[s] += times * GeneralisedForce(*query.chain, state, b, in_base);
-        for (int a = 0; a < in_base.frame; ++a) {
+        for (int a = 0; moving[s] && a < in_base.frame; ++a) {
           by_value(s, a) += times * GeneralisedForceDerivative(*query.chain, state, b, a, in_base, turns);
         }
       }
@@ -72,10 +74,14 @@ Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<do
   const int n = static_cast<int>(query.slots->size());
   const int transforms = query.chain->num_transforms();
   EvaluateChain(*query.chain, equilibrium->values.data(), &equilibrium->state);
+  std::vector<bool> moving(n, false);
+  for (const ElasticTerm& term : query.terms->elastic) {
+    if (term.factor * theta[term.parameter] != 0.0) moving[SlotOf(query, term.transform)] = true;
+  }
   Torques all{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
-  all.Add(query, equilibrium->state, base_rotation, *query.wrenches, 1.0);
+  all.Add(query, equilibrium->state, base_rotation, *query.wrenches, 1.0, moving);
   for (const WrenchTerm& load : query.terms->wrenches) {
-    all.Add(query, equilibrium->state, base_rotation, load.wrenches, theta[load.parameter]);
+    all.Add(query, equilibrium->state, base_rotation, load.wrenches, theta[load.parameter], moving);
   }
   if (query.compensator != nullptr) {
     AddCompensator(query, theta, SlotOf(query, query.compensator->transform), &all, equilibrium);
@@ -91,9 +97,12 @@ Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<do
   }
   law.by_value = equilibrium->flexibility.asDiagonal() * all.by_value;
   for (const SagTerm& sag : query.terms->sags) {
+    if (theta[sag.parameter] == 0.0) continue;
     const int s = SlotOf(query, sag.transform);
+    std::vector<bool> this_one(n, false);
+    this_one[s] = true;
     Torques own{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
-    own.Add(query, equilibrium->state, base_rotation, sag.wrenches, 1.0);
+    own.Add(query, equilibrium->state, base_rotation, sag.wrenches, 1.0, this_one);
     law.deflection[s] += theta[sag.parameter] * own.torque[s];
     law.by_value.row(s) += theta[sag.parameter] * own.by_value.row(s);
   }
@@ -136,6 +145,7 @@ void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3
   }
   Eigen::MatrixXd by_rotation = result->flexibility.asDiagonal() * torque;
   for (const SagTerm& sag : query.terms->sags) {
+    if (theta[sag.parameter] == 0.0) continue;
     const int s = SlotOf(query, sag.transform);
     by_rotation.row(s) +=
         theta[sag.parameter] * TorqueByRotation(query, result->state, sag.wrenches, base_rotation).row(s);

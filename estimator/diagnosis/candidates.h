@@ -11,10 +11,10 @@
 namespace sagitta {
 
 struct Candidate {
-  EffectSpec spec;                // values empty: neutral
-  int settings = 1;               // how many settings of this effect and target were scanned
-  int catalogue = 0;              // place in the catalogue: ties go to the earlier
-  std::vector<std::string> held;  // names of its parameters that stay at neutral
+  EffectSpec spec;                 // values empty: neutral
+  int settings = 1;                // how many settings of this effect and target were scanned
+  int catalogue = 0;               // place in the catalogue: ties go to the earlier
+  std::vector<std::string> vague;  // parameters that the data cannot tell: a prior of three typical sizes
 };
 
 struct NotTestable {

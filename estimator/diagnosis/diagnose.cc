@@ -108,6 +108,15 @@ bool FollowNoise(const DiagnosedModel& extended, double unnamed, bool sigma_is_s
   return changed && IsUsable(baseline->estimate.status);
 }
 
+// Whether the model with the decoy's kind fits the stated noise.
+bool LeavesNothing(const DiagnosedModel& model, const Decoy& decoy) {
+  const Eigen::MatrixXd columns = ColumnsOfKind(model, decoy);
+  const ProjectedResidual rest =
+      ProjectedResidual(LinearizeEstimate(*model.problem, model.estimate.parameters)).With(columns);
+  const int dof = model.estimate.dof - static_cast<int>(columns.cols());
+  return dof > 0 && rest.residual().squaredNorm() < 1.2 * dof;
+}
+
 void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidate>& candidates,
                const SelectionOptions& selection, Diagnosis* diagnosis) {
   std::vector<Candidate> added;
@@ -207,6 +216,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   for (int round = 0; round < kMostNoiseRounds; ++round) {
     decoy = BestDecoy(model);
     selection.decoy_gain = decoy.penalised - kUnknownMargin;
+    selection.decoy_explains_all = sigma_is_stated && LeavesNothing(model, decoy);
     steps = SelectEffects(model, list.candidates, selection, &diagnosis.final);
     diagnosis.has_unexplained = false;
     if (!steps.empty()) {

@@ -62,8 +62,8 @@ std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const
                                         const std::vector<EffectSpec>& specs);
 
 // Leaves out, worst first, parameters that would stay unknown to more than a
-// typical size: they would only fit noise, and their values would mean nothing.
-// Returns their names.
+// typical size: they would only fit noise. Returns their names. In a refit they
+// get a wide prior instead, so that the intervals of the others stay true.
 std::vector<std::string> DropUninformed(const ProjectedResidual& residual, CandidateColumns* candidate);
 
 // How a deviation of each joint on its encoder side moves the rows, whitened,

@@ -11,6 +11,7 @@
 namespace sagitta {
 namespace {
 
+constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr int kShapesRefitted = 3;
 constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
 
@@ -33,8 +34,9 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   for (const Candidate& candidate : added) specs.push_back(candidate.spec);
   CalibrationProblem problem = believed.WithEffects(specs);
   for (const Candidate& candidate : added) {
-    for (const std::string& name : candidate.held) {
-      problem.parameters.coordinate(problem.parameters.FindCoordinate(name)).free = false;
+    for (const std::string& name : candidate.vague) {
+      Coordinate& coordinate = problem.parameters.coordinate(problem.parameters.FindCoordinate(name));
+      coordinate.prior_sigma = kPriorPerHoldLimit * TraitsOf(coordinate.quantity).hold_limit;
     }
   }
   BoundCompensatorShape(&problem.parameters);
@@ -129,6 +131,15 @@ void ScreenCompensator(const DiagnosedModel& model, const ProjectedResidual& res
   entry->score.penalised = shapes[0].reduction - Penalty(model, kCompensatorParameters, 1);
 }
 
+// Whether the screening sees another candidate that comes near the step.
+bool HasRival(const DiagnosedModel& without, const std::vector<Candidate>& candidates, const SelectionOptions& options,
+              const ChosenStep& step, double own) {
+  for (const ScreenedCandidate& entry : Screen(without, candidates, options.most_tests)) {
+    if (entry.candidate.spec.Path() != step.candidate.spec.Path()) return entry.score.penalised > own - options.tie;
+  }
+  return false;
+}
+
 // Drops each step once and lets the screening name a better one.
 bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates, const SelectionOptions& options,
              std::vector<ChosenStep>* steps, DiagnosedModel* model) {
@@ -143,8 +154,12 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
       *model = without;
       return true;
     }
+    const double own = without.estimate.chi2 - model->estimate.chi2 -
+                       Penalty(baseline, (*steps)[i].parameters, (*steps)[i].candidate.settings);
     Trial trial;
-    if (!PickStep(without, candidates, options, &trial)) continue;
+    if (!HasRival(without, candidates, options, (*steps)[i], own) || !PickStep(without, candidates, options, &trial)) {
+      continue;
+    }
     if (trial.step.candidate.spec.Path() == (*steps)[i].candidate.spec.Path()) continue;
     others.insert(others.begin() + static_cast<long>(i), trial.step);
     if (PenalisedTotal(baseline, without, others) + trial.step.reduction <= total + 1.0) continue;
@@ -180,7 +195,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
     if (specs[i].effect == "gravity_compensator") {
       ScreenCompensator(model, residual, deviations, &entry);
     } else {
-      entry.candidate.held = DropUninformed(residual, &columns[i]);
+      entry.candidate.vague = DropUninformed(residual, &columns[i]);
       entry.score = residual.Test(columns[i].columns, candidates[i].settings);
     }
     const double after =
@@ -226,18 +241,24 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
   std::vector<ChosenStep> steps;
   *model = baseline;
   Trial trial;
+  double total = 0.0;
   while (static_cast<int>(steps.size()) < options.most_steps && PickStep(*model, candidates, options, &trial)) {
     DiagnosedModel next = Extend(*model, {trial.step.candidate}, options.joint);
     if (!IsUsable(next.estimate.status)) break;
-    steps.push_back(trial.step);
-    *model = std::move(next);
+    std::vector<ChosenStep> longer = steps;
+    longer.push_back(trial.step);
     if (options.progress) {
-      options.progress("step " + std::to_string(steps.size()) + ": " + trial.step.candidate.spec.Path());
+      options.progress("step " + std::to_string(longer.size()) + ": " + trial.step.candidate.spec.Path());
     }
-    for (int pass = 0; steps.size() > 1 && pass < 2; ++pass) {
-      if (!SwapOne(baseline, candidates, options, &steps, model)) break;
+    for (int pass = 0; longer.size() > 1 && pass < 2; ++pass) {
+      if (!SwapOne(baseline, candidates, options, &longer, &next)) break;
     }
-    if (steps.size() >= 3 && PenalisedTotal(baseline, *model, steps) < options.decoy_gain) break;
+    const double now = PenalisedTotal(baseline, next, longer);
+    if (now <= total) break;  // what is added and dropped again goes round in circles
+    total = now;
+    steps = std::move(longer);
+    *model = std::move(next);
+    if (options.decoy_explains_all && steps.size() >= 3 && total < options.decoy_gain) break;
   }
   return steps;
 }

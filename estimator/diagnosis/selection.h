@@ -14,12 +14,14 @@ namespace sagitta {
 
 struct SelectionOptions {
   double significance = 0.005;  // of a step, corrected for the whole search
-  int most_steps = 8;
-  int refitted = 8;            // best of the screening that are refitted
-  double tie = 6.0;            // of the best penalised reduction: ties go to the simpler
-  int most_tests = 300;        // what the correlated search acts like at most
-  double decoy_gain = -1e300;  // of the best decoy on the baseline: three steps that lose to it are a stack that
-                               // imitates something else, and the search ends
+  int most_steps = 16;
+  int refitted = 8;      // best of the screening that are refitted
+  double tie = 6.0;      // of the best penalised reduction: ties go to the simpler
+  int most_tests = 300;  // what the correlated search acts like at most
+  // The best decoy on the baseline. Where it alone leaves nothing to explain, three
+  // steps that lose to it are a stack that imitates it, and the search ends.
+  double decoy_gain = -1e300;
+  bool decoy_explains_all = false;
   JointOptions joint;
   std::function<void(const std::string&)> progress;
 };

@@ -7,7 +7,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMostDecoys = 4;
+constexpr size_t kMostDecoys = 4;
 constexpr int kManyParameters = 3;
 
 // The best candidate beside what `residual` believes, by the rule of FORMATS
@@ -24,7 +24,7 @@ bool PickBeside(const DiagnosedModel& model, const ProjectedResidual& residual,
   for (size_t i = 0; i < candidates.size(); ++i) {
     ChosenStep entry;
     entry.candidate = candidates[i];
-    entry.candidate.held = DropUninformed(residual, &columns[i]);
+    entry.candidate.vague = DropUninformed(residual, &columns[i]);
     const Score score = residual.Test(columns[i].columns, candidates[i].settings);
     if (score.rank == 0 || score.penalised <= 0.0) continue;
     const double left = std::max(1.0, (chi2 - score.reduction) / std::max(1, model.estimate.dof));
@@ -45,26 +45,37 @@ bool PickBeside(const DiagnosedModel& model, const ProjectedResidual& residual,
   return true;
 }
 
-// Refits with one more step; false (and nothing changes) where that fails.
-bool Add(const ChosenStep& step, const SelectionOptions& options, std::vector<ChosenStep>* steps,
-         DiagnosedModel* model) {
-  DiagnosedModel next = Extend(*model, {step.candidate}, options.joint);
-  if (!IsUsable(next.estimate.status)) return false;
-  steps->push_back(step);
-  *model = std::move(next);
-  return true;
+// Steps chosen beside decoys whose kinds are believed, and the models after each.
+struct Beside {
+  std::vector<ChosenStep> steps;
+  std::vector<DiagnosedModel> models;  // one more than steps: the baseline first
+};
+
+Beside SelectBeside(const DiagnosedModel& baseline, const std::vector<Decoy>& decoys,
+                    const std::vector<Candidate>& candidates, const SelectionOptions& options) {
+  Beside beside{{}, {baseline}};
+  while (static_cast<int>(beside.steps.size()) < options.most_steps) {
+    const DiagnosedModel& model = beside.models.back();
+    ProjectedResidual residual(LinearizeEstimate(*model.problem, model.estimate.parameters));
+    for (const Decoy& decoy : decoys) residual = residual.With(ColumnsOfKind(model, decoy));
+    ChosenStep step;
+    if (!PickBeside(model, residual, candidates, options, &step)) break;
+    DiagnosedModel next = Extend(model, {step.candidate}, options.joint);
+    if (!IsUsable(next.estimate.status)) break;
+    beside.steps.push_back(step);
+    beside.models.push_back(std::move(next));
+  }
+  return beside;
 }
 
-// Forward steps beside the decoys' kinds, whose columns are believed.
-void SelectBeside(const std::vector<Decoy>& decoys, const std::vector<Candidate>& candidates,
-                  const SelectionOptions& options, std::vector<ChosenStep>* steps, DiagnosedModel* model) {
-  while (static_cast<int>(steps->size()) < options.most_steps) {
-    ProjectedResidual residual(LinearizeEstimate(*model->problem, model->estimate.parameters));
-    for (const Decoy& decoy : decoys) residual = residual.With(ColumnsOfKind(*model, decoy));
-    ChosenStep step;
-    if (!PickBeside(*model, residual, candidates, options, &step) || !Add(step, options, steps, model)) return;
-  }
+double Sum(const std::vector<ChosenStep>& steps, size_t count) {
+  double sum = 0.0;
+  for (size_t i = 0; i < count; ++i) sum += steps[i].penalised;
+  return sum;
 }
+
+// One cause instead of several is the simpler answer; one instead of one is a tie.
+double Margin(size_t steps_replaced) { return steps_replaced > 1 ? 0.0 : kUnknownMargin; }
 
 // Effects of many parameters lose much by p ln(n), decoys of many columns by
 // their marginal likelihood only: what a step gains when it is scored like them.
@@ -94,37 +105,38 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
                           const SelectionOptions& options, std::vector<ChosenStep>* steps, DiagnosedModel* model) {
   Unexplained rest;
   const double total = PenalisedTotal(baseline, *model, *steps) + MarginalBonus(baseline, *steps, options);
+  std::vector<Decoy> decoys;
   DiagnosedModel partial = baseline;
   std::vector<ChosenStep> held;
-  for (size_t kept = 0; kept < steps->size(); ++kept) {
-    if (kept > 0 && !Add((*steps)[kept - 1], options, &held, &partial)) return rest;
-    const Decoy decoy = BestDecoy(partial);
-    // One cause instead of several is the simpler answer; one instead of one is a tie.
-    const double margin = steps->size() - kept > 1 ? 0.0 : kUnknownMargin;
-    if (PenalisedTotal(baseline, partial, held) + decoy.penalised <= total + margin) continue;
-    std::vector<Decoy> decoys = {decoy};
-    const size_t before = held.size();
-    SelectBeside(decoys, candidates, options, &held, &partial);
-    // Further causes without a name must not bring steps back either.
-    while (held.size() > before && decoys.size() < kMostDecoys) {
-      decoys.push_back(BestDecoy(partial, decoys));
-      if (decoys.back().penalised < kUnknownMargin) break;
-      DiagnosedModel again = baseline;
-      std::vector<ChosenStep> kept_again;
-      for (size_t i = 0; i < before; ++i) Add(held[i], options, &kept_again, &again);
-      SelectBeside(decoys, candidates, options, &kept_again, &again);
-      const bool settled = kept_again.size() == held.size();
-      held = std::move(kept_again);
-      partial = std::move(again);
-      if (settled) break;
+  for (size_t kept = 0; kept < steps->size() && decoys.empty(); ++kept) {
+    if (kept > 0) {
+      held.push_back((*steps)[kept - 1]);
+      partial = Extend(partial, {held.back().candidate}, options.joint);
+      if (!IsUsable(partial.estimate.status)) return rest;
     }
-    rest.found = true;
-    rest.decoy = held.empty() ? decoy : BestDecoy(partial);
-    *steps = std::move(held);
-    *model = std::move(partial);
+    const Decoy decoy = BestDecoy(partial);
+    const double gain = PenalisedTotal(baseline, partial, held) + decoy.penalised;
+    if (gain > total + Margin(steps->size() - kept)) decoys.push_back(decoy);
+  }
+  if (decoys.empty()) return rest;
+  rest.found = true;
+  rest.decoy = decoys[0];
+  // Beside what has no name the same question again, until the steps hold.
+  for (;;) {
+    Beside beside = SelectBeside(baseline, decoys, candidates, options);
+    const double sum = Sum(beside.steps, beside.steps.size());
+    bool holds = true;
+    for (size_t kept = 0; kept < beside.steps.size() && holds && decoys.size() < kMostDecoys; ++kept) {
+      const Decoy decoy = BestDecoy(beside.models[kept], decoys);
+      holds = Sum(beside.steps, kept) + decoy.penalised <= sum + Margin(beside.steps.size() - kept);
+      if (!holds) decoys.push_back(decoy);
+    }
+    if (!holds) continue;
+    *model = std::move(beside.models.back());
+    *steps = std::move(beside.steps);
+    if (!steps->empty()) rest.decoy = BestDecoy(*model);
     return rest;
   }
-  return rest;
 }
 
 }  // namespace sagitta
