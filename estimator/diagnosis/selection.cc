@@ -241,23 +241,27 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
   std::vector<ChosenStep> steps;
   *model = baseline;
   Trial trial;
+  std::vector<Candidate> open = candidates;
   double total = 0.0;
-  while (static_cast<int>(steps.size()) < options.most_steps && PickStep(*model, candidates, options, &trial)) {
+  while (static_cast<int>(steps.size()) < options.most_steps && PickStep(*model, open, options, &trial)) {
+    const std::string path = trial.step.candidate.spec.Path();
     DiagnosedModel next = Extend(*model, {trial.step.candidate}, options.joint);
-    if (!IsUsable(next.estimate.status)) break;
     std::vector<ChosenStep> longer = steps;
     longer.push_back(trial.step);
-    if (options.progress) {
-      options.progress("step " + std::to_string(longer.size()) + ": " + trial.step.candidate.spec.Path());
+    const bool fits = IsUsable(next.estimate.status) && PenalisedTotal(baseline, next, longer) > total;
+    for (int pass = 0; fits && longer.size() > 1 && pass < 2; ++pass) {
+      if (!SwapOne(baseline, open, options, &longer, &next)) break;
     }
-    for (int pass = 0; longer.size() > 1 && pass < 2; ++pass) {
-      if (!SwapOne(baseline, candidates, options, &longer, &next)) break;
+    const double now = fits ? PenalisedTotal(baseline, next, longer) : total;
+    if (now <= total) {  // it does not keep what the quick refit promised, or goes round in circles
+      open.erase(std::remove_if(open.begin(), open.end(), [&](const Candidate& c) { return c.spec.Path() == path; }),
+                 open.end());
+      continue;
     }
-    const double now = PenalisedTotal(baseline, next, longer);
-    if (now <= total) break;  // what is added and dropped again goes round in circles
     total = now;
     steps = std::move(longer);
     *model = std::move(next);
+    if (options.progress) options.progress("step " + std::to_string(steps.size()) + ": " + path);
     if (options.decoy_explains_all && steps.size() >= 3 && total < options.decoy_gain) break;
   }
   return steps;
