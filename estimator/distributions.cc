@@ -54,4 +54,16 @@ double KolmogorovSurvival(double d, double n) {
   return std::min(1.0, std::max(0.0, sum));
 }
 
+double BetaQuantile(double p, double a, double b) {
+  return Bisect([&](double x) { return Eigen::numext::betainc(a, b, x) - p; }, 0.0, 1.0);
+}
+
+BinomialInterval ClopperPearson(int successes, int trials, double level) {
+  const double tail = 0.5 * (1.0 - level);
+  BinomialInterval interval;
+  if (successes > 0) interval.low = BetaQuantile(tail, successes, trials - successes + 1.0);
+  if (successes < trials) interval.high = BetaQuantile(1.0 - tail, successes + 1.0, trials - successes);
+  return interval;
+}
+
 }  // namespace sagitta

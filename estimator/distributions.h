@@ -13,5 +13,15 @@ double StudentQuantile(double p, double dof);
 // P(largest distance between an empirical distribution of n numbers and the true one > d), Kolmogorov's series with
 // Stephens' correction for finite n; two samples: n = n1 n2 / (n1 + n2).
 double KolmogorovSurvival(double d, double n);
+// x with P(Beta(a, b) <= x) = p.
+double BetaQuantile(double p, double a, double b);
+
+// Clopper and Pearson's interval of a probability from `successes` of `trials`:
+// covers at least `level`, whatever the probability.
+struct BinomialInterval {
+  double low = 0.0;
+  double high = 1.0;
+};
+BinomialInterval ClopperPearson(int successes, int trials, double level = 0.95);
 
 }  // namespace sagitta

@@ -2,11 +2,13 @@
 // units of FORMATS section 4.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "estimator/identifiability.h"
+#include "estimator/intervals/held_influence.h"
 #include "estimator/noise_report.h"
 #include "models/robot.h"
 #include "problems/noise_model.h"
@@ -50,13 +52,35 @@ struct ParameterEstimate {
   bool identifiable = true;  // false: held, the data cannot tell it
   bool at_bound = false;     // the value or its interval meets the physical bound
   bool weak = false;         // known worse than 1 mm, 1 mrad or half its value
+
+  double dof = std::numeric_limits<double>::infinity();  // of the interval: Student's t; infinity: normal
+  // With what held parameters may do to it (held_influence.h): the value tied to
+  // them, and they themselves. Equal to sigma and ci95 where nothing is held.
+  bool tied = false;
+  double unconditional_sigma = 0.0;
+  Interval unconditional_ci95;
+  bool open_low = false, open_high = false;  // profile likelihood: no end on that side
+};
+
+// How the intervals came about (experiment key `covariance`).
+struct IntervalReport {
+  std::string method = "model";  // model, sandwich, bootstrap, profile
+  std::string kind;              // bootstrap: parametric, configurations
+  int clusters = 0;              // sandwich and bootstrap of configurations
+  int replicates = 0;            // bootstrap: refits used
+  int failed = 0;                // refits that did not converge, ends that did not close
+  unsigned long long seed = 0;   // bootstrap
+  std::string words;
+
+  // Seen in the residuals of whole configurations instead of scaled into the model's covariance.
+  bool is_empirical() const { return method == "sandwich" || kind == "configurations"; }
 };
 
 struct SigmaReport {
   bool stated = false;        // by rows, experiment or flag
   double estimated = 0.0;     // m, the common sigma where none is stated
   double a_posteriori = 1.0;  // root of reduced chi-square
-  bool scaled = false;        // intervals multiplied by a_posteriori
+  bool scaled = false;        // the noise is taken as a_posteriori times the stated sigmas
   double p_value = 1.0;       // of chi-square at the stated sigmas
 };
 
@@ -71,8 +95,12 @@ struct Estimate {
   ParameterSet aligned;                  // nominal robot, base and markers fitted: "before"
   std::vector<ParameterEstimate> table;  // one per coordinate
 
-  std::vector<int> estimated;  // coordinates behind the rows of `covariance`
-  Eigen::MatrixXd covariance;  // SI, scaled where sigma.scaled or not stated
+  std::vector<int> estimated;        // coordinates behind the rows of `covariance`
+  Eigen::MatrixXd covariance;        // SI, by intervals.method; profile: that of the model
+  Eigen::MatrixXd model_covariance;  // SI, (J'J)^-1, scaled where sigma.scaled or not stated
+  Eigen::VectorXd interval_dof;      // of each estimated one's interval; infinity: normal
+  HeldInfluence held;                // what held parameters do to the estimated ones
+  IntervalReport intervals;
   Identifiability identifiability;
   SigmaReport sigma;
   NoiseReport noise_report;

@@ -211,6 +211,7 @@ void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
   if (!estimate->sigma.stated) scale = estimate->sigma.estimated / kFallbackSigma;
   if (estimate->sigma.scaled) scale = estimate->sigma.a_posteriori;
   estimate->covariance = scale * scale * covariance;
+  estimate->intervals = IntervalReport();
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {
     ParameterEstimate& row = estimate->table[estimate->estimated[c]];
     const double sigma = std::sqrt(estimate->covariance(c, c));

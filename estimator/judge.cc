@@ -6,6 +6,8 @@
 #include <tuple>
 
 #include "estimator/distributions.h"
+#include "estimator/intervals/sandwich.h"
+#include "estimator/intervals/table.h"
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
 #include "problems/loads.h"
@@ -54,63 +56,75 @@ double CovarianceScale(const SigmaReport& sigma) {
   return sigma.scaled ? sigma.a_posteriori : 1.0;
 }
 
-bool IsWeak(const ParameterEstimate& row) {
-  const double limit = TraitsOf(row.quantity).weak_limit;
-  return row.sigma > (limit > 0.0 ? limit : 0.5 * std::abs(row.value));
+// Variance of each row's prediction / sigma^2 under a covariance of the estimated columns.
+Eigen::VectorXd RowVariances(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& covariance) {
+  return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
 }
 
-void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
-  const bool is_student = !estimate->sigma.stated || estimate->sigma.scaled;
-  const double quantile = is_student ? StudentQuantile(0.975, std::max(1, estimate->dof)) : NormalQuantile(0.975);
-  const ParameterSet& parameters = estimate->parameters;
-  estimate->table.clear();
-  for (int i = 0; i < parameters.num_coordinates(); ++i) {
-    const Coordinate& coordinate = parameters.coordinates()[i];
-    ParameterEstimate row;
-    row.name = coordinate.name;
-    row.quantity = coordinate.quantity;
-    row.value = parameters.Value(i);
-    row.nominal = estimate->aligned.num_coordinates() > 0 ? estimate->aligned.Value(i) : problem.parameters.Value(i);
-    row.free = coordinate.estimated();
-    row.identifiable = !coordinate.held;
-    row.ci95 = {row.value, row.value};
-    estimate->table.push_back(row);
-  }
-  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
-    ParameterEstimate& row = estimate->table[estimate->estimated[c]];
-    row.sigma = std::sqrt(estimate->covariance(c, c));
-    row.ci95 = {row.value - quantile * row.sigma, row.value + quantile * row.sigma};
-    row.weak = IsWeak(row);
-    const double lower = parameters.coordinates()[estimate->estimated[c]].lower;
-    row.at_bound = row.ci95.low < lower;
-    row.ci95.low = std::max(row.ci95.low, lower);
-  }
-}
-
-// Leverage of every row and the parameters' share of the predicted hold-out error.
+// Leverage of every row and the parameters' share of the predicted hold-out
+// error. `all` has the columns of the estimated, then of the held coordinates.
 void JudgeRows(const CalibrationProblem& problem, const Linearization& all, double scale, Estimate* estimate) {
   const int n = static_cast<int>(all.observations.size());
-  const Eigen::LLT<Eigen::MatrixXd> factor(estimate->covariance);
-  const Eigen::MatrixXd root = factor.matrixL();
-  const Eigen::MatrixXd whitened = all.jacobian * root;  // rows: standard deviations of predictions / sigma
-  const Eigen::VectorXd variance = whitened.rowwise().squaredNorm();
+  const auto estimated = static_cast<int>(estimate->estimated.size());
+  const Eigen::MatrixXd jacobian = all.jacobian.leftCols(estimated);
+  const Eigen::VectorXd by_model = RowVariances(jacobian, estimate->model_covariance);
+  const HeldInfluence& held = estimate->held;
+  const Eigen::MatrixXd open = all.jacobian.rightCols(held.coordinates.size()) + jacobian * held.slopes;
   estimate->leverage.resize(n);
   double sum = 0.0;
   double floor = 0.0;
   int coordinates = 0;
   for (int k = 0; k < n; ++k) {
-    estimate->leverage[k] = variance.segment<3>(3 * k).mean() / (scale * scale);
+    estimate->leverage[k] = by_model.segment<3>(3 * k).mean() / (scale * scale);
     if (!problem.data.IsValidation(problem.data.observations[k])) continue;
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
     const Matrix3<double>& own = estimate->noise[k];
     const double noise = own.squaredNorm() + (own * all.latent.middleRows<3>(3 * k)).squaredNorm();
-    const double parameters = (own * whitened.middleRows<3>(3 * k)).squaredNorm();
-    sum += scale * scale * noise + parameters;
-    floor += noise + parameters / (scale * scale);
+    const auto variance = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
+      const Eigen::MatrixXd metres = own * columns.middleRows<3>(3 * k);
+      return (metres * covariance * metres.transpose()).trace();
+    };
+    sum += scale * scale * noise + variance(jacobian, estimate->covariance) + variance(open, held.second_moment);
+    floor += noise + variance(jacobian, estimate->model_covariance) / (scale * scale);
     coordinates += 3;
   }
   estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
   estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
+}
+
+// Covariance of the estimated parameters, and what the held ones add. False where
+// the Jacobian is singular.
+bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& linearization, double scale,
+                     const NoiseRoots& noise, Estimate* estimate) {
+  const LinearSolution solution = SolveLinearization(linearization);
+  if (!solution.full_rank) return false;
+  estimate->model_covariance = scale * scale * solution.covariance;
+  estimate->covariance = estimate->model_covariance;
+  estimate->identifiability.rank = linearization.num_columns();
+  estimate->identifiability.condition = solution.condition;
+  estimate->identifiability.weak = FindWeak(linearization, estimate->parameters, scale);
+  std::vector<int> columns = estimate->estimated;
+  const std::vector<int> held = HeldCoordinates(estimate->parameters);
+  columns.insert(columns.end(), held.begin(), held.end());
+  Linearization both = linearization;
+  if (!held.empty()) {
+    both = Linearize(problem, estimate->parameters, linearization.observations, columns, noise);
+    AppendPriors(estimate->parameters, &both);
+  }
+  estimate->held = FindHeldInfluence(both, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
+  estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
+  estimate->intervals = IntervalReport();
+  if (problem.experiment.covariance != "sandwich") return true;
+  const RobustCovariance robust =
+      SandwichCovariance(linearization, ConfigurationClusters(problem.data, linearization.observations));
+  estimate->covariance = robust.covariance;
+  estimate->interval_dof = robust.dof;
+  estimate->intervals.method = "sandwich";
+  estimate->intervals.clusters = robust.clusters;
+  estimate->intervals.words =
+      "robust covariance, clustered by configuration (" + std::to_string(robust.clusters) +
+      "): whatever rows of one configuration share, and whatever differs between configurations, counts as it is seen";
+  return true;
 }
 
 // Each loaded observation against the mean of the unloaded ones of its
@@ -162,27 +176,23 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const NoiseRoots noise = ObservationNoise(problem, calibration, kFallbackSigma);
   Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, noise);
   AppendPriors(parameters, &linearization);
-  const LinearSolution solution = SolveLinearization(linearization);
-  if (!solution.full_rank) {  // a value on its bound can take others' columns with it
-    estimate->status = Status::kSingular;
-    estimate->message = "the identification Jacobian is singular at the estimate";
-    return;
-  }
   estimate->cost = 0.5 * linearization.residual.squaredNorm();
   JudgeNoise(problem, linearization, estimate);
   const double scale = CovarianceScale(estimate->sigma);
-  estimate->covariance = scale * scale * solution.covariance;
-  estimate->identifiability.rank = linearization.num_columns();
-  estimate->identifiability.condition = solution.condition;
-  estimate->identifiability.weak = FindWeak(linearization, parameters, scale);
+  if (!JudgeCovariance(problem, linearization, scale, noise, estimate)) {
+    estimate->status = Status::kSingular;
+    estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
+    return;
+  }
   FillTable(problem, estimate);
 
   std::vector<int> all(problem.data.observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
   estimate->predicted = PredictPoints(problem, parameters, all);
-  JudgeRows(problem,
-            Linearize(problem, parameters, all, estimate->estimated, estimate->noise, LatentTreatment::kIgnore), scale,
+  std::vector<int> columns = estimate->estimated;
+  columns.insert(columns.end(), estimate->held.coordinates.begin(), estimate->held.coordinates.end());
+  JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore), scale,
             estimate);
   if (!estimate->sigma.stated) {
     for (Matrix3<double>& root : estimate->noise) root *= estimate->sigma.estimated / kFallbackSigma;

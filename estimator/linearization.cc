@@ -163,6 +163,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
   if (n == 0) {  // everything is held; Eigen's SVD takes no empty matrix
     solution.step.resize(0);
     solution.covariance.resize(0, 0);
+    solution.covariance_root.resize(0, 0);
     solution.residual_norm_squared = linearization.residual.squaredNorm();
     return solution;
   }
@@ -181,6 +182,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
   const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
   const Eigen::MatrixXd unscaled = scale.cwiseInverse().asDiagonal() * inverse;
   solution.step = -unscaled * rotated.head(n);
+  solution.covariance_root = unscaled;
   solution.covariance = unscaled * unscaled.transpose();
   return solution;
 }

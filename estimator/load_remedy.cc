@@ -70,7 +70,7 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
   background.columns = estimate.estimated;
   background.columns.push_back(held);
   const double scale = NoiseScale(estimate.sigma);
-  background.covariance = estimate.covariance / (scale * scale);
+  background.covariance = estimate.model_covariance / (scale * scale);
   const std::vector<int> rows = problem.CalibrationObservations();
   Linearization here = Linearize(problem, estimate.parameters, rows, background.columns,
                                  ObservationNoise(problem, rows, kFallbackSigma));

@@ -156,7 +156,6 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
   Robot elastic = WithCompliances(std::move(robot), compliant);
   CalibrationProblem problem(std::move(elastic), std::move(data), std::move(experiment));
-  RefuseUnsupported(problem);
   CheckNames(problem);
   CheckCompensator(problem);
   CheckEffects(problem);

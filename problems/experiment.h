@@ -83,6 +83,13 @@ struct ValidationSpec {
   bool by_time = false;
 };
 
+// How `covariance: bootstrap` draws.
+struct BootstrapSpec {
+  std::string kind = "automatic";  // automatic | parametric | configurations
+  int replicates = 999;
+  unsigned long long seed = 1;
+};
+
 struct Experiment {
   std::string file;  // "" when put together from the command line
   std::string sha256;
@@ -101,6 +108,7 @@ struct Experiment {
   RepeatabilitySpec repeatability;
   std::string weights = "sigma";     // sigma | equal | eq14
   std::string covariance = "model";  // model | sandwich | bootstrap | profile
+  BootstrapSpec bootstrap;
   std::string loss = "none";         // none | huber | cauchy
   EstimateSpec estimate;
   std::map<std::string, Prior> priors;

@@ -13,11 +13,6 @@ void FailProblem(const CalibrationProblem& problem, const std::string& key, cons
   throw InputError({problem.experiment.file, 0, key}, what, hint);
 }
 
-void RefuseUnsupported(const CalibrationProblem& problem) {
-  const Experiment& experiment = problem.experiment;
-  if (experiment.covariance != "model") FailProblem(problem, "covariance", "only model is supported yet", "use model");
-}
-
 void CheckNames(const CalibrationProblem& problem) {
   for (const auto& [name, spec] : problem.experiment.markers) {
     const auto& known = problem.data.markers;

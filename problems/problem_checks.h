@@ -11,9 +11,6 @@ namespace sagitta {
 [[noreturn]] void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
                               const std::string& hint = "");
 
-// What FORMATS allows and this version cannot honour yet is refused, not ignored.
-void RefuseUnsupported(const CalibrationProblem& problem);
-
 // Markers and stations of the experiment that no row has.
 void CheckNames(const CalibrationProblem& problem);
 

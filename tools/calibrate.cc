@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "estimator/compare_methods.h"
+#include "estimator/intervals/intervals.h"
 #include "estimator/noise_loop.h"
 #include "estimator/unit_guess.h"
 #include "problems/input_error.h"
@@ -91,9 +92,12 @@ int RunCalibrate(const CommandLine& line) {
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
   ResolvedEstimate resolved{ProblemFromInputs(inputs), {}};
   CheckMethodKnowsNoise(resolved.problem);
+  CheckIntervalsFit(resolved.problem, FLAGS_method);
   {
     Progress progress(FLAGS_quiet);
     resolved = RunEstimate(resolved.problem, &progress);
+    const IntervalOptions options{FLAGS_threads, [&progress](const std::string& what) { progress.Say(what); }};
+    if (IsUsable(resolved.estimate.status)) AddIntervals(resolved.problem, options, &resolved.estimate);
   }
   const CalibrationProblem& problem = resolved.problem;
   Estimate& estimate = resolved.estimate;

@@ -9,6 +9,7 @@ Command CalibrateCommand();
 Command PredictCommand();
 Command SimulateCommand();
 Command CompareCommand();
+Command CoverageCommand();
 Command DiagnoseCommand();
 Command ReproduceCommand();
 

@@ -4,6 +4,7 @@
 
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
+#include "tools/intervals_json.h"
 #include "tools/loading_json.h"
 #include "tools/noise_json.h"
 
@@ -76,13 +77,7 @@ Json ParameterToJson(const ParameterEstimate& row, const Estimate& estimate) {
   const auto in_unit = [&](double si) { return si / traits.si_per_unit; };
   Json json = {
       {"name", row.name}, {"value", in_unit(row.value)}, {"unit", traits.unit}, {"nominal", in_unit(row.nominal)}};
-  // No redundancy and no stated noise: nothing says how certain a value is.
-  const bool has_sigma = row.free && std::isfinite(row.sigma) && row.sigma > 0.0;
-  json["sigma"] = has_sigma ? Json(in_unit(row.sigma)) : Json(nullptr);
-  json["ci95"] = has_sigma ? Json::array({in_unit(row.ci95.low), in_unit(row.ci95.high)}) : Json(nullptr);
-  json["free"] = row.free;
-  json["identifiable"] = row.identifiable;
-  json["at_bound"] = row.at_bound;
+  AddIntervalTo(row, estimate, &json);
   const Json conditional = ConditionalOn(row, estimate);
   if (!conditional.empty()) json["conditional_on"] = conditional;
   return json;
@@ -125,8 +120,9 @@ Json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiabil
   return json;
 }
 
-Json SigmaToJson(const SigmaReport& sigma) {
-  Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", sigma.scaled}, {"stated", sigma.stated}};
+Json SigmaToJson(const SigmaReport& sigma, const IntervalReport& intervals) {
+  const bool scaled = sigma.scaled && !intervals.is_empirical();
+  Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", sigma.stated}};
   json["estimated_mm"] = sigma.stated ? Json(nullptr) : Json(Millimetres(sigma.estimated));
   json["p_value"] = sigma.p_value;
   return json;
@@ -215,9 +211,12 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["parameters"] = Json::array();
   for (const ParameterEstimate& row : estimate.table) json["parameters"].push_back(ParameterToJson(row, estimate));
   json["correlation"] = CorrelationToJson(estimate);
+  json["intervals"] = IntervalsToJson(estimate.intervals);
+  json["held"] = HeldToJson(estimate);
   json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
-  json["sigma"] = SigmaToJson(estimate.sigma);
+  json["sigma"] = SigmaToJson(estimate.sigma, estimate.intervals);
   json["noise"] = NoiseToJson(problem, estimate);
+  json["prediction_noise"] = PredictionNoiseToJson(problem, estimate);
   json["warnings"] = WarningsOf(problem, estimate);
   json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);

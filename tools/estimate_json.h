@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "estimator/estimate.h"
+#include "estimator/intervals/prediction.h"
 #include "problems/calibration_problem.h"
 #include "tools/problem_from_arguments.h"
 
@@ -31,9 +32,9 @@ struct KnownRobot {
   Robot robot;
   std::map<std::string, Pose<double>> base_in_station;
   std::map<std::string, MarkerSpec> markers;  // points are set
-  Experiment loading;                         // loads, tool and gravity; nothing else of it
-  std::vector<std::string> uncertain;         // coordinate names behind `covariance`
-  Eigen::MatrixXd covariance;                 // SI
+  Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
+  ParameterUncertainty uncertainty;
+  double noise_scale = 1.0;  // of stated sigmas and repeatability
 };
 
 // Throws InputError.

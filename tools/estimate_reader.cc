@@ -6,6 +6,7 @@
 #include "problems/io/robot_file.h"
 #include "problems/loads.h"
 #include "tools/estimate_json.h"
+#include "tools/intervals_json.h"
 #include "tools/loading_json.h"
 
 namespace sagitta {
@@ -25,6 +26,11 @@ class EstimateReader {
     ReadMarkers(Get(json, "markers"));
     if (json.contains("loading")) ReadLoading(json.at("loading"), &known_.loading);
     ReadCovariance(json);
+    known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
+    if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
+    if (json.contains("prediction_noise")) {
+      known_.noise_scale = ReadPredictionNoise(json.at("prediction_noise"), &known_.loading);
+    }
     return known_;
   }
 
@@ -103,18 +109,18 @@ class EstimateReader {
     const std::map<std::string, double> deviations = Deviations(json);
     const Json& correlation = Get(json, "correlation");
     const Json& matrix = Get(correlation, "matrix");
-    for (const Json& name : Get(correlation, "names")) known_.uncertain.push_back(name.get<std::string>());
-    const size_t n = known_.uncertain.size();
+    for (const Json& name : Get(correlation, "names")) known_.uncertainty.estimated.push_back(name.get<std::string>());
+    const size_t n = known_.uncertainty.estimated.size();
     if (matrix.size() != n) Fail("correlation.matrix", "as many rows as names are expected");
-    known_.covariance.resize(n, n);
+    known_.uncertainty.covariance.resize(n, n);
     const auto deviation = [&](size_t i) {
-      const auto found = deviations.find(known_.uncertain[i]);
+      const auto found = deviations.find(known_.uncertainty.estimated[i]);
       return found == deviations.end() ? 0.0 : found->second;
     };
     for (size_t r = 0; r < n; ++r) {
       if (matrix[r].size() != n) Fail("correlation.matrix", "a square matrix is expected");
       for (size_t c = 0; c < n; ++c) {
-        known_.covariance(r, c) = Number(matrix[r][c], "correlation.matrix") * deviation(r) * deviation(c);
+        known_.uncertainty.covariance(r, c) = Number(matrix[r][c], "correlation.matrix") * deviation(r) * deviation(c);
       }
     }
   }
@@ -184,6 +190,7 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
     problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
   }
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
+  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   return problem;
 }
 

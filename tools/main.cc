@@ -23,7 +23,7 @@ const std::vector<Command>& Commands() {
       DiagnoseCommand(),
       {"validate", "before and after on unseen configurations", "", {}},
       {"inspect", "lint, identifiability, leverage, without estimating", "", {}},
-      {"coverage", "do the intervals hold what they promise", "", {}},
+      CoverageCommand(),
       {"plan", "which poses to measure next", "", {}},
       {"compensate", "corrected joint values for targets", "", {}},
       ReproduceCommand(),

@@ -1,11 +1,14 @@
 // sagitta predict: points of measurement rows from an estimate.
 #include <gflags/gflags.h>
 
+#include <Eigen/Eigenvalues>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <numeric>
 #include <stdexcept>
 
+#include "estimator/intervals/prediction.h"
 #include "estimator/linearization.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -17,28 +20,54 @@
 namespace sagitta {
 namespace {
 
-// Standard deviations of the predicted points from those of the parameters, m.
-Eigen::Matrix3Xd PredictedSigmas(const CalibrationProblem& problem, const KnownRobot& known,
-                                 const std::vector<int>& observations) {
-  std::vector<int> columns, rows_of_covariance;
-  for (size_t i = 0; i < known.uncertain.size(); ++i) {
-    const int coordinate = problem.parameters.FindCoordinate(known.uncertain[i]);
-    if (coordinate < 0) continue;  // a station or marker that these rows do not have
-    columns.push_back(coordinate);
-    rows_of_covariance.push_back(static_cast<int>(i));
+std::vector<AddedColumn> NumberColumns(const std::vector<std::string>& names, const Eigen::MatrixXd& values) {
+  std::vector<AddedColumn> columns;
+  for (size_t c = 0; c < names.size(); ++c) {
+    AddedColumn column{names[c], {}};
+    for (int k = 0; k < values.cols(); ++k) {
+      column.cells.push_back(std::isfinite(values(c, k)) ? FormatNumber(values(c, k)) : "");
+    }
+    columns.push_back(std::move(column));
   }
-  const int n = static_cast<int>(columns.size());
-  Eigen::MatrixXd covariance(n, n);
-  for (int r = 0; r < n; ++r) {
-    for (int c = 0; c < n; ++c) covariance(r, c) = known.covariance(rows_of_covariance[r], rows_of_covariance[c]);
+  return columns;
+}
+
+// One point's uncertainty in mm, as the rows of the columns below.
+Eigen::VectorXd Shares(const PredictionCovariance& point, const Vector3<double>& instrument) {
+  const Matrix3<double> mean = 1e6 * point.mean();
+  const Eigen::SelfAdjointEigenSolver<Matrix3<double>> ellipsoid(mean);
+  Eigen::VectorXd shares(28);
+  shares.head<3>() = mean.diagonal().cwiseMax(0.0).cwiseSqrt();
+  shares[3] = std::sqrt(std::max(0.0, mean.trace()));
+  shares.segment<3>(4) << mean(0, 1), mean(0, 2), mean(1, 2);
+  for (int i = 0; i < 3; ++i) {  // largest first
+    shares[7 + 4 * i] = std::sqrt(std::max(0.0, ellipsoid.eigenvalues()[2 - i]));
+    shares.segment<3>(8 + 4 * i) = ellipsoid.eigenvectors().col(2 - i);
   }
-  const NoiseRoots ones(observations.size(), Matrix3<double>::Identity());
-  const Linearization linearization =
-      Linearize(problem, problem.parameters, observations, columns, ones, LatentTreatment::kIgnore);
-  const Eigen::VectorXd variance =
-      (linearization.jacobian * covariance).cwiseProduct(linearization.jacobian).rowwise().sum();
-  const Eigen::VectorXd sigmas = variance.cwiseMax(0.0).cwiseSqrt();
-  return Eigen::Map<const Eigen::Matrix3Xd>(sigmas.data(), 3, observations.size());
+  shares.segment<3>(19) = 1e3 * point.held.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Vector3<double> arm = 1e6 * point.arm.diagonal();
+  shares.segment<3>(22) = arm.cwiseSqrt();
+  shares.segment<3>(25) = 1e3 * instrument;  // NaN: not known
+  return shares;
+}
+
+std::vector<AddedColumn> UncertaintyColumns(const CalibrationProblem& problem, const KnownRobot& known,
+                                            const std::vector<int>& observations, double* largest) {
+  static const std::vector<std::string> kNames = {
+      "psig_x_mm",  "psig_y_mm", "psig_z_mm", "psig_distance_mm", "pcov_xy_mm2", "pcov_xz_mm2", "pcov_yz_mm2",
+      "paxis1_mm",  "paxis1_x",  "paxis1_y",  "paxis1_z",         "paxis2_mm",   "paxis2_x",    "paxis2_y",
+      "paxis2_z",   "paxis3_mm", "paxis3_x",  "paxis3_y",         "paxis3_z",    "pheld_x_mm",  "pheld_y_mm",
+      "pheld_z_mm", "parm_x_mm", "parm_y_mm", "parm_z_mm",        "pnoise_x_mm", "pnoise_y_mm", "pnoise_z_mm"};
+  const std::vector<PredictionCovariance> points =
+      PredictionCovariances(problem, known.uncertainty, observations, known.noise_scale);
+  Eigen::MatrixXd values(kNames.size(), observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    Vector3<double> instrument = known.noise_scale * problem.NoiseRoot(observations[k]).rowwise().norm();
+    if (!(instrument.minCoeff() > 0.0)) instrument.setConstant(std::nan(""));
+    values.col(k) = Shares(points[k], instrument);
+  }
+  *largest = observations.empty() ? 0.0 : values.topRows(3).maxCoeff();
+  return NumberColumns(kNames, values);
 }
 
 int RunPredict(const CommandLine& line) {
@@ -54,15 +83,15 @@ int RunPredict(const CommandLine& line) {
   std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
   if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
-  const Eigen::Matrix3Xd sigmas = PredictedSigmas(problem, known, all);
   std::vector<AddedColumn> added = PointColumns("pred_", points);
-  for (const AddedColumn& column : PointColumns("psig_", sigmas)) added.push_back(column);
+  double largest = 0.0;  // mm
+  for (const AddedColumn& column : UncertaintyColumns(problem, known, all, &largest)) added.push_back(column);
   const std::string csv = RowsToCsv(problem.data, added);
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
-  std::cout << all.size() << " points predicted, their standard deviation at most "
-            << Fixed(1e3 * (all.empty() ? 0.0 : sigmas.maxCoeff()), 4) << " mm per axis: " << FLAGS_out << "\n";
+  std::cout << all.size() << " points predicted, their standard deviation at most " << Fixed(largest, 4)
+            << " mm per axis: " << FLAGS_out << "\n";
   return 0;
 }
 
@@ -73,9 +102,19 @@ Command PredictCommand() {
           "points of measurement rows from an estimate, with standard deviations",
           R"(sagitta predict ESTIMATE.json MEAS.csv… --out=FILE.csv
 
-Adds pred_x_mm … (the point in the frame of the row's station) and psig_x_mm … (its standard deviation
-from the uncertainty of the parameters; the noise of a measurement is not in it) to every row.
-x, y, z of the rows may be absent.
+Adds to every row (x, y, z of the rows may be absent; all in the frame of the row's station):
+
+  pred_x_mm …                the point
+  psig_x_mm …                its standard deviation from the uncertainty of the parameters; the noise of a
+                             measurement is not in it. What the calibration could not tell (held parameters) is:
+                             where it matters, the figure is as large as that parameter's possible range
+  psig_distance_mm           RMS of the 3-D distance, sqrt(x² + y² + z²) of psig
+  pcov_xy_mm2 …              covariances beside the squares of psig
+  paxis1_mm, paxis1_x …      semi-axis of the one-sigma ellipsoid and its direction, largest first; 95 % of such
+                             ellipsoids hold the point when scaled by 2.80
+  pheld_x_mm …               the share of held parameters in psig
+  parm_x_mm …                standard deviation of where the arm stops at one arrival (repeatability); not in psig
+  pnoise_x_mm …              standard deviation of one measurement (row or estimate); empty: not known; not in psig
 
 Examples
   sagitta predict results/estimate.json new_poses.csv --out=predicted.csv

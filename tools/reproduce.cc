@@ -12,7 +12,7 @@
 #include "tools/progress.h"
 #include "tools/reproduce_data.h"
 
-DEFINE_int32(trials, 1000, "of every Monte-Carlo study");
+DEFINE_int32(trials, 1000, "of the Monte-Carlo study");
 DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, else as built)");
 
 namespace sagitta {

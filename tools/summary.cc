@@ -62,6 +62,11 @@ Section ValidationSection(const Estimate& estimate) {
 std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
   const double reduced = estimate.chi2 / std::max(1, estimate.dof);
   const SigmaReport& sigma = estimate.sigma;
+  if (sigma.scaled && estimate.intervals.is_empirical()) {
+    return "The residuals are " + Significant(sigma.a_posteriori, 3) +
+           " times the stated sigmas (p = " + Significant(sigma.p_value, 2) +
+           "); the intervals take the scatter as it is seen between configurations.";
+  }
   if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
     return "The stated sigmas explain 1/" + Fixed(reduced, 0) +
            " of the scatter: the robot or the model, not the instrument, is the noise; all intervals are scaled by " +
@@ -137,7 +142,7 @@ Section ParameterSection(const Estimate& estimate) {
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs = {
         "held: stays where nominal robot and alignment put it. tied: moves with a held one; the "
-        "interval takes that one as exact."};
+        "interval takes that one as exact; with what that one may be: `unconditional` in estimate.json."};
   }
   return section;
 }

@@ -198,6 +198,20 @@ ValidationSpec ReadValidation(const YamlValue& value) {
   return validation;
 }
 
+BootstrapSpec ReadBootstrap(const YamlValue& value) {
+  YamlMap map(value);
+  BootstrapSpec bootstrap;
+  if (const auto kind = map.Find("kind")) bootstrap.kind = kind->OneOf({"automatic", "parametric", "configurations"});
+  if (const auto replicates = map.Find("replicates")) {
+    const unsigned long long count = replicates->Count();
+    if (count < 99 || count > 1000000) replicates->Fail("a whole number from 99 to 1000000 is expected");
+    bootstrap.replicates = static_cast<int>(count);
+  }
+  if (const auto seed = map.Find("seed")) bootstrap.seed = seed->Count();
+  map.Finish();
+  return bootstrap;
+}
+
 double ReadSignificance(const YamlValue& value) { return ReadUnitInterval(value); }
 
 }  // namespace sagitta

@@ -39,6 +39,7 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
   experiment->repeatability = ReadRepeatability(map);
   word("weights", {"sigma", "equal", "eq14"}, &experiment->weights);
   word("covariance", {"model", "sandwich", "bootstrap", "profile"}, &experiment->covariance);
+  if (const auto bootstrap = map->Find("bootstrap")) experiment->bootstrap = ReadBootstrap(*bootstrap);
   word("loss", {"none", "huber", "cauchy"}, &experiment->loss);
   if (const auto estimate = map->Find("estimate")) experiment->estimate = ReadEstimate(*estimate);
   if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);

@@ -21,6 +21,7 @@ RepeatabilitySpec ReadRepeatability(YamlMap* file);
 EstimateSpec ReadEstimate(const YamlValue& value);
 std::map<std::string, Prior> ReadPriors(const YamlValue& value);
 ValidationSpec ReadValidation(const YamlValue& value);
+BootstrapSpec ReadBootstrap(const YamlValue& value);
 double ReadSignificance(const YamlValue& value);
 
 }  // namespace sagitta

@@ -6,7 +6,8 @@
 //   sagitta_loaded_study [trials=2000] [paired=200] [seeds=200]
 //
 // Prints how often the distance of all parameters to the truth has p > 1e-5
-// (`seeds`), the coverage of every 95 % interval (`trials`), and the RMSE of
+// (`seeds`), the coverage of every 95 % interval and the RMSE over that of the
+// linear least squares at the truth on the same draws (`trials`), and the RMSE of
 // joint over exact two-step with its standard error (`paired`).
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include "estimator/compare_methods.h"
 #include "estimator/distributions.h"
 #include "estimator/joint_estimator.h"
+#include "tests/support/linear_bound.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace {
@@ -61,6 +63,10 @@ int main(int argc, char** argv) {
   const std::vector<Vector3<double>> exact = test::ExactPoints(truth, data);
   test::Measure(exact, design.sigma, 1, &data);
   CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+  const test::LinearBound bound(problem, test::TrueParameters(problem.parameters, truth, [&](const std::string& name) {
+                                  return test::TrueLoadedValue(truth, name);
+                                }));
+  test::EfficiencyTally efficiency;
   std::vector<Tally> tallies(problem.parameters.num_coordinates());
   std::vector<int> estimated;
   int failed = 0, near = 0, two_step_failed = 0, used_pairs = 0;
@@ -76,6 +82,7 @@ int main(int argc, char** argv) {
     estimated = joint.estimated;
     const double p = ChiSquareSurvival(test::SquaredDistanceToTruth(joint, truth), estimated.size());
     if (run < seeds) near += p > 1e-5;
+    if (run < trials) efficiency.Add(bound.ErrorsOf(joint), bound.Errors(problem));
     const double quantile = joint.sigma.scaled ? StudentQuantile(0.975, joint.dof) : NormalQuantile(0.975);
     for (const int i : estimated) {
       const double z = test::ErrorOf(joint, truth, i) / joint.table[i].sigma;
@@ -100,6 +107,14 @@ int main(int argc, char** argv) {
     }
   }
   int outside = 0, worse = 0;
+  const Eigen::ArrayXd over_linear = efficiency.Ratio(), over_bound = efficiency.OverBound(bound.sigma());
+  for (int c = 0; c < over_linear.size(); ++c) {
+    std::printf("%-18s rmse / linear %.5f  rmse / bound %.4f\n",
+                problem.parameters.coordinates()[bound.columns()[c]].name.c_str(), over_linear[c], over_bound[c]);
+  }
+  const auto inefficient = static_cast<int>((over_linear > 1.01).count());
+  std::printf("rmse over the linear one on the same draws: %.5f at most; above 1.01: %d of %d\n",
+              over_linear.maxCoeff(), inefficient, static_cast<int>(over_linear.size()));
   for (const int i : estimated) {
     const Tally& t = tallies[i];
     const double coverage = t.covered / static_cast<double>(trials - failed);
@@ -114,5 +129,5 @@ int main(int argc, char** argv) {
               estimated.size(), near, seeds, failed, runs, outside);
   std::printf("two-step: %d pairs, %d not converged, at most %.1e standard deviations from joint, joint worse in %d\n",
               used_pairs, two_step_failed, largest_deviation, worse);
-  return failed > 0 || near < seeds || outside > 0 || worse > 0;
+  return failed > 0 || near < seeds || outside > 0 || worse > 0 || inefficient > 0;
 }

@@ -1,0 +1,197 @@
+#include "estimator/intervals/bootstrap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <random>
+
+#include "estimator/intervals/parallel.h"
+#include "estimator/intervals/redraw.h"
+#include "estimator/intervals/refit.h"
+#include "estimator/intervals/sandwich.h"
+#include "estimator/intervals/table.h"
+#include "estimator/two_step.h"
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFallbackSigma = 1e-3;  // m
+constexpr double kEnough = 2.0;          // configurations per unknown: two thirds of them are in a draw
+
+struct Replicate {
+  bool used = false;
+  Eigen::VectorXd shift;  // theta* - theta_hat, SI, per estimated coordinate
+  Eigen::VectorXd sigma;
+};
+
+struct Setup {
+  const CalibrationProblem& problem;
+  const Estimate& estimate;
+  bool by_configurations = false;
+  bool is_scaled = false;     // sigma from the residuals
+  std::vector<int> clusters;  // of each calibration observation
+  int num_clusters = 0;
+};
+
+// sigma* of the columns: the model's, or the plain sandwich of whole configurations.
+Eigen::VectorXd Sigmas(const Setup& setup, const Refit& refit, const std::vector<double>& weights) {
+  const Linearization& fit = refit.linearization;
+  if (!setup.by_configurations) {
+    const double dof = std::max(1, fit.num_rows() - fit.num_columns());
+    return (setup.is_scaled ? std::sqrt(refit.chi2 / dof) : 1.0) * refit.root.rowwise().norm();
+  }
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(setup.num_clusters, fit.num_columns());
+  std::vector<double> count(setup.num_clusters, 1.0);
+  for (size_t k = 0; k < setup.clusters.size(); ++k) {
+    const int row = static_cast<int>(3 * k);
+    scores.row(setup.clusters[k]) += fit.residual.segment<3>(row).transpose() * fit.jacobian.middleRows(row, 3);
+    if (!weights.empty()) count[setup.clusters[k]] = weights[k];
+  }
+  // Rows carry the root of their weight w: the score of a configuration is w times
+  // its own; drawn w times it counts w times the square of its own.
+  for (int g = 0; g < setup.num_clusters; ++g) scores.row(g) *= count[g] > 0.0 ? 1.0 / std::sqrt(count[g]) : 0.0;
+  const int observed = static_cast<int>(3 * fit.observations.size());
+  const Eigen::MatrixXd priors = fit.jacobian.bottomRows(fit.num_rows() - observed);
+  const Eigen::MatrixXd spread = refit.root * (refit.root.transpose() * scores.transpose());
+  const Eigen::MatrixXd stated = refit.root * (refit.root.transpose() * priors.transpose());
+  return (spread.rowwise().squaredNorm() + stated.rowwise().squaredNorm()).cwiseSqrt();
+}
+
+Replicate MakeReplicate(const Setup& setup, const CalibrationProblem& problem, const std::vector<double>& weights,
+                        std::uint64_t prior_seed) {
+  RefitOptions options;
+  options.weights = weights;
+  ParameterSet start = setup.estimate.parameters;
+  DrawPriors(setup.estimate.parameters, prior_seed, &start);
+  const Refit refit = RefitFrom(problem, start, options);
+  Replicate replicate;
+  if (!refit.converged) return replicate;
+  const Eigen::VectorXd shift = TangentDifference(refit.parameters, setup.estimate.parameters);
+  replicate.shift = shift(setup.estimate.estimated);
+  replicate.sigma = Sigmas(setup, refit, weights);
+  replicate.used = replicate.sigma.allFinite() && replicate.shift.allFinite();
+  return replicate;
+}
+
+// How often each configuration is drawn; the draw has as many as the data.
+std::vector<double> DrawConfigurations(const Setup& setup, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<double> count(setup.num_clusters, 0.0);
+  for (int i = 0; i < setup.num_clusters; ++i) count[random() % setup.num_clusters] += 1.0;
+  std::vector<double> weights;
+  weights.reserve(setup.clusters.size());
+  for (const int cluster : setup.clusters) weights.push_back(count[cluster]);
+  return weights;
+}
+
+std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions& options) {
+  const SigmaReport& sigma = setup.estimate.sigma;
+  const Redraw redraw(setup.problem, setup.estimate.parameters, sigma.scaled ? sigma.a_posteriori : 1.0,
+                      sigma.stated ? kFallbackSigma : sigma.estimated);
+  std::vector<Replicate> replicates(options.replicates);
+  std::vector<CalibrationProblem> copies(setup.by_configurations ? 0 : options.num_threads, setup.problem);
+  std::mutex mutex;
+  int done = 0;
+  ParallelFor(options.replicates, options.num_threads, [&](int i, int worker) {
+    const std::uint64_t seed = SeedOf(options.seed, 2ULL * i), prior_seed = SeedOf(options.seed, 2ULL * i + 1);
+    if (setup.by_configurations) {
+      replicates[i] = MakeReplicate(setup, setup.problem, DrawConfigurations(setup, seed), prior_seed);
+    } else if (redraw.Draw(seed, &copies[worker].data)) {
+      replicates[i] = MakeReplicate(setup, copies[worker], {}, prior_seed);
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++done;
+    if (options.progress) {
+      options.progress("bootstrap: " + std::to_string(done) + " of " + std::to_string(options.replicates));
+    }
+  });
+  return replicates;
+}
+
+// Order statistic (n + 1) p, linear between.
+double Quantile(const std::vector<double>& sorted, double p) {
+  const double at = std::clamp((sorted.size() + 1) * p - 1.0, 0.0, sorted.size() - 1.0);
+  const auto below = static_cast<size_t>(at);
+  const size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (at - below) * (sorted[above] - sorted[below]);
+}
+
+void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Eigen::VectorXd& sigma,
+                Estimate* estimate) {
+  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
+    std::vector<double> t;
+    for (const Replicate& replicate : used) {
+      t.push_back(replicate.sigma[c] > 0.0 ? replicate.shift[c] / replicate.sigma[c] : 0.0);
+    }
+    std::sort(t.begin(), t.end());
+    ParameterEstimate& row = estimate->table[estimate->estimated[c]];
+    const double lower = setup.estimate.parameters.coordinates()[estimate->estimated[c]].lower;
+    const double low = row.value - Quantile(t, 0.975) * sigma[c];
+    row.at_bound = low < lower;
+    row.ci95 = {std::max(lower, low), std::max(lower, row.value - Quantile(t, 0.025) * sigma[c])};
+    row.dof = std::numeric_limits<double>::infinity();
+  }
+}
+
+std::string InWords(const Setup& setup, const Estimate& estimate) {
+  const std::string how = std::to_string(estimate.intervals.replicates) + " refits, seed " +
+                          std::to_string(estimate.intervals.seed) + ", studentised intervals";
+  if (setup.by_configurations) {
+    return "bootstrap of whole configurations (" + std::to_string(setup.num_clusters) + "), " + how;
+  }
+  return "parametric bootstrap at the estimate with the noise as stated or estimated, " + how;
+}
+
+bool ByConfigurations(const BootstrapOptions& options, int clusters, int unknowns) {
+  if (options.kind == "automatic") return clusters >= kEnough * unknowns;
+  if (options.kind == "configurations" && clusters < unknowns) {
+    throw InputError({"", 0, "bootstrap.kind"},
+                     "too few configurations (" + std::to_string(clusters) + ") to draw from for " +
+                         std::to_string(unknowns) + " unknowns",
+                     "use parametric");
+  }
+  return options.kind == "configurations";
+}
+
+}  // namespace
+
+void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOptions& options, Estimate* estimate) {
+  Setup setup{problem, *estimate};
+  setup.clusters = ConfigurationClusters(problem.data, problem.CalibrationObservations());
+  setup.num_clusters = setup.clusters.empty() ? 0 : 1 + *std::max_element(setup.clusters.begin(), setup.clusters.end());
+  setup.by_configurations = ByConfigurations(options, setup.num_clusters, static_cast<int>(estimate->estimated.size()));
+  setup.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled;
+  const Refit here = RefitFrom(problem, estimate->parameters);
+  std::vector<Replicate> used;
+  for (Replicate& replicate : RunReplicates(setup, options)) {
+    if (replicate.used) used.push_back(std::move(replicate));
+  }
+  IntervalReport& report = estimate->intervals;
+  report = IntervalReport();
+  report.method = "bootstrap";
+  report.kind = setup.by_configurations ? "configurations" : "parametric";
+  report.clusters = setup.by_configurations ? setup.num_clusters : 0;
+  report.replicates = static_cast<int>(used.size());
+  report.failed = options.replicates - report.replicates;
+  report.seed = options.seed;
+  report.words = InWords(setup, *estimate);
+  if (report.failed > options.replicates / 20 || !here.converged) {
+    report.method = "model";
+    report.words = "bootstrap refused: " + std::to_string(report.failed) + " of " + std::to_string(options.replicates) +
+                   " refits did not converge; the model's intervals stand";
+    estimate->warnings.push_back(report.words);
+    return;
+  }
+  const auto n = static_cast<int>(estimate->estimated.size());
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
+  for (const Replicate& replicate : used) mean += replicate.shift / used.size();
+  estimate->covariance.setZero(n, n);
+  for (const Replicate& replicate : used) {
+    estimate->covariance += (replicate.shift - mean) * (replicate.shift - mean).transpose() / (used.size() - 1.0);
+  }
+  FillTable(problem, estimate);
+  Studentise(setup, used, Sigmas(setup, here, {}), estimate);
+}
+
+}  // namespace sagitta

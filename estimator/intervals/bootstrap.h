@@ -1,0 +1,34 @@
+// Intervals from refits of data drawn anew.
+//
+//   parametric      measurements simulated at the estimate with the stated noise
+//                   and repeatability (scaled where the fit says so)
+//   configurations  whole configurations drawn with replacement: no noise model
+//
+// Either way the intervals are studentised: with t* = (theta* - theta_hat) / sigma*
+// of the refits, the interval is theta_hat - t*_hi sigma .. theta_hat - t*_lo sigma
+// (Efron and Tibshirani 1993, ch. 12). Percentile intervals of few configurations
+// cover too little. sigma is the model's for the parametric kind, the sandwich's
+// without small-sample factor for the other (the same in refits and original).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "estimator/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct BootstrapOptions {
+  std::string kind = "automatic";  // parametric, configurations; automatic: configurations where there are enough
+  int replicates = 999;
+  unsigned long long seed = 1;
+  int num_threads = 1;
+  std::function<void(const std::string&)> progress;  // may be empty
+};
+
+// Replaces covariance, intervals and table of a judged estimate. Throws
+// InputError where configurations are asked for and too few to be resampled.
+void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOptions& options, Estimate* estimate);
+
+}  // namespace sagitta

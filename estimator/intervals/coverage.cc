@@ -1,0 +1,113 @@
+#include "estimator/intervals/coverage.h"
+
+#include <cmath>
+#include <limits>
+
+#include "estimator/compare_methods.h"
+#include "estimator/intervals/intervals.h"
+#include "estimator/intervals/redraw.h"
+#include "estimator/intervals/refit.h"
+#include "estimator/noise_loop.h"
+#include "estimator/two_step.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFallbackSigma = 1e-3;  // m
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Estimate EstimateBy(const std::string& method, const CalibrationProblem& problem) {
+  ResolvedEstimate resolved = EstimateWithNoise(problem);
+  Estimate& estimate = resolved.estimate;
+  if (!IsUsable(estimate.status)) return estimate;
+  if (method != "joint") estimate = RunMethod(resolved.problem, method, estimate).estimate;
+  if (IsUsable(estimate.status)) AddIntervals(resolved.problem, {}, &estimate);
+  return estimate;
+}
+
+// Truth minus value within the interval's arms, so that rotations count by their perturbation.
+bool Covers(const ParameterEstimate& row, double error) {
+  const Interval& interval = row.tied ? row.unconditional_ci95 : row.ci95;
+  const bool above = row.open_low || interval.low - row.value <= -error;
+  const bool below = row.open_high || -error <= interval.high - row.value;
+  return above && below;
+}
+
+}  // namespace
+
+CoverageStudy::CoverageStudy(const CalibrationProblem& problem, const Estimate& truth, std::string method,
+                             unsigned long long seed)
+    : problem_(problem), truth_(truth), method_(std::move(method)), seed_(seed) {
+  noise_scale_ = truth.sigma.scaled ? truth.sigma.a_posteriori : 1.0;
+  fallback_ = truth.sigma.stated ? kFallbackSigma : truth.sigma.estimated;
+  const Linearization fit = LinearizeFit(problem, truth.parameters, truth.estimated);
+  const Eigen::MatrixXd root = SolveLinearization(fit).covariance_root;
+  linear_ = root * (root.transpose() * fit.jacobian.transpose());
+}
+
+CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
+  const size_t n = truth_.estimated.size();
+  CoverageTrial trial;
+  trial.number = number;
+  trial.error.assign(n, kNone);
+  trial.linear_error.assign(n, kNone);
+  trial.sigma.assign(n, kNone);
+  trial.covered.assign(n, -1);
+  const Redraw redraw(problem_, truth_.parameters, noise_scale_, fallback_);
+  if (!redraw.Draw(SeedOf(seed_, 2ULL * number), &own->data)) {
+    trial.status = StatusName(Status::kEquilibriumDiverged);
+    return trial;
+  }
+  DrawPriors(truth_.parameters, SeedOf(seed_, 2ULL * number + 1), &own->parameters);
+  const Estimate estimate = EstimateBy(method_, *own);
+  trial.status = StatusName(estimate.status);
+  if (!IsUsable(estimate.status)) return trial;
+  ParameterSet with_priors = truth_.parameters;
+  DrawPriors(truth_.parameters, SeedOf(seed_, 2ULL * number + 1), &with_priors);
+  CalibrationProblem at_truth = problem_;  // with the true noise
+  at_truth.data.observations = own->data.observations;
+  for (size_t k = 0; k < at_truth.data.observations.size(); ++k) {
+    at_truth.data.observations[k].excluded = problem_.data.observations[k].excluded;
+  }
+  const Eigen::VectorXd linear = -linear_ * LinearizeFit(at_truth, with_priors, truth_.estimated).residual;
+  const Eigen::VectorXd error = TangentDifference(estimate.parameters, truth_.parameters);
+  for (size_t c = 0; c < n; ++c) {
+    const ParameterEstimate& row = estimate.table[truth_.estimated[c]];
+    trial.linear_error[c] = linear[c];
+    if (!row.free || !(row.sigma > 0.0)) continue;
+    trial.error[c] = error[truth_.estimated[c]];
+    trial.sigma[c] = row.tied ? row.unconditional_sigma : row.sigma;
+    trial.covered[c] = Covers(row, trial.error[c]) ? 1 : 0;
+  }
+  return trial;
+}
+
+std::vector<CoverageRow> CoverageStudy::Summarise(const std::vector<CoverageTrial>& trials) const {
+  std::vector<CoverageRow> rows;
+  for (size_t c = 0; c < truth_.estimated.size(); ++c) {
+    const ParameterEstimate& line = truth_.table[truth_.estimated[c]];
+    CoverageRow row;
+    row.name = line.name;
+    row.quantity = line.quantity;
+    row.tied = line.tied;
+    row.cramer_rao = std::sqrt(truth_.model_covariance(c, c));
+    for (const CoverageTrial& trial : trials) {
+      if (trial.covered[c] < 0) continue;
+      ++row.trials;
+      row.covered += trial.covered[c];
+      row.bias += trial.error[c];
+      row.rmse += trial.error[c] * trial.error[c];
+      row.linear_rmse += trial.linear_error[c] * trial.linear_error[c];
+      row.predicted_sigma += trial.sigma[c] * trial.sigma[c];
+    }
+    const double count = std::max(1, row.trials);
+    row.bias /= count;
+    for (double* mean_square : {&row.rmse, &row.linear_rmse, &row.predicted_sigma}) {
+      *mean_square = std::sqrt(*mean_square / count);
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace sagitta

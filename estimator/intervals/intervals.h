@@ -1,0 +1,25 @@
+// The intervals an experiment asks for (`covariance`): model and sandwich come
+// with every estimate (JudgeEstimate), bootstrap and profile cost refits and are
+// added here, once, to the estimate that is handed out.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "estimator/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct IntervalOptions {
+  int num_threads = 1;
+  std::function<void(const std::string&)> progress;  // may be empty
+};
+
+// Refits are of the joint estimate: throws InputError where another method's
+// estimate is to get intervals from them.
+void CheckIntervalsFit(const CalibrationProblem& problem, const std::string& method);
+
+void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& options, Estimate* estimate);
+
+}  // namespace sagitta

@@ -1,0 +1,44 @@
+// How certain a predicted point is, as a 3x3 covariance in the station's frame,
+// by where it comes from:
+//
+//   parameters   J C J'         of the estimated ones
+//   held         K S K'         K = J_h + J G: what held parameters leave open (held_influence.h)
+//   arm          L L'           the joints' repeatability: where the arm stops at one arrival
+//   instrument   diag(sigma^2)  of one measurement
+//
+// A prediction of the mean has the first two; what one measurement will show has all.
+#pragma once
+
+#include <vector>
+
+#include "estimator/estimate.h"
+#include "estimator/linearization.h"
+
+namespace sagitta {
+
+// What an estimate knows of its parameters; rows and columns follow `estimated`
+// and `held`, names of coordinates.
+struct ParameterUncertainty {
+  std::vector<std::string> estimated;
+  Eigen::MatrixXd covariance;  // C, SI
+  std::vector<std::string> held;
+  Eigen::MatrixXd slopes;         // G, SI
+  Eigen::MatrixXd second_moment;  // S, SI
+};
+
+ParameterUncertainty UncertaintyOf(const Estimate& estimate);
+
+struct PredictionCovariance {
+  Matrix3<double> parameters = Matrix3<double>::Zero();  // m^2
+  Matrix3<double> held = Matrix3<double>::Zero();
+  Matrix3<double> arm = Matrix3<double>::Zero();
+  Matrix3<double> mean() const { return parameters + held; }
+};
+
+// One per listed observation. Coordinates that the problem does not have (other
+// stations, other markers) do not act. noise_scale: of the stated repeatability.
+std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem& problem,
+                                                        const ParameterUncertainty& uncertainty,
+                                                        const std::vector<int>& observations, double noise_scale);
+
+}  // namespace sagitta

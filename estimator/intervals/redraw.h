@@ -1,0 +1,36 @@
+// The problem's own experiment, measured once more: points at stated parameters,
+// joint deviations drawn per visit, noise drawn per observation.
+#pragma once
+
+#include <cstdint>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// Seed of the i-th of many independent draws under one seed (SplitMix64).
+std::uint64_t SeedOf(std::uint64_t seed, std::uint64_t i);
+
+// A prior is knowledge from elsewhere, one measurement of it: drawn about the truth.
+void DrawPriors(const ParameterSet& truth, std::uint64_t seed, ParameterSet* parameters);
+
+class Redraw {
+ public:
+  // noise_scale multiplies stated sigmas and repeatability; `fallback` (m) is the
+  // sigma where none is stated.
+  Redraw(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback);
+
+  // False: an equilibrium diverged. `data` are the problem's own measurements;
+  // only points change.
+  bool Draw(std::uint64_t seed, Measurements* data) const;
+
+ private:
+  const CalibrationProblem& problem_;
+  ParameterSet truth_;
+  std::vector<double> theta_;
+  double noise_scale_;
+  NoiseRoots roots_;        // of each observation's covariance, m
+  Eigen::Matrix3Xd exact_;  // without deviations
+};
+
+}  // namespace sagitta

@@ -1,0 +1,96 @@
+// What intervals promise on measured robots (../shared/data).
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+#include "tests/support/agreement.h"
+#include "tests/support/real_data.h"
+
+namespace sagitta {
+namespace {
+
+using test::Agreement;
+
+class RealIntervalsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::HasRealData()) GTEST_SKIP() << "no ../shared/data beside the tree";
+  }
+};
+
+TEST_F(RealIntervalsTest, PredictedValidationRmsOfAnotherRegion) {
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kColumn;
+  experiment.validation.column = "group";
+  experiment.validation.values = {"random"};
+  for (const char* covariance : {"model", "sandwich"}) {
+    experiment.covariance = covariance;
+    const Estimate estimate = EstimateJointly(test::RealProblem("ur5_gts3800", {"measurements.csv"}, experiment));
+    ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+    ASSERT_EQ(estimate.validation.observations, 20);
+    // 20 poses carry 9 % themselves.
+    EXPECT_NEAR(estimate.validation_predicted_rms / estimate.validation.rms, 1.0, 0.2) << covariance;
+  }
+}
+
+TEST_F(RealIntervalsTest, PredictedValidationRmsOverTenFolds) {
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kColumn;
+  experiment.validation.column = "group";
+  experiment.validation.values = {"random"};
+  CalibrationProblem problem = test::RealProblem("ur5_gts3800", {"measurements.csv"}, experiment);
+  for (Observation& observation : problem.data.observations)
+    observation.excluded = problem.data.IsValidation(observation);
+  std::vector<int> grid;
+  for (size_t c = 0; c < problem.data.configurations.size(); ++c) {
+    if (!problem.data.configurations[c].is_validation) grid.push_back(static_cast<int>(c));
+    problem.data.configurations[c].is_validation = false;
+  }
+  ASSERT_EQ(grid.size(), 1000u);
+  std::mt19937_64 random(1);
+  for (size_t i = grid.size(); i > 1; --i) std::swap(grid[i - 1], grid[random() % i]);
+  double predicted = 0.0, observed = 0.0;
+  for (int fold = 0; fold < 10; ++fold) {
+    CalibrationProblem held_out = problem;
+    for (size_t i = fold; i < grid.size(); i += 10) held_out.data.configurations[grid[i]].is_validation = true;
+    const Estimate estimate = EstimateJointly(held_out);
+    ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+    ASSERT_EQ(estimate.validation.observations, 100);
+    predicted += estimate.validation_predicted_rms * estimate.validation_predicted_rms;
+    observed += estimate.validation.rms * estimate.validation.rms;
+  }
+  EXPECT_NEAR(std::sqrt(predicted / observed), 1.0, 0.05);
+}
+
+// Series D in short; the full figures are those of sagitta_agreement_study.
+TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
+  Experiment experiment;
+  experiment.covariance = "sandwich";
+  const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
+  std::mt19937_64 random(1);
+  const ParameterSet start = EstimateJointly(problem).parameters;
+  Agreement agreement;
+  for (int split = 0; split < 12; ++split) {
+    std::vector<int> order(problem.data.configurations.size());
+    std::iota(order.begin(), order.end(), 0);
+    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    std::vector<bool> first(order.size());
+    for (size_t i = 0; i < order.size() / 2; ++i) first[order[i]] = true;
+    const auto half = [&](bool which) {
+      return test::EstimatePart(problem, start, [&](const Observation& observation) {
+        return first[problem.data.shots[observation.shot].configuration] == which;
+      });
+    };
+    const Estimate a = half(true), b = half(false);
+    ASSERT_TRUE(IsUsable(a.status) && IsUsable(b.status));
+    test::Compare(a, b, "", &agreement);
+  }
+  ASSERT_GT(agreement.compared, 200);
+  // Parameters of one split move together and all splits share the data: as if 12
+  // splits of 8 independent differences, sqrt(0.95 * 0.05 / 96) = 2.2 %.
+  EXPECT_NEAR(agreement.share(), 0.95, 4 * 0.022);
+}
+
+}  // namespace
+}  // namespace sagitta

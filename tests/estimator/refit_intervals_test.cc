@@ -1,0 +1,221 @@
+// Bootstrap and profile-likelihood intervals against what is known of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimator/distributions.h"
+#include "estimator/intervals/bootstrap.h"
+#include "estimator/intervals/profile.h"
+#include "estimator/intervals/redraw.h"
+#include "estimator/intervals/refit.h"
+#include "estimator/joint_estimator.h"
+#include "estimator/two_step.h"
+#include "problems/input_error.h"
+#include "tests/support/loaded_kr270.h"
+
+namespace sagitta {
+namespace {
+
+TEST(Refit, FindsTheJointOptimum) {
+  const test::Kr270Truth truth;
+  const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 3);
+  const Estimate estimate = EstimateJointly(problem);
+  ParameterSet start = estimate.parameters;
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(start.num_coordinates());
+  for (size_t c = 0; c < estimate.estimated.size(); ++c) {
+    off[estimate.estimated[c]] = (c % 2 == 0 ? 5.0 : -5.0) * std::sqrt(estimate.covariance(c, c));
+  }
+  start.Plus(off);
+  RefitOptions options;
+  options.tolerance = 1e-7;
+  const Refit refit = RefitFrom(problem, start, options);
+  ASSERT_TRUE(refit.converged);
+  const Eigen::VectorXd left = TangentDifference(refit.parameters, estimate.parameters);
+  for (size_t c = 0; c < estimate.estimated.size(); ++c) {
+    EXPECT_NEAR(left[estimate.estimated[c]], 0.0, 1e-5 * std::sqrt(estimate.covariance(c, c)));
+  }
+  EXPECT_NEAR(refit.chi2, 2.0 * estimate.cost, 1e-8 * estimate.cost);
+}
+
+TEST(Refit, AWeightOfTwoIsTheRowTwice) {
+  const test::Kr270Truth truth;
+  const CalibrationProblem once = test::Kr270Problem(test::Kr270Design(), truth, 4);
+  CalibrationProblem twice = once;
+  for (int k = 0; k < 3; ++k) {
+    Observation copy = once.data.observations[k];
+    twice.data.shots[copy.shot].observations.push_back(static_cast<int>(twice.data.observations.size()));
+    twice.data.observations.push_back(copy);
+  }
+  const Estimate estimate = EstimateJointly(once);
+  RefitOptions weighted;
+  weighted.tolerance = 1e-7;
+  weighted.weights.assign(once.data.observations.size(), 1.0);
+  for (int k = 0; k < 3; ++k) weighted.weights[k] = 2.0;
+  RefitOptions plain;
+  plain.tolerance = 1e-7;
+  const Refit a = RefitFrom(once, estimate.parameters, weighted);
+  const Refit b = RefitFrom(twice, estimate.parameters, plain);
+  ASSERT_TRUE(a.converged && b.converged);
+  const Eigen::VectorXd difference = TangentDifference(b.parameters, a.parameters);
+  for (size_t c = 0; c < estimate.estimated.size(); ++c) {
+    EXPECT_NEAR(difference[estimate.estimated[c]], 0.0, 1e-5 * std::sqrt(estimate.covariance(c, c)));
+  }
+}
+
+// Parametric draws at a nearly linear problem: normal about the estimate, so the
+// studentised ends are those of the model but for the error of 999 draws. Of a
+// 2.5 % quantile that is sqrt(p (1 - p) / n) / phi(q) = 0.085 sigma; 78 ends, 4.5 of them.
+TEST(Bootstrap, ParametricAgreesWithTheModelWhereTheModelHolds) {
+  const test::Kr270Truth truth;
+  CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 3);
+  for (Observation& observation : problem.data.observations) observation.sigma.setZero();  // estimated: Student's t
+  const Estimate model = EstimateJointly(problem);
+  Estimate drawn = model;
+  BootstrapOptions options;
+  options.num_threads = 2;
+  BootstrapIntervals(problem, options, &drawn);
+  EXPECT_EQ(drawn.intervals.kind, "parametric");  // 18 configurations are too few to be drawn from
+  EXPECT_EQ(drawn.intervals.replicates, 999);
+  for (const int i : model.estimated) {
+    const ParameterEstimate& a = model.table[i];
+    const ParameterEstimate& b = drawn.table[i];
+    EXPECT_NEAR(b.ci95.low, a.ci95.low, 4.5 * 0.085 * a.sigma) << a.name;
+    EXPECT_NEAR(b.ci95.high, a.ci95.high, 4.5 * 0.085 * a.sigma) << a.name;
+    EXPECT_NEAR(b.sigma / a.sigma, 1.0, 4.5 / std::sqrt(2.0 * 999)) << a.name;
+  }
+}
+
+TEST(Bootstrap, DoesNotDependOnTheNumberOfThreads) {
+  const test::Kr270Truth truth;
+  const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 5);
+  const Estimate model = EstimateJointly(problem);
+  Estimate one = model, two = model, other = model;
+  BootstrapOptions options;
+  options.replicates = 99;
+  BootstrapIntervals(problem, options, &one);
+  options.num_threads = 2;
+  BootstrapIntervals(problem, options, &two);
+  options.seed = 2;
+  BootstrapIntervals(problem, options, &other);
+  EXPECT_EQ((one.covariance - two.covariance).norm(), 0.0);
+  EXPECT_GT((one.covariance - other.covariance).norm(), 0.0);
+  for (const int i : model.estimated) EXPECT_EQ(one.table[i].ci95.low, two.table[i].ci95.low);
+}
+
+// Errors that all rows of a configuration share and nobody declared: draws of
+// configurations see them, the model's intervals (18 of 20 here too narrow) do not.
+TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
+  test::Kr270Design design;
+  design.configurations = 120;
+  design.stations = 1;
+  const test::Kr270Truth truth;
+  CalibrationProblem problem = test::Kr270Problem(design, truth, 6);
+  NormalNumbers normal(8);
+  for (const Shot& shot : problem.data.shots) {
+    const Vector3<double> shared = 4e-4 * Vector3<double>(normal(), normal(), normal());
+    for (const int k : shot.observations) problem.data.observations[k].point_in_station += shared;
+  }
+  const Estimate model = EstimateJointly(problem);
+  ASSERT_TRUE(IsUsable(model.status));
+  Estimate drawn = model;
+  BootstrapOptions options;
+  options.num_threads = 2;
+  options.replicates = 399;
+  BootstrapIntervals(problem, options, &drawn);
+  EXPECT_EQ(drawn.intervals.kind, "configurations");
+  EXPECT_EQ(drawn.intervals.clusters, 120);
+  // A geometric error that moves all markers alike: its variance is that of the
+  // shared error, 3 times what rows taken as independent say.
+  const int i = model.parameters.FindCoordinate("base/S1/x");
+  EXPECT_GT(drawn.table[i].sigma, 1.4 * model.table[i].sigma);
+}
+
+TEST(Bootstrap, TooFewConfigurationsToDrawFromAreRefused) {
+  const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 5);
+  Estimate estimate = EstimateJointly(problem);
+  BootstrapOptions options;
+  options.kind = "configurations";
+  EXPECT_THROW(BootstrapIntervals(problem, options, &estimate), InputError);
+}
+
+TEST(Profile, AgreesWithTheEllipseWhereThereIsNothingToBend) {
+  const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 7);
+  const Estimate model = EstimateJointly(problem);
+  Estimate profile = model;
+  ProfileIntervals(problem, {}, &profile);
+  EXPECT_EQ(profile.intervals.method, "profile");
+  EXPECT_EQ(profile.intervals.failed, 0);
+  for (const int i : model.estimated) {
+    // Curvature of the arm over one standard deviation (0.1 mrad): 1e-4; the root is found to 1e-3.
+    EXPECT_NEAR(profile.table[i].ci95.low, model.table[i].ci95.low, 0.01 * model.table[i].sigma);
+    EXPECT_NEAR(profile.table[i].ci95.high, model.table[i].ci95.high, 0.01 * model.table[i].sigma);
+  }
+}
+
+// The definition itself, by brute force: at the end of the interval the fit with
+// the parameter fixed there is worse by the quantile squared.
+TEST(Profile, EndsAreWhereTheConstrainedFitIsWorseByTheQuantile) {
+  test::LoadedTruth truth;
+  truth.spring = test::SpringTruth();
+  truth.link_markers = {{"B1", {0, {0.3, 0.2, 0.1}}}, {"B2", {1, {0.1, 0.2, 0.15}}}};
+  test::LoadedDesign design;
+  const test::LoadedSetup setup = test::SetupFor(truth);
+  Measurements data = test::LoadedRows(design, truth);
+  test::Measure(test::ExactPoints(truth, data), design.sigma, 9, &data);
+  const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+  Estimate estimate = EstimateJointly(problem);
+  ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+  const double scale = estimate.sigma.scaled ? estimate.sigma.a_posteriori : 1.0;
+  const double t = estimate.sigma.scaled ? StudentQuantile(0.975, estimate.dof) : NormalQuantile(0.975);
+  ProfileIntervals(problem, {2}, &estimate);
+  int checked = 0;
+  for (const char* name : {"compensator/a_x", "compensator/s0", "compensator/Kc"}) {
+    const int i = estimate.parameters.FindCoordinate(name);
+    const ParameterEstimate& row = estimate.table[i];
+    if (!row.free) continue;
+    for (const double end : {row.ci95.low, row.ci95.high}) {
+      if (row.open_low || row.open_high) continue;
+      CalibrationProblem fixed = problem;
+      Estimate there;
+      ParameterSet start = estimate.parameters;
+      Eigen::VectorXd move = Eigen::VectorXd::Zero(start.num_coordinates());
+      move[i] = end - row.value;
+      start.Plus(move);
+      start.coordinate(i).free = false;
+      const Estimate constrained = EstimateFrom(fixed, start);
+      ASSERT_TRUE(IsUsable(constrained.status)) << constrained.message;
+      const double gained = 2.0 * (constrained.cost - estimate.cost) / (scale * scale);
+      EXPECT_NEAR(std::sqrt(gained), t, 0.005 * t) << name;
+      ++checked;
+    }
+  }
+  EXPECT_GE(checked, 4);
+}
+
+TEST(Redraw, HasTheNoiseAndRepeatabilityOfTheProblem) {
+  CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 1);
+  problem.latent.joints = {0};
+  problem.latent.sigmas = Eigen::VectorXd::Constant(1, 50e-6);
+  problem.latent.num_visits = static_cast<int>(problem.data.shots.size());
+  problem.latent.visit_of_shot.clear();
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) problem.latent.visit_of_shot.push_back(static_cast<int>(s));
+  ParameterSet truth = problem.parameters;
+  const std::vector<int> row = {0};
+  const Vector3<double> exact = PredictPoints(problem, truth, row);
+  const Redraw redraw(problem, truth, 2.0, 1e-3);
+  Measurements data = problem.data;
+  const int draws = 4000;
+  Matrix3<double> covariance = Matrix3<double>::Zero();
+  for (int i = 0; i < draws; ++i) {
+    ASSERT_TRUE(redraw.Draw(SeedOf(3, i), &data));
+    const Vector3<double> error = data.observations[0].point_in_station - exact;
+    covariance += error * error.transpose() / draws;
+  }
+  // About A1 the point moves by 2 * 50 urad * its distance, at right angles to it; sigma 2 * 0.1 mm.
+  const Vector3<double> tangent = Vector3<double>::UnitZ().cross(exact);  // base and station frames coincide
+  const Matrix3<double> expected = 4.0 * (1e-8 * Matrix3<double>::Identity() + 2.5e-9 * tangent * tangent.transpose());
+  EXPECT_LT((covariance - expected).norm(), 6.0 * expected.norm() / std::sqrt(draws));
+}
+
+}  // namespace
+}  // namespace sagitta

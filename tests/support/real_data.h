@@ -1,0 +1,27 @@
+// The measured robots beside the tree (../shared/data), where they are there.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "problems/calibration_problem.h"
+#include "problems/io/measurement_file.h"
+#include "problems/io/robot_file.h"
+
+namespace sagitta::test {
+
+inline std::string RealData(const std::string& name) { return std::string(SAGITTA_SHARED_DIR) + "/data/" + name; }
+inline bool HasRealData() { return std::filesystem::exists(RealData("ur10_leica/robot.yaml")); }
+
+inline CalibrationProblem RealProblem(const std::string& folder, const std::vector<std::string>& files,
+                                      const Experiment& experiment) {
+  const Robot robot = ReadRobotFile(RealData(folder + "/robot.yaml"));
+  std::vector<std::string> paths, joints;
+  for (const std::string& file : files) paths.push_back(RealData(folder + "/" + file));
+  for (const Joint& joint : robot.chain.joints) joints.push_back(joint.name);
+  const Measurements data = ReadMeasurements(paths, joints, std::vector<bool>(joints.size(), false), {});
+  return MakeCalibrationProblem(robot, data, experiment);
+}
+
+}  // namespace sagitta::test
