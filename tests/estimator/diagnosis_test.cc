@@ -52,7 +52,7 @@ TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   ASSERT_EQ(parameters.size(), 2u);
   EXPECT_NEAR(parameters[0].value, 80e-6, 5 * parameters[0].sigma);
   EXPECT_NEAR(parameters[1].value, -50e-6, 5 * parameters[1].sigma);
-  EXPECT_LT(diagnosis.gap_after, 0.3 * diagnosis.gap_before);
+  EXPECT_LT(diagnosis.gap.after, 0.3 * diagnosis.gap.before);
 }
 
 TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
