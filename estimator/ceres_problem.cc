@@ -8,6 +8,7 @@
 #include "estimator/linearization.h"
 #include "estimator/rotation_manifold.h"
 #include "estimator/shot_cost.h"
+#include "estimator/spring_tie_cost.h"
 
 namespace sagitta {
 namespace {
@@ -116,6 +117,7 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
     first = last;
   }
   AddPriors(parameters, ceres_problem);
+  AddSpringTie(parameters, ceres_problem);
   if (latents != nullptr && !problem.latent.empty()) AddLatentPriors(problem.latent, latents, ceres_problem);
   for (const ParameterBlock& block : parameters->blocks()) {
     double* values = const_cast<double*>(block.values.data());

@@ -8,6 +8,7 @@
 
 #include "estimator/canonical_rate.h"
 #include "estimator/ceres_problem.h"
+#include "estimator/differencing.h"
 #include "estimator/full_pose.h"
 #include "estimator/two_step.h"
 
@@ -45,8 +46,8 @@ double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
 }  // namespace
 
 const std::vector<std::string>& MethodNames() {
-  static const std::vector<std::string> names = {"joint", "two-step", "two-step-literal", "two-step-relinearised",
-                                                 "full-pose"};
+  static const std::vector<std::string> names = {
+      "joint", "two-step", "two-step-literal", "two-step-relinearised", "full-pose", "differencing"};
   return names;
 }
 
@@ -74,6 +75,8 @@ MethodResult RunMethod(const CalibrationProblem& problem, const std::string& met
     result.estimate.message = "not run: " + obstacle;
   } else if (method == "full-pose") {
     result.estimate = EstimateFromFullPoses(WithHeld(problem, joint));
+  } else if (method == "differencing") {
+    result.estimate = EstimateByDifferencing(WithHeld(problem, joint), progress);
   } else {
     TwoStepOptions options;
     options.progress = progress;

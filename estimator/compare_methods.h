@@ -19,7 +19,7 @@ struct MethodResult {
   double rate_predicted = 0.0;       // c1^2 at the joint optimum, two-step only; NaN: none
 };
 
-// joint, two-step, two-step-literal, two-step-relinearised, full-pose.
+// joint, two-step, two-step-literal, two-step-relinearised, full-pose, differencing.
 const std::vector<std::string>& MethodNames();
 
 // Why a method cannot honour the noise of the problem (joint deviations, full covariances, estimated noise, a loss);

@@ -4,7 +4,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace sagitta {
 namespace {
@@ -43,29 +42,6 @@ Eigen::Matrix3d PropagateNoise(const CompensatorMarkers& markers, const Vector3<
   return result;
 }
 
-// (L, a_x, a_y) of the estimate's own frames, joint 2 at q = 0, unloaded.
-std::optional<Eigen::Vector3d> GeometryAt(const CalibrationProblem& problem, const ParameterSet& parameters, int lever,
-                                          int anchor) {
-  const Chain& chain = problem.robot.chain;
-  const int joint = chain.JointTransform(problem.robot.gravity_compensator->joint);
-  if (problem.marker_frames[lever] != joint + 1 || problem.marker_frames[anchor] > joint) return std::nullopt;
-  const std::vector<double> theta = parameters.ModelValues();
-  std::vector<double> values =
-      problem.model.TransformValues(ShotInput(Eigen::VectorXd::Zero(chain.num_joints())), theta.data());
-  values[joint] = chain.transforms[joint].nominal;  // the spring's q = 0: errors and deflections are part of q
-  ChainState<double> state;
-  EvaluateChain(chain, values.data(), &state);
-  const Vector3<double> axis = chain.transforms[joint].sign * state.axis[joint];
-  const auto in_plane = [&](int marker) -> Vector3<double> {
-    const Vector3<double> from_axis =
-        state.frames[problem.marker_frames[marker]] * parameters.MarkerPoint(marker) - state.origin[joint];
-    return from_axis - axis.dot(from_axis) * axis;
-  };
-  const Vector3<double> p1 = in_plane(lever), p2 = in_plane(anchor);
-  const Vector3<double> u = p1.normalized(), v = axis.cross(u);
-  return Eigen::Vector3d(p1.norm(), -p2.dot(v), -p2.dot(u));
-}
-
 }  // namespace
 
 CompensatorGeometry FitCompensatorGeometry(const CompensatorMarkers& markers) {
@@ -93,37 +69,6 @@ CompensatorGeometry FitCompensatorGeometry(const CompensatorMarkers& markers) {
   geometry.a_x = -in_plane.y();
   geometry.a_y = -in_plane.x();
   geometry.covariance = PropagateNoise(markers, anchor, &geometry);
-  geometry.solved = true;
-  return geometry;
-}
-
-CompensatorGeometry CompensatorGeometryFromEstimate(const CalibrationProblem& problem, const Estimate& estimate,
-                                                    const std::string& lever, const std::string& anchor) {
-  constexpr double kStep = 1e-6;  // m or rad
-  CompensatorGeometry geometry;
-  const auto find = [&](const std::string& name) {
-    const auto& markers = problem.data.markers;
-    return static_cast<int>(std::find(markers.begin(), markers.end(), name) - markers.begin());
-  };
-  const int p1 = find(lever), p2 = find(anchor), count = problem.data.markers.size();
-  if (!problem.robot.gravity_compensator || p1 == count || p2 == count) return geometry;
-  const auto value = GeometryAt(problem, estimate.parameters, p1, p2);
-  if (!value) return geometry;
-  Eigen::Matrix3Xd derivative = Eigen::Matrix3Xd::Zero(3, estimate.estimated.size());
-  for (int c = 0; c < derivative.cols(); ++c) {
-    const Quantity quantity = estimate.parameters.coordinates()[estimate.estimated[c]].quantity;
-    if (quantity != Quantity::kLength && quantity != Quantity::kAngle) continue;
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(estimate.parameters.num_coordinates());
-    step[estimate.estimated[c]] = kStep;
-    ParameterSet up = estimate.parameters, down = estimate.parameters;
-    up.Plus(step);
-    down.Plus(-step);
-    derivative.col(c) = (*GeometryAt(problem, up, p1, p2) - *GeometryAt(problem, down, p1, p2)) / (2 * kStep);
-  }
-  geometry.L = (*value)[0];
-  geometry.a_x = (*value)[1];
-  geometry.a_y = (*value)[2];
-  geometry.covariance = derivative * estimate.covariance * derivative.transpose();
   geometry.solved = true;
   return geometry;
 }

@@ -8,14 +8,13 @@
 //
 // the least-squares fit. The anchor is at (-a_y, -a_x) in the plane of R:
 // R'(P2 - c) = -(a_y, a_x, .), the sense of s^2 = a^2 + L^2 + 2 a L cos(alpha - q)
-// with alpha from the vertical (models/gravity_compensator.h).
+// with alpha from the vertical (models/gravity_compensator.h). The joint solve ties
+// the same markers to the spring inside (estimator/spring_tie_cost.h).
 #pragma once
 
-#include <string>
 #include <vector>
 
-#include "estimator/estimate.h"
-#include "problems/calibration_problem.h"
+#include "models/geometry.h"
 
 namespace sagitta {
 
@@ -39,11 +38,5 @@ struct CompensatorGeometry {
 };
 
 CompensatorGeometry FitCompensatorGeometry(const CompensatorMarkers& markers);
-
-// The same from a joint solve in which marker `lever` is on the compensator's
-// joint and `anchor` on one before it: base poses, geometric errors and
-// deflections are in. Throws nothing; not solved where the markers are elsewhere.
-CompensatorGeometry CompensatorGeometryFromEstimate(const CalibrationProblem& problem, const Estimate& estimate,
-                                                    const std::string& lever, const std::string& anchor);
 
 }  // namespace sagitta

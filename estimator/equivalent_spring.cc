@@ -9,7 +9,7 @@ namespace {
 constexpr double kSingular = 1e-10;
 
 // One row of eq. (14): the derivatives of 1/k2 by (K0, Kc, Kc s0).
-Eigen::RowVector3d StiffnessRow(const SpringGeometry& geometry, double q) {
+Eigen::RowVector3d StiffnessRow(const SpringMounting& geometry, double q) {
   // a L sin g, a L cos g without forming an angle.
   const double sine = geometry.L * (geometry.a_x * std::cos(q) - geometry.a_y * std::sin(q));
   const double cosine = geometry.L * (geometry.a_y * std::cos(q) + geometry.a_x * std::sin(q));
@@ -21,7 +21,7 @@ Eigen::RowVector3d StiffnessRow(const SpringGeometry& geometry, double q) {
 
 }  // namespace
 
-EquivalentSpring FitEquivalentSpring(const std::vector<JointTwoNode>& nodes, const SpringGeometry& geometry,
+EquivalentSpring FitEquivalentSpring(const std::vector<JointTwoNode>& nodes, const SpringMounting& geometry,
                                      SpringWeights weights) {
   EquivalentSpring spring;
   const int n = static_cast<int>(nodes.size());

@@ -19,7 +19,7 @@ struct JointTwoNode {
   double sigma = 0.0;  // of k; 0: unknown
 };
 
-struct SpringGeometry {
+struct SpringMounting {
   double L = 0.0, a_x = 0.0, a_y = 0.0;  // m
 };
 
@@ -37,7 +37,7 @@ struct EquivalentSpring {
 // Weight of node i: 1, as the papers do, or its own variance of 1/k.
 enum class SpringWeights { kEqual, kSigma };
 
-EquivalentSpring FitEquivalentSpring(const std::vector<JointTwoNode>& nodes, const SpringGeometry& geometry,
+EquivalentSpring FitEquivalentSpring(const std::vector<JointTwoNode>& nodes, const SpringMounting& geometry,
                                      SpringWeights weights = SpringWeights::kEqual);
 
 }  // namespace sagitta

@@ -5,6 +5,7 @@
 
 #include "estimator/linearization.h"
 #include "estimator/load_remedy.h"
+#include "estimator/spring_tie_cost.h"
 #include "estimator/starting_values.h"
 
 namespace sagitta {
@@ -204,7 +205,10 @@ bool SolveFromNear(const CalibrationProblem& problem, const ResidualSelection& r
 }  // namespace
 
 double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters) {
-  return FindStartingValues(problem, problem.CalibrationObservations(), StartingValueOptions(), parameters);
+  const double misfit =
+      FindStartingValues(problem, problem.CalibrationObservations(), StartingValueOptions(), parameters);
+  DropImplausibleTie(parameters);
+  return misfit;
 }
 
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
@@ -219,7 +223,8 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.parameters = start_values;
-  estimate.aligned = options.aligned != nullptr ? *options.aligned : start_values;
+  DropImplausibleTie(&estimate.parameters);
+  estimate.aligned = options.aligned != nullptr ? *options.aligned : estimate.parameters;
 
   ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
   residuals.granularity = options.granularity;

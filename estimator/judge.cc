@@ -10,6 +10,7 @@
 #include "estimator/intervals/table.h"
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
+#include "estimator/spring_tie_cost.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -205,6 +206,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->fit = SizeAt(problem, parameters, calibration);
   estimate->validation = SizeAt(problem, parameters, validation);
   JudgeDeflections(problem, estimate);
+  const std::string tie = TieInWords(problem, parameters);
+  if (!tie.empty()) estimate->warnings.push_back(tie);
   if (estimate->aligned.num_coordinates() > 0) {
     estimate->fit_before = SizeAt(problem, estimate->aligned, calibration);
     estimate->validation_before = SizeAt(problem, estimate->aligned, validation);

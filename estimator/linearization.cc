@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "estimator/spring_tie_cost.h"
+
 namespace sagitta {
 namespace {
 
@@ -147,6 +149,7 @@ void AppendPriors(const ParameterSet& parameters, Linearization* linearization) 
     linearization->jacobian(row, c) = 1.0 / coordinate.prior_sigma;
     linearization->residual[row] = (parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma;
   }
+  AppendSpringTie(parameters, linearization);
 }
 
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,

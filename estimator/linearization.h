@@ -38,7 +38,8 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
                         const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
                         LatentTreatment treatment = LatentTreatment::kMarginalise);
 
-// Adds one row per column whose coordinate has a prior: (value - prior) / sigma.
+// Adds one row per column whose coordinate has a prior, (value - prior) / sigma, and those of
+// markers on the compensator's spring (spring_tie_cost.h).
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization);
 
 // Predicted points in the station frame, m, one column per observation; NaN

@@ -217,7 +217,11 @@ std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& 
   return "no load at this load point turns the joint enough: use a longer arm or a heavier load, or state a prior";
 }
 
-std::string SpringRemedy(const Direction& direction) {
+std::string SpringRemedy(const Direction& direction, bool tied) {
+  if (tied) {
+    return "load the arm more heavily with the spring's joint spread over its range, or state a prior (priors: "
+           "{compensator/...})";
+  }
   for (const auto& [name, value] : direction.components) {
     if (name == "compensator/L") return "measure L with markers on the links, or hold it";
   }
@@ -243,8 +247,9 @@ LoadPlan PlanPulls(const CalibrationProblem& problem, const Estimate& estimate, 
 }
 
 void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate) {
+  const bool tied = estimate->parameters.spring_tie().has_value();
   for (Direction& direction : estimate->identifiability.weak) {
-    if (StartsWith(direction.components[0].first, "compensator/")) direction.remedy = SpringRemedy(direction);
+    if (StartsWith(direction.components[0].first, "compensator/")) direction.remedy = SpringRemedy(direction, tied);
   }
   for (Direction& direction : estimate->identifiability.unidentifiable) {
     int held = -1;
@@ -257,7 +262,7 @@ void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate) {
     }
     if (held < 0 || !(compliance || spring)) continue;
     const bool spring_held = StartsWith(estimate->parameters.coordinates()[held].name, "compensator/");
-    direction.remedy = spring_held ? SpringRemedy(direction) : ComplianceRemedy(problem, *estimate, held);
+    direction.remedy = spring_held ? SpringRemedy(direction, tied) : ComplianceRemedy(problem, *estimate, held);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "estimator/damped_step.h"
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
 #include "estimator/paper_steps.h"
@@ -19,11 +20,9 @@ constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: only ratios
 constexpr double kSmallestScale = 1e-4;  // times it: 0.1 um, the scale of steps on data without noise
 constexpr double kDiverged = 1e12;       // standard deviations per step
 constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error
-constexpr double kFarStep = 0.1;         // of the cost, explained by one step: check that it does come down
-constexpr int kMaxHalvings = 20;
-constexpr int kRateWindow = 6;       // iterations the measured rate is taken over ...
-constexpr int kStandstill = 20;      // iterations without progress that show rounding
-constexpr double kRateFloor = 1e-6;  // ... the last ones with steps above this many standard deviations
+constexpr int kRateWindow = 6;           // iterations the measured rate is taken over ...
+constexpr int kStandstill = 20;          // iterations without progress that show rounding
+constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
 
 Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet& parameters,
                                   const std::vector<int>& columns) {
@@ -33,45 +32,30 @@ Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet
 }
 
 // One Gauss-Newton step in the given coordinates, the others held.
-bool GaussNewtonStep(const StepContext& context, const std::vector<int>& coordinates, StepState* state) {
-  if (coordinates.empty()) return true;
-  Linearization here = LinearizeWithPriors(context, state->parameters, coordinates);
-  // A spring on a joint that is still rigid has no columns: the step finds the compliance first.
-  std::vector<int> moving;
-  for (size_t c = 0; here.valid && c < coordinates.size(); ++c) {
-    if (!here.jacobian.col(c).isZero(0.0)) moving.push_back(coordinates[c]);
-  }
-  if (moving.size() < coordinates.size()) here = LinearizeWithPriors(context, state->parameters, moving);
-  Eigen::VectorXd step;
-  if (!here.valid || !SolveScaled(here.jacobian, -here.residual, &step)) return false;
-  Eigen::VectorXd delta = Eigen::VectorXd::Zero(state->parameters.num_coordinates());
-  for (size_t c = 0; c < moving.size(); ++c) delta[moving[c]] = step[c];
-  // Far from the optimum a full step may overshoot (springs, loads): halve it.
-  const double cost = here.residual.squaredNorm();
-  const bool far = (here.jacobian * step).squaredNorm() > kFarStep * cost;
-  for (int halvings = 0; halvings < kMaxHalvings && far; ++halvings) {
-    ParameterSet trial = state->parameters;
-    trial.Plus(delta);
-    const Linearization there = LinearizeWithPriors(context, trial, moving);
-    if (there.valid && there.residual.squaredNorm() <= cost) break;
-    delta *= 0.5;
-  }
-  state->parameters.Plus(delta);
+StepOutcome GaussNewtonStep(const StepContext& context, const std::vector<int>& coordinates, StepState* state) {
+  const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) {
+    return LinearizeWithPriors(context, parameters, columns);
+  };
+  const StepOutcome outcome = DampedStep(rows_at, coordinates, &state->parameters);
   for (size_t s = 0; s < state->bases.size(); ++s) state->bases[s] = state->parameters.BaseInStation(s);
-  return true;
+  return outcome;
 }
 
-bool Iterate(TwoStepVariant variant, const StepContext& context, StepState* state) {
+StepOutcome Printed(bool solved) { return solved ? StepOutcome::kTaken : StepOutcome::kSingular; }
+
+StepOutcome Iterate(TwoStepVariant variant, const StepContext& context, StepState* state) {
   switch (variant) {
     case TwoStepVariant::kLiteral:
-      return LiteralStepOne(context, state) && LiteralStepTwo(context, state);
+      return Printed(LiteralStepOne(context, state) && LiteralStepTwo(context, state));
     case TwoStepVariant::kRelinearised:
-      return RelinearisedStepOne(context, state) && GaussNewtonStep(context, context.geometry, state);
-    case TwoStepVariant::kExact:
-      return GaussNewtonStep(context, context.base_and_markers, state) &&
-             GaussNewtonStep(context, context.geometry, state);
+      if (!RelinearisedStepOne(context, state)) return StepOutcome::kSingular;
+      return GaussNewtonStep(context, context.geometry, state);
+    case TwoStepVariant::kExact: {
+      const StepOutcome first = GaussNewtonStep(context, context.base_and_markers, state);
+      return first == StepOutcome::kTaken ? GaussNewtonStep(context, context.geometry, state) : first;
+    }
   }
-  return false;
+  return StepOutcome::kSingular;
 }
 
 StepContext MakeContext(const CalibrationProblem& problem) {
@@ -148,12 +132,17 @@ void Stop(Status status, const std::string& message, Estimate* estimate) {
   estimate->message = message;
 }
 
+Status StatusOf(StepOutcome outcome) {
+  if (outcome == StepOutcome::kEquilibriumDiverged) return Status::kEquilibriumDiverged;
+  return outcome == StepOutcome::kNoDescent ? Status::kNoConvergence : Status::kSingular;
+}
+
 void Alternate(const StepContext& context, const TwoStepOptions& options, TwoStepResult* result) {
   Estimate& estimate = result->estimate;
   StepState state{estimate.aligned, {}};
   for (int s = 0; s < state.parameters.num_stations(); ++s) state.bases.push_back(state.parameters.BaseInStation(s));
   Yardstick yardstick = MakeYardstick(context, state.parameters);
-  if (yardstick.singular && Iterate(options.variant, context, &state)) {
+  if (yardstick.singular && Iterate(options.variant, context, &state) == StepOutcome::kTaken) {
     yardstick = MakeYardstick(context, state.parameters);
   }
   if (yardstick.singular)
@@ -162,9 +151,8 @@ void Alternate(const StepContext& context, const TwoStepOptions& options, TwoSte
   Stop(Status::kNoConvergence, "stopped after " + std::to_string(options.max_iterations) + " iterations", &estimate);
   for (int i = 0; i < options.max_iterations; ++i) {
     const ParameterSet before = state.parameters;
-    if (!Iterate(options.variant, context, &state))
-      return Stop(Status::kSingular, "a step's linear system is singular, or the equilibrium of a loaded shot diverges",
-                  &estimate);
+    const StepOutcome outcome = Iterate(options.variant, context, &state);
+    if (outcome != StepOutcome::kTaken) return Stop(StatusOf(outcome), StepOutcomeInWords(outcome), &estimate);
     const Eigen::VectorXd change = TangentDifference(state.parameters, before);
     const double step = yardstick.Size(change);
     if (!(step < kDiverged)) return Stop(Status::kNoConvergence, "the alternation diverges", &estimate);

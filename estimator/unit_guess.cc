@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <vector>
 
-#include "estimator/starting_values.h"
+#include "estimator/aligned_misfit.h"
 
 namespace sagitta {
 namespace {
@@ -14,7 +13,6 @@ namespace {
 constexpr double kSuspicious = 0.05;  // of the reach
 constexpr double kMisfit = 0.01;      // of the reach
 constexpr double kImprovement = 10.0;
-constexpr int kRowsPerPair = 40;  // of a station and marker: enough to tell a wrong unit
 constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 
 struct Reading {
@@ -32,35 +30,6 @@ const Reading kReadings[] = {
     {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
     {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
 };
-
-double Reach(const Chain& chain) {
-  double reach = 0.0;
-  for (const ElementaryTransform& transform : chain.transforms) {
-    if (!transform.is_rotation()) reach += std::abs(transform.nominal);
-  }
-  return reach;
-}
-
-// A sample that sees every station and marker.
-std::vector<int> Sample(const CalibrationProblem& problem) {
-  std::map<std::pair<int, int>, std::vector<int>> pairs;
-  for (const int i : problem.CalibrationObservations()) {
-    const Observation& observation = problem.data.observations[i];
-    pairs[{problem.data.shots[observation.shot].station, observation.marker}].push_back(i);
-  }
-  std::vector<int> sample;
-  for (const auto& [pair, all] : pairs) {
-    const size_t n = std::min<size_t>(kRowsPerPair, all.size());
-    for (size_t k = 0; k < n; ++k) sample.push_back(all[k * all.size() / n]);
-  }
-  std::sort(sample.begin(), sample.end());
-  return sample;
-}
-
-double AlignedRms(const CalibrationProblem& problem, const std::vector<int>& sample) {
-  ParameterSet parameters = problem.parameters;
-  return FindStartingValues(problem, sample, StartingValueOptions(), &parameters);
-}
 
 std::vector<std::string> ColumnsOf(const Reading& reading, const Chain& chain, const MeasurementFile& file) {
   std::vector<std::string> columns;
@@ -126,8 +95,6 @@ CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& read
   return reread;
 }
 
-std::string Millimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }
-
 UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, int file_index, double before,
                      double after) {
   const MeasurementFile& file = problem.data.files[file_index];
@@ -137,8 +104,8 @@ UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, 
   finding.column = ColumnsOf(reading, problem.robot.chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
   finding.words = std::string("the numbers look like ") + reading.better_words +
-                  ": the aligned nominal robot misses by " + Millimetres(before) + " (RMS) as the columns say, by " +
-                  Millimetres(after) + " if they are " + reading.better_words;
+                  ": the aligned nominal robot misses by " + WholeMillimetres(before) +
+                  " (RMS) as the columns say, by " + WholeMillimetres(after) + " if they are " + reading.better_words;
   finding.hint = "name the column " + stem + reading.better + " (and those like it), or convert the numbers";
   return finding;
 }
@@ -146,15 +113,15 @@ UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, 
 }  // namespace
 
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem) {
-  const std::vector<int> sample = Sample(problem);
-  const double before = AlignedRms(problem, sample);
+  const std::vector<int> sample = SampleOfRows(problem);
+  const double before = AlignedMisfit(problem, sample);
   const double tolerance = kSuspicious * Reach(problem.robot.chain);
   if (!(before > tolerance)) return std::nullopt;
   for (const Reading& reading : kReadings) {
     const std::vector<bool> concerned = FilesConcerned(reading, problem);
     const auto first = std::find(concerned.begin(), concerned.end(), true);
     if (first == concerned.end()) continue;
-    const double after = AlignedRms(Reread(problem, reading, concerned), sample);
+    const double after = AlignedMisfit(Reread(problem, reading, concerned), sample);
     if (after * kImprovement > before || after > tolerance) continue;
     return Describe(problem, reading, static_cast<int>(first - concerned.begin()), before, after);
   }
@@ -163,7 +130,7 @@ std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem) {
 
 std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {
   if (!(distance_rms > kMisfit * Reach(problem.robot.chain))) return "";
-  return "the calibrated robot still misses by " + Millimetres(distance_rms) +
+  return "the calibrated robot still misses by " + WholeMillimetres(distance_rms) +
          " (RMS): this robot did not make these measurements as described; check signs and zero positions of the "
          "joints, the kinematics and the units";
 }

@@ -8,6 +8,7 @@
 #include "problems/noise_checks.h"
 #include "problems/problem_checks.h"
 #include "problems/split.h"
+#include "problems/spring_tie.h"
 
 namespace sagitta {
 namespace {
@@ -147,6 +148,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   problem.resolved_noise = resolved_noise;
   problem.repeat_scatter = repeat_scatter;
   problem.redundant_errors = redundant_errors;
+  TieSpringMarkers(&problem);
   return problem;
 }
 
@@ -169,6 +171,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   ResolveRepeats(&problem);
   CheckSigmas(problem);
   SetPriors(&problem);
+  TieSpringMarkers(&problem);
   CheckEnoughData(problem);
   return problem;
 }

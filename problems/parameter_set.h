@@ -9,12 +9,14 @@
 
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "models/forward_model.h"
 #include "models/geometry.h"
 #include "models/quantity.h"
+#include "problems/spring_tie.h"
 
 namespace sagitta {
 
@@ -78,6 +80,11 @@ class ParameterSet {
   std::vector<double> ModelValues() const;  // theta
   void SetModelValue(int i, double value);
 
+  // A prior that links several blocks: markers on the compensator's spring.
+  const std::optional<SpringTie>& spring_tie() const { return spring_tie_; }
+  void SetSpringTie(const SpringTie& tie) { spring_tie_ = tie; }
+  void DropSpringTie() { spring_tie_.reset(); }
+
   // A coordinate's value as results state it (rotations: rotation vector), SI.
   double Value(int coordinate) const;
   // Takes values, flags and priors of every block that both sets have.
@@ -88,6 +95,7 @@ class ParameterSet {
  private:
   std::vector<ParameterBlock> blocks_;
   std::vector<Coordinate> coordinates_;
+  std::optional<SpringTie> spring_tie_;
   int num_stations_ = 0;
   int num_markers_ = 0;
   int num_model_parameters_ = 0;

@@ -11,6 +11,8 @@ Command SimulateCommand();
 Command CompareCommand();
 Command CoverageCommand();
 Command DiagnoseCommand();
+Command InspectCommand();
 Command ReproduceCommand();
+Command ValidateCommand();
 
 }  // namespace sagitta

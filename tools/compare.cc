@@ -9,13 +9,14 @@
 #include "estimator/noise_loop.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/loads.h"
 #include "tools/commands.h"
 #include "tools/estimate_json.h"
 #include "tools/progress.h"
 #include "tools/summary.h"
 
-DEFINE_string(methods, "joint,two-step,two-step-literal,two-step-relinearised,full-pose",
-              "the methods to compare, separated by commas");
+DEFINE_string(methods, "",
+              "the methods to compare, separated by commas; default: all, differencing where rows are loaded");
 
 namespace sagitta {
 namespace {
@@ -26,11 +27,20 @@ constexpr int kNumericalFailure = 3;
 
 std::vector<std::string> MethodsAsked() {
   const std::vector<std::string>& known = MethodNames();
-  const std::vector<std::string> methods = SplitText(FLAGS_methods, ',');
+  std::vector<std::string> methods;
+  if (!FLAGS_methods.empty()) methods = SplitText(FLAGS_methods, ',');
   for (const std::string& method : methods) {
     if (std::find(known.begin(), known.end(), method) != known.end()) continue;
     throw InputError({"", 0, "--methods"}, "there is no method '" + method + "'", SpellingHint(method, known));
   }
+  return methods;
+}
+
+// All of them; differences exist where rows are loaded.
+std::vector<std::string> DefaultMethods(const Measurements& data) {
+  std::vector<std::string> methods = MethodNames();
+  const bool loaded = std::any_of(data.shots.begin(), data.shots.end(), IsLoaded);
+  if (!loaded) methods.erase(std::find(methods.begin(), methods.end(), "differencing"));
   return methods;
 }
 
@@ -50,6 +60,10 @@ Json MethodToJson(const MethodResult& result) {
   json["parameters"] = Json::object();
   for (const ParameterEstimate& row : estimate.table) {
     json["parameters"][row.name] = row.value / TraitsOf(row.quantity).si_per_unit;
+  }
+  json["sigmas"] = Json::object();
+  for (const ParameterEstimate& row : estimate.table) {
+    if (row.free) json["sigmas"][row.name] = row.sigma / TraitsOf(row.quantity).si_per_unit;
   }
   json["max_deviation_sigma"] = result.max_deviation_sigma;
   json["rate_measured"] = result.rate_measured;
@@ -95,9 +109,10 @@ Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
 
 int RunCompare(const CommandLine& line) {
   ExpectArguments(line, CompareCommand(), 1, 1000);
-  const std::vector<std::string> methods = MethodsAsked();
+  std::vector<std::string> methods = MethodsAsked();
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  if (methods.empty()) methods = DefaultMethods(inputs.data);
   const CalibrationProblem problem = ProblemFromInputs(inputs);
 
   std::vector<MethodResult> results;
@@ -136,11 +151,13 @@ Command CompareCommand() {
           R"(sagitta compare EXP --methods=joint,two-step,… --out=DIR
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…. Methods: joint; two-step (exact halves), two-step-literal
-(as papers 000 and 002 print it), two-step-relinearised; full-pose. Writes comparison.json to DIR.
+(as papers 000 and 002 print it), two-step-relinearised; full-pose; differencing (the papers' way with loads:
+compliances and compensator from loaded minus unloaded points). Writes comparison.json to DIR.
 
 Examples
   sagitta compare experiment.yaml --out=results
   sagitta compare robot.yaml measurements.csv --sigma_mm=0.1 --methods=joint,two-step-literal --out=results
+  sagitta compare loaded.yaml --methods=joint,differencing --out=results
 )",
           WithProblemFlags({"methods"}), RunCompare};
 }

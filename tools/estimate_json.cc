@@ -111,15 +111,6 @@ Json DirectionsToJson(const std::vector<Direction>& directions) {
   return json;
 }
 
-Json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability) {
-  Json json = {{"rank", identifiability.rank}, {"condition", identifiability.condition}};
-  json["unidentifiable"] = DirectionsToJson(identifiability.unidentifiable);
-  json["weak"] = DirectionsToJson(identifiability.weak);
-  json["redundant"] = Json::array();
-  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back("geometry/" + error);
-  return json;
-}
-
 Json SigmaToJson(const SigmaReport& sigma, const IntervalReport& intervals) {
   const bool scaled = sigma.scaled && !intervals.is_empirical();
   Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", sigma.stated}};
@@ -189,6 +180,15 @@ void Dump(const Json& json, const std::string& indent, std::string* text) {
 }
 
 }  // namespace
+
+Json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability) {
+  Json json = {{"rank", identifiability.rank}, {"condition", identifiability.condition}};
+  json["unidentifiable"] = DirectionsToJson(identifiability.unidentifiable);
+  json["weak"] = DirectionsToJson(identifiability.weak);
+  json["redundant"] = Json::array();
+  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back("geometry/" + error);
+  return json;
+}
 
 Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
   Json json;

@@ -23,6 +23,8 @@ struct Provenance {
 nlohmann::ordered_json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
                                       const Provenance& provenance);
 
+nlohmann::ordered_json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability);
+
 // Pretty enough to read, one line per parameter.
 std::string DumpJson(const nlohmann::ordered_json& json);
 
@@ -35,10 +37,19 @@ struct KnownRobot {
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
   double noise_scale = 1.0;  // of stated sigmas and repeatability
+  struct Parameter {
+    double value = 0.0, nominal = 0.0;  // SI
+  };
+  std::map<std::string, Parameter> parameters;  // by coordinate name
+  std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
 };
 
 // Throws InputError.
 KnownRobot ReadEstimateFile(const std::string& path);
+
+// The robot before the estimate: nominal, with base poses and markers aligned to the rows it was estimated from.
+// `problem`: a PredictionProblem of `known`.
+ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem);
 
 // The problem of predicting `data`: stations and markers of the data placed
 // where `known` has them, robot at its calibrated nominal. Throws InputError

@@ -25,6 +25,8 @@ class EstimateReader {
     ReadStations(Get(json, "stations"));
     ReadMarkers(Get(json, "markers"));
     if (json.contains("loading")) ReadLoading(json.at("loading"), &known_.loading);
+    ReadParameters(json);
+    for (const Json& input : Get(json, "inputs")) known_.input_hashes.push_back(Get(input, "sha256"));
     ReadCovariance(json);
     known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
     if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
@@ -84,7 +86,10 @@ class EstimateReader {
     for (const auto& [name, marker] : markers.items()) {
       const Json& on = Get(marker, "on");
       if (!on.is_string()) Fail("markers." + name + ".on", "a text is expected");
-      known_.markers[name] = {Triple(marker, "xyz_mm"), on.get<std::string>()};
+      MarkerSpec spec;
+      spec.point = Triple(marker, "xyz_mm");
+      spec.on = on.get<std::string>();
+      known_.markers[name] = spec;
     }
   }
 
@@ -97,6 +102,15 @@ class EstimateReader {
           Number(sigma, "parameters.sigma") * KnownUnit(Get(row, "unit").get<std::string>());
     }
     return deviations;
+  }
+
+  void ReadParameters(const Json& json) {
+    for (const Json& row : Get(json, "parameters")) {
+      const double unit = KnownUnit(Get(row, "unit").get<std::string>());
+      known_.parameters[Get(row, "name").get<std::string>()] = {
+          Number(Get(row, "value"), "parameters.value") * unit,
+          Number(Get(row, "nominal"), "parameters.nominal") * unit};
+    }
   }
 
   double KnownUnit(const std::string& unit) const {
@@ -174,6 +188,41 @@ KnownRobot ReadEstimateFile(const std::string& path) {
   } catch (const nlohmann::json::exception& error) {
     throw InputError({path, 0, ""}, std::string("this estimate cannot be read: ") + error.what());
   }
+}
+
+ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem) {
+  ParameterSet parameters = problem.parameters;
+  const auto nominal = [&](const std::string& name, double otherwise) {
+    const auto found = known.parameters.find(name);
+    return found == known.parameters.end() ? otherwise : found->second.nominal;
+  };
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    const ModelParameter& parameter = problem.model.parameters()[i];
+    const auto found = known.parameters.find(parameter.name);
+    if (found == known.parameters.end()) continue;
+    // The embedded robot carries geometric errors in its nominal values.
+    const bool is_error = parameter.law == ParameterLaw::kGeometry;
+    parameters.SetModelValue(i, found->second.nominal - (is_error ? found->second.value : 0.0));
+  }
+  for (int s = 0; s < parameters.num_stations(); ++s) {
+    Pose<double> pose = parameters.BaseInStation(s);
+    const std::string base = "base/" + problem.data.stations[s] + "/";
+    Vector3<double> turn = RotationVector(Eigen::Quaterniond(pose.rotation));
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string letter(1, "xyz"[axis]);
+      pose.translation[axis] = nominal(base + letter, pose.translation[axis]);
+      turn[axis] = nominal(base + "r" + letter, turn[axis]);
+    }
+    pose.rotation = RotationFromVector(turn);
+    parameters.SetBaseInStation(s, pose);
+  }
+  for (int m = 0; m < parameters.num_markers(); ++m) {
+    Vector3<double> point = parameters.MarkerPoint(m);
+    for (int axis = 0; axis < 3; ++axis)
+      point[axis] = nominal("marker/" + problem.data.markers[m] + "/" + "xyz"[axis], point[axis]);
+    parameters.SetMarkerPoint(m, point);
+  }
+  return parameters;
 }
 
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {

@@ -142,12 +142,16 @@ std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
   return flags;
 }
 
-CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
+CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs) {
   Experiment experiment = inputs.experiment;
   ApplyNoiseFlags(&experiment);
   ApplyValidationFlags(&experiment);
   ApplyEstimateFlags(&experiment);
-  CalibrationProblem problem = MakeCalibrationProblem(inputs.robot, inputs.data, std::move(experiment));
+  return MakeCalibrationProblem(inputs.robot, inputs.data, std::move(experiment));
+}
+
+CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
+  CalibrationProblem problem = ProblemAsStated(inputs);
   if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem)) {
     throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
   }

@@ -38,7 +38,9 @@ Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::stri
 // The flags that an estimating command takes beside its own.
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 
-// Applies the flags and refuses data in a wrong unit. Throws InputError.
+// Applies the flags. Throws InputError.
+CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs);
+// The same, and refuses data in a wrong unit.
 CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs);
 
 }  // namespace sagitta

@@ -197,16 +197,20 @@ std::string EscapeHtml(const std::string& text) {
   return escaped;
 }
 
-std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
-  const std::vector<Section> sections = Summarise(problem, estimate);
+std::string SectionsToPage(const std::vector<Section>& sections, const std::string& charts,
+                           const Provenance& provenance) {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
                      EscapeHtml(sections.front().title) + " - sagitta</title>\n<style>" + kStyle +
                      "</style></head><body>\n";
   for (size_t i = 0; i < sections.size(); ++i) html += SectionToHtml(sections[i], i == 0 ? "h1" : "h2");
-  html += Histograms(problem, estimate);
-  html += "<h2>Residual per configuration</h2>\n<p>RMS distance; validation configurations in orange.</p>\n";
-  html += ConfigurationSvg(BarsOf(problem, estimate));
-  return html + ProvenanceToHtml(provenance) + "</body></html>\n";
+  return html + charts + ProvenanceToHtml(provenance) + "</body></html>\n";
+}
+
+std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
+  std::string charts = Histograms(problem, estimate);
+  charts += "<h2>Residual per configuration</h2>\n<p>RMS distance; validation configurations in orange.</p>\n";
+  charts += ConfigurationSvg(BarsOf(problem, estimate));
+  return SectionsToPage(Summarise(problem, estimate), charts, provenance);
 }
 
 }  // namespace sagitta

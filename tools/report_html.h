@@ -6,8 +6,13 @@
 #include "estimator/estimate.h"
 #include "problems/calibration_problem.h"
 #include "tools/estimate_json.h"
+#include "tools/summary.h"
 
 namespace sagitta {
+
+// A page of sections, the first one its heading, and charts (SVG).
+std::string SectionsToPage(const std::vector<Section>& sections, const std::string& charts,
+                           const Provenance& provenance);
 
 std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance);
 

@@ -1,7 +1,7 @@
 // Paper 002, section IV-A: base, tool, geometric errors, residuals.
 #include <cmath>
 
-#include "tools/reproduce_charts.h"
+#include "tools/charts.h"
 #include "tools/reproduce_data.h"
 #include "tools/reproduce_statistics.h"
 

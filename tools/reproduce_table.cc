@@ -1,5 +1,6 @@
 #include "tools/reproduce_table.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tools/report_html.h"
@@ -13,7 +14,8 @@ constexpr double kFactor = 3.0;
 constexpr const char* kStyle = R"(body{font:15px/1.5 sans-serif;max-width:72em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em;border-bottom:1px solid #ccc}
 table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:left;vertical-align:top}
-td.n{text-align:right;font-variant-numeric:tabular-nums;white-space:pre}
+.n{text-align:right}td+td{white-space:nowrap}td.n{font-variant-numeric:tabular-nums;white-space:pre}
+ol{margin:.5em 0;padding-left:1.8em}
 tr:nth-child(even) td{background:#f5f5f5}
 svg{margin:.8em 2em .5em 0}svg text{font:11px sans-serif;fill:#444}.bar{fill:#4a78b0}.axis{stroke:#888}
 .line{stroke:#b33;fill:none;stroke-width:1.5}.reproduced{color:#1a6b2f}.order{color:#8a5a00}.not{color:#a11}.input{color:#555}.note{color:#555}code{background:#f5f5f5}
@@ -37,19 +39,43 @@ const char* StyleOf(Verdict verdict) {
 
 std::string Paragraph(const std::string& text) { return "<p>" + EscapeHtml(text) + "</p>\n"; }
 
-std::string RowToHtml(const ReproducedRow& row) {
-  return "<tr><td>" + EscapeHtml(row.quantity) + "</td><td class=\"n\">" + EscapeHtml(row.published) +
-         "</td><td class=\"n\">" + EscapeHtml(row.computed) + "</td><td class=\"" + StyleOf(row.verdict) + "\">" +
-         VerdictName(row.verdict) + "</td><td>" + EscapeHtml(row.why) + "</td></tr>\n";
+// The reasons of a table, once each.
+std::vector<std::string> ReasonsOf(const ReproducedTable& table) {
+  std::vector<std::string> reasons;
+  for (const ReproducedRow& row : table.rows) {
+    const bool is_new = std::find(reasons.begin(), reasons.end(), row.why) == reasons.end();
+    if (!row.why.empty() && is_new) reasons.push_back(row.why);
+  }
+  return reasons;
+}
+
+// " (2)": which of the reasons; "": none.
+std::string ReasonNumber(const ReproducedRow& row, const std::vector<std::string>& reasons) {
+  if (row.why.empty()) return "";
+  const auto at = std::find(reasons.begin(), reasons.end(), row.why) - reasons.begin();
+  return " (" + std::to_string(at + 1) + ")";
+}
+
+std::string RowToHtml(const ReproducedRow& row, const std::vector<std::string>& reasons) {
+  return "<tr title=\"" + EscapeHtml(row.why) + "\"><td>" + EscapeHtml(row.quantity) + "</td><td class=\"n\">" +
+         EscapeHtml(row.published) + "</td><td class=\"n\">" + EscapeHtml(row.computed) + "</td><td class=\"" +
+         StyleOf(row.verdict) + "\">" + VerdictName(row.verdict) + ReasonNumber(row, reasons) + "</td></tr>\n";
 }
 
 std::string TableToHtml(const ReproducedTable& table) {
+  const std::vector<std::string> reasons = ReasonsOf(table);
   std::string html = "<h2 id=\"" + EscapeHtml(table.id) + "\">" + EscapeHtml(table.id + "  " + table.title) +
                      "</h2>\n<p class=\"note\">" + EscapeHtml(SimulationNote()) +
-                     "</p>\n<table><thead><tr><th>quantity</th><th>published</th><th>computed</th><th>verdict</th>"
-                     "<th>why</th></tr></thead><tbody>\n";
-  for (const ReproducedRow& row : table.rows) html += RowToHtml(row);
-  html += "</tbody></table>\n" + table.figures;
+                     "</p>\n<table><thead><tr><th>quantity</th><th class=\"n\">published</th><th "
+                     "class=\"n\">computed</th><th>verdict</th></tr></thead><tbody>\n";
+  for (const ReproducedRow& row : table.rows) html += RowToHtml(row, reasons);
+  html += "</tbody></table>\n";
+  if (!reasons.empty()) {
+    html += "<ol class=\"note\">\n";
+    for (const std::string& reason : reasons) html += "<li>" + EscapeHtml(reason) + "</li>\n";
+    html += "</ol>\n";
+  }
+  html += table.figures;
   for (const std::string& note : table.notes) html += Paragraph(note);
   return html;
 }
@@ -132,17 +158,10 @@ Section TableToSection(const ReproducedTable& table) {
   Section section;
   section.title = table.id + "  " + table.title;
   section.header = {"quantity", "published", "computed", "verdict"};
-  // Reasons below the table, once each.
-  std::vector<std::string> reasons;
+  const std::vector<std::string> reasons = ReasonsOf(table);
   for (const ReproducedRow& row : table.rows) {
-    std::string verdict = VerdictName(row.verdict);
-    if (!row.why.empty()) {
-      size_t at = 0;
-      while (at < reasons.size() && reasons[at] != row.why) ++at;
-      if (at == reasons.size()) reasons.push_back(row.why);
-      verdict += " (" + std::to_string(at + 1) + ")";
-    }
-    section.rows.push_back({row.quantity, row.published, row.computed, verdict});
+    section.rows.push_back(
+        {row.quantity, row.published, row.computed, VerdictName(row.verdict) + ReasonNumber(row, reasons)});
   }
   for (size_t i = 0; i < reasons.size(); ++i) {
     section.paragraphs.push_back("(" + std::to_string(i + 1) + ") " + reasons[i]);

@@ -4,7 +4,7 @@
 
 #include "estimator/linearization.h"
 #include "tools/reproduce_ablation.h"
-#include "tools/reproduce_charts.h"
+#include "tools/charts.h"
 #include "tools/reproduce_data.h"
 #include "tools/reproduce_statistics.h"
 

@@ -5,7 +5,7 @@
 
 #include "estimator/distributions.h"
 #include "problems/simulation.h"
-#include "tools/reproduce_charts.h"
+#include "tools/charts.h"
 #include "tools/reproduce_data.h"
 
 namespace sagitta {

@@ -32,7 +32,8 @@ std::string Factor(double before, double after) {
   return before / after < 1e5 ? Fixed(before / after, 1) : "> 100000";
 }
 
-// As paper 002, Tables IV and XI.
+}  // namespace
+
 Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after) {
   Section section;
   section.title = title;
@@ -49,6 +50,8 @@ Section ResidualSection(const std::string& title, const ResidualSize& before, co
   add("distance RMS", before.distance_rms, after.distance_rms);
   return section;
 }
+
+namespace {
 
 Section ValidationSection(const Estimate& estimate) {
   Section section =

@@ -18,6 +18,9 @@ struct Section {
 };
 
 std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate);
+// As paper 002, Tables IV and XI.
+Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after);
+
 std::string SectionsToText(const std::vector<Section>& sections);
 
 std::string Fixed(double value, int decimals);

@@ -40,6 +40,11 @@ std::map<std::string, MarkerSpec> ReadMarkers(const YamlValue& value) {
     MarkerSpec marker;
     marker.point = map.FindTriple("xyz", Dimension::kLength);
     if (const auto on = map.Find("on")) marker.on = on->Text();
+    if (const auto spring = map.Find("spring")) marker.spring = spring->OneOf({"lever", "anchor", "none"});
+    if (const auto sigma = map.Length("spring_sigma")) {
+      if (!(*sigma > 0.0)) entry.Fail("spring_sigma must be above 0");
+      marker.spring_sigma = sigma;
+    }
     map.Finish();
     markers[id] = marker;
   }

@@ -6,7 +6,6 @@
 #include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
-#include "estimator/compensator_geometry.h"
 #include "estimator/distributions.h"
 #include "estimator/joint_estimator.h"
 #include "problems/io/experiment_file.h"
@@ -89,16 +88,6 @@ TEST_F(AllStagesTest, OneSolveCoversTheTruth) {
   const double p = ChiSquareSurvival(z.dot(correlation.ldlt().solve(z)), z.size());
   EXPECT_GT(p, 1e-3);
   EXPECT_LT(p, 1 - 1e-3);
-}
-
-TEST_F(AllStagesTest, MarkersOnTheLinksGiveTheSpringsGeometry) {
-  const CalibrationProblem problem = AllStages();
-  const CompensatorGeometry geometry = CompensatorGeometryFromEstimate(problem, EstimateJointly(problem), "K1", "K2");
-  ASSERT_TRUE(geometry.solved);
-  const Eigen::Vector3d error(geometry.L - Truth("compensator/L"), geometry.a_x - Truth("compensator/a_x"),
-                              geometry.a_y - Truth("compensator/a_y"));
-  EXPECT_GT(ChiSquareSurvival(error.dot(geometry.covariance.llt().solve(error)), 3), 1e-3);
-  EXPECT_LT(std::sqrt(geometry.covariance(0, 0)), 0.03e-3);
 }
 
 TEST_F(AllStagesTest, ThePullsAreWhatTellsK1) {

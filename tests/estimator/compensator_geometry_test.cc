@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {
@@ -115,55 +113,6 @@ TEST(CompensatorGeometry, OneAngleOrNoAnchorIsNotSolved) {
   EXPECT_FALSE(FitCompensatorGeometry(still).solved);
   markers.anchor_points.resize(3, 0);
   EXPECT_FALSE(FitCompensatorGeometry(markers).solved);
-}
-
-// Lever end and anchor on the arm of the joint solve, errors of joint 1 in.
-test::LoadedTruth TruthWithSpringMarkers() {
-  test::LoadedTruth truth;
-  truth.base_rotvec = {{0.0528, 0.01, 0.3}, {-0.04, 0.02, -1.0}};
-  truth.spring = test::SpringTruth();
-  const test::SpringTruth& s = *truth.spring;
-  const double beta = 0.4;
-  const Vector3<double> u(std::cos(beta), 0, -std::sin(beta)), v = Vector3<double>::UnitY().cross(u);
-  const Vector3<double> in_axis_frame = -s.a_y * u - s.a_x * v + Vector3<double>(0, 0.3, 0);
-  const Vector3<double> in_link_1 = Vector3<double>(0.350 + truth.errors[0], truth.errors[1], 0) +
-                                    test::Turn(Eigen::Vector3d::UnitX(), truth.errors[2]) * in_axis_frame;
-  truth.link_markers = {{"L1", {1, s.L * u + Vector3<double>(0, 0.25, 0)}}, {"L2", {0, in_link_1}}};
-  return truth;
-}
-
-TEST(CompensatorGeometry, ComesOutOfTheJointSolveAndServesAsPrior) {
-  const test::LoadedTruth truth = TruthWithSpringMarkers();
-  const test::SpringTruth& spring = *truth.spring;
-  const test::LoadedDesign design;
-  Measurements data = test::LoadedRows(design, truth);
-  const std::vector<Vector3<double>> exact = test::ExactPoints(truth, data);
-  test::Measure(exact, 0.0, 1, &data);
-  test::LoadedSetup setup = test::SetupFor(truth);
-  CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
-  CompensatorGeometry geometry = CompensatorGeometryFromEstimate(problem, EstimateJointly(problem), "L1", "L2");
-  ASSERT_TRUE(geometry.solved);
-  EXPECT_NEAR(geometry.L, spring.L, 1e-10);
-  EXPECT_NEAR(geometry.a_x, spring.a_x, 1e-10);
-  EXPECT_NEAR(geometry.a_y, spring.a_y, 1e-10);
-
-  for (int seed = 1; seed <= 5; ++seed) {
-    test::Measure(exact, design.sigma, seed, &problem.data);
-    geometry = CompensatorGeometryFromEstimate(problem, EstimateJointly(problem), "L1", "L2");
-    const Eigen::Vector3d error(geometry.L - spring.L, geometry.a_x - spring.a_x, geometry.a_y - spring.a_y);
-    EXPECT_GT(ChiSquareSurvival(error.dot(geometry.covariance.llt().solve(error)), 3), 1e-5);
-    EXPECT_LT(std::sqrt(geometry.covariance(0, 0)), 2e-5);
-  }
-  // L by its markers opens the scale gauge.
-  setup.experiment.estimate.gravity_compensator = {Selection::Kind::kAll, {}};
-  setup.experiment.priors["compensator/L"] = {geometry.L / 1e-3, std::sqrt(geometry.covariance(0, 0)) / 1e-3};
-  const Estimate open = EstimateJointly(MakeCalibrationProblem(setup.robot, problem.data, setup.experiment));
-  ASSERT_EQ(open.status, Status::kConverged) << open.message;
-  const ParameterEstimate& l = open.table[open.parameters.FindCoordinate("compensator/L")];
-  EXPECT_TRUE(l.identifiable);
-  EXPECT_NEAR(l.value, spring.L, 4 * l.sigma);
-  EXPECT_FALSE(CompensatorGeometryFromEstimate(problem, open, "L2", "L1").solved);
-  EXPECT_FALSE(CompensatorGeometryFromEstimate(problem, open, "L1", "absent").solved);
 }
 
 }  // namespace

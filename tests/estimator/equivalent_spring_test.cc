@@ -11,7 +11,7 @@ namespace {
 
 using test::kDegree;
 
-constexpr SpringGeometry kGeometry{0.18472, 0.68593, 0.12330};      // paper 002, Table V
+constexpr SpringMounting kGeometry{0.18472, 0.68593, 0.12330};      // paper 002, Table V
 constexpr double kNodes[5] = {-140, -99.85, -56.9, -25.24, -0.01};  // deg
 
 // 1/k2 = 1/k0 + d2U/dq2, the second derivative by differences of the energy.

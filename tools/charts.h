@@ -1,4 +1,4 @@
-// Inline SVG for the published figures.
+// Inline SVG for reports.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "tools/reproduce_charts.h"
+#include "tools/charts.h"
 
 #include <algorithm>
 

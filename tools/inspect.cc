@@ -1,0 +1,66 @@
+// sagitta inspect: lint, identifiability and leverage, without estimating.
+#include "estimator/inspect/inspect.h"
+
+#include <gflags/gflags.h>
+
+#include <iostream>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "tools/commands.h"
+#include "tools/inspection_json.h"
+#include "tools/progress.h"
+#include "tools/requirement.h"
+
+DECLARE_string(require);
+
+namespace sagitta {
+namespace {
+
+constexpr int kRequirementNotMet = 1;
+
+int RunInspect(const CommandLine& line) {
+  ExpectArguments(line, InspectCommand(), 1, 1000);
+  const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
+  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const CalibrationProblem problem = ProblemAsStated(inputs);
+  Inspection inspection;
+  {
+    Progress progress(FLAGS_quiet);
+    inspection = Inspect(problem, [&progress](const std::string& what) { progress.Say(what); });
+  }
+  const Provenance provenance{line.text, "inspection", inputs.files};
+  const nlohmann::ordered_json json = InspectionToJson(problem, inspection, provenance);
+  const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
+  std::cout << SectionsToText(SummariseInspection(problem, inspection));
+  if (FLAGS_out.empty()) {
+    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+  } else {
+    WriteTextFile(FLAGS_out + "/report.html", InspectionToHtml(problem, inspection, provenance));
+    WriteTextFile(FLAGS_out + "/inspect.json", DumpJson(json));
+    std::cout << "\nResults in " << FLAGS_out << ": report.html, inspect.json\n";
+  }
+  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
+  return unmet.empty() ? 0 : kRequirementNotMet;
+}
+
+}  // namespace
+
+Command InspectCommand() {
+  return {"inspect", "lint, identifiability, leverage, without estimating",
+          R"(sagitta inspect EXP [--out=DIR]
+
+Reads the data as an estimate would and says what it could tell: wrong units, signs, zero positions and DH
+conventions, exchanged markers, gross outliers, copied points, joints that hardly moved, constant orientation,
+columns that are absent; which unknowns the data do not support, which go hand in hand, and which configurations
+carry the estimate. Writes inspect.json and report.html to DIR.
+
+Examples
+  sagitta inspect robot.yaml measurements.csv
+  sagitta inspect experiment.yaml --out=inspection --require='serious==0'
+)",
+          WithProblemFlags({"require"}), RunInspect};
+}
+
+}  // namespace sagitta

@@ -1,0 +1,171 @@
+// sagitta validate: before and after on configurations that the estimate has not seen.
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numeric>
+#include <stdexcept>
+
+#include "estimator/intervals/prediction.h"
+#include "estimator/linearization.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "tools/commands.h"
+#include "tools/estimate_json.h"
+#include "tools/report_html.h"
+#include "tools/requirement.h"
+#include "tools/residuals_csv.h"
+#include "tools/summary.h"
+
+DECLARE_string(require);
+
+namespace sagitta {
+namespace {
+
+constexpr int kRequirementNotMet = 1;
+
+struct Validation {
+  ResidualSize before, after;
+  double predicted_rms = 0.0;  // m, per coordinate: noise and parameters; 0: the noise is not known
+  Eigen::Matrix3Xd predicted;
+  std::vector<std::string> warnings;
+};
+
+ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted) {
+  Eigen::Matrix3Xd residuals(3, predicted.cols());
+  for (int k = 0; k < predicted.cols(); ++k)
+    residuals.col(k) = problem.data.observations[k].point_in_station - predicted.col(k);
+  return MeasureResiduals(residuals);
+}
+
+// RMS to expect over coordinates: parameters, repeatability, instrument; 0 where nothing tells the noise of a row.
+double PredictedRms(const CalibrationProblem& problem, const KnownRobot& known, const std::vector<int>& rows) {
+  const std::vector<PredictionCovariance> points =
+      PredictionCovariances(problem, known.uncertainty, rows, known.noise_scale);
+  double sum = 0.0;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    const Matrix3<double> root = known.noise_scale * problem.NoiseRoot(rows[k]);
+    if (!IsStated(root)) return 0.0;
+    sum += points[k].mean().trace() + points[k].arm.trace() + root.squaredNorm();
+  }
+  return std::sqrt(sum / (3.0 * rows.size()));
+}
+
+Validation Validate(const KnownRobot& known, const CalibrationProblem& problem, const std::vector<InputFile>& inputs) {
+  Validation validation;
+  std::vector<int> all(problem.data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  validation.predicted = PredictPoints(problem, problem.parameters, all);
+  const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
+  if (!validation.predicted.allFinite() || !nominal.allFinite())
+    throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
+  validation.before = SizeOf(problem, nominal);
+  validation.after = SizeOf(problem, validation.predicted);
+  validation.predicted_rms = PredictedRms(problem, known, all);
+  validation.warnings = problem.data.warnings;
+  for (const InputFile& input : inputs) {
+    const auto& seen = known.input_hashes;
+    if (std::find(seen.begin(), seen.end(), input.sha256) == seen.end()) continue;
+    validation.warnings.push_back(input.path +
+                                  " is an input of the estimate: unless its rows were held out, these are "
+                                  "residuals of the fit, not a validation");
+  }
+  return validation;
+}
+
+nlohmann::ordered_json SizeToJson(const ResidualSize& size) {
+  return {{"rms_mm", 1e3 * size.rms},
+          {"max_mm", 1e3 * size.max},
+          {"rms_axis_mm", {1e3 * size.rms_axis[0], 1e3 * size.rms_axis[1], 1e3 * size.rms_axis[2]}},
+          {"distance_rms_mm", 1e3 * size.distance_rms},
+          {"distance_max_mm", 1e3 * size.distance_max}};
+}
+
+nlohmann::ordered_json ToJson(const Validation& validation, const Provenance& provenance) {
+  nlohmann::ordered_json json = {
+      {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}};
+  json["inputs"] = nlohmann::ordered_json::array();
+  for (const InputFile& input : provenance.inputs)
+    json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
+  json["validation"] = {{"observations", validation.after.observations}};
+  json["validation"].update(SizeToJson(validation.after));
+  json["validation"]["before"] = SizeToJson(validation.before);
+  json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
+                                               ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
+                                               : nlohmann::ordered_json(nullptr);
+  json["warnings"] = validation.warnings;
+  return json;
+}
+
+std::vector<Section> Summary(const KnownRobot& known, const CalibrationProblem& problem, const Validation& validation) {
+  Section section = ResidualSection("Residuals on " + std::to_string(validation.after.observations) + " observations",
+                                    validation.before, validation.after);
+  section.paragraphs.push_back("before: the nominal robot, base poses and markers fitted to the calibration rows.");
+  if (validation.predicted_rms > 0.0) {
+    section.paragraphs.push_back("Predicted coordinate RMS from noise and parameter uncertainty: " +
+                                 Fixed(1e3 * validation.predicted_rms, 4) + " mm.");
+  }
+  for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
+  Section head;
+  head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
+  head.paragraphs = {std::to_string(problem.data.configurations.size()) + " configurations, estimate " + known.file +
+                     "."};
+  return {head, section};
+}
+
+std::string ResidualRows(const CalibrationProblem& problem, const Validation& validation) {
+  Eigen::Matrix3Xd residuals(3, validation.predicted.cols());
+  for (int k = 0; k < residuals.cols(); ++k)
+    residuals.col(k) = problem.data.observations[k].point_in_station - validation.predicted.col(k);
+  std::vector<AddedColumn> added = PointColumns("pred_", validation.predicted);
+  for (const AddedColumn& column : PointColumns("res_", residuals)) added.push_back(column);
+  return RowsToCsv(problem.data, added);
+}
+
+int RunValidate(const CommandLine& line) {
+  ExpectArguments(line, ValidateCommand(), 2, 1000);
+  const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
+  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  const KnownRobot known = ReadEstimateFile(line.arguments[0]);
+  const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
+  const CalibrationProblem problem = PredictionProblem(known, ReadMeasurementsFor(known.robot, files));
+  Provenance provenance{line.text, "validation", {}};
+  for (const std::string& path : line.arguments) provenance.inputs.push_back(DescribeInput(path));
+  const Validation validation = Validate(known, problem, provenance.inputs);
+  const nlohmann::ordered_json json = ToJson(validation, provenance);
+  const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
+  const std::vector<Section> sections = Summary(known, problem, validation);
+  std::cout << SectionsToText(sections);
+  if (FLAGS_out.empty()) {
+    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+  } else {
+    WriteTextFile(FLAGS_out + "/residuals.csv", ResidualRows(problem, validation));
+    WriteTextFile(FLAGS_out + "/report.html", SectionsToPage(sections, "", provenance));
+    WriteTextFile(FLAGS_out + "/validation.json", DumpJson(json));
+    std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";
+  }
+  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
+  return unmet.empty() ? 0 : kRequirementNotMet;
+}
+
+}  // namespace
+
+Command ValidateCommand() {
+  return {"validate",
+          "before and after on unseen configurations",
+          R"(sagitta validate ESTIMATE.json MEAS.csv… [--out=DIR]
+
+Compares measured points with those of the calibrated and of the nominal robot, on rows that took no part in the
+estimate, and with what the parameters' uncertainty and the noise let expect. Writes validation.json,
+residuals.csv and report.html to DIR.
+
+Examples
+  sagitta validate results/estimate.json unseen.csv --out=validation
+  sagitta validate results/estimate.json unseen.csv --require='validation.distance_rms_mm<0.3'
+)",
+          {"out", "require", "seed", "threads", "quiet"},
+          RunValidate};
+}
+
+}  // namespace sagitta
