@@ -1,8 +1,11 @@
 // sagitta diagnose: finds, names and adds the missing effect.
 #include <gflags/gflags.h>
 
+#include <cstdio>
 #include <iostream>
+#include <utility>
 
+#include "estimator/diagnosis/simulation_baseline.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
@@ -12,6 +15,8 @@
 #include "tools/progress.h"
 #include "tools/report_html.h"
 #include "tools/residuals_csv.h"
+
+DEFINE_string(simulation, "model", "what the gap is measured from: model, or columns (sim_x_mm, sim_y_mm, sim_z_mm)");
 
 namespace sagitta {
 namespace {
@@ -33,11 +38,34 @@ ExperimentInputs WithHoldout(ExperimentInputs inputs) {
   return inputs;
 }
 
+// Against a foreign simulation base and markers stay free; more only where the
+// experiment asks for it by name.
+ExperimentInputs OnlyBaseAndMarkers(ExperimentInputs inputs) {
+  EstimateSpec& estimate = inputs.experiment.estimate;
+  for (Selection* selection : {&estimate.geometry, &estimate.compliance, &estimate.gravity_compensator}) {
+    if (selection->kind == Selection::Kind::kDefault) selection->kind = Selection::Kind::kNone;
+  }
+  return inputs;
+}
+
+CalibrationProblem DiagnosedProblem(const ExperimentInputs& inputs) {
+  if (FLAGS_simulation == "model") return ProblemFromInputs(inputs);
+  if (FLAGS_simulation != "columns") {
+    throw InputError({"", 0, "--simulation"}, "'" + FLAGS_simulation + "' is no baseline", "model or columns");
+  }
+  SimulationBaseline baseline = AgainstSimulation(ProblemFromInputs(OnlyBaseAndMarkers(inputs)));
+  char words[160];
+  std::snprintf(words, sizeof words, "%.4g", 1e3 * baseline.reproduced);
+  std::cout << "Baseline: the simulation of the columns sim_x_mm, sim_y_mm, sim_z_mm. Base and markers stay free. "
+            << "The nominal robot file reproduces that simulation to " << words << " mm (RMS distance).\n\n";
+  return std::move(baseline.problem);
+}
+
 int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
   const ExperimentInputs inputs = WithHoldout(ReadExperimentInputs(line.arguments));
-  const CalibrationProblem problem = ProblemFromInputs(inputs);
+  const CalibrationProblem problem = DiagnosedProblem(inputs);
   Diagnosis diagnosis;
   {
     Progress progress(FLAGS_quiet);
@@ -86,8 +114,9 @@ explained, partly, unknown.
 Examples
   sagitta diagnose experiment.yaml --out=results
   sagitta diagnose robot.yaml measurements.csv --sigma_mm=0.05 --out=results
+  sagitta diagnose experiment.yaml --simulation=columns --out=results    # the gap to another simulation
 )",
-          WithProblemFlags({}), RunDiagnose};
+          WithProblemFlags({"simulation"}), RunDiagnose};
 }
 
 }  // namespace sagitta

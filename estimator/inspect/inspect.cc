@@ -27,6 +27,7 @@ Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution
                               FindWeak(state.estimated, state.parameters, state.scale)};
   if (!solution.full_rank) return expected.identifiability;
   expected.covariance = state.scale * state.scale * solution.covariance;
+  expected.model_covariance = expected.covariance;
   expected.sigma.stated = state.problem.sigma_is_stated();
   expected.sigma.a_posteriori = expected.sigma.stated ? state.scale : 1.0;
   expected.sigma.scaled = expected.sigma.a_posteriori > 1.0;

@@ -1,0 +1,52 @@
+#include "estimator/diagnosis/simulation_baseline.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "estimator/joint_estimator.h"
+#include "estimator/linearization.h"
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+
+Vector3<double> SimulatedPoint(const Measurements& data, const Observation& observation) {
+  Vector3<double> point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string column = std::string("sim_") + "xyz"[axis] + "_mm";
+    const std::string cell = data.Cell(observation, column);
+    char* end = nullptr;
+    const double value = std::strtod(cell.c_str(), &end);
+    if (cell.empty() || *end != '\0' || !std::isfinite(value)) {
+      throw InputError({data.SourceOf(observation), 0, column},
+                       cell.empty() ? "the row states no simulated point" : "'" + cell + "' is no number",
+                       "--simulation=columns needs sim_x_mm, sim_y_mm, sim_z_mm in every row");
+    }
+    point[axis] = kMillimetre * value;
+  }
+  return point;
+}
+
+}  // namespace
+
+SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
+  std::vector<int> all;
+  std::vector<Vector3<double>> simulated;
+  for (const Observation& observation : problem.data.observations) {
+    all.push_back(static_cast<int>(all.size()));
+    simulated.push_back(SimulatedPoint(problem.data, observation));
+  }
+  CalibrationProblem of_simulation = problem;
+  for (const int i : all) of_simulation.data.observations[i].point_in_station = simulated[i];
+  SimulationBaseline baseline{problem, 0.0};
+  baseline.reproduced = AlignNominal(of_simulation, &baseline.problem.parameters);
+  const Eigen::Matrix3Xd nominal = PredictPoints(problem, baseline.problem.parameters, all);
+  for (const int i : all) {
+    baseline.problem.data.observations[i].point_in_station += nominal.col(i) - simulated[i];
+  }
+  return baseline;
+}
+
+}  // namespace sagitta
