@@ -9,7 +9,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kHarmonicOrders = 6;
+constexpr int kHarmonicOrders = 6;        // scanned with few configurations
+constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
+constexpr int kConfigurationsPerOrder = 20;
 constexpr int kWobbleOrders = 2;
 constexpr int kMostChangePoints = 80;
 
@@ -78,12 +80,20 @@ std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
   return points;
 }
 
+// As many orders as the configurations can resolve.
+int HarmonicOrders(const CalibrationProblem& problem) {
+  const auto& configurations = problem.data.configurations;
+  const auto fitted = std::count_if(configurations.begin(), configurations.end(),
+                                    [](const Configuration& c) { return !c.is_validation; });
+  return std::min(kMostHarmonicOrders, std::max(kHarmonicOrders, static_cast<int>(fitted) / kConfigurationsPerOrder));
+}
+
 std::vector<std::string> Choices(const SettingDefinition& setting, const EffectDefinition& definition,
                                  const std::string& target, const CalibrationProblem& problem) {
   std::vector<std::string> choices;
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger:
-      for (int n = 1; n <= (definition.name == "axis_wobble" ? kWobbleOrders : kHarmonicOrders); ++n) {
+      for (int n = 1; n <= (definition.name == "axis_wobble" ? kWobbleOrders : HarmonicOrders(problem)); ++n) {
         choices.push_back(std::to_string(n));
       }
       break;

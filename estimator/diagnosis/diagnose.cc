@@ -217,7 +217,9 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
     decoy = BestDecoy(model);
     selection.decoy_gain = decoy.penalised - kUnknownMargin;
     selection.decoy_explains_all = sigma_is_stated && LeavesNothing(model, decoy);
-    steps = SelectEffects(model, list.candidates, selection, &diagnosis.final);
+    // Where only the common sigma followed, the same steps are the start again.
+    if (sigma_is_stated) steps.clear();
+    steps = SelectEffects(model, list.candidates, selection, steps, &diagnosis.final);
     diagnosis.has_unexplained = false;
     if (!steps.empty()) {
       report("decoys against " + std::to_string(steps.size()) + " steps");

@@ -12,6 +12,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
+constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
 constexpr int kShapesRefitted = 3;
 constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
 
@@ -237,19 +238,25 @@ double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& mode
 }
 
 std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
-                                      const SelectionOptions& options, DiagnosedModel* model) {
-  std::vector<ChosenStep> steps;
-  *model = baseline;
+                                      const SelectionOptions& options, const std::vector<ChosenStep>& start,
+                                      DiagnosedModel* model) {
+  std::vector<ChosenStep> steps = start;
+  *model = steps.empty() ? baseline : Extend(baseline, CandidatesOf(steps), options.joint);
+  if (!IsUsable(model->estimate.status)) {
+    steps.clear();
+    *model = baseline;
+  }
   Trial trial;
   std::vector<Candidate> open = candidates;
-  double total = 0.0;
+  double total = PenalisedTotal(baseline, *model, steps);
   while (static_cast<int>(steps.size()) < options.most_steps && PickStep(*model, open, options, &trial)) {
     const std::string path = trial.step.candidate.spec.Path();
     DiagnosedModel next = Extend(*model, {trial.step.candidate}, options.joint);
     std::vector<ChosenStep> longer = steps;
     longer.push_back(trial.step);
     const bool fits = IsUsable(next.estimate.status) && PenalisedTotal(baseline, next, longer) > total;
-    for (int pass = 0; fits && longer.size() > 1 && pass < 2; ++pass) {
+    const bool swaps = longer.size() > 1 && longer.size() <= kSwappedAtOnce;
+    for (int pass = 0; fits && swaps && pass < 2; ++pass) {
       if (!SwapOne(baseline, open, options, &longer, &next)) break;
     }
     const double now = fits ? PenalisedTotal(baseline, next, longer) : total;
@@ -262,7 +269,10 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
     steps = std::move(longer);
     *model = std::move(next);
     if (options.progress) options.progress("step " + std::to_string(steps.size()) + ": " + path);
-    if (options.decoy_explains_all && steps.size() >= 3 && total < options.decoy_gain) break;
+    if (options.decoy_explains_all && steps.size() >= 3 && total < options.decoy_gain) return steps;
+  }
+  for (int pass = 0; steps.size() > kSwappedAtOnce && pass < 2; ++pass) {
+    if (!SwapOne(baseline, open, options, &steps, model)) break;
   }
   return steps;
 }

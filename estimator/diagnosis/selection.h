@@ -58,9 +58,11 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
-// Forward selection with swap and backward passes; `model` becomes the extended one.
+// Forward selection with swap and backward passes, from the steps of `start`;
+// `model` becomes the extended one.
 std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
-                                      const SelectionOptions& options, DiagnosedModel* model);
+                                      const SelectionOptions& options, const std::vector<ChosenStep>& start,
+                                      DiagnosedModel* model);
 
 // Penalised chi-square reduction of a set of steps against the baseline.
 double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& model,

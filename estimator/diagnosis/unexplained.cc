@@ -54,7 +54,7 @@ struct Beside {
 Beside SelectBeside(const DiagnosedModel& baseline, const std::vector<Decoy>& decoys,
                     const std::vector<Candidate>& candidates, const SelectionOptions& options) {
   Beside beside{{}, {baseline}};
-  while (static_cast<int>(beside.steps.size()) < options.most_steps) {
+  while (static_cast<int>(beside.steps.size()) < options.most_steps / 2) {
     const DiagnosedModel& model = beside.models.back();
     ProjectedResidual residual(LinearizeEstimate(*model.problem, model.estimate.parameters));
     for (const Decoy& decoy : decoys) residual = residual.With(ColumnsOfKind(model, decoy));
@@ -121,9 +121,10 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
   if (decoys.empty()) return rest;
   rest.found = true;
   rest.decoy = decoys[0];
-  // Beside what has no name the same question again, until the steps hold.
+  // The steps before it hold. Beside what has no name the same question again,
+  // until the further steps hold.
   for (;;) {
-    Beside beside = SelectBeside(baseline, decoys, candidates, options);
+    Beside beside = SelectBeside(partial, decoys, candidates, options);
     const double sum = Sum(beside.steps, beside.steps.size());
     bool holds = true;
     for (size_t kept = 0; kept < beside.steps.size() && holds && decoys.size() < kMostDecoys; ++kept) {
@@ -133,7 +134,8 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
     }
     if (!holds) continue;
     *model = std::move(beside.models.back());
-    *steps = std::move(beside.steps);
+    *steps = held;
+    steps->insert(steps->end(), beside.steps.begin(), beside.steps.end());
     if (!steps->empty()) rest.decoy = BestDecoy(*model);
     return rest;
   }
