@@ -11,7 +11,7 @@ namespace {
 constexpr double kNoiseEvidence = 10.0;  // penalised gain of what is no effect before it counts
 constexpr double kSettled = 0.05;        // of sigma and repeatability
 constexpr int kMostNoiseRounds = 3;
-constexpr int kMostOutlierRounds = 4;
+constexpr int kMostOutlierRounds = 12;
 
 double LackOfFit(const Estimate& estimate) {
   return estimate.dof > 0 ? ChiSquareSurvival(estimate.chi2, estimate.dof) : 1.0;

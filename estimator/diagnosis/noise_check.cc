@@ -11,6 +11,12 @@
 namespace sagitta {
 namespace {
 
+constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of freedom
+constexpr double kOfTheWorst = 0.05;
+constexpr double kAlone = 4.0;         // times the other markers of the shot
+constexpr double kSingleMarker = 3.0;  // times the limit, where no other marker tells
+constexpr double kMostOutliers = 0.06;
+
 struct ShotResidual {
   std::vector<int> observations;
   Eigen::VectorXd residual;  // whitened
@@ -101,36 +107,35 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 }
 
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance) {
-  // A marker that disagrees with its shot's rigid body. Robust scale: median.
   struct Entry {
     int observation;
-    double squared;
+    double squared;  // whitened, 3 degrees of freedom
+    double others;   // mean of the shot's other markers; 0: there are none
   };
   std::vector<Entry> entries;
   for (const ShotResidual& shot : ResidualsByShot(problem, estimate.parameters)) {
-    int dof = 0;
-    const Eigen::VectorXd rest = WithoutRigidMotion(shot, &dof);
-    if (dof == 0) continue;
-    for (size_t i = 0; i < shot.observations.size(); ++i) {
-      entries.push_back({shot.observations[i], rest.segment<3>(3 * i).squaredNorm()});
+    const int n = static_cast<int>(shot.observations.size());
+    for (int i = 0; i < n; ++i) {
+      const double own = shot.residual.segment<3>(3 * i).squaredNorm();
+      entries.push_back({shot.observations[i], own, n > 1 ? (shot.residual.squaredNorm() - own) / (n - 1) : 0.0});
     }
   }
   if (entries.size() < 20) return {};
   std::vector<double> sorted;
   for (const Entry& entry : entries) sorted.push_back(entry.squared);
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
-  // 3 markers leave 3 of 9 degrees of freedom: one per marker on average.
-  const double scale = std::max(1.0, sorted[sorted.size() / 2] / 0.455);
-  const double limit = scale * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 2.0);
-  std::map<int, Entry> worst;  // one per shot: the others are pulled by it
-  for (const Entry& entry : entries) {
-    const int shot = problem.data.observations[entry.observation].shot;
-    if (entry.squared < limit) continue;
-    const auto found = worst.emplace(shot, entry).first;
-    if (entry.squared > found->second.squared) found->second = entry;
-  }
+  std::sort(sorted.begin(), sorted.end());
+  const double scale = std::max(1.0, sorted[sorted.size() / 2] / kMedianOfThree);
+  const double limit = scale * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
+  // The worst first: they pull the fit, and the others with it.
+  const double floor = std::max(limit, kOfTheWorst * sorted.back());
   std::vector<int> outliers;
-  for (const auto& [shot, entry] : worst) outliers.push_back(entry.observation);
+  for (const Entry& entry : entries) {
+    const bool alone =
+        entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
+    if (entry.squared > floor && alone) outliers.push_back(entry.observation);
+  }
+  // What happens to many points is no outlier but something to explain.
+  if (static_cast<double>(outliers.size()) > kMostOutliers * static_cast<double>(entries.size())) return {};
   return outliers;
 }
 

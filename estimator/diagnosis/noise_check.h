@@ -21,8 +21,9 @@ struct NoiseScale {
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
                                                double significance);
 
-// Observations whose own residual no rigid motion of the shot and no model
-// error of the neighbours explains: indices into Measurements::observations.
+// Observations far outside the robust scatter (median) and alone so in their
+// shot, the worst first: indices into Measurements::observations. None where so
+// many points are off that it is something to explain.
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance);
 
 // The problem with every stated sigma multiplied.
