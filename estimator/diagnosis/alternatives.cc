@@ -25,8 +25,7 @@ std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const C
   const ParameterSet& parameters = without.estimate.parameters;
   const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
   const Eigen::MatrixXd deviations = JointDeviationColumns(problem, parameters);
-  std::vector<EffectSpec> specs;
-  for (const Candidate& candidate : candidates) specs.push_back(candidate.spec);
+  std::vector<EffectSpec> specs = SpecsOf(candidates);
   const EffectSpec& own = step.candidate.spec;
   specs.push_back(own);
   std::vector<CandidateColumns> columns = ColumnsOf(problem, parameters, specs);

@@ -152,6 +152,12 @@ void AppendCompensators(const CalibrationProblem& problem, int place, CandidateL
 
 }  // namespace
 
+std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
+  std::vector<EffectSpec> specs;
+  for (const Candidate& candidate : candidates) specs.push_back(candidate.spec);
+  return specs;
+}
+
 CandidateList ListCandidates(const CalibrationProblem& problem) {
   CandidateList list;
   const bool loaded = AnyLoad(problem);

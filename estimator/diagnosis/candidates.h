@@ -28,6 +28,8 @@ struct CandidateList {
   std::vector<NotTestable> not_testable;
 };
 
+std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
+
 CandidateList ListCandidates(const CalibrationProblem& problem);
 
 }  // namespace sagitta

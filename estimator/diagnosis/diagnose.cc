@@ -206,15 +206,14 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   SelectionOptions selection = SelectionFor(options);
   report("screening " + std::to_string(list.candidates.size()) + " candidates");
   diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
-  Decoy decoy = BestDecoy(model);
   if (!repeatability_is_stated) {
     const double effect = diagnosis.candidates.empty() ? 0.0 : diagnosis.candidates[0].score.penalised;
-    const double found = FindRepeatability(model, std::max(effect, decoy.penalised), &noise);
+    const double found = FindRepeatability(model, std::max(effect, BestDecoy(model).penalised), &noise);
     if (found > 0.0) model = Refit(WithRepeatability(*model.problem, found), model.estimate, options.joint);
   }
   std::vector<ChosenStep> steps;
   for (int round = 0; round < kMostNoiseRounds; ++round) {
-    decoy = BestDecoy(model);
+    const Decoy decoy = BestDecoy(model);
     selection.decoy_gain = decoy.penalised - kUnknownMargin;
     selection.decoy_explains_all = sigma_is_stated && LeavesNothing(model, decoy);
     // Where only the common sigma followed, the same steps are the start again.

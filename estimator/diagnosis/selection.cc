@@ -31,8 +31,7 @@ double CorrectedP(double reduction, int parameters, double chi2_left, int dof_le
 CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
   CalibrationProblem believed = *model.problem;
   believed.parameters.CopyByName(model.estimate.parameters);
-  std::vector<EffectSpec> specs;
-  for (const Candidate& candidate : added) specs.push_back(candidate.spec);
+  const std::vector<EffectSpec> specs = SpecsOf(added);
   CalibrationProblem problem = believed.WithEffects(specs);
   for (const Candidate& candidate : added) {
     for (const std::string& name : candidate.vague) {
@@ -46,7 +45,6 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
 
 struct Trial {
   ChosenStep step;
-  ParameterSet parameters;
 };
 
 // One candidate refitted, from the best of its starts; false where that fails.
@@ -63,18 +61,15 @@ bool TryStep(const DiagnosedModel& model, const ScreenedCandidate& entry, const 
     const CalibrationProblem problem = ExtendedProblem(model, {candidate});
     const QuickRefit quick = RefitQuickly(problem, problem.parameters);
     double chi2 = quick.chi2;
-    ParameterSet parameters = quick.parameters;
     dof = quick.dof;
     if (!quick.converged) {
       const Estimate full = EstimateFrom(problem, problem.parameters, options.joint);
       if (!IsUsable(full.status)) continue;
       chi2 = full.chi2;
       dof = full.dof;
-      parameters = full.parameters;
     }
     if (chi2 >= best) continue;
     best = chi2;
-    trial->parameters = std::move(parameters);
     step.candidate.spec = start;
   }
   if (!std::isfinite(best)) return false;
@@ -185,8 +180,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
   const ParameterSet& parameters = model.estimate.parameters;
   const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
   const Eigen::MatrixXd deviations = JointDeviationColumns(problem, parameters);
-  std::vector<EffectSpec> specs;
-  for (const Candidate& candidate : candidates) specs.push_back(candidate.spec);
+  const std::vector<EffectSpec> specs = SpecsOf(candidates);
   std::vector<CandidateColumns> columns = ColumnsOf(problem, parameters, specs);
   const double left = model.estimate.dof > 0 ? std::max(1.0, model.estimate.chi2 / model.estimate.dof) : 1.0;
   const int tests = std::min<int>(most_tests, static_cast<int>(candidates.size()));

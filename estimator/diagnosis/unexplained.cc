@@ -14,8 +14,7 @@ constexpr int kManyParameters = 3;
 // section 6 on the linear reductions; false when none is significant.
 bool PickBeside(const DiagnosedModel& model, const ProjectedResidual& residual,
                 const std::vector<Candidate>& candidates, const SelectionOptions& options, ChosenStep* picked) {
-  std::vector<EffectSpec> specs;
-  for (const Candidate& candidate : candidates) specs.push_back(candidate.spec);
+  const std::vector<EffectSpec> specs = SpecsOf(candidates);
   std::vector<CandidateColumns> columns = ColumnsOf(*model.problem, model.estimate.parameters, specs);
   const double chi2 = residual.residual().squaredNorm();
   const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
