@@ -34,6 +34,11 @@ double ChiSquareQuantile(double p, double dof) {
   return Bisect([&](double x) { return (1.0 - p) - ChiSquareSurvival(x, dof); }, 0.0, dof + spread);
 }
 
+double FSurvival(double f, double m, double n) {
+  if (f <= 0.0) return 1.0;
+  return Eigen::numext::betainc(0.5 * n, 0.5 * m, n / (n + m * f));  // Abramowitz, Stegun 26.6.2
+}
+
 double NormalQuantile(double p) { return Eigen::numext::ndtri(p); }
 
 double StudentQuantile(double p, double dof) {

@@ -7,6 +7,8 @@ namespace sagitta {
 double ChiSquareSurvival(double x, double dof);
 // x with P(chi2_dof <= x) = p.
 double ChiSquareQuantile(double p, double dof);
+// P(F_{m,n} > f).
+double FSurvival(double f, double m, double n);
 double NormalQuantile(double p);
 // t with P(T_dof <= t) = p; the normal quantile for infinite dof.
 double StudentQuantile(double p, double dof);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/agreement/report.h"
 #include "estimator/identifiability.h"
 #include "estimator/intervals/held_influence.h"
 #include "estimator/noise_report.h"
@@ -104,6 +105,7 @@ struct Estimate {
   Identifiability identifiability;
   SigmaReport sigma;
   NoiseReport noise_report;
+  AgreementReport agreement;  // between parts of the data; filled by CheckAgreement
   double chi2 = 0.0;
   int dof = 0;
   int rows = 0;  // residuals fitted

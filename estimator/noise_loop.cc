@@ -147,7 +147,8 @@ bool Update(const Estimate& estimate, int round, Loop* loop) {
 void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   NoiseReport& report = loop->report;
   report.outliers = loop->outliers;
-  report.shared = WhatTheyShare(loop->problem, loop->outliers, loop->problem.experiment.significance);
+  report.shared =
+      WhatTheyShare(loop->problem, estimate->parameters, loop->outliers, loop->problem.experiment.significance);
   report.systematic = !report.shared.empty();
   const std::vector<int> observations = loop->problem.CalibrationObservations();
   NoiseRoots noise;
@@ -165,8 +166,9 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   for (const Outlier& outlier : loop->outliers) judged->data.observations[outlier.observation].excluded = true;
 }
 
-// Degrees of freedom of each interval where variances were estimated.
+// Degrees of freedom of each interval where variances were estimated. The sandwich has its own: it does not use them.
 Eigen::VectorXd IntervalDof(const Loop& loop, const Estimate& estimate) {
+  if (estimate.intervals.method == "sandwich") return estimate.interval_dof;
   if (estimate.sigma.scaled || !estimate.sigma.stated) {
     return Eigen::VectorXd::Constant(estimate.covariance.rows(), std::max(1, estimate.dof));
   }
@@ -200,7 +202,8 @@ CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
     if (!loop->stated) ToMetres(&loop->report.components[0]);
   }
   if (loop->loss != LossKind::kNone || loop->choice.interval_dof.size() > 0) {
-    ReplaceCovariance(loop->report.loss_inflation * estimate->covariance, IntervalDof(*loop, *estimate), estimate);
+    ReplaceCovariance(judged, loop->report.loss_inflation * estimate->covariance, IntervalDof(*loop, *estimate),
+                      estimate);
   }
   return judged;
 }

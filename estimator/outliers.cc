@@ -121,8 +121,8 @@ std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const Point
   return outliers;
 }
 
-std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const std::vector<Outlier>& outliers,
-                                       double significance) {
+std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                       const std::vector<Outlier>& outliers, double significance) {
   const Measurements& data = problem.data;
   const std::vector<int> all = problem.CalibrationObservations();
   const std::vector<int> events = Events(outliers);
@@ -132,7 +132,7 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
   }
   const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
   const int joints = problem.robot.num_joints();
-  const double level = significance / (5 + joints);  // all tests together
+  const double level = significance / (8 + joints);  // all tests together
   TestCategory(
       "configuration", events, all, [&](int i) { return data.configurations[shot_of(i).configuration].id; }, level,
       &words);
@@ -152,6 +152,15 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
     TestNumber(
         "joint " + joint.name, turns ? "deg" : "mm", turns ? 180.0 / EIGEN_PI : 1e3, events, all,
         [&](int i) { return data.configurations[shot_of(i).configuration].q[j]; }, level, &words);
+  }
+  const auto in_base = [&](int i) -> Vector3<double> {
+    const Pose<double> base = parameters.BaseInStation(shot_of(i).station);
+    return base.rotation.transpose() * (data.observations[i].point_in_station - base.translation);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    TestNumber(
+        std::string("base ") + "xyz"[axis], "mm", 1e3, events, all, [&](int i) { return in_base(i)[axis]; }, level,
+        &words);
   }
   return words;
 }

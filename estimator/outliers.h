@@ -1,5 +1,5 @@
 // Which readings are outliers, and whether they are: readings that share a
-// configuration, marker, load, station, joint range or time are more likely a systematic
+// configuration, marker, load, station, joint range, region or time are more likely a systematic
 // misfit of the model, and a misfit must not be thrown out.
 #pragma once
 
@@ -17,7 +17,7 @@ std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const Point
 
 // What the flagged readings share, in words; empty: they lie about at random. An exchange of two
 // markers counts once.
-std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const std::vector<Outlier>& outliers,
-                                       double significance);
+std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                       const std::vector<Outlier>& outliers, double significance);
 
 }  // namespace sagitta

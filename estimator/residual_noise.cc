@@ -5,6 +5,7 @@
 #include <map>
 
 #include "estimator/distributions.h"
+#include "estimator/intervals/table.h"
 #include "estimator/linearization.h"
 
 namespace sagitta {
@@ -109,19 +110,11 @@ NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda) {
   return roots;
 }
 
-void ReplaceCovariance(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof, Estimate* estimate) {
+void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof,
+                       Estimate* estimate) {
   estimate->covariance = covariance;
-  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
-    const int i = estimate->estimated[c];
-    ParameterEstimate& row = estimate->table[i];
-    row.sigma = std::sqrt(covariance(c, c));
-    const double half = StudentQuantile(0.975, dof[c]) * row.sigma;
-    const double lower = estimate->parameters.coordinates()[i].lower;
-    row.at_bound = row.value - half < lower;
-    row.ci95 = {std::max(row.value - half, lower), row.value + half};
-    const double limit = TraitsOf(row.quantity).weak_limit;
-    row.weak = row.sigma > (limit > 0.0 ? limit : 0.5 * std::abs(row.value));
-  }
+  estimate->interval_dof = dof;
+  FillTable(problem, estimate);
 }
 
 void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoots& noise, Estimate* estimate) {
@@ -146,9 +139,11 @@ void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoot
     sigma.p_value = ChiSquareSurvival(estimate->chi2, estimate->dof);
     sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < weighted.experiment.significance;
   }
+  // The sandwich of the weighted fit knows no noise but what it sees.
+  if (estimate->intervals.method == "sandwich") return;
   if (sigma.scaled) covariance *= sigma.a_posteriori * sigma.a_posteriori;
   const double dof = sigma.scaled ? estimate->dof : std::numeric_limits<double>::infinity();
-  ReplaceCovariance(covariance, Eigen::VectorXd::Constant(covariance.rows(), dof), estimate);
+  ReplaceCovariance(weighted, covariance, Eigen::VectorXd::Constant(covariance.rows(), dof), estimate);
 }
 
 }  // namespace sagitta

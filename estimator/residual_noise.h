@@ -42,6 +42,7 @@ void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoot
 
 // Puts a covariance in place of the estimate's: sigmas, intervals and weak marks follow. `dof` of each interval,
 // infinite for normal ones.
-void ReplaceCovariance(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof, Estimate* estimate);
+void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof,
+                       Estimate* estimate);
 
 }  // namespace sagitta

@@ -118,17 +118,33 @@ void AddSpringTie(const ParameterSet* parameters, ceres::Problem* ceres_problem)
   ceres_problem->AddResidualBlock(cost.function.release(), nullptr, blocks);
 }
 
-void DropImplausibleTie(ParameterSet* parameters) {
-  if (!parameters->spring_tie() || !parameters->spring_tie()->is_assumed) return;
-  const SpringTie& tie = *parameters->spring_tie();
+namespace {
+
+Eigen::Vector3d GeometryOfMarkers(const ParameterSet& parameters) {
+  const SpringTie& tie = *parameters.spring_tie();
   std::vector<double> between;
   for (size_t e = 0; e < tie.errors.size(); ++e) {
     between.push_back(tie.anchors.between.transforms[e].nominal);
-    if (tie.errors[e] >= 0) between.back() += parameters->model_parameter(tie.errors[e]).values[0];
+    if (tie.errors[e] >= 0) between.back() += parameters.model_parameter(tie.errors[e]).values[0];
   }
-  const Eigen::Vector3d off = SpringGeometry(tie.anchors, between.data(), parameters->MarkerPoint(tie.lever_marker),
-                                             parameters->MarkerPoint(tie.anchor_marker)) -
-                              tie.stated;
+  return SpringGeometry(tie.anchors, between.data(), parameters.MarkerPoint(tie.lever_marker),
+                        parameters.MarkerPoint(tie.anchor_marker));
+}
+
+}  // namespace
+
+Eigen::Vector3d SpringTieMisfit(const ParameterSet& parameters) {
+  Eigen::Vector3d misfit = GeometryOfMarkers(parameters);
+  for (int i = 0; i < 3; ++i) {
+    misfit[i] -= parameters.model_parameter(parameters.spring_tie()->geometry[i]).values[0];
+  }
+  return misfit;
+}
+
+void DropImplausibleTie(ParameterSet* parameters) {
+  if (!parameters->spring_tie() || !parameters->spring_tie()->is_assumed) return;
+  const SpringTie& tie = *parameters->spring_tie();
+  const Eigen::Vector3d off = GeometryOfMarkers(*parameters) - tie.stated;
   const bool lever_fits = std::abs(off[0]) <= kPlausible * tie.stated[0];
   const bool anchor_fits = off.tail<2>().norm() <= kPlausible * tie.stated.tail<2>().norm();
   if (!lever_fits || !anchor_fits) parameters->DropSpringTie();

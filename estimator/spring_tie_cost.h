@@ -23,6 +23,9 @@ void AddSpringTie(const ParameterSet* parameters, ceres::Problem* ceres_problem)
 // robot file: they are something else on those links.
 void DropImplausibleTie(ParameterSet* parameters);
 
+// (L, a_x, a_y) of the markers minus those of the robot, m; of a set that has a tie.
+Eigen::Vector3d SpringTieMisfit(const ParameterSet& parameters);
+
 // What the reader of an estimate must know of a tie that nobody stated; "": nothing.
 std::string TieInWords(const CalibrationProblem& problem, const ParameterSet& estimated);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "estimator/agreement/agreement.h"
 #include "estimator/compare_methods.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/noise_loop.h"
@@ -28,6 +29,10 @@ namespace {
 constexpr int kRequirementNotMet = 1;
 constexpr int kNumericalFailure = 3;
 constexpr size_t kShownDirections = 5;
+// Random halves to compare: each costs two fits of half the rows.
+int RandomHalves(const CalibrationProblem& problem) {
+  return std::clamp(40000 / static_cast<int>(problem.data.observations.size() + 1), 4, 20);
+}
 
 void CheckMethod() {
   for (const std::string& method : MethodNames()) {
@@ -97,7 +102,12 @@ int RunCalibrate(const CommandLine& line) {
     Progress progress(FLAGS_quiet);
     resolved = RunEstimate(resolved.problem, &progress);
     const IntervalOptions options{FLAGS_threads, [&progress](const std::string& what) { progress.Say(what); }};
-    if (IsUsable(resolved.estimate.status)) AddIntervals(resolved.problem, options, &resolved.estimate);
+    if (IsUsable(resolved.estimate.status)) {
+      AddIntervals(resolved.problem, options, &resolved.estimate);
+      progress.Say("comparing parts of the data");
+      if (FLAGS_method == "joint")
+        CheckAgreement(resolved.problem, {FLAGS_seed, RandomHalves(resolved.problem)}, &resolved.estimate);
+    }
   }
   const CalibrationProblem& problem = resolved.problem;
   Estimate& estimate = resolved.estimate;
@@ -127,6 +137,20 @@ Command CalibrateCommand() {
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…: then base poses, markers and the default geometric errors
 are estimated, with the standard deviations of the rows, else an estimated one. No starting values are needed.
 Writes estimate.json, robot.calibrated.yaml, residuals.csv and report.html to DIR.
+
+Keys of an experiment file that state the noise and ask for intervals (docs/NOISE_AND_INTERVALS.md):
+  noise:   {sigma_mm: 0.05} | {from: rows} | {from: repeats} | {from: variance-components}
+           {from: residuals, lambda: 1, sigma0_mm: 0.01, group: config-axis, iterations: 10}
+                group: axis | config-axis | marker-axis | station-axis | residual
+           {instrument: {range_um: 10, range_um_per_m: 0.5, angle_um: 15, angle_um_per_m: 6}}
+                with stations: {S1: {instrument_mm: [0, 0, 0]}}
+  repeatability_urad:   8 | {A1: 8, A2: 12} | estimate      (prismatic joints: repeatability_um)
+  weights:      sigma | equal | eq14
+  loss:         none | huber | cauchy
+  covariance:   model | sandwich | bootstrap | profile
+  bootstrap:    {kind: automatic | parametric | configurations, replicates: 999, seed: 1}
+The report compares parts of the data (halves of the workspace, stations) and says by how much model error widens
+the intervals; random halves are drawn with --seed.
 
 Examples
   sagitta calibrate robot.yaml measurements.csv --out=results

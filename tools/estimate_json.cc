@@ -4,9 +4,11 @@
 
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
+#include "tools/agreement_json.h"
 #include "tools/intervals_json.h"
 #include "tools/loading_json.h"
 #include "tools/noise_json.h"
+#include "tools/prediction_noise.h"
 
 namespace sagitta {
 namespace {
@@ -212,6 +214,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   for (const ParameterEstimate& row : estimate.table) json["parameters"].push_back(ParameterToJson(row, estimate));
   json["correlation"] = CorrelationToJson(estimate);
   json["intervals"] = IntervalsToJson(estimate.intervals);
+  json["agreement"] = AgreementToJson(estimate.agreement);
   json["held"] = HeldToJson(estimate);
   json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
   json["sigma"] = SigmaToJson(estimate.sigma, estimate.intervals);

@@ -10,6 +10,7 @@
 #include "estimator/estimate.h"
 #include "estimator/intervals/prediction.h"
 #include "problems/calibration_problem.h"
+#include "tools/prediction_noise.h"
 #include "tools/problem_from_arguments.h"
 
 namespace sagitta {
@@ -36,7 +37,7 @@ struct KnownRobot {
   std::map<std::string, MarkerSpec> markers;  // points are set
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
-  double noise_scale = 1.0;  // of stated sigmas and repeatability
+  PredictionNoise noise;
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };
@@ -52,8 +53,8 @@ KnownRobot ReadEstimateFile(const std::string& path);
 ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem);
 
 // The problem of predicting `data`: stations and markers of the data placed
-// where `known` has them, robot at its calibrated nominal. Throws InputError
-// for a station, marker or load that is not known.
+// where `known` has them, robot at its calibrated nominal, noise as at the predicted
+// points. Throws InputError for a station, marker or load that is not known.
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data);
 
 }  // namespace sagitta

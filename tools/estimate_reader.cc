@@ -1,6 +1,8 @@
 // The half of estimate_json.h that reads.
 #include <cmath>
+#include <numeric>
 
+#include "estimator/linearization.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
@@ -31,7 +33,7 @@ class EstimateReader {
     known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
     if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
     if (json.contains("prediction_noise")) {
-      known_.noise_scale = ReadPredictionNoise(json.at("prediction_noise"), &known_.loading);
+      known_.noise = ReadPredictionNoise(json.at("prediction_noise"), &known_.loading);
     }
     return known_;
   }
@@ -79,6 +81,9 @@ class EstimateReader {
       pose.translation = Triple(station, "xyz_mm");
       pose.rotation = RotationFromVector(Triple(station, "rotvec_mrad"));
       known_.base_in_station[name] = pose;
+      if (station.contains("instrument_mm")) {
+        known_.loading.stations[name].instrument_xyz = Triple(station, "instrument_mm");
+      }
     }
   }
 
@@ -174,7 +179,8 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
 
 int FrameOf(const Chain& chain, const std::string& file, const std::string& marker, const std::string& on) {
   if (on == "flange") return chain.FlangeFrame();
-  if (on == "base" || on == "world") return chain.BaseFrame();
+  if (on == "base") return chain.BaseFrame();
+  if (on == "world") return chain.WorldFrame();
   const int joint = chain.FindJoint(on);
   if (joint < 0) throw InputError({file, 0, "markers." + marker + ".on"}, "'" + on + "' is no place on this robot");
   return chain.FrameAfterJoint(joint);
@@ -240,6 +246,10 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
   }
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
+  std::vector<int> all(problem.data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
+  problem.resolved_noise = PredictionRoots(problem, known.noise, points);
   return problem;
 }
 

@@ -92,22 +92,6 @@ Json HeldToJson(const Estimate& estimate) {
   return json;
 }
 
-Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
-  const SigmaReport& sigma = estimate.sigma;
-  Json json = Json::object();
-  const double common = sigma.stated ? problem.experiment.noise.sigma.value_or(0.0) : sigma.estimated;
-  json["sigma_mm"] = common > 0.0 && std::isfinite(common) ? Json(1e3 * common) : Json(nullptr);
-  json["scale"] = sigma.stated && sigma.scaled ? sigma.a_posteriori : 1.0;
-  json["repeatability_urad"] = Json::object();
-  json["repeatability_um"] = Json::object();
-  for (int i = 0; i < problem.latent.size(); ++i) {
-    const Joint& joint = problem.robot.chain.joints[problem.latent.joints[i]];
-    const char* key = joint.type == JointType::kRevolute ? "repeatability_urad" : "repeatability_um";
-    json[key][joint.name] = 1e6 * problem.latent.sigmas[i];
-  }
-  return json;
-}
-
 void ReadHeld(const Json& json, ParameterUncertainty* uncertainty) {
   std::vector<double> units;
   Eigen::VectorXd sigmas(json.at("names").size());
@@ -123,17 +107,6 @@ void ReadHeld(const Json& json, ParameterUncertainty* uncertainty) {
   for (int c = 0; n > 0 && c < uncertainty->slopes.rows(); ++c) {
     uncertainty->slopes.row(c) *= SiPerUnit(json.at("estimated_unit").at(c).get<std::string>());
   }
-}
-
-double ReadPredictionNoise(const Json& json, Experiment* experiment) {
-  if (json.at("sigma_mm").is_number()) experiment->noise.sigma = json.at("sigma_mm").get<double>() / 1e3;
-  for (const char* key : {"repeatability_urad", "repeatability_um"}) {
-    if (!json.contains(key)) continue;
-    for (const auto& [joint, value] : json.at(key).items()) {
-      experiment->repeatability.per_joint[joint] = value.get<double>() / 1e6;
-    }
-  }
-  return json.at("scale").get<double>();
 }
 
 }  // namespace sagitta

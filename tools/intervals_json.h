@@ -1,12 +1,11 @@
 // What estimate.json says of intervals beyond sigma and ci95: how they came
-// about, what held parameters leave open, and the noise that a prediction needs.
+// about, and what held parameters leave open.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
 #include "estimator/estimate.h"
 #include "estimator/intervals/prediction.h"
-#include "problems/calibration_problem.h"
 
 namespace sagitta {
 
@@ -21,12 +20,7 @@ void AddIntervalTo(const ParameterEstimate& row, const Estimate& estimate, nlohm
 // with them (rows as in `correlation.names`), in units of results.
 nlohmann::ordered_json HeldToJson(const Estimate& estimate);
 
-// {"sigma_mm", "scale", "repeatability_urad"}.
-nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
-
 // The inverse of HeldToJson; throws nlohmann::json::exception on a wrong shape.
 void ReadHeld(const nlohmann::ordered_json& json, ParameterUncertainty* uncertainty);
-// Returns the scale.
-double ReadPredictionNoise(const nlohmann::ordered_json& json, Experiment* experiment);
 
 }  // namespace sagitta

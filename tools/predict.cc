@@ -33,10 +33,11 @@ std::vector<AddedColumn> NumberColumns(const std::vector<std::string>& names, co
 }
 
 // One point's uncertainty in mm, as the rows of the columns below.
-Eigen::VectorXd Shares(const PredictionCovariance& point, const Vector3<double>& instrument) {
+// instrument: root of one measurement's covariance, m; NaN: not known.
+Eigen::VectorXd Shares(const PredictionCovariance& point, const Matrix3<double>& instrument) {
   const Matrix3<double> mean = 1e6 * point.mean();
   const Eigen::SelfAdjointEigenSolver<Matrix3<double>> ellipsoid(mean);
-  Eigen::VectorXd shares(28);
+  Eigen::VectorXd shares(34);
   shares.head<3>() = mean.diagonal().cwiseMax(0.0).cwiseSqrt();
   shares[3] = std::sqrt(std::max(0.0, mean.trace()));
   shares.segment<3>(4) << mean(0, 1), mean(0, 2), mean(1, 2);
@@ -45,25 +46,27 @@ Eigen::VectorXd Shares(const PredictionCovariance& point, const Vector3<double>&
     shares.segment<3>(8 + 4 * i) = ellipsoid.eigenvectors().col(2 - i);
   }
   shares.segment<3>(19) = 1e3 * point.held.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Vector3<double> arm = 1e6 * point.arm.diagonal();
-  shares.segment<3>(22) = arm.cwiseSqrt();
-  shares.segment<3>(25) = 1e3 * instrument;  // NaN: not known
+  const Matrix3<double> arm = 1e6 * point.arm, noise = 1e6 * instrument * instrument.transpose();
+  shares.segment<3>(22) = arm.diagonal().cwiseSqrt();
+  shares.segment<3>(25) = noise.diagonal().cwiseSqrt();
+  shares.segment<6>(28) << arm(0, 1), arm(0, 2), arm(1, 2), noise(0, 1), noise(0, 2), noise(1, 2);
   return shares;
 }
 
 std::vector<AddedColumn> UncertaintyColumns(const CalibrationProblem& problem, const KnownRobot& known,
                                             const std::vector<int>& observations, double* largest) {
   static const std::vector<std::string> kNames = {
-      "psig_x_mm",  "psig_y_mm", "psig_z_mm", "psig_distance_mm", "pcov_xy_mm2", "pcov_xz_mm2", "pcov_yz_mm2",
-      "paxis1_mm",  "paxis1_x",  "paxis1_y",  "paxis1_z",         "paxis2_mm",   "paxis2_x",    "paxis2_y",
-      "paxis2_z",   "paxis3_mm", "paxis3_x",  "paxis3_y",         "paxis3_z",    "pheld_x_mm",  "pheld_y_mm",
-      "pheld_z_mm", "parm_x_mm", "parm_y_mm", "parm_z_mm",        "pnoise_x_mm", "pnoise_y_mm", "pnoise_z_mm"};
+      "psig_x_mm",   "psig_y_mm",   "psig_z_mm",   "psig_distance_mm", "pcov_xy_mm2",   "pcov_xz_mm2",  "pcov_yz_mm2",
+      "paxis1_mm",   "paxis1_x",    "paxis1_y",    "paxis1_z",         "paxis2_mm",     "paxis2_x",     "paxis2_y",
+      "paxis2_z",    "paxis3_mm",   "paxis3_x",    "paxis3_y",         "paxis3_z",      "pheld_x_mm",   "pheld_y_mm",
+      "pheld_z_mm",  "parm_x_mm",   "parm_y_mm",   "parm_z_mm",        "pnoise_x_mm",   "pnoise_y_mm",  "pnoise_z_mm",
+      "parm_xy_mm2", "parm_xz_mm2", "parm_yz_mm2", "pnoise_xy_mm2",    "pnoise_xz_mm2", "pnoise_yz_mm2"};
   const std::vector<PredictionCovariance> points =
-      PredictionCovariances(problem, known.uncertainty, observations, known.noise_scale);
+      PredictionCovariances(problem, known.uncertainty, observations, known.noise.scale);
   Eigen::MatrixXd values(kNames.size(), observations.size());
   for (size_t k = 0; k < observations.size(); ++k) {
-    Vector3<double> instrument = known.noise_scale * problem.NoiseRoot(observations[k]).rowwise().norm();
-    if (!(instrument.minCoeff() > 0.0)) instrument.setConstant(std::nan(""));
+    Matrix3<double> instrument = known.noise.scale * problem.NoiseRoot(observations[k]);
+    if (!IsStated(instrument)) instrument.setConstant(std::nan(""));
     values.col(k) = Shares(points[k], instrument);
   }
   *largest = observations.empty() ? 0.0 : values.topRows(3).maxCoeff();
@@ -114,7 +117,11 @@ Adds to every row (x, y, z of the rows may be absent; all in the frame of the ro
                              ellipsoids hold the point when scaled by 2.80
   pheld_x_mm …               the share of held parameters in psig
   parm_x_mm …                standard deviation of where the arm stops at one arrival (repeatability); not in psig
-  pnoise_x_mm …              standard deviation of one measurement (row or estimate); empty: not known; not in psig
+  pnoise_x_mm …              standard deviation of one measurement (row or estimate; an instrument's range and angles
+                             at the predicted point); empty: not known; not in psig
+  parm_xy_mm2, pnoise_xy_mm2 …   covariances beside the squares of parm and pnoise
+
+The covariance of what one measurement will show is the sum of the three: psig, parm and pnoise.
 
 Examples
   sagitta predict results/estimate.json new_poses.csv --out=predicted.csv

@@ -9,6 +9,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kInstrumentIsNotTheNoise = 10.0;  // reduced chi-square
+constexpr double kEven = 0.02;                     // of an interval's width: its arms count as equal
 
 std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
@@ -106,6 +107,29 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   return section;
 }
 
+std::string KindName(const PartComparison& kind) {
+  if (kind.by == "random") return "random halves";
+  if (kind.by == "region") return "halves of the workspace";
+  return kind.by == "station" ? "series (stations)" : "halves of the time";
+}
+
+// How the intervals came about, and whether parts of the data agree within them.
+Section IntervalSection(const Estimate& estimate) {
+  Section section;
+  section.title = "Intervals: " + estimate.intervals.method;
+  const AgreementReport& agreement = estimate.agreement;
+  if (!agreement.kinds.empty()) {
+    section.header = {"parts compared", "differences", "within 95 %", "inflation"};
+    for (const PartComparison& kind : agreement.kinds) {
+      section.rows.push_back({KindName(kind), std::to_string(kind.compared), Fixed(100.0 * kind.share(), 1) + " %",
+                              Significant(kind.inflation, 3)});
+    }
+  }
+  if (!estimate.intervals.words.empty()) section.paragraphs.push_back(estimate.intervals.words + ".");
+  for (const std::string& words : agreement.words) section.paragraphs.push_back(words);
+  return section;
+}
+
 // Decimals that show two digits of `size`.
 int DecimalsFor(double size) {
   if (!(size > 0.0) || !std::isfinite(size)) return 4;
@@ -126,13 +150,23 @@ std::string StateOf(const ParameterEstimate& row, const Identifiability& identif
   if (!row.identifiable) return "held";
   if (!row.free) return "fixed";
   if (IsTied(row, identifiability)) return "tied";
+  if (row.at_bound) return "at bound";
   return row.weak ? "weak" : "";
+}
+
+// "0.034", or "-0.012/+0.034" where the interval is not even about the value.
+std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
+  const double down = (row.value - row.ci95.low) / unit, up = (row.ci95.high - row.value) / unit;
+  const bool is_even = std::abs(up - down) <= kEven * (up + down);
+  if (is_even && !row.open_low && !row.open_high) return Fixed(0.5 * (up + down), decimals);
+  return "-" + (row.open_low ? "open" : Fixed(down, decimals)) + "/+" + (row.open_high ? "open" : Fixed(up, decimals));
 }
 
 Section ParameterSection(const Estimate& estimate) {
   Section section;
   section.title = "Parameters, with 95 % intervals";
   section.header = {"name", "value", "±", "unit", ""};
+  bool any_at_bound = false;
   for (const ParameterEstimate& row : estimate.table) {
     if (!row.free && row.identifiable && row.value == 0.0) continue;
     const QuantityTraits& traits = TraitsOf(row.quantity);
@@ -140,12 +174,22 @@ Section ParameterSection(const Estimate& estimate) {
     const bool known = row.free && half > 0.0 && std::isfinite(half);
     const int decimals = DecimalsFor(known ? half : 0.0);
     section.rows.push_back({row.name, Fixed(row.value / traits.si_per_unit, decimals),
-                            known ? Fixed(half, decimals) : "-", traits.unit, StateOf(row, estimate.identifiability)});
+                            known ? Arms(row, traits.si_per_unit, decimals) : "-", traits.unit,
+                            StateOf(row, estimate.identifiability)});
+    any_at_bound |= row.at_bound;
+  }
+  if (any_at_bound) {
+    section.paragraphs.push_back(
+        "at bound: the interval meets a physical bound (a compliance is not below 0) and ends there; such a value is "
+        "known as \"at most\". Its interval holds the truth more often than 95 %: what it would have beyond the bound "
+        "is "
+        "cut off.");
   }
   if (!estimate.identifiability.unidentifiable.empty()) {
-    section.paragraphs = {
+    section.paragraphs.insert(
+        section.paragraphs.begin(),
         "held: stays where nominal robot and alignment put it. tied: moves with a held one; the "
-        "interval takes that one as exact; with what that one may be: `unconditional` in estimate.json."};
+        "interval takes that one as exact; with what that one may be: `unconditional` in estimate.json.");
   }
   return section;
 }
@@ -251,6 +295,8 @@ std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate
                                        estimate.deflection_before, estimate.deflection_after));
   }
   sections.push_back(NoiseSection(problem, estimate));
+  const Section intervals = IntervalSection(estimate);
+  if (!intervals.paragraphs.empty()) sections.push_back(intervals);
   sections.push_back(ParameterSection(estimate));
   AddIdentifiability(problem, estimate, &sections);
   Section warnings;

@@ -42,10 +42,10 @@ ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& p
 // RMS to expect over coordinates: parameters, repeatability, instrument; 0 where nothing tells the noise of a row.
 double PredictedRms(const CalibrationProblem& problem, const KnownRobot& known, const std::vector<int>& rows) {
   const std::vector<PredictionCovariance> points =
-      PredictionCovariances(problem, known.uncertainty, rows, known.noise_scale);
+      PredictionCovariances(problem, known.uncertainty, rows, known.noise.scale);
   double sum = 0.0;
   for (size_t k = 0; k < rows.size(); ++k) {
-    const Matrix3<double> root = known.noise_scale * problem.NoiseRoot(rows[k]);
+    const Matrix3<double> root = known.noise.scale * problem.NoiseRoot(rows[k]);
     if (!IsStated(root)) return 0.0;
     sum += points[k].mean().trace() + points[k].arm.trace() + root.squaredNorm();
   }

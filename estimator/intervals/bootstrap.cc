@@ -5,6 +5,7 @@
 #include <mutex>
 #include <random>
 
+#include "estimator/distributions.h"
 #include "estimator/intervals/parallel.h"
 #include "estimator/intervals/redraw.h"
 #include "estimator/intervals/refit.h"
@@ -58,16 +59,17 @@ Eigen::VectorXd Sigmas(const Setup& setup, const Refit& refit, const std::vector
   return (spread.rowwise().squaredNorm() + stated.rowwise().squaredNorm()).cwiseSqrt();
 }
 
-Replicate MakeReplicate(const Setup& setup, const CalibrationProblem& problem, const std::vector<double>& weights,
-                        std::uint64_t prior_seed) {
+// truth: what the data were drawn at.
+Replicate MakeReplicate(const Setup& setup, const CalibrationProblem& problem, const ParameterSet& truth,
+                        const std::vector<double>& weights, std::uint64_t prior_seed) {
   RefitOptions options;
   options.weights = weights;
-  ParameterSet start = setup.estimate.parameters;
-  DrawPriors(setup.estimate.parameters, prior_seed, &start);
+  ParameterSet start = truth;
+  DrawPriors(truth, prior_seed, &start);
   const Refit refit = RefitFrom(problem, start, options);
   Replicate replicate;
   if (!refit.converged) return replicate;
-  const Eigen::VectorXd shift = TangentDifference(refit.parameters, setup.estimate.parameters);
+  const Eigen::VectorXd shift = TangentDifference(refit.parameters, truth);
   replicate.shift = shift(setup.estimate.estimated);
   replicate.sigma = Sigmas(setup, refit, weights);
   replicate.used = replicate.sigma.allFinite() && replicate.shift.allFinite();
@@ -87,18 +89,23 @@ std::vector<double> DrawConfigurations(const Setup& setup, std::uint64_t seed) {
 
 std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions& options) {
   const SigmaReport& sigma = setup.estimate.sigma;
-  const Redraw redraw(setup.problem, setup.estimate.parameters, sigma.scaled ? sigma.a_posteriori : 1.0,
-                      sigma.stated ? kFallbackSigma : sigma.estimated);
+  const double scale = sigma.scaled ? sigma.a_posteriori : 1.0;
+  const double fallback = sigma.stated ? kFallbackSigma : sigma.estimated;
   std::vector<Replicate> replicates(options.replicates);
   std::vector<CalibrationProblem> copies(setup.by_configurations ? 0 : options.num_threads, setup.problem);
   std::mutex mutex;
   int done = 0;
   ParallelFor(options.replicates, options.num_threads, [&](int i, int worker) {
     const std::uint64_t seed = SeedOf(options.seed, 2ULL * i), prior_seed = SeedOf(options.seed, 2ULL * i + 1);
+    const ParameterSet& estimate = setup.estimate.parameters;
     if (setup.by_configurations) {
-      replicates[i] = MakeReplicate(setup, setup.problem, DrawConfigurations(setup, seed), prior_seed);
-    } else if (redraw.Draw(seed, &copies[worker].data)) {
-      replicates[i] = MakeReplicate(setup, copies[worker], {}, prior_seed);
+      replicates[i] = MakeReplicate(setup, setup.problem, estimate, DrawConfigurations(setup, seed), prior_seed);
+    } else {
+      const ParameterSet truth = DrawTruth(estimate, SeedOf(~options.seed, i));
+      const Redraw redraw(setup.problem, truth, scale, fallback);
+      if (redraw.Draw(seed, &copies[worker].data)) {
+        replicates[i] = MakeReplicate(setup, copies[worker], truth, {}, prior_seed);
+      }
     }
     const std::lock_guard<std::mutex> lock(mutex);
     ++done;
@@ -117,9 +124,18 @@ double Quantile(const std::vector<double>& sorted, double p) {
   return sorted[below] + (at - below) * (sorted[above] - sorted[below]);
 }
 
-void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Eigen::VectorXd& sigma,
+// What the refits do not repeat: the price of a loss, and, where the noise they are drawn with was estimated (REML),
+// how far that may be off: Student's quantile over the normal one.
+double Widening(const Setup& setup, double dof) {
+  const double loss = std::sqrt(setup.estimate.noise_report.loss_inflation);
+  if (setup.by_configurations || setup.is_scaled) return loss;
+  return loss * StudentQuantile(0.975, dof) / NormalQuantile(0.975);
+}
+
+void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Eigen::VectorXd& plain_sigma,
                 Estimate* estimate) {
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {
+    const double sigma = Widening(setup, estimate->interval_dof[c]) * plain_sigma[c];
     std::vector<double> t;
     for (const Replicate& replicate : used) {
       t.push_back(replicate.sigma[c] > 0.0 ? replicate.shift[c] / replicate.sigma[c] : 0.0);
@@ -127,9 +143,9 @@ void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Ei
     std::sort(t.begin(), t.end());
     ParameterEstimate& row = estimate->table[estimate->estimated[c]];
     const double lower = setup.estimate.parameters.coordinates()[estimate->estimated[c]].lower;
-    const double low = row.value - Quantile(t, 0.975) * sigma[c];
+    const double low = row.value - Quantile(t, 0.975) * sigma;
     row.at_bound = low < lower;
-    row.ci95 = {std::max(lower, low), std::max(lower, row.value - Quantile(t, 0.025) * sigma[c])};
+    row.ci95 = {std::max(lower, low), std::max(lower, row.value - Quantile(t, 0.025) * sigma)};
     row.dof = std::numeric_limits<double>::infinity();
   }
 }
@@ -190,6 +206,7 @@ void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOption
   for (const Replicate& replicate : used) {
     estimate->covariance += (replicate.shift - mean) * (replicate.shift - mean).transpose() / (used.size() - 1.0);
   }
+  estimate->covariance *= setup.estimate.noise_report.loss_inflation;
   FillTable(problem, estimate);
   Studentise(setup, used, Sigmas(setup, here, {}), estimate);
 }

@@ -53,24 +53,25 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
   trial.linear_error.assign(n, kNone);
   trial.sigma.assign(n, kNone);
   trial.covered.assign(n, -1);
-  const Redraw redraw(problem_, truth_.parameters, noise_scale_, fallback_);
+  const ParameterSet truth = DrawTruth(truth_.parameters, SeedOf(~seed_, number));
+  const Redraw redraw(problem_, truth, noise_scale_, fallback_);
   if (!redraw.Draw(SeedOf(seed_, 2ULL * number), &own->data)) {
     trial.status = StatusName(Status::kEquilibriumDiverged);
     return trial;
   }
-  DrawPriors(truth_.parameters, SeedOf(seed_, 2ULL * number + 1), &own->parameters);
+  DrawPriors(truth, SeedOf(seed_, 2ULL * number + 1), &own->parameters);
   const Estimate estimate = EstimateBy(method_, *own);
   trial.status = StatusName(estimate.status);
   if (!IsUsable(estimate.status)) return trial;
-  ParameterSet with_priors = truth_.parameters;
-  DrawPriors(truth_.parameters, SeedOf(seed_, 2ULL * number + 1), &with_priors);
+  ParameterSet with_priors = truth;
+  DrawPriors(truth, SeedOf(seed_, 2ULL * number + 1), &with_priors);
   CalibrationProblem at_truth = problem_;  // with the true noise
   at_truth.data.observations = own->data.observations;
   for (size_t k = 0; k < at_truth.data.observations.size(); ++k) {
     at_truth.data.observations[k].excluded = problem_.data.observations[k].excluded;
   }
   const Eigen::VectorXd linear = -linear_ * LinearizeFit(at_truth, with_priors, truth_.estimated).residual;
-  const Eigen::VectorXd error = TangentDifference(estimate.parameters, truth_.parameters);
+  const Eigen::VectorXd error = TangentDifference(estimate.parameters, truth);
   for (size_t c = 0; c < n; ++c) {
     const ParameterEstimate& row = estimate.table[truth_.estimated[c]];
     trial.linear_error[c] = linear[c];

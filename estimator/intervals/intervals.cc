@@ -7,7 +7,16 @@
 namespace sagitta {
 
 void CheckIntervalsFit(const CalibrationProblem& problem, const std::string& method) {
-  const std::string& covariance = problem.experiment.covariance;
+  const Experiment& experiment = problem.experiment;
+  const std::string& covariance = experiment.covariance;
+  const bool has_weights = experiment.weights == "eq14" || experiment.noise.from == NoiseSpec::From::kResiduals;
+  const bool needs_noise =
+      covariance == "profile" || (covariance == "bootstrap" && experiment.bootstrap.kind != "configurations");
+  if (has_weights && needs_noise) {
+    throw InputError({experiment.file, 0, "covariance"},
+                     covariance + " needs the distribution of the noise, and the weights of eq. (14) are none",
+                     "use covariance: model or sandwich, or bootstrap: {kind: configurations}");
+  }
   if (method == "joint" || covariance == "model" || covariance == "sandwich") return;
   throw InputError({problem.experiment.file, 0, "covariance"},
                    covariance + " refits the joint estimate; it does not judge the method " + method,

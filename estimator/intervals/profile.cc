@@ -135,13 +135,15 @@ void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& o
     estimate->warnings.push_back(report.words);
     return;
   }
-  const double dof = ModelDof(*estimate);
-  const double t = StudentQuantile(0.975, dof);
-  const double scale = std::isfinite(dof) ? std::sqrt(here.chi2 / std::max(1, estimate->dof)) : 1.0;
+  // A loss costs certainty; variances that were estimated make a Student's t of the normal quantile.
+  const double inflation = estimate->noise_report.loss_inflation;
+  const double noise = std::isfinite(ModelDof(*estimate)) ? here.chi2 / std::max(1, estimate->dof) : 1.0;
+  const double scale = std::sqrt(inflation * noise);
   std::vector<End> ends(2 * n);
   ParallelFor(2 * n, options.num_threads, [&](int i, int) {
     const double sign = i % 2 == 0 ? -1.0 : 1.0;
-    const double half = t * std::sqrt(estimate->model_covariance(i / 2, i / 2));
+    const double t = StudentQuantile(0.975, estimate->interval_dof[i / 2]);
+    const double half = t * std::sqrt(inflation * estimate->model_covariance(i / 2, i / 2));
     ends[i] = FindEnd(ProfileSide(problem, *estimate, i / 2, sign, here.chi2, scale), t, half, options);
   });
   report.method = "profile";

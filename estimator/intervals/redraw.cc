@@ -1,8 +1,11 @@
 #include "estimator/intervals/redraw.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <numeric>
 
 #include "estimator/linearization.h"
+#include "estimator/spring_tie_cost.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
@@ -20,6 +23,33 @@ void DrawPriors(const ParameterSet& truth, std::uint64_t seed, ParameterSet* par
     Coordinate& coordinate = parameters->coordinate(i);
     if (coordinate.prior_sigma > 0.0) coordinate.prior_value = truth.Value(i) + coordinate.prior_sigma * normal();
   }
+}
+
+ParameterSet DrawTruth(const ParameterSet& truth, std::uint64_t seed) {
+  constexpr double kStep = 1e-6;  // m
+  constexpr int kRounds = 3;      // the anchors' geometry bends by 1e-4 of a marker's 0.2 mm
+  ParameterSet drawn = truth;
+  if (!truth.spring_tie()) return drawn;
+  const SpringTie& tie = *truth.spring_tie();
+  NormalNumbers normal(seed);
+  Eigen::Vector3d off;
+  for (double& number : off) number = normal();
+  off = tie.covariance.llt().matrixL() * off;
+  const int markers[2] = {tie.lever_marker, tie.anchor_marker};
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::Vector3d misfit = SpringTieMisfit(drawn);
+    Eigen::Matrix<double, 3, 6> slopes;
+    for (int i = 0; i < 6; ++i) {
+      ParameterSet moved = drawn;
+      moved.SetMarkerPoint(markers[i / 3], drawn.MarkerPoint(markers[i / 3]) + kStep * Vector3<double>::Unit(i % 3));
+      slopes.col(i) = (SpringTieMisfit(moved) - misfit) / kStep;
+    }
+    const Eigen::Matrix<double, 6, 1> step = slopes.completeOrthogonalDecomposition().solve(off - misfit);
+    for (int m = 0; m < 2; ++m) {
+      drawn.SetMarkerPoint(markers[m], drawn.MarkerPoint(markers[m]) + step.segment<3>(3 * m));
+    }
+  }
+  return drawn;
 }
 
 Redraw::Redraw(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback)

@@ -15,6 +15,9 @@ TEST(Distributions, TableValues) {
   EXPECT_NEAR(ChiSquareSurvival(18.307, 10), 0.05, 1e-5);
   EXPECT_NEAR(ChiSquareQuantile(0.95, 10), 18.3070, 1e-3);
   EXPECT_NEAR(ChiSquareQuantile(0.01, 3), 0.114832, 1e-5);
+  EXPECT_NEAR(FSurvival(3.70826, 3, 10), 0.05, 1e-5);
+  EXPECT_NEAR(FSurvival(5.84893, 2, 20), 0.01, 1e-5);
+  EXPECT_NEAR(FSurvival(161.448, 1, 1), 0.05, 1e-5);
 }
 
 TEST(Distributions, StudentTendsToNormal) { EXPECT_NEAR(StudentQuantile(0.975, 1e5), NormalQuantile(0.975), 5e-5); }

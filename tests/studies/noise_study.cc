@@ -1,11 +1,12 @@
 // Monte Carlo of noise: are intervals true where joints do not repeat, where a
 // tracker reads ranges and angles, and where readings are spoilt?
 //
-//   sagitta_noise_study common|reapproached [trials=200] [first seed=1000]
+//   sagitta_noise_study common|reapproached [trials=200] [first seed=1000] [draws of the configurations=1]
 //   sagitta_noise_study tracker             [trials=200] [first seed=1000]
 //   sagitta_noise_study outliers-huber|outliers-cauchy [trials=200] [first seed=1000]
 //
 // Truth and measurements come from generators in tests/support, not from models/.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -41,20 +42,37 @@ double ValidationRms(const CalibrationProblem& unseen, const Estimate& estimate)
   return std::sqrt(sum / (3.0 * rows.size()));
 }
 
-void StudyRepeats(bool reapproached, const Range& range) {
-  const test::Kr270Truth truth;
-  test::RepeatDesign design;
-  design.reapproached = reapproached;
-  Measurements data = test::RepeatRows(design);
+constexpr double kPerAxis = 6e-5;  // m, RMS: what the joints' deviations move a coordinate by
+
+// What one draw of the 18 configurations gives.
+struct RepeatFigures {
+  std::vector<IntervalTally> tallies;
+  std::vector<double> validation;  // m, RMS
+  double joint = 0.0;              // rad, true
+  double found = 0.0, tracker = 0.0;
+  int covered = 0, per_joint = 0;
+};
+
+std::vector<std::pair<const char*, Experiment>> RepeatMethods(double joint) {
   Experiment stated, estimated, known, unknown;
   stated.noise = {NoiseSpec::From::kSigma, 1e-4, true};
   estimated.weights = "equal";
-  known.repeatability.common = design.joint;
+  known.repeatability.common = joint;
   unknown.noise.from = NoiseSpec::From::kVarianceComponents;
-  const std::vector<std::pair<const char*, Experiment>> methods = {{"independent, sigma 0.1 mm", stated},
-                                                                   {"independent, sigma estimated", estimated},
-                                                                   {"joint deviations, 37 urad known", known},
-                                                                   {"variance components (REML)", unknown}};
+  return {{"independent, sigma 0.1 mm", stated},
+          {"independent, sigma estimated", estimated},
+          {"joint deviations known", known},
+          {"variance components (REML)", unknown}};
+}
+
+RepeatFigures RunRepeats(bool reapproached, int design_seed, const Range& range) {
+  const test::Kr270Truth truth;
+  test::RepeatDesign design;
+  design.reapproached = reapproached;
+  design.seed = design_seed;
+  Measurements data = test::RepeatRows(design);
+  design.joint = test::JointDeviationFor(kPerAxis, truth, data);
+  const auto methods = RepeatMethods(design.joint);
   test::RepeatDesign elsewhere;
   elsewhere.configurations = 40;
   elsewhere.repeats = 1;
@@ -64,32 +82,67 @@ void StudyRepeats(bool reapproached, const Range& range) {
   for (Observation& observation : unseen_data.observations) observation.sigma.setConstant(1e-5);
   test::MeasureRepeated(truth, elsewhere, 1, &unseen_data);
   const CalibrationProblem unseen = test::Kr270ProblemOf(unseen_data, Experiment());
-  std::vector<IntervalTally> tallies(methods.size());
-  std::vector<double> validation(methods.size(), 0.0);
-  double joint = 0.0, tracker = 0.0;
-  int covered = 0, per_joint = 0;
+  RepeatFigures figures;
+  figures.joint = design.joint;
+  figures.tallies.resize(methods.size());
+  figures.validation.assign(methods.size(), 0.0);
   for (int t = 0; t < range.trials; ++t) {
     test::MeasureRepeated(truth, design, range.first + t, &data);
     for (size_t m = 0; m < methods.size(); ++m) {
       const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, methods[m].second));
-      tallies[m].Add(result.estimate, truth);
-      validation[m] += std::pow(ValidationRms(unseen, result.estimate), 2);
+      figures.tallies[m].Add(result.estimate, truth);
+      figures.validation[m] += std::pow(ValidationRms(unseen, result.estimate), 2) / range.trials;
       if (m != 3) continue;
       const NoiseReport& report = result.estimate.noise_report;
-      per_joint += report.per_joint;
-      tracker += report.components[0].value * design.tracker / range.trials;
-      joint += report.components[1].value / range.trials;
-      covered += report.components[1].low <= design.joint && design.joint <= report.components[1].high;
+      figures.per_joint += report.per_joint;
+      figures.tracker += report.components[0].value * design.tracker / range.trials;
+      figures.found += report.components[1].value / range.trials;
+      figures.covered += report.components[1].low <= design.joint && design.joint <= report.components[1].high;
     }
   }
-  for (size_t m = 0; m < methods.size(); ++m) {
-    Print(methods[m].first, tallies[m]);
-    std::printf("%-34s rmse over that with known components %.3f (median), validation %.1f um\n", "",
-                test::MedianRatio(tallies[m], tallies[2]), 1e6 * std::sqrt(validation[m] / range.trials));
+  for (double& mean_square : figures.validation) mean_square = std::sqrt(mean_square);
+  return figures;
+}
+
+void PrintRange(const char* name, std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  std::printf("%-52s %.3f  [%.3f, %.3f]\n", name, values[values.size() / 2], values.front(), values.back());
+}
+
+// Over several draws of the configurations: what a table of one draw may say.
+void StudyRepeats(bool reapproached, const Range& range, int designs) {
+  std::vector<RepeatFigures> all;
+  for (int design = 1; design <= designs; ++design) {
+    all.push_back(RunRepeats(reapproached, design, range));
+    const RepeatFigures& own = all.back();
+    std::printf("design %d: joints deviate by %.1f urad, which move a coordinate by 60 um RMS\n", design,
+                1e6 * own.joint);
+    const auto methods = RepeatMethods(own.joint);
+    for (size_t m = 0; m < methods.size(); ++m) {
+      Print(methods[m].first, own.tallies[m]);
+      std::printf("%-34s rmse over that with known components %.3f (median), validation %.1f um\n", "",
+                  test::MedianRatio(own.tallies[m], own.tallies[2]), 1e6 * own.validation[m]);
+    }
+    std::printf("REML: joints %.1f urad, interval covers %.3f, tracker %.2f um, one per joint chosen %d times\n",
+                1e6 * own.found, own.covered / static_cast<double>(range.trials), 1e6 * own.tracker, own.per_joint);
+    std::fflush(stdout);
   }
-  std::printf(
-      "REML: joints %.1f urad (truth %.1f), interval covers %.3f, tracker %.2f um, one per joint chosen %d times\n",
-      1e6 * joint, 1e6 * design.joint, covered / static_cast<double>(range.trials), 1e6 * tracker, per_joint);
+  const auto over_designs = [&](const char* name, const auto& figure) {
+    std::vector<double> values;
+    for (const RepeatFigures& own : all) values.push_back(figure(own));
+    PrintRange(name, values);
+  };
+  std::printf("\n%d designs, %d trials each: median [least, most]\n", designs, range.trials);
+  over_designs("coverage, independent, sigma 0.1 mm", [](const auto& f) { return f.tallies[0].Coverage(); });
+  over_designs("coverage, independent, sigma estimated", [](const auto& f) { return f.tallies[1].Coverage(); });
+  over_designs("coverage, joint deviations known", [](const auto& f) { return f.tallies[2].Coverage(); });
+  over_designs("coverage, variance components", [](const auto& f) { return f.tallies[3].Coverage(); });
+  over_designs("rmse, independent over joint deviations known",
+               [](const auto& f) { return test::MedianRatio(f.tallies[0], f.tallies[2]); });
+  over_designs("rmse, variance components over known",
+               [](const auto& f) { return test::MedianRatio(f.tallies[3], f.tallies[2]); });
+  over_designs("validation um, independent", [](const auto& f) { return 1e6 * f.validation[0]; });
+  over_designs("validation um, variance components", [](const auto& f) { return 1e6 * f.validation[3]; });
 }
 
 void StudyTracker(const Range& range) {
@@ -171,7 +224,7 @@ int main(int argc, char** argv) {
   if (argc > 2) range.trials = std::atoi(argv[2]);
   if (argc > 3) range.first = std::atoi(argv[3]);
   if (what == "common" || what == "reapproached") {
-    sagitta::StudyRepeats(what == "reapproached", range);
+    sagitta::StudyRepeats(what == "reapproached", range, argc > 4 ? std::atoi(argv[4]) : 1);
   } else if (what == "tracker") {
     sagitta::StudyTracker(range);
   } else if (what == "outliers-huber" || what == "outliers-cauchy") {

@@ -61,6 +61,23 @@ inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Eigen::VectorXd
   return truth.base_xyz[station] + rotation * IndependentKr270Point(q, truth.errors, truth.tools[marker]);
 }
 
+// Deviation of every joint (rad) that moves a coordinate of the markers by `per_axis` (m) RMS at these configurations:
+// per_axis^2 = joint^2 mean_k tr(D_k D_k') / 3, D_k by differences.
+inline double JointDeviationFor(double per_axis, const Kr270Truth& truth, const Measurements& data) {
+  constexpr double kStep = 1e-6;
+  double squares = 0.0;
+  for (const Observation& observation : data.observations) {
+    const Shot& shot = data.shots[observation.shot];
+    const Eigen::VectorXd& q = data.configurations[shot.configuration].q;
+    const Vector3<double> here = ExactPoint(truth, q, observation.marker, shot.station);
+    for (int j = 0; j < q.size(); ++j) {
+      const Eigen::VectorXd moved = q + kStep * Eigen::VectorXd::Unit(q.size(), j);
+      squares += (ExactPoint(truth, moved, observation.marker, shot.station) - here).squaredNorm() / (kStep * kStep);
+    }
+  }
+  return per_axis / std::sqrt(squares / (3.0 * static_cast<double>(data.observations.size())));
+}
+
 // Joints deviate once per (configuration, visit).
 inline void MeasureRepeated(const Kr270Truth& truth, const RepeatDesign& design, std::uint64_t seed,
                             Measurements* data) {

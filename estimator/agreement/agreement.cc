@@ -1,0 +1,305 @@
+#include "estimator/agreement/agreement.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "estimator/agreement/splits.h"
+#include "estimator/agreement/words.h"
+#include "estimator/distributions.h"
+#include "estimator/intervals/sandwich.h"
+#include "estimator/linearization.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFallbackSigma = 1e-3;  // m
+constexpr int kFewestFree = 6;           // degrees of freedom of a part: less and its noise is not known
+constexpr double kSurplus = 2.0;         // standard errors by which the sandwich has to exceed the model
+
+// Everything that is compared, at the estimate.
+struct Whole {
+  const CalibrationProblem& problem;
+  const Estimate& estimate;
+  Linearization rows;         // without priors
+  std::vector<int> clusters;  // of each observation
+  bool is_scaled = false;     // the model's covariance takes its scale from residuals
+  bool by_sandwich = false;   // the estimate's own intervals do
+};
+
+struct PartFit {
+  std::vector<int> columns;  // of `Whole::rows`
+  Eigen::VectorXd step;      // SI
+  Eigen::MatrixXd model, sandwich;
+  Eigen::VectorXd model_dof, sandwich_dof;
+  int freedom = 0, clusters = 0;
+  bool usable = false;
+};
+
+Linearization Rows(const Linearization& whole, const std::vector<int>& observations, const std::vector<int>& columns) {
+  Linearization part;
+  std::vector<int> rows;
+  for (const int k : observations) {
+    part.observations.push_back(whole.observations[k]);
+    for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * k + axis);
+  }
+  for (const int c : columns) part.columns.push_back(whole.columns[c]);
+  part.residual = whole.residual(rows);
+  part.jacobian = whole.jacobian(rows, columns);
+  return part;
+}
+
+// Columns that a part sees at all.
+std::vector<int> SeenColumns(const Linearization& whole, const std::vector<int>& observations) {
+  std::vector<double> squares(whole.num_columns(), 0.0);
+  std::vector<int> seen;
+  for (const int k : observations) {
+    for (int c = 0; c < whole.num_columns(); ++c) squares[c] += whole.jacobian.block<3, 1>(3 * k, c).squaredNorm();
+  }
+  for (int c = 0; c < whole.num_columns(); ++c) {
+    if (squares[c] > 0.0) seen.push_back(c);
+  }
+  return seen;
+}
+
+// Of those, what the part cannot tell (positions in the whole).
+std::vector<int> HeldColumns(const Whole& whole, const std::vector<int>& observations, const std::vector<int>& seen) {
+  const double scale = whole.is_scaled ? whole.estimate.sigma.a_posteriori : 1.0;
+  const double noise = whole.estimate.sigma.stated ? scale : whole.estimate.sigma.estimated / kFallbackSigma;
+  const Unidentifiable found =
+      FindUnidentifiable(Rows(whole.rows, observations, seen), whole.estimate.parameters, noise);
+  std::vector<int> held;
+  for (const int c : found.columns) held.push_back(seen[c]);
+  return held;
+}
+
+PartFit FitPart(const Whole& whole, const std::vector<int>& observations, const std::vector<int>& columns,
+                bool with_sandwich) {
+  PartFit fit;
+  fit.columns = columns;
+  const Linearization part = Rows(whole.rows, observations, columns);
+  fit.freedom = part.num_rows() - part.num_columns();
+  if (columns.empty() || fit.freedom < kFewestFree) return fit;
+  const LinearSolution solution = SolveLinearization(part);
+  if (!solution.full_rank) return fit;
+  fit.step = solution.step;
+  fit.model = (whole.is_scaled ? solution.residual_norm_squared / fit.freedom : 1.0) * solution.covariance;
+  fit.model_dof = Eigen::VectorXd::Constant(
+      fit.step.size(), whole.is_scaled ? static_cast<double>(fit.freedom) : std::numeric_limits<double>::infinity());
+  fit.usable = true;
+  if (!with_sandwich) return fit;
+  std::vector<int> clusters;
+  for (const int k : observations) clusters.push_back(whole.clusters[k]);
+  Linearization at_its_optimum = part;
+  at_its_optimum.residual += part.jacobian * solution.step;
+  const RobustCovariance robust = SandwichCovariance(at_its_optimum, clusters);
+  fit.sandwich = robust.covariance;
+  fit.sandwich_dof = robust.dof;
+  fit.clusters = robust.clusters;
+  return fit;
+}
+
+// Differences of what both parts know, by one covariance.
+struct Differences {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+  std::vector<double> over_interval;  // |value| over the 95 % half-width
+  double p_value = 1.0;
+  int freedom = 0;  // of the test's denominator; 0: not tested
+};
+
+double WelchDof(double a, double dof_a, double b, double dof_b) {
+  const double weight = a * a / dof_a + b * b / dof_b;
+  return weight > 0.0 ? (a + b) * (a + b) / weight : std::numeric_limits<double>::infinity();
+}
+
+double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich, const Differences& found) {
+  const auto m = static_cast<double>(found.value.size());
+  const Eigen::VectorXd scale = found.covariance.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd correlation =
+      scale.cwiseInverse().asDiagonal() * found.covariance * scale.cwiseInverse().asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(correlation);
+  const Eigen::VectorXd z = found.value.cwiseQuotient(scale);
+  const double squares = z.dot(factor.solve(z));
+  if (factor.info() != Eigen::Success || !factor.isPositive() || !std::isfinite(squares)) return 1.0;
+  if (!sandwich && !whole.is_scaled) return ChiSquareSurvival(squares, m);
+  if (!sandwich) return FSurvival(squares / m, m, a.freedom + b.freedom);
+  // Hotelling: clusters are the sample.
+  const double n = a.clusters + b.clusters - static_cast<double>(a.columns.size() + b.columns.size());
+  if (n - m + 1.0 < 1.0) return 1.0;
+  return FSurvival(squares * (n - m + 1.0) / (n * m), m, n - m + 1.0);
+}
+
+Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich) {
+  Differences found;
+  std::vector<int> in_a, in_b;
+  for (size_t i = 0; i < a.columns.size(); ++i) {
+    const auto same = std::find(b.columns.begin(), b.columns.end(), a.columns[i]);
+    if (same == b.columns.end()) continue;
+    in_a.push_back(static_cast<int>(i));
+    in_b.push_back(static_cast<int>(same - b.columns.begin()));
+  }
+  if (in_a.empty()) return found;
+  const Eigen::MatrixXd& ca = sandwich ? a.sandwich : a.model;
+  const Eigen::MatrixXd& cb = sandwich ? b.sandwich : b.model;
+  const Eigen::VectorXd& dof_a = sandwich ? a.sandwich_dof : a.model_dof;
+  const Eigen::VectorXd& dof_b = sandwich ? b.sandwich_dof : b.model_dof;
+  found.value = a.step(in_a) - b.step(in_b);
+  found.covariance = ca(in_a, in_a) + cb(in_b, in_b);
+  for (size_t i = 0; i < in_a.size(); ++i) {
+    const int ia = in_a[i], ib = in_b[i];
+    const double t = StudentQuantile(0.975, WelchDof(ca(ia, ia), dof_a[ia], cb(ib, ib), dof_b[ib]));
+    found.over_interval.push_back(std::abs(found.value[i]) / (t * std::sqrt(found.covariance(i, i))));
+  }
+  found.p_value = TestAtOnce(whole, a, b, sandwich, found);
+  return found;
+}
+
+// All that is compared of one kind.
+struct Pool {
+  std::vector<double> over_interval;
+  double least_p = 1.0;
+  int splits = 0;
+
+  void Add(const Differences& found) {
+    over_interval.insert(over_interval.end(), found.over_interval.begin(), found.over_interval.end());
+    least_p = std::min(least_p, found.p_value);
+    ++splits;
+  }
+  PartComparison Result(const std::string& by, const std::string& key) const {
+    PartComparison result{by, key};
+    std::vector<double> sorted = over_interval;
+    std::sort(sorted.begin(), sorted.end());
+    result.compared = static_cast<int>(sorted.size());
+    result.inside = static_cast<int>(std::upper_bound(sorted.begin(), sorted.end(), 1.0) - sorted.begin());
+    if (!sorted.empty()) result.inflation = sorted[static_cast<size_t>(0.95 * (sorted.size() - 1))];
+    result.p_value = std::min(1.0, least_p * splits);
+    return result;
+  }
+};
+
+void CompareSplits(const Whole& whole, const std::vector<Split>& splits, AgreementReport* report) {
+  std::map<std::string, Pool> kinds;
+  Pool by_model, by_sandwich;
+  for (const Split& split : splits) {
+    std::vector<int> columns[2];
+    std::vector<int> held;
+    const std::vector<int>* parts[2] = {&split.first, &split.second};
+    for (int p = 0; p < 2; ++p) {
+      columns[p] = SeenColumns(whole.rows, *parts[p]);
+      const std::vector<int> own = HeldColumns(whole, *parts[p], columns[p]);
+      held.insert(held.end(), own.begin(), own.end());
+    }
+    const bool is_random = split.by == "random";
+    PartFit fits[2];
+    for (int p = 0; p < 2; ++p) {
+      const auto is_held = [&](int c) { return std::find(held.begin(), held.end(), c) != held.end(); };
+      columns[p].erase(std::remove_if(columns[p].begin(), columns[p].end(), is_held), columns[p].end());
+      fits[p] = FitPart(whole, *parts[p], columns[p], is_random || whole.by_sandwich);
+    }
+    if (!fits[0].usable || !fits[1].usable) continue;
+    if (is_random) by_model.Add(Compare(whole, fits[0], fits[1], false));
+    if (is_random) by_sandwich.Add(Compare(whole, fits[0], fits[1], true));
+    Pool own;
+    own.Add(Compare(whole, fits[0], fits[1], whole.by_sandwich));
+    if (own.over_interval.empty()) continue;
+    kinds[split.by].over_interval.insert(kinds[split.by].over_interval.end(), own.over_interval.begin(),
+                                         own.over_interval.end());
+    kinds[split.by].least_p = std::min(kinds[split.by].least_p, own.least_p);
+    ++kinds[split.by].splits;
+    if (!is_random) report->splits.push_back(own.Result(split.by, split.key));
+  }
+  for (const char* by : {"random", "region", "station", "time"}) {
+    if (kinds.count(by) > 0) report->kinds.push_back(kinds[by].Result(by, ""));
+  }
+  report->random_share_model = by_model.Result("", "").share();
+  report->random_share_sandwich = by_sandwich.Result("", "").share();
+}
+
+// With one value per group of repeated shots that no model can explain apart:
+//   F = [(r'r - within) / (3 groups - unknowns)] / [within / (3 rows - 3 groups)]
+RepeatFit TestRepeats(const Whole& whole) {
+  struct Group {
+    Matrix3<double> weight = Matrix3<double>::Zero();
+    Vector3<double> sum = Vector3<double>::Zero();
+    double squares = 0.0;
+  };
+  const Measurements& data = whole.problem.data;
+  const NoiseRoots noise = ObservationNoise(whole.problem, whole.rows.observations, kFallbackSigma);
+  std::map<std::tuple<int, std::string, int, std::string, int>, Group> groups;
+  for (size_t k = 0; k < whole.rows.observations.size(); ++k) {
+    const Observation& row = data.observations[whole.rows.observations[k]];
+    const Shot& shot = data.shots[row.shot];
+    Group& group = groups[{shot.configuration, shot.visit, row.marker, shot.load, shot.station}];
+    const Matrix3<double> weight = (noise[k] * noise[k].transpose()).inverse();
+    const Vector3<double> error = row.point_in_station - whole.estimate.predicted.col(whole.rows.observations[k]);
+    group.weight += weight;
+    group.sum += weight * error;
+    group.squares += error.dot(weight * error);
+  }
+  double within = 0.0;
+  for (const auto& [key, group] : groups) within += group.squares - group.sum.dot(group.weight.inverse() * group.sum);
+  RepeatFit fit;
+  const int rows = whole.rows.num_rows(), means = 3 * static_cast<int>(groups.size());
+  fit.within_dof = rows - means;
+  fit.between_dof = means - whole.rows.num_columns();
+  fit.known = fit.within_dof > 0 && fit.between_dof > 0 && within > 0.0;
+  if (!fit.known) return fit;
+  const double between = std::max(0.0, whole.rows.residual.squaredNorm() - within);
+  fit.ratio = (between / fit.between_dof) / (within / fit.within_dof);
+  fit.p_value = FSurvival(fit.ratio, fit.between_dof, fit.within_dof);
+  return fit;
+}
+
+double Median(Eigen::VectorXd values) {
+  if (values.size() == 0) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+// True where the sandwich is larger than chance makes it: a variance with nu degrees of freedom scatters by
+// sqrt(1 / (2 nu)) of its root.
+bool SandwichIsLarger(const Whole& whole, double* ratio) {
+  Linearization fit = whole.rows;
+  AppendPriors(whole.estimate.parameters, &fit);
+  const RobustCovariance robust = SandwichCovariance(fit, whole.clusters);
+  if (robust.covariance.rows() == 0) return false;
+  *ratio = Median(robust.covariance.diagonal().cwiseQuotient(whole.estimate.model_covariance.diagonal()).cwiseSqrt());
+  return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median(robust.dof));
+}
+
+}  // namespace
+
+void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
+  Whole whole{problem, *estimate, {}, {}, false, false};
+  const std::vector<int> observations = problem.CalibrationObservations();
+  whole.rows = Linearize(problem, estimate->parameters, observations, estimate->estimated,
+                         ObservationNoise(problem, observations, kFallbackSigma));
+  whole.clusters = ConfigurationClusters(problem.data, observations);
+  whole.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled;
+  whole.by_sandwich = estimate->intervals.is_empirical();
+  AgreementReport& report = estimate->agreement;
+  report = AgreementReport();
+  report.covariance = whole.by_sandwich ? "sandwich" : "model";
+  report.seed = options.seed;
+  if (!whole.rows.valid || whole.rows.num_columns() == 0) return;
+  CompareSplits(whole, MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves), &report);
+  report.repeats = TestRepeats(whole);
+  const bool larger = SandwichIsLarger(whole, &report.sandwich_ratio);
+  report.known = !report.kinds.empty();
+  const double level = problem.experiment.significance;
+  for (const PartComparison& kind : report.kinds) {
+    const bool differs = kind.p_value < level && kind.inflation > 1.0;
+    if (kind.by == "random") continue;
+    report.disagrees |= differs;
+    if (differs) report.inflation = std::max(report.inflation, kind.inflation);
+  }
+  const bool repeats_lie = report.repeats.known && report.repeats.p_value < level;
+  report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie);
+  DescribeAgreement(problem, &report);
+}
+
+}  // namespace sagitta

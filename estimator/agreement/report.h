@@ -1,0 +1,43 @@
+// Do parts of the data say the same within their intervals? Part of an Estimate; found in agreement.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+// Differences of parameters between two parts of the configurations, each over its joint 95 % interval.
+struct PartComparison {
+  std::string by;          // random, region, station, time
+  std::string key;         // "" or a joint, x, y, z (base frame), "S1 and S2"; "" of a kind: all its splits together
+  int compared = 0;        // differences
+  int inside = 0;          // of them within their joint 95 % interval
+  double inflation = 0.0;  // factor on the intervals with which 95 % would be
+  double p_value = 1.0;    // of all differences of the split at once; of a kind: the least, times their number
+  double share() const { return compared > 0 ? inside / static_cast<double>(compared) : 0.0; }
+};
+
+// What repeated shots of one arrival scatter by, against what is left between the arrivals (F test of lack of fit).
+struct RepeatFit {
+  bool known = false;  // there are repeats
+  double ratio = 1.0;  // F: mean squares between over within
+  double p_value = 1.0;
+  int between_dof = 0, within_dof = 0;
+};
+
+struct AgreementReport {
+  bool known = false;                                            // there was enough to divide
+  std::string covariance = "model";                              // of the intervals that were compared: model, sandwich
+  unsigned long long seed = 1;                                   // of the random halves
+  std::vector<PartComparison> splits;                            // each one
+  std::vector<PartComparison> kinds;                             // pooled: random first
+  double random_share_model = 0.0, random_share_sandwich = 0.0;  // of random halves, by either covariance
+  double inflation = 1.0;       // of intervals that are to hold between parts that disagree: what model error adds
+  bool disagrees = false;       // at the experiment's significance
+  double sandwich_ratio = 1.0;  // median over the parameters of the sandwich's standard deviation over the model's
+  bool sandwich_advised = false;
+  RepeatFit repeats;
+  std::vector<std::string> words;
+};
+
+}  // namespace sagitta

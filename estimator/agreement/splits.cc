@@ -1,0 +1,152 @@
+#include "estimator/agreement/splits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+
+namespace sagitta {
+namespace {
+
+constexpr double kStill = 0.02;         // rad or m: a joint that covers less divides nothing
+constexpr double kSmallestPart = 0.25;  // of the configurations
+constexpr int kFewest = 5;              // configurations of a part
+constexpr size_t kMostPairs = 4;        // stations that are compared two by two; more: each against the rest
+
+class Splitter {
+ public:
+  Splitter(const CalibrationProblem& problem, const Estimate& estimate, const std::vector<int>& clusters)
+      : problem_(problem), estimate_(estimate), clusters_(clusters), rows_(problem.CalibrationObservations()) {
+    num_clusters_ = clusters.empty() ? 0 : 1 + *std::max_element(clusters.begin(), clusters.end());
+  }
+
+  std::vector<Split> All(unsigned long long seed, int random_halves) {
+    std::mt19937_64 random(seed);
+    for (int i = 0; i < random_halves; ++i) AddRandom(&random);
+    for (int j = 0; j < problem_.robot.num_joints(); ++j) AddJoint(j);
+    for (int axis = 0; axis < 3; ++axis) {
+      AddMedian("region", std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i)[axis]; }));
+    }
+    AddStations();
+    AddTime();
+    return splits_;
+  }
+
+ private:
+  const Shot& ShotOf(int i) const { return problem_.data.shots[problem_.data.observations[i].shot]; }
+
+  // Of an observation, base frame.
+  Vector3<double> PlaceOf(int i) const {
+    const Observation& observation = problem_.data.observations[i];
+    const Pose<double> base = estimate_.parameters.BaseInStation(ShotOf(i).station);
+    return base.rotation.transpose() * (observation.point_in_station - base.translation);
+  }
+
+  // Mean over the rows of each configuration.
+  template <typename Number>
+  std::vector<double> MeanOf(const Number& number) const {
+    std::vector<double> sum(num_clusters_, 0.0);
+    std::vector<int> count(num_clusters_, 0);
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      sum[clusters_[k]] += number(rows_[k]);
+      ++count[clusters_[k]];
+    }
+    for (int c = 0; c < num_clusters_; ++c) sum[c] /= std::max(1, count[c]);
+    return sum;
+  }
+
+  void Add(const std::string& by, const std::string& key, const std::vector<bool>& first) {
+    const auto many = static_cast<double>(std::count(first.begin(), first.end(), true));
+    const double least = std::max<double>(kFewest, kSmallestPart * num_clusters_);
+    if (std::min(many, num_clusters_ - many) < least) return;
+    Split split{by, key, {}, {}};
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      (first[clusters_[k]] ? split.first : split.second).push_back(static_cast<int>(k));
+    }
+    splits_.push_back(std::move(split));
+  }
+
+  void AddRandom(std::mt19937_64* random) {
+    std::vector<int> order(num_clusters_);
+    std::iota(order.begin(), order.end(), 0);
+    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[(*random)() % i]);
+    std::vector<bool> first(num_clusters_, false);
+    for (int i = 0; i < num_clusters_ / 2; ++i) first[order[i]] = true;
+    Add("random", "", first);
+  }
+
+  void AddMedian(const std::string& by, const std::string& key, const std::vector<double>& value) {
+    std::vector<double> sorted = value;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted.empty() || sorted.front() == sorted.back()) return;
+    // The gap nearest to the middle, so that a grid's planes stay whole.
+    const size_t middle = sorted.size() / 2;
+    size_t below = middle, above = middle;
+    while (below > 0 && sorted[below - 1] == sorted[below]) --below;
+    while (above < sorted.size() && sorted[above] == sorted[middle]) ++above;
+    const double limit = above < sorted.size() && above - middle < middle - below ? sorted[above] : sorted[below];
+    std::vector<bool> first;
+    for (const double number : value) first.push_back(number < limit);
+    Add(by, key, first);
+  }
+
+  void AddJoint(int j) {
+    const std::vector<double> q =
+        MeanOf([&](int i) { return problem_.data.ConfigurationOf(problem_.data.observations[i]).q[j]; });
+    if (q.empty() || *std::max_element(q.begin(), q.end()) - *std::min_element(q.begin(), q.end()) < kStill) return;
+    AddMedian("region", problem_.robot.chain.joints[j].name, q);
+  }
+
+  // Series: stations that share no configuration; else their rows share the robot's error there.
+  void AddStations() {
+    const auto n = problem_.data.stations.size();
+    std::vector<std::set<int>> seen(n);
+    for (size_t k = 0; k < rows_.size(); ++k) seen[ShotOf(rows_[k]).station].insert(clusters_[k]);
+    for (size_t a = 0; a < n; ++a) {
+      for (size_t b = a + 1; b < n && n <= kMostPairs; ++b) {
+        AddRows("station", problem_.data.stations[a] + " and " + problem_.data.stations[b], seen[a], seen[b]);
+      }
+      if (n <= kMostPairs) continue;
+      std::set<int> rest;
+      for (size_t b = 0; b < n; ++b) {
+        if (b != a) rest.insert(seen[b].begin(), seen[b].end());
+      }
+      AddRows("station", problem_.data.stations[a] + " and the others", seen[a], rest);
+    }
+  }
+
+  void AddRows(const std::string& by, const std::string& key, const std::set<int>& a, const std::set<int>& b) {
+    if (static_cast<int>(std::min(a.size(), b.size())) < kFewest) return;
+    if (std::any_of(a.begin(), a.end(), [&](int c) { return b.count(c) > 0; })) return;
+    Split split{by, key, {}, {}};
+    for (size_t k = 0; k < rows_.size(); ++k) {
+      if (a.count(clusters_[k]) > 0) split.first.push_back(static_cast<int>(k));
+      if (b.count(clusters_[k]) > 0) split.second.push_back(static_cast<int>(k));
+    }
+    splits_.push_back(std::move(split));
+  }
+
+  // Time counts from each station's first row.
+  void AddTime() {
+    if (rows_.empty() || problem_.data.stations.size() > 1) return;
+    if (!std::all_of(rows_.begin(), rows_.end(), [&](int i) { return ShotOf(i).has_time; })) return;
+    AddMedian("time", "", MeanOf([&](int i) { return ShotOf(i).time; }));
+  }
+
+  const CalibrationProblem& problem_;
+  const Estimate& estimate_;
+  const std::vector<int>& clusters_;
+  std::vector<int> rows_;
+  int num_clusters_ = 0;
+  std::vector<Split> splits_;
+};
+
+}  // namespace
+
+std::vector<Split> MakeSplits(const CalibrationProblem& problem, const Estimate& estimate,
+                              const std::vector<int>& clusters, unsigned long long seed, int random_halves) {
+  return Splitter(problem, estimate, clusters).All(seed, random_halves);
+}
+
+}  // namespace sagitta

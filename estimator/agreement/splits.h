@@ -1,0 +1,22 @@
+// Ways to divide the configurations of a data set in two.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct Split {
+  std::string by, key;     // as in PartComparison
+  std::vector<int> first;  // positions in the list of calibration observations
+  std::vector<int> second;
+};
+
+// clusters: the configuration of each calibration observation; rows of one never come apart.
+std::vector<Split> MakeSplits(const CalibrationProblem& problem, const Estimate& estimate,
+                              const std::vector<int>& clusters, unsigned long long seed, int random_halves);
+
+}  // namespace sagitta

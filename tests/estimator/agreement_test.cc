@@ -1,0 +1,157 @@
+// Do parts of the data agree: where the model is right they do, as often as the level says; where it is not they do
+// not, by as much as refits of the parts differ.
+#include "estimator/agreement/agreement.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimator/intervals/sandwich.h"
+#include "tests/support/agreement.h"
+#include "tests/support/noise_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using ::testing::HasSubstr;
+
+test::Kr270Design ManyConfigurations() {
+  test::Kr270Design design;
+  design.configurations = 60;
+  design.stations = 1;
+  return design;
+}
+
+AgreementReport AgreementOf(const CalibrationProblem& problem, Estimate* estimate, int random_halves = 4) {
+  *estimate = EstimateWithNoise(problem).estimate;
+  EXPECT_TRUE(IsUsable(estimate->status)) << estimate->message;
+  CheckAgreement(problem, {1, random_halves}, estimate);
+  return estimate->agreement;
+}
+
+const PartComparison& SplitBy(const AgreementReport& report, const std::string& key) {
+  for (const PartComparison& split : report.splits) {
+    if (split.key == key) return split;
+  }
+  ADD_FAILURE() << "no split by " << key;
+  return report.splits.front();
+}
+
+// One split of each trial counts: those of one trial share the data.
+void ExpectNominal(const std::string& covariance, bool stated) {
+  constexpr int kTrials = 120;
+  const test::Kr270Truth truth;
+  const test::Kr270Design design = ManyConfigurations();
+  Measurements data = test::DesignMeasurements(design);
+  Experiment experiment;
+  experiment.covariance = covariance;
+  if (!stated) experiment.weights = "equal";
+  int below_tenth = 0;
+  double share = 0.0;
+  for (int t = 0; t < kTrials; ++t) {
+    test::MeasureKr270(truth, design.sigma, 500 + t, &data);
+    Estimate estimate;
+    const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, experiment), &estimate, 0);
+    ASSERT_EQ(report.covariance, covariance);
+    const PartComparison& split = SplitBy(report, "A1");
+    EXPECT_EQ(split.compared, 33);
+    share += split.share() / kTrials;
+    below_tenth += split.p_value < 0.1;
+  }
+  // 33 differences of one trial count as 8: sqrt(0.95 * 0.05 / (8 * 120)) = 0.7 %.
+  EXPECT_NEAR(share, 0.95, 4 * 0.007) << covariance;
+  // Hotelling's F is exact for the model's covariance; with the sandwich's 27 degrees of freedom for 33 differences
+  // nothing can be tested at once.
+  const double chance = covariance == "model" ? 0.1 : 0.0;
+  EXPECT_NEAR(below_tenth / static_cast<double>(kTrials), chance, 4 * std::sqrt(0.09 / kTrials)) << covariance;
+}
+
+TEST(Agreement, IsNominalWhereTheModelIsRightAndTheNoiseStated) { ExpectNominal("model", true); }
+TEST(Agreement, IsNominalWhereTheModelIsRightAndTheNoiseEstimated) { ExpectNominal("model", false); }
+TEST(Agreement, IsNominalWithTheSandwich) { ExpectNominal("sandwich", true); }
+
+// A once-per-turn error of axis 3 that the model does not have.
+struct Misfit {
+  test::Kr270Truth truth;
+  CalibrationProblem problem;
+
+  Misfit() : problem(Make(truth)) {}
+  static CalibrationProblem Make(const test::Kr270Truth& truth) {
+    const test::Kr270Design design = ManyConfigurations();
+    Measurements data = test::DesignMeasurements(design);
+    const std::vector<Configuration> commanded = data.configurations;
+    for (Configuration& c : data.configurations) c.q[2] += 400e-6 * std::cos(2.0 * c.q[2]);
+    test::MeasureKr270(truth, design.sigma, 7, &data);
+    data.configurations = commanded;
+    return test::Kr270ProblemOf(data, Experiment());
+  }
+};
+
+TEST(Agreement, SeesWhatTheModelLacksAndByHowMuch) {
+  const Misfit misfit;
+  Estimate estimate;
+  const AgreementReport report = AgreementOf(misfit.problem, &estimate);
+  EXPECT_TRUE(report.disagrees);
+  EXPECT_GT(report.inflation, 1.2);
+  EXPECT_LT(SplitBy(report, "A3").p_value, 1e-6);
+  EXPECT_THAT(report.words.back(), HasSubstr("contradict each other"));
+  // The same halves refitted from scratch, by another route to the same figure.
+  std::vector<double> q3;
+  for (const Configuration& c : misfit.problem.data.configurations) q3.push_back(c.q[2]);
+  std::nth_element(q3.begin(), q3.begin() + q3.size() / 2, q3.end());
+  const double median = q3[q3.size() / 2];
+  const auto half = [&](bool below) {
+    return test::EstimatePart(misfit.problem, estimate.parameters, [&](const Observation& observation) {
+      return (misfit.problem.data.ConfigurationOf(observation).q[2] < median) == below;
+    });
+  };
+  test::Agreement refits;
+  test::Compare(half(true), half(false), "", &refits);
+  const PartComparison& split = SplitBy(report, "A3");
+  ASSERT_EQ(split.compared, refits.compared);
+  EXPECT_NEAR(split.inflation / refits.Inflation(), 1.0, 0.02);
+  EXPECT_LE(std::abs(split.inside - refits.inside), 1);
+}
+
+TEST(Agreement, SmallDataSetsSayThatTheyAreTooSmall) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design;
+  design.configurations = 8;
+  design.stations = 1;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, design.sigma, 3, &data);
+  Estimate estimate;
+  const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, Experiment()), &estimate);
+  EXPECT_FALSE(report.known);
+  EXPECT_FALSE(report.disagrees);
+  EXPECT_THAT(report.words.back(), HasSubstr("Too few"));
+}
+
+// Repeats that share the arrival's joint deviations: F about 1 + 9 (60 um / 10 um)^2 where each configuration has
+// 9 degrees of freedom and 3.8 of them hold the deviations of six joints.
+TEST(Agreement, RepeatsOfOneArrivalAreNotIndependent) {
+  const test::Kr270Truth truth;
+  test::RepeatDesign design;
+  Measurements data = test::RepeatRows(design);
+  test::MeasureRepeated(truth, design, 11, &data);
+  Estimate estimate;
+  const AgreementReport independent = AgreementOf(test::Kr270ProblemOf(data, Experiment()), &estimate);
+  ASSERT_TRUE(independent.repeats.known);
+  EXPECT_EQ(independent.repeats.between_dof, 18 * 9 - 33);
+  EXPECT_EQ(independent.repeats.within_dof, 18 * 9 * 8);
+  EXPECT_GT(independent.repeats.ratio, 50.0);
+  EXPECT_LT(independent.repeats.p_value, 1e-10);
+  EXPECT_TRUE(independent.sandwich_advised);
+  EXPECT_THAT(independent.words.front(), HasSubstr("repeatability_urad: estimate"));
+  Experiment stated;
+  stated.repeatability.common = design.joint;
+  const AgreementReport latent = AgreementOf(test::Kr270ProblemOf(data, stated), &estimate);
+  ASSERT_TRUE(latent.repeats.known);
+  // F with 129 and 1296 degrees of freedom: standard deviation 13 %.
+  EXPECT_NEAR(latent.repeats.ratio, 1.0, 4 * 0.13);
+  EXPECT_FALSE(latent.sandwich_advised);
+}
+
+}  // namespace
+}  // namespace sagitta
