@@ -38,12 +38,17 @@ struct KnownRobot {
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
   PredictionNoise noise;
+  double model_error =
+      1.0;  // factor on standard deviations away from the calibrated configurations (agreement.inflation)
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };
   std::map<std::string, Parameter> parameters;  // by coordinate name
   std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
 };
+
+// What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.
+std::string ModelErrorInWords(const KnownRobot& known);
 
 // Throws InputError.
 KnownRobot ReadEstimateFile(const std::string& path);

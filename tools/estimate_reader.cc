@@ -10,6 +10,7 @@
 #include "tools/estimate_json.h"
 #include "tools/intervals_json.h"
 #include "tools/loading_json.h"
+#include "tools/summary.h"
 
 namespace sagitta {
 namespace {
@@ -34,6 +35,9 @@ class EstimateReader {
     if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
     if (json.contains("prediction_noise")) {
       known_.noise = ReadPredictionNoise(json.at("prediction_noise"), &known_.loading);
+    }
+    if (json.contains("agreement") && json.at("agreement").is_object()) {
+      known_.model_error = Number(Get(json.at("agreement"), "inflation"), "agreement.inflation");
     }
     return known_;
   }
@@ -194,6 +198,14 @@ KnownRobot ReadEstimateFile(const std::string& path) {
   } catch (const nlohmann::json::exception& error) {
     throw InputError({path, 0, ""}, std::string("this estimate cannot be read: ") + error.what());
   }
+}
+
+std::string ModelErrorInWords(const KnownRobot& known) {
+  if (!(known.model_error > 1.0)) return "";
+  return "Parts of the calibration data contradict each other (agreement in " + known.file +
+         "): what the model lacks is in no standard deviation; away from the configurations that were calibrated take "
+         "those of the parameters times " +
+         Significant(known.model_error, 2) + ".";
 }
 
 ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem) {

@@ -95,6 +95,8 @@ int RunPredict(const CommandLine& line) {
   WriteTextFile(FLAGS_out, csv);
   std::cout << all.size() << " points predicted, their standard deviation at most " << Fixed(largest, 4)
             << " mm per axis: " << FLAGS_out << "\n";
+  const std::string model_error = ModelErrorInWords(known);
+  if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;
 }
 

@@ -106,6 +106,8 @@ std::vector<Section> Summary(const KnownRobot& known, const CalibrationProblem& 
     section.paragraphs.push_back("Predicted coordinate RMS from noise and parameter uncertainty: " +
                                  Fixed(1e3 * validation.predicted_rms, 4) + " mm.");
   }
+  const std::string model_error = ModelErrorInWords(known);
+  if (!model_error.empty()) section.paragraphs.push_back(model_error);
   for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
   Section head;
   head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";

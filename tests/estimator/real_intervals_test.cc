@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "estimator/agreement/agreement.h"
 #include "tests/support/agreement.h"
 #include "tests/support/real_data.h"
 
@@ -90,6 +91,23 @@ TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
   // Parameters of one split move together and all splits share the data: as if 12
   // splits of 8 independent differences, sqrt(0.95 * 0.05 / 96) = 2.2 %.
   EXPECT_NEAR(agreement.share(), 0.95, 4 * 0.022);
+}
+
+// Random halves share every model error and agree; regions do not, and the factor is reported.
+TEST_F(RealIntervalsTest, WhatModelErrorAddsIsReported) {
+  Experiment experiment;
+  experiment.covariance = "sandwich";
+  const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
+  Estimate estimate = EstimateJointly(problem);
+  ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+  CheckAgreement(problem, {1, 12}, &estimate);
+  const AgreementReport& report = estimate.agreement;
+  ASSERT_EQ(report.kinds.size(), 2u);
+  EXPECT_NEAR(report.kinds[0].share(), 0.95, 4 * 0.022);  // as above
+  EXPECT_EQ(report.kinds[1].by, "region");
+  EXPECT_LT(report.kinds[1].share(), 0.9);
+  EXPECT_TRUE(report.disagrees);
+  EXPECT_GT(report.inflation, 1.2);
 }
 
 }  // namespace

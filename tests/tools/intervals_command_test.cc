@@ -14,6 +14,23 @@ class IntervalsCommandTest : public ProgramTest {
     return Write(name, "schema: sagitta/experiment/1\nrobot: " + Published("kr270/robot.yaml") + "\nmeasurements: [" +
                            Published("kr270/geometric.csv") + "]\nnoise: {sigma_mm: 0.1}\n" + extra);
   }
+  // Configurations spread over the joints' ranges (golden ratios), three markers, without points.
+  static std::string Design(int configurations) {
+    const double low[] = {-130, -130, -80, -170, -85, -170}, wide[] = {260, 120, 180, 340, 170, 340};
+    const double step[] = {0.8567, 0.7339, 0.6287, 0.5386, 0.4614, 0.3952};
+    std::string text = "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
+    for (int c = 0; c < configurations; ++c) {
+      std::string joints;
+      for (int j = 0; j < 6; ++j) {
+        const double at = (c + 1) * step[j];
+        joints += "," + std::to_string(low[j] + wide[j] * (at - std::floor(at)));
+      }
+      for (const char* marker : {"P1", "P2", "P3"}) {
+        text += "D" + std::to_string(c) + "," + marker + ",S1" + joints + "\n";
+      }
+    }
+    return text;
+  }
   json Calibrate(const std::string& name, const std::string& extra) const {
     const Outcome outcome = Run({"calibrate", ExperimentWith(name + ".yaml", extra), "--out=" + Path(name)});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -85,6 +102,44 @@ TEST_F(IntervalsCommandTest, ThePredictedEllipsoidIsTheCovariance) {
     EXPECT_GT(number(r, "parm_x_mm"), 0.001);
     EXPECT_LT(number(r, "parm_x_mm"), 0.1);
     EXPECT_EQ(number(r, "pheld_x_mm"), 0.0);
+  }
+}
+
+// 400 urad of a once-per-turn error in A3: parts of the data contradict each other, and the report, the estimate, and
+// whoever predicts from it say so. Simulated with the program, at joint values that are off.
+TEST_F(IntervalsCommandTest, WhatTheModelLacksIsReportedWithTheIntervals) {
+  const std::string rows = Write("design.csv", Design(60));
+  const auto commanded = Cells(Read("design.csv"));
+  auto actual = commanded;
+  const int q3 = Column(actual, "q3_deg");
+  for (size_t r = 1; r < actual.size(); ++r) {
+    const double q = std::stod(actual[r][q3]);
+    actual[r][q3] = std::to_string(q + 0.0229 * std::cos(2.0 * q * 0.017453292519943295));
+  }
+  Write("actual.csv", Csv(actual));
+  Calibrate("truth", "");
+  const std::string robot = Published("kr270/robot.yaml"), truth = "--truth=" + Path("truth/estimate.json");
+  for (const bool lacks : {false, true}) {
+    const std::string how = lacks ? Path("actual.csv") : rows;
+    ASSERT_EQ(Run({"simulate", robot, how, truth, "--sigma_mm=0.05", "--out=" + Path("m.csv")}).status, 0);
+    auto measured = Cells(Read("m.csv"));
+    for (size_t r = 1; r < measured.size(); ++r) measured[r][Column(measured, "q3_deg")] = commanded[r][q3];
+    Write("m.csv", Csv(measured));
+    const Outcome outcome = Run({"calibrate", robot, Path("m.csv"), "--sigma_mm=0.05", "--out=" + Path("out")});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json agreement = ReadJson("out/estimate.json")["agreement"];
+    EXPECT_EQ(agreement["disagrees"], lacks);
+    const std::string words = lacks ? "contradict each other" : "No part of the data contradicts another";
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << outcome.out;
+    EXPECT_NE(Read("out/report.html").find(words), std::string::npos);
+    ASSERT_EQ(agreement["kinds"].size(), 2u);
+    EXPECT_EQ(agreement["kinds"][0]["by"], "random");
+    EXPECT_EQ(agreement["kinds"][1]["by"], "region");
+    EXPECT_EQ(agreement["splits"].size(), 9u);  // six joints, x, y, z
+    if (lacks) EXPECT_GT(agreement["inflation"].get<double>(), 1.2);
+    if (!lacks) EXPECT_EQ(agreement["inflation"], 1.0);
+    const Outcome predicted = Run({"predict", Path("out/estimate.json"), rows, "--out=" + Path("p.csv")});
+    EXPECT_EQ(predicted.out.find("contradict each other") != std::string::npos, lacks) << predicted.out;
   }
 }
 
