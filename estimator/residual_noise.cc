@@ -5,6 +5,7 @@
 #include <map>
 
 #include "estimator/distributions.h"
+#include "estimator/intervals/prediction.h"
 #include "estimator/intervals/table.h"
 #include "estimator/linearization.h"
 
@@ -117,6 +118,25 @@ void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd&
   FillTable(problem, estimate);
 }
 
+namespace {
+
+// Hold-out rows scatter by the noise, and parameters by their covariance; neither is that of the weights.
+void PredictHoldOut(const CalibrationProblem& weighted, const NoiseRoots& noise, Estimate* estimate) {
+  const std::vector<int> rows = weighted.ValidationObservations();
+  if (rows.empty()) return;
+  CalibrationProblem at_estimate = weighted;
+  at_estimate.parameters = estimate->parameters;
+  const auto points = PredictionCovariances(at_estimate, UncertaintyOf(*estimate), rows, 1.0);
+  const double scale = estimate->sigma.scaled ? estimate->sigma.a_posteriori : 1.0;
+  double sum = 0.0;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    sum += points[k].mean().trace() + scale * scale * noise[rows[k]].squaredNorm();
+  }
+  estimate->validation_predicted_rms = std::sqrt(sum / (3.0 * static_cast<double>(rows.size())));
+}
+
+}  // namespace
+
 void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoots& noise, Estimate* estimate) {
   const std::vector<int> rows = weighted.CalibrationObservations();
   const NoiseRoots weights = ObservationNoise(weighted, rows, 1e-3);
@@ -140,10 +160,11 @@ void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoot
     sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < weighted.experiment.significance;
   }
   // The sandwich of the weighted fit knows no noise but what it sees.
-  if (estimate->intervals.method == "sandwich") return;
+  if (estimate->intervals.method == "sandwich") return PredictHoldOut(weighted, noise, estimate);
   if (sigma.scaled) covariance *= sigma.a_posteriori * sigma.a_posteriori;
   const double dof = sigma.scaled ? estimate->dof : std::numeric_limits<double>::infinity();
   ReplaceCovariance(weighted, covariance, Eigen::VectorXd::Constant(covariance.rows(), dof), estimate);
+  PredictHoldOut(weighted, noise, estimate);
 }
 
 }  // namespace sagitta

@@ -279,7 +279,9 @@ void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& o
   whole.rows = Linearize(problem, estimate->parameters, observations, estimate->estimated,
                          ObservationNoise(problem, observations, kFallbackSigma));
   whole.clusters = ConfigurationClusters(problem.data, observations);
-  whole.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled;
+  const Experiment& experiment = problem.experiment;
+  const bool has_weights = experiment.weights == "eq14" || experiment.noise.from == NoiseSpec::From::kResiduals;
+  whole.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled || has_weights;  // weights are no noise
   whole.by_sandwich = estimate->intervals.is_empirical();
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();

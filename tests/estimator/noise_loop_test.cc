@@ -207,5 +207,26 @@ TEST(NoiseLoop, Eq14CovarianceIsEquationEleven) {
   }
 }
 
+// Eq. (14) whitens by sigma0 + lambda sigma; a hold-out row scatters by sigma all the same.
+TEST(NoiseLoop, HoldOutIsPredictedByTheNoiseAndNotByTheWeights) {
+  const test::Kr270Truth truth;
+  test::Kr270Design design;
+  design.configurations = 60;
+  design.sigma = 3e-5;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, design.sigma, 41, &data);
+  Experiment experiment;
+  experiment.noise.from = NoiseSpec::From::kResiduals;
+  experiment.noise.group = "axis";
+  experiment.noise.sigma0 = 6e-5;  // twice the noise: whitened by three times
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.5;
+  const Estimate estimate = EstimateWithNoise(test::Kr270ProblemOf(data, experiment)).estimate;
+  ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+  ASSERT_EQ(estimate.validation.observations, 90);
+  // 270 coordinates observed, 231 degrees of freedom behind the prediction.
+  EXPECT_NEAR(estimate.validation.rms / estimate.validation_predicted_rms, 1.0, 4 * std::sqrt(0.5 / 270 + 0.5 / 231));
+}
+
 }  // namespace
 }  // namespace sagitta
