@@ -60,6 +60,8 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
     return trial;
   }
   DrawPriors(truth, SeedOf(seed_, 2ULL * number + 1), &own->parameters);
+  // Refits of its own for every trial: the same draws in all of them would share the luck of their quantiles.
+  own->experiment.bootstrap.seed = SeedOf(problem_.experiment.bootstrap.seed, number);
   const Estimate estimate = EstimateBy(method_, *own);
   trial.status = StatusName(estimate.status);
   if (!IsUsable(estimate.status)) return trial;
