@@ -99,7 +99,7 @@ void AddLatentPriors(const LatentModel& latent, LatentBlocks* latents, ceres::Pr
 ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
   ResidualSelection selection;
   selection.observations = problem.CalibrationObservations();
-  selection.noise = ObservationNoise(problem, selection.observations, fallback);
+  selection.noise = FitRoots(problem, selection.observations, fallback);
   return selection;
 }
 

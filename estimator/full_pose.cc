@@ -66,7 +66,7 @@ void CollectShots(const ParameterSet& aligned, Context* context) {
     context->shots.push_back({static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
     context->observations.insert(context->observations.end(), all.begin() + first, all.begin() + last);
   }
-  const NoiseRoots noise = ObservationNoise(problem, context->observations, kFallbackSigma);
+  const NoiseRoots noise = FitRoots(problem, context->observations, kFallbackSigma);
   context->sigmas.resize(3 * noise.size());
   for (size_t k = 0; k < noise.size(); ++k) context->sigmas.segment<3>(3 * k) = noise[k].diagonal();
 }

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "estimator/bounded_step.h"
+#include "estimator/intervals/refit.h"
 #include "estimator/linearization.h"
 #include "estimator/load_remedy.h"
 #include "estimator/spring_tie_cost.h"
@@ -16,6 +18,7 @@ constexpr int kMaxHoldRounds = 8;
 constexpr int kFreshRounds = 3;  // afterwards what is held stays held
 constexpr int kMaxPolishSteps = 12;
 constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
+constexpr int kMaxBoundedSteps = 60;
 constexpr int kMaxWarmSteps = 12;
 constexpr double kWarmReach = 1e3;        // standard deviations, from the round before
 constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
@@ -101,26 +104,11 @@ bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& resi
   return changed;
 }
 
-// A coordinate that rests on its bound has no say in the optimum.
-std::vector<int> InteriorCoordinates(const ParameterSet& parameters) {
-  std::vector<int> interior;
-  for (const int i : parameters.EstimatedCoordinates()) {
-    if (parameters.Value(i) > parameters.coordinates()[i].lower) interior.push_back(i);
-  }
-  return interior;
-}
-
 // Gauss-Newton step that is left, in standard deviations.
 double RemainingStep(const LinearSolution& solution, double noise_scale) {
   if (!solution.full_rank) return std::numeric_limits<double>::infinity();
   const Eigen::ArrayXd sigmas = solution.covariance.diagonal().array().sqrt() * noise_scale;
   return solution.step.size() == 0 ? 0.0 : (solution.step.array().abs() / sigmas).maxCoeff();
-}
-
-void TakeStep(const Linearization& linearization, const LinearSolution& solution, ParameterSet* parameters) {
-  Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters->num_coordinates());
-  for (int c = 0; c < linearization.num_columns(); ++c) delta[linearization.columns[c]] = solution.step[c];
-  parameters->Plus(delta);
 }
 
 // What the last Gauss-Newton step says of the optimum.
@@ -132,6 +120,54 @@ struct Certificate {
   double step = std::numeric_limits<double>::infinity();  // that was left, standard deviations
 };
 
+// Columns that rest on their bound, or would end there: they have no say in the optimum.
+std::vector<int> PinnedColumns(const Linearization& here, const ParameterSet& parameters) {
+  const auto lower = [&](int c) { return parameters.coordinates()[here.columns[c]].lower; };
+  const LinearSolution free = SolveLinearization(here);
+  std::vector<int> resting;
+  bool is_inside = free.full_rank;
+  for (int c = 0; c < here.num_columns(); ++c) {
+    const double value = parameters.Value(here.columns[c]);
+    if (value <= lower(c)) resting.push_back(c);
+    is_inside = is_inside && value + free.step[c] >= lower(c);
+  }
+  if (is_inside) return {};
+  const BoundedStep bounded = SolveBounded(here, parameters);
+  return bounded.valid ? bounded.pinned : resting;
+}
+
+// One bounded Gauss-Newton step: certificate before it, delta per column.
+Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Linearization& here,
+                                   const ParameterSet& parameters, Certificate* certificate) {
+  const std::vector<int> pinned = PinnedColumns(here, parameters);
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(here.num_columns());
+  std::vector<bool> is_pinned(here.num_columns(), false);
+  Linearization inside = here;
+  for (const int c : pinned) {
+    is_pinned[c] = true;
+    const double to_bound = parameters.coordinates()[here.columns[c]].lower - parameters.Value(here.columns[c]);
+    delta[c] = std::min(0.0, to_bound);
+    inside.residual += delta[c] * here.jacobian.col(c);
+  }
+  std::vector<int> kept;
+  for (int c = 0; c < here.num_columns(); ++c) {
+    if (!is_pinned[c]) kept.push_back(c);
+  }
+  inside.jacobian = here.jacobian(Eigen::all, kept);
+  inside.columns.assign(kept.size(), 0);
+  const LinearSolution solution = SolveLinearization(inside);
+  const double scale = std::max(1e-12, NoiseScale(problem, inside));
+  certificate->columns = static_cast<int>(kept.size());
+  certificate->full_rank = solution.full_rank;
+  certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(here.num_rows());
+  certificate->step = RemainingStep(solution, scale);
+  for (const int c : pinned) {
+    certificate->step = std::max(certificate->step, std::abs(delta[c]) * here.jacobian.col(c).norm() / scale);
+  }
+  if (solution.full_rank && !kept.empty()) delta(kept) = solution.step;
+  return delta;
+}
+
 // Ceres stops where the cost cannot tell (1e-5 standard deviations away), and
 // with joint deviations at the mode instead of the marginal optimum; the
 // gradient still can: a few Gauss-Newton steps bring 1e-7.
@@ -140,32 +176,43 @@ Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& r
   Certificate certificate;
   for (int i = 0; i < steps && certificate.step >= kConvergedSteps; ++i) {
     Linearization here =
-        Linearize(problem, *parameters, residuals.observations, InteriorCoordinates(*parameters), residuals.noise);
+        Linearize(problem, *parameters, residuals.observations, parameters->EstimatedCoordinates(), residuals.noise);
     certificate.valid = here.valid;
     if (!here.valid) return certificate;
     AppendPriors(*parameters, &here);
-    const LinearSolution solution = SolveLinearization(here);
-    certificate.columns = here.num_columns();
-    certificate.full_rank = solution.full_rank;
-    certificate.exact_fit = here.residual.norm() < 1e-9 * std::sqrt(here.num_rows());
-    certificate.step = RemainingStep(solution, std::max(1e-12, NoiseScale(problem, here)));
+    const Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
     if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
-    TakeStep(here, solution, parameters);
+    Move(here.columns, delta, 1.0, parameters);
   }
   return certificate;
 }
 
+// Where bounds rule, Ceres' projected steps stop early; damped bounded Gauss-Newton steps go on from there.
+Certificate PolishAtBounds(const CalibrationProblem& problem, const ResidualSelection& residuals,
+                           const Certificate& before, ParameterSet* parameters) {
+  bool any_bound = false;
+  for (const int i : parameters->EstimatedCoordinates()) {
+    any_bound |= std::isfinite(parameters->coordinates()[i].lower);
+  }
+  if (!any_bound || !before.valid || before.exact_fit || before.step < kConvergedSteps) return before;
+  RefitOptions options;
+  options.max_steps = kMaxBoundedSteps;
+  ParameterSet refitted = RefitFrom(problem, *parameters, options).parameters;
+  const Certificate after = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &refitted);
+  if (!(after.step < before.step)) return before;
+  *parameters = refitted;
+  return after;
+}
+
 void FailEquilibrium(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->status = Status::kEquilibriumDiverged;
-  const std::string folded = FoldedShot(problem, estimate->parameters);
-  estimate->message = (folded.empty() ? "a load" : folded) +
-                      " folds the arm: the deflections find no equilibrium at the current compliances; check the units "
-                      "of loads, load points and compliances";
+  estimate->message = FoldedInWords(problem, estimate->parameters);
 }
 
 void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
             Estimate* estimate) {
-  const Certificate certificate = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &estimate->parameters);
+  Certificate certificate = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &estimate->parameters);
+  certificate = PolishAtBounds(problem, residuals, certificate, &estimate->parameters);
   if (!certificate.valid) return FailEquilibrium(problem, estimate);
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;

@@ -1,8 +1,11 @@
 // JudgeEstimate: covariance, intervals, leverage and hold-out of an estimate,
 // all from one Linearization at its parameters.
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
+#include <sstream>
 #include <tuple>
 
 #include "estimator/distributions.h"
@@ -11,12 +14,14 @@
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
 #include "estimator/spring_tie_cost.h"
+#include "estimator/weighting.h"
 #include "problems/loads.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kFallbackSigma = 1e-3;  // m
+constexpr double kFarBelow = 4.0;        // standard deviations
 
 Eigen::Matrix3Xd Residuals(const Measurements& data, const std::vector<int>& observations,
                            const Eigen::Matrix3Xd& predicted) {
@@ -32,10 +37,17 @@ ResidualSize SizeAt(const CalibrationProblem& problem, const ParameterSet& param
   return MeasureResiduals(Residuals(problem.data, observations, PredictPoints(problem, parameters, observations)));
 }
 
+// Where the fit has weights of its own, chi-square is the least that the known noise allows near the estimate.
+double SquaredMisfit(const CalibrationProblem& problem, const Linearization& linearization) {
+  const bool is_known = problem.experiment.noise.from != NoiseSpec::From::kResiduals;
+  if (problem.weight_roots.empty() || !is_known) return linearization.residual.squaredNorm();
+  return SolveLinearization(linearization).residual_norm_squared;
+}
+
 void JudgeNoise(const CalibrationProblem& problem, const Linearization& linearization, Estimate* estimate) {
   SigmaReport& sigma = estimate->sigma;
   sigma.stated = problem.sigma_is_stated();
-  const double sum = linearization.residual.squaredNorm();
+  const double sum = SquaredMisfit(problem, linearization);
   estimate->rows = linearization.num_rows();
   estimate->dof = linearization.num_rows() - linearization.num_columns();
   const double dof = estimate->dof;
@@ -63,20 +75,25 @@ Eigen::VectorXd RowVariances(const Eigen::MatrixXd& jacobian, const Eigen::Matri
 }
 
 // Leverage of every row and the parameters' share of the predicted hold-out
-// error. `all` has the columns of the estimated, then of the held coordinates.
-void JudgeRows(const CalibrationProblem& problem, const Linearization& all, double scale, Estimate* estimate) {
+// error. `all` has the columns of the estimated, then of the held coordinates;
+// inverse_normal: (J'W^2 J)^-1 of the fit.
+void JudgeRows(const CalibrationProblem& problem, const Linearization& all, const Eigen::MatrixXd& inverse_normal,
+               double scale, Estimate* estimate) {
   const int n = static_cast<int>(all.observations.size());
   const auto estimated = static_cast<int>(estimate->estimated.size());
   const Eigen::MatrixXd jacobian = all.jacobian.leftCols(estimated);
-  const Eigen::VectorXd by_model = RowVariances(jacobian, estimate->model_covariance);
   const HeldInfluence& held = estimate->held;
   const Eigen::MatrixXd open = all.jacobian.rightCols(held.coordinates.size()) + jacobian * held.slopes;
   estimate->leverage.resize(n);
+  std::vector<int> rows(n);
+  std::iota(rows.begin(), rows.end(), 0);
+  const NoiseRoots weights = FitRoots(problem, rows, kFallbackSigma);
   double sum = 0.0;
   double floor = 0.0;
   int coordinates = 0;
   for (int k = 0; k < n; ++k) {
-    estimate->leverage[k] = by_model.segment<3>(3 * k).mean() / (scale * scale);
+    const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
+    estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
     if (!problem.data.IsValidation(problem.data.observations[k])) continue;
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
     const Matrix3<double>& own = estimate->noise[k];
@@ -93,23 +110,40 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, doub
   estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
 }
 
-// Covariance of the estimated parameters, and what the held ones add. False where
-// the Jacobian is singular.
+// A linearization with the information that the estimate has at unit scale: what is weak is so under its own weights.
+Linearization Known(const CalibrationProblem& problem, const Linearization& fit, const Eigen::MatrixXd& covariance) {
+  if (problem.weight_roots.empty()) return fit;
+  Linearization known = fit;
+  const Eigen::MatrixXd root = covariance.llt().matrixL();
+  known.jacobian = root.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
+  known.residual.setZero(root.rows());
+  return known;
+}
+
+// Covariance of the estimated parameters, and what the held ones add. `linearization`
+// is whitened by the weights of the fit, `noise` is what its rows scatter by. False
+// where the Jacobian is singular.
 bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& linearization, double scale,
-                     const NoiseRoots& noise, Estimate* estimate) {
+                     const NoiseRoots& noise, Eigen::MatrixXd* inverse_normal, Estimate* estimate) {
   const LinearSolution solution = SolveLinearization(linearization);
   if (!solution.full_rank) return false;
+  *inverse_normal = solution.covariance;
   estimate->model_covariance = scale * scale * solution.covariance;
+  const NoiseRoots weights = FitRoots(problem, linearization.observations, kFallbackSigma);
+  if (!problem.weight_roots.empty()) {
+    estimate->model_covariance = scale * scale * CovarianceOfWeighted(linearization, solution, noise, weights);
+  }
   estimate->covariance = estimate->model_covariance;
   estimate->identifiability.rank = linearization.num_columns();
   estimate->identifiability.condition = solution.condition;
-  estimate->identifiability.weak = FindWeak(linearization, estimate->parameters, scale);
+  estimate->identifiability.weak = FindWeak(Known(problem, linearization, estimate->model_covariance / (scale * scale)),
+                                            estimate->parameters, scale);
   std::vector<int> columns = estimate->estimated;
   const std::vector<int> held = HeldCoordinates(estimate->parameters);
   columns.insert(columns.end(), held.begin(), held.end());
   Linearization both = linearization;
   if (!held.empty()) {
-    both = Linearize(problem, estimate->parameters, linearization.observations, columns, noise);
+    both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
     AppendPriors(estimate->parameters, &both);
   }
   estimate->held = FindHeldInfluence(both, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
@@ -167,6 +201,28 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->deflection_after = size_of(remaining);
 }
 
+// A value on its bound that the data would push far below it: not a small compliance but a contradiction.
+void WarnOfBounds(const Linearization& fit, double scale, Estimate* estimate) {
+  const ParameterSet& parameters = estimate->parameters;
+  std::vector<int> resting;
+  for (int c = 0; c < fit.num_columns(); ++c) {
+    if (parameters.Value(fit.columns[c]) <= parameters.coordinates()[fit.columns[c]].lower) resting.push_back(c);
+  }
+  if (resting.empty()) return;
+  const LinearSolution free = SolveLinearization(fit);
+  if (!free.full_rank) return;
+  for (const int c : resting) {
+    const double below = -free.step[c] / (scale * std::sqrt(free.covariance(c, c)));
+    if (below < kFarBelow) continue;
+    std::ostringstream words;
+    words.precision(2);
+    words << parameters.coordinates()[fit.columns[c]].name << " stands on its bound, 0, but the data want it " << below
+          << " standard deviations below: check the sign and the unit of the loads, the load point and what is held; "
+             "or the model lacks an effect (sagitta diagnose)";
+    estimate->warnings.push_back(words.str());
+  }
+}
+
 }  // namespace
 
 void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
@@ -175,17 +231,23 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const ParameterSet& parameters = estimate->parameters;
   estimate->estimated = parameters.EstimatedCoordinates();
   const NoiseRoots noise = ObservationNoise(problem, calibration, kFallbackSigma);
-  Linearization linearization = Linearize(problem, parameters, calibration, estimate->estimated, noise);
-  AppendPriors(parameters, &linearization);
-  estimate->cost = 0.5 * linearization.residual.squaredNorm();
-  JudgeNoise(problem, linearization, estimate);
+  const auto linearize = [&](const NoiseRoots& roots) {
+    Linearization whitened = Linearize(problem, parameters, calibration, estimate->estimated, roots);
+    AppendPriors(parameters, &whitened);
+    return whitened;
+  };
+  const Linearization fit = linearize(FitRoots(problem, calibration, kFallbackSigma));
+  estimate->cost = 0.5 * fit.residual.squaredNorm();
+  JudgeNoise(problem, problem.weight_roots.empty() ? fit : linearize(noise), estimate);
   const double scale = CovarianceScale(estimate->sigma);
-  if (!JudgeCovariance(problem, linearization, scale, noise, estimate)) {
+  Eigen::MatrixXd inverse_normal;
+  if (!JudgeCovariance(problem, fit, scale, noise, &inverse_normal, estimate)) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
     return;
   }
   FillTable(problem, estimate);
+  WarnOfBounds(fit, scale, estimate);
 
   std::vector<int> all(problem.data.observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
@@ -193,8 +255,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->predicted = PredictPoints(problem, parameters, all);
   std::vector<int> columns = estimate->estimated;
   columns.insert(columns.end(), estimate->held.coordinates.begin(), estimate->held.coordinates.end());
-  JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore), scale,
-            estimate);
+  JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore),
+            inverse_normal, scale, estimate);
   if (!estimate->sigma.stated) {
     for (Matrix3<double>& root : estimate->noise) root *= estimate->sigma.estimated / kFallbackSigma;
   }

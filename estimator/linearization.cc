@@ -96,6 +96,14 @@ NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector
   return noise;
 }
 
+NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback) {
+  if (problem.weight_roots.empty()) return ObservationNoise(problem, observations, fallback);
+  NoiseRoots roots;
+  roots.reserve(observations.size());
+  for (const int i : observations) roots.push_back(problem.weight_roots[i]);
+  return roots;
+}
+
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
                         const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
                         LatentTreatment treatment) {

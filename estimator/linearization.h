@@ -32,6 +32,9 @@ struct Linearization {
 // on every axis where none is stated.
 NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);
 
+// What the fit weighs the listed observations with: the problem's weight roots where it has some, else the noise.
+NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);
+
 // Evaluates the problem's observations at `parameters` for the given columns.
 // noise: one root per observation, m.
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,

@@ -279,4 +279,11 @@ std::string FoldedShot(const CalibrationProblem& problem, const ParameterSet& pa
   return "";
 }
 
+std::string FoldedInWords(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::string folded = FoldedShot(problem, parameters);
+  return (folded.empty() ? "a load" : folded) +
+         " folds the arm: the deflections find no equilibrium at the current compliances; check the units of loads, "
+         "load points and compliances";
+}
+
 }  // namespace sagitta

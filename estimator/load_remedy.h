@@ -37,4 +37,7 @@ void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate);
 // deflections find no equilibrium at `parameters`; "" if all do.
 std::string FoldedShot(const CalibrationProblem& problem, const ParameterSet& parameters);
 
+// That shot in a sentence, with what to check.
+std::string FoldedInWords(const CalibrationProblem& problem, const ParameterSet& parameters);
+
 }  // namespace sagitta

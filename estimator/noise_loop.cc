@@ -12,6 +12,7 @@
 #include "estimator/repeatability.h"
 #include "estimator/residual_noise.h"
 #include "estimator/robust.h"
+#include "estimator/weighting.h"
 
 namespace sagitta {
 namespace {
@@ -22,10 +23,6 @@ constexpr double kSettled = 1e-4;           // largest relative change of a stan
 constexpr double kWeightSettled = 1e-4;     // largest change of the root of a weight
 constexpr double kSmallWeight = 0.2;        // an outlier to variance components
 constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of times
-
-bool UsesEq14(const Experiment& experiment) {
-  return experiment.weights == "eq14" && experiment.noise.from != NoiseSpec::From::kResiduals;
-}
 
 bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from == NoiseSpec::From::kResiduals; }
 
@@ -88,12 +85,19 @@ double UpdateComponents(const Estimate& estimate, int round, Loop* loop, NoiseRo
   return change;
 }
 
+// {from: residuals} weighs by eq. (14), unless equal weights are asked for.
+NoiseRoots ResidualWeights(const Experiment& experiment, const NoiseRoots& spread) {
+  if (experiment.weights == "equal") return RootsOfWeights(experiment, spread);
+  return Eq14Roots(spread, experiment.noise.sigma0, experiment.noise.lambda);
+}
+
 double UpdateSpread(const Estimate& estimate, Loop* loop, NoiseRoots* roots) {
   const Experiment& experiment = loop->problem.experiment;
   if (!UsesResiduals(experiment)) return 0.0;
   const NoiseRoots before = loop->spread;
   loop->spread = SpreadOfResiduals(loop->problem, estimate, loop->groups, &loop->report.groups);
-  *roots = Eq14Roots(loop->spread, experiment.noise.sigma0, experiment.noise.lambda);
+  *roots = loop->spread;
+  loop->problem.weight_roots = ResidualWeights(experiment, loop->spread);
   double change = before.empty() ? 1.0 : 0.0;
   for (size_t i = 0; i < before.size(); ++i) {
     const Vector3<double> ratio = loop->spread[i].diagonal().cwiseQuotient(before[i].diagonal());
@@ -189,13 +193,13 @@ CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
   judged.resolved_noise = loop->base;
   for (Matrix3<double>& root : judged.resolved_noise) root *= loop->choice.instrument;
   if (UsesResiduals(experiment)) {
-    judged.resolved_noise = Eq14Roots(loop->spread, experiment.noise.sigma0, experiment.noise.lambda);
+    judged.resolved_noise = loop->spread;
+    judged.weight_roots = ResidualWeights(experiment, loop->spread);
   } else if (!loop->stated && !EstimatesComponents(experiment)) {
     judged.resolved_noise.clear();  // one common sigma, estimated
   }
   if (loop->loss != LossKind::kNone) FinishRobust(loop, &judged, estimate);
   JudgeEstimate(judged, estimate);
-  if (UsesResiduals(experiment) || UsesEq14(experiment)) ApplyWeightedCovariance(judged, loop->spread, estimate);
   if (EstimatesComponents(experiment)) {
     FinishComponents(judged, estimate->parameters, &loop->choice, &loop->report);
     loop->report.instrument_is_factor = loop->stated;
@@ -224,7 +228,7 @@ ParameterSet Align(const JointOptions& options, Loop* loop) {
 
 bool FindsNoise(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
-  return EstimatesComponents(experiment) || UsesResiduals(experiment) || UsesEq14(experiment) ||
+  return EstimatesComponents(experiment) || UsesResiduals(experiment) || WeighsOtherwise(problem) ||
          LossNamed(experiment.loss) != LossKind::kNone;
 }
 
@@ -234,13 +238,15 @@ ResolvedEstimate EstimateWithNoise(const CalibrationProblem& problem, const Join
     DescribeNoise(plain.problem, &plain.estimate);
     return plain;
   }
+  if (WeighsOtherwise(problem)) {
+    CalibrationProblem weighted = problem;
+    weighted.weight_roots = RootsOfWeights(problem.experiment, AllRoots(problem));
+    ResolvedEstimate result{weighted, EstimateJointly(weighted, options)};
+    DescribeNoise(result.problem, &result.estimate);
+    return result;
+  }
   const auto start = std::chrono::steady_clock::now();
   Loop loop(problem);
-  if (UsesEq14(problem.experiment)) {
-    loop.spread = loop.base;
-    loop.base = Eq14Roots(loop.spread, problem.experiment.noise.sigma0, problem.experiment.noise.lambda);
-    loop.problem.resolved_noise = loop.base;
-  }
   const ParameterSet aligned = Align(options, &loop);
   JointOptions inner = options;
   inner.judge = false;

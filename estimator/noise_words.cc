@@ -161,6 +161,22 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
   report.words.push_back(count + " flagged, but " + warning + ". Flagged: " + list + ".");
 }
 
+// What the fit weighs with where that is not the inverse of the noise.
+void DescribeWeights(const CalibrationProblem& problem, NoiseReport* report) {
+  if (problem.weight_roots.empty()) return;
+  const NoiseSpec& noise = problem.experiment.noise;
+  if (problem.experiment.weights == "equal") {
+    report->words.push_back(
+        "Weights: equal (ordinary least squares). The intervals count the noise of each row as it is (sandwich, eq. "
+        "(8) "
+        "of paper 003); weights: sigma would make them shorter.");
+    return;
+  }
+  report->words.push_back("Weights: eq. (14) of paper 003, lambda " + Number("%.3g", noise.lambda) + ", sigma0 " +
+                          Number("%.3g", 1e6 * noise.sigma0) +
+                          " µm. The intervals count the noise of each row as it is (sandwich, eq. (11)).");
+}
+
 void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   if (report.groups.empty()) return;
@@ -172,12 +188,12 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
   const NoiseSpec& noise = problem.experiment.noise;
   report.words.push_back("The noise is the spread of the residuals in " + std::to_string(report.groups.size()) +
                          " groups (" + noise.group + "): " + Number("%.3g", 1e6 * low) + " to " +
-                         Number("%.3g", 1e6 * high) + " µm; weights by eq. (14), lambda " +
-                         Number("%.3g", noise.lambda) + ", sigma0 " + Number("%.3g", 1e6 * noise.sigma0) + " µm.");
+                         Number("%.3g", 1e6 * high) + " µm.");
   if (noise.group == "residual") {
     estimate->warnings.push_back(
-        "weights from each row's own residual make intervals that are too short (they hold the truth about every "
-        "second time); use group: config-axis or state the noise");
+        "weights from each row's own residual make intervals that are too short (of 95 % intervals of the published "
+        "scheme "
+        "three in ten hold the truth); use group: config-axis or state the noise");
   }
 }
 
@@ -190,6 +206,7 @@ void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   if (problem.repeat_scatter) report.words.push_back(RepeatWords(*problem.repeat_scatter));
   if (!report.components.empty()) DescribeComponents(problem, &report);
   DescribeGroups(problem, estimate);
+  DescribeWeights(problem, &report);
   DescribeOutliers(problem, estimate);
   if (report.converged) return;
   const std::string warning = "the noise did not settle in " + std::to_string(report.rounds) +

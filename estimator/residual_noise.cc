@@ -5,7 +5,6 @@
 #include <map>
 
 #include "estimator/distributions.h"
-#include "estimator/intervals/prediction.h"
 #include "estimator/intervals/table.h"
 #include "estimator/linearization.h"
 
@@ -56,7 +55,7 @@ RowGroups GroupRows(const Measurements& data, const std::string& word) {
 NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups,
                              std::vector<NoiseGroup>* report) {
   const std::vector<int> rows = problem.CalibrationObservations();
-  const NoiseRoots noise = ObservationNoise(problem, rows, 1e-3);
+  const NoiseRoots noise = FitRoots(problem, rows, 1e-3);
   const std::vector<int> columns = estimate.parameters.EstimatedCoordinates();
   Linearization here = Linearize(problem, estimate.parameters, rows, columns, noise);
   const int n = here.num_rows();
@@ -116,55 +115,6 @@ void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd&
   estimate->covariance = covariance;
   estimate->interval_dof = dof;
   FillTable(problem, estimate);
-}
-
-namespace {
-
-// Hold-out rows scatter by the noise, and parameters by their covariance; neither is that of the weights.
-void PredictHoldOut(const CalibrationProblem& weighted, const NoiseRoots& noise, Estimate* estimate) {
-  const std::vector<int> rows = weighted.ValidationObservations();
-  if (rows.empty()) return;
-  CalibrationProblem at_estimate = weighted;
-  at_estimate.parameters = estimate->parameters;
-  const auto points = PredictionCovariances(at_estimate, UncertaintyOf(*estimate), rows, 1.0);
-  const double scale = estimate->sigma.scaled ? estimate->sigma.a_posteriori : 1.0;
-  double sum = 0.0;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    sum += points[k].mean().trace() + scale * scale * noise[rows[k]].squaredNorm();
-  }
-  estimate->validation_predicted_rms = std::sqrt(sum / (3.0 * static_cast<double>(rows.size())));
-}
-
-}  // namespace
-
-void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoots& noise, Estimate* estimate) {
-  const std::vector<int> rows = weighted.CalibrationObservations();
-  const NoiseRoots weights = ObservationNoise(weighted, rows, 1e-3);
-  Linearization here = Linearize(weighted, estimate->parameters, rows, estimate->estimated, weights);
-  const int n = here.num_rows();
-  AppendPriors(estimate->parameters, &here);
-  const Eigen::MatrixXd inverse = SolveLinearization(here).covariance;
-  Eigen::VectorXd ratio = Eigen::VectorXd::Ones(here.num_rows());  // W S
-  for (int k = 0; k < n / 3; ++k) {
-    for (int a = 0; a < 3; ++a) ratio[3 * k + a] = noise[rows[k]](a, a) / weights[k](a, a);
-  }
-  const Eigen::MatrixXd half = ratio.asDiagonal() * (here.jacobian * inverse);
-  Eigen::MatrixXd covariance = half.transpose() * half;
-  estimate->chi2 = here.residual.cwiseQuotient(ratio).squaredNorm();
-  SigmaReport& sigma = estimate->sigma;
-  sigma.stated = true;
-  sigma.scaled = false;
-  if (estimate->dof > 0) {
-    sigma.a_posteriori = std::sqrt(estimate->chi2 / estimate->dof);
-    sigma.p_value = ChiSquareSurvival(estimate->chi2, estimate->dof);
-    sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < weighted.experiment.significance;
-  }
-  // The sandwich of the weighted fit knows no noise but what it sees.
-  if (estimate->intervals.method == "sandwich") return PredictHoldOut(weighted, noise, estimate);
-  if (sigma.scaled) covariance *= sigma.a_posteriori * sigma.a_posteriori;
-  const double dof = sigma.scaled ? estimate->dof : std::numeric_limits<double>::infinity();
-  ReplaceCovariance(weighted, covariance, Eigen::VectorXd::Constant(covariance.rows(), dof), estimate);
-  PredictHoldOut(weighted, noise, estimate);
 }
 
 }  // namespace sagitta

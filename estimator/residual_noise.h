@@ -35,11 +35,6 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
 // sigma = s0 + lambda s per axis: what eq. (14) whitens with. `spread` is diagonal.
 NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda);
 
-// Covariance where the weights are not the inverse of the noise, paper 003 eq. (11): N^-1 J'W S^2 W J N^-1 at the
-// estimate of a problem that is whitened by the weights; `noise`: what the rows scatter by. Replaces covariance, chi2
-// and what follows from them.
-void ApplyWeightedCovariance(const CalibrationProblem& weighted, const NoiseRoots& noise, Estimate* estimate);
-
 // Puts a covariance in place of the estimate's: sigmas, intervals and weak marks follow. `dof` of each interval,
 // infinite for normal ones.
 void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof,

@@ -60,7 +60,7 @@ StepOutcome Iterate(TwoStepVariant variant, const StepContext& context, StepStat
 
 StepContext MakeContext(const CalibrationProblem& problem) {
   StepContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
-  context.noise = ObservationNoise(problem, context.observations, kFallbackSigma);
+  context.noise = FitRoots(problem, context.observations, kFallbackSigma);
   for (const int c : problem.parameters.EstimatedCoordinates()) {
     const ParameterBlock& block = problem.parameters.blocks()[problem.parameters.coordinates()[c].block];
     (block.kind == BlockKind::kModelParameter ? context.geometry : context.base_and_markers).push_back(c);

@@ -154,7 +154,8 @@ void ForwardModel::AddCompensator() {
     parameters_.push_back(
         {std::string("compensator/") + names[i], quantity, ParameterLaw::kCompensator, i, nominal[i]});
   }
-  parameters_.back().lower = 0.0;  // Kc
+  // No spring is shorter than nothing, or pushes harder the less it is pressed.
+  for (const int i : {0, 3, 4}) parameters_[compensator_->first_parameter + i].lower = 0.0;
 }
 
 void ForwardModel::AddEffects() {

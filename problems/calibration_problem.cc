@@ -80,6 +80,10 @@ void SetPriors(CalibrationProblem* problem) {
       FailProblem(*problem, key, "a prior on one axis of a rotation is not supported",
                   "hold the station's pose instead (--fixed)");
     }
+    if (prior.value * TraitsOf(coordinate.quantity).si_per_unit < coordinate.lower) {
+      FailProblem(*problem, key, "the prior expects a value that '" + name + "' cannot have: it is not negative",
+                  "state a value of 0 or above");
+    }
     coordinate.prior_value = prior.value * TraitsOf(coordinate.quantity).si_per_unit;
     coordinate.prior_sigma = prior.sigma * TraitsOf(coordinate.quantity).si_per_unit;
   }
@@ -146,6 +150,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   problem.latent = latent;
   problem.resolved_noise = resolved_noise;
+  problem.weight_roots = weight_roots;
   problem.repeat_scatter = repeat_scatter;
   problem.redundant_errors = redundant_errors;
   TieSpringMarkers(&problem);
@@ -155,6 +160,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
   SplitConfigurations(experiment.validation, &data);
   CheckLoadStates(&data);
+  CheckStatedLoads(experiment, &data);
   const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
   Robot elastic = WithCompliances(std::move(robot), compliant);
   CalibrationProblem problem(std::move(elastic), std::move(data), std::move(experiment));

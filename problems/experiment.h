@@ -95,6 +95,7 @@ struct BootstrapSpec {
 struct Experiment {
   std::string file;  // "" when put together from the command line
   std::string sha256;
+  std::map<std::string, int> lines;  // of every key of the file by its path: estimate.compliance
   std::string robot_file;
   std::vector<std::string> measurement_files;
   std::optional<Vector3<double>> load_point;  // m, flange frame
@@ -108,10 +109,10 @@ struct Experiment {
   std::map<std::string, StationSpec> stations;
   NoiseSpec noise;
   RepeatabilitySpec repeatability;
-  std::string weights = "sigma";     // sigma | equal | eq14
+  std::string weights = "sigma";     // sigma | equal | eq14; others than sigma: estimator/weighting.h
   std::string covariance = "model";  // model | sandwich | bootstrap | profile
   BootstrapSpec bootstrap;
-  std::string loss = "none";         // none | huber | cauchy
+  std::string loss = "none";  // none | huber | cauchy
   EstimateSpec estimate;
   std::map<std::string, Prior> priors;
   ValidationSpec validation;

@@ -12,12 +12,13 @@ namespace {
 
 // Which of `all` a selection names; `what` for messages.
 std::vector<std::string> SelectFrom(const std::vector<std::string>& all, const Selection& selection,
-                                    const std::string& key, const std::string& what, const std::string& file) {
+                                    const std::string& key, const std::string& what, const Experiment& experiment) {
   if (selection.kind == Selection::Kind::kAll) return all;
   if (selection.kind != Selection::Kind::kList) return {};
   for (const std::string& name : selection.names) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    throw InputError({file, 0, key}, "the robot has no " + what + " '" + name + "'", SpellingHint(name, all));
+    throw InputError({experiment.file, LineOf(experiment, key), key}, "the robot has no " + what + " '" + name + "'",
+                     SpellingHint(name, all));
   }
   return selection.names;
 }
@@ -29,7 +30,7 @@ std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
     for (const ElementaryTransform& transform : problem->robot.chain.transforms) {
       if (!transform.error.empty()) all.push_back(transform.error);
     }
-    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment.file);
+    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment);
   }
   const EstimateSpec& estimate = problem->experiment.estimate;
   FreeSet set = DefaultFreeSet(problem->robot.chain, {estimate.base, estimate.markers});
@@ -47,7 +48,7 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
                 "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
   }
   return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator", "compensator parameter",
-                    problem.experiment.file);
+                    problem.experiment);
 }
 
 }  // namespace
@@ -57,9 +58,10 @@ std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements&
   for (const Joint& joint : robot.chain.joints) all.push_back(joint.name);
   const Selection& selection = experiment.estimate.compliance;
   if (selection.kind == Selection::Kind::kDefault) return AnyLoaded(data) ? all : std::vector<std::string>();
-  const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment.file);
+  const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment);
   if (!named.empty() && !AnyLoaded(data) && experiment.tool_mass == 0.0) {
-    throw InputError({experiment.file, 0, "estimate.compliance"}, "compliances are asked for but no row is loaded",
+    throw InputError({experiment.file, LineOf(experiment, "estimate.compliance"), "estimate.compliance"},
+                     "compliances are asked for but no row is loaded",
                      "measure loaded shots (column load), or leave the key out");
   }
   return named;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "problems/input_error.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 
@@ -14,7 +15,8 @@ LatentModel MakeLatentModel(const Chain& chain, const Measurements& data, const 
   for (const Joint& joint : chain.joints) names.push_back(joint.name);
   for (const auto& [name, sigma] : spec.per_joint) {
     if (chain.FindJoint(name) >= 0) continue;
-    throw InputError({experiment.file, 0, "repeatability_urad." + name}, "the robot has no joint '" + name + "'",
+    const std::string key = "repeatability_urad." + name;
+    throw InputError({experiment.file, LineOf(experiment, key), key}, "the robot has no joint '" + name + "'",
                      SpellingHint(name, names));
   }
   std::vector<double> sigmas;

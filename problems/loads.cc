@@ -1,15 +1,20 @@
 #include "problems/loads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "problems/input_error.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 namespace {
+
+constexpr double kSameWeight = 0.02;
 
 [[noreturn]] void FailAt(const Measurements& data, const Shot& shot, const std::string& key, const std::string& what,
                          const std::string& hint) {
@@ -132,6 +137,35 @@ void CheckLoadStates(Measurements* data) {
     data->warnings.push_back(
         "every row is loaded: without unloaded rows a deflection is told from geometry only by how it varies with "
         "torque; measure some configurations unloaded too");
+  }
+}
+
+void CheckStatedLoads(const Experiment& experiment, Measurements* data) {
+  std::set<std::string> in_rows, unstated, told;
+  for (const Shot& shot : data->shots) {
+    if (!IsLoaded(shot)) continue;
+    in_rows.insert(shot.load);
+    const auto found = experiment.loads.find(shot.load);
+    if (found == experiment.loads.end()) unstated.insert(shot.load);
+    if (found == experiment.loads.end() || !found->second.mass || shot.wrench.IsZero()) continue;
+    const double weight = *found->second.mass * experiment.gravity;
+    const double force = shot.wrench.force.norm();
+    if (std::abs(force - weight) <= kSameWeight * weight || !told.insert(shot.load).second) continue;
+    std::ostringstream words;
+    words.precision(4);
+    words << "load '" << shot.load << "': its wrench columns say " << force << " N, loads: says " << *found->second.mass
+          << " kg, which weighs " << weight << " N; the columns count";
+    data->warnings.push_back(words.str());
+  }
+  for (const auto& [name, spec] : experiment.loads) {
+    if (in_rows.count(name) > 0) continue;
+    const std::string key = "loads." + name;
+    const std::vector<std::string> candidates(unstated.begin(), unstated.end());
+    if (!NearestName(name, candidates).empty()) {
+      throw InputError({experiment.file, LineOf(experiment, key), key}, "no row has this load",
+                       SpellingHint(name, candidates));
+    }
+    data->warnings.push_back("no row has the load '" + name + "' that loads: describes");
   }
 }
 

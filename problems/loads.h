@@ -17,6 +17,10 @@ bool IsLoaded(const Shot& shot);
 // together elsewhere. Warns where nothing is measured unloaded.
 void CheckLoadStates(Measurements* data);
 
+// `loads` of the experiment against the rows: a misspelt id is refused, one that no row has is said, and so is a mass
+// that weighs something else than the wrench columns say (they count).
+void CheckStatedLoads(const Experiment& experiment, Measurements* data);
+
 // One input per shot, prepared for the model: joint values, conditions, the
 // tool's weight, the shot's own load.
 // A load acts at its own point or at load_point; its force is the row's wrench

@@ -1,6 +1,8 @@
 #include "problems/noise_checks.h"
 
 #include <algorithm>
+#include <limits>
+#include <string>
 
 #include "problems/input_error.h"
 #include "problems/problem_checks.h"
@@ -11,6 +13,19 @@ namespace {
 using From = NoiseSpec::From;
 
 const std::vector<std::string> kGroups = {"axis", "config-axis", "marker-axis", "station-axis", "residual"};
+
+// The noise differs between rows or axes: equal weights are not those of the noise.
+bool RowsDiffer(const CalibrationProblem& problem) {
+  const From from = problem.experiment.noise.from;
+  if (from == From::kInstrument || from == From::kRepeats) return true;
+  double low = std::numeric_limits<double>::infinity(), high = 0.0;
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    const Vector3<double> sigma = problem.NoiseRoot(static_cast<int>(i)).diagonal();
+    low = std::min(low, sigma.minCoeff());
+    high = std::max(high, sigma.maxCoeff());
+  }
+  return high > low * (1.0 + 1e-9);
+}
 
 void CheckInstrument(const CalibrationProblem& problem) {
   const NoiseSpec& noise = problem.experiment.noise;
@@ -39,25 +54,33 @@ void CheckResiduals(const CalibrationProblem& problem) {
   }
 }
 
+// Weights other than the noise's: the noise has to be known per row, and be all that scatters.
 void CheckWeights(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
   const From from = experiment.noise.from;
-  if (experiment.weights == "equal" &&
-      (from == From::kRepeats || from == From::kResiduals || from == From::kInstrument)) {
-    FailProblem(problem, "weights", "equal weights ignore the noise that noise: states", "use weights: sigma");
+  if (experiment.weights == "sigma" || from == From::kResiduals || from == From::kVarianceComponents) {
+    if (experiment.weights == "eq14" && from == From::kVarianceComponents) {
+      FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", "use weights: sigma");
+    }
+    return;
   }
-  if (experiment.weights != "eq14" || from == From::kResiduals) return;
+  const bool is_eq14 = experiment.weights == "eq14";
   const char* kHint = "use weights: sigma";
-  if (from == From::kInstrument || from == From::kVarianceComponents || from == From::kRepeats) {
+  if (is_eq14 && (from == From::kInstrument || from == From::kRepeats)) {
     FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", kHint);
   }
-  if (!experiment.repeatability.IsZero()) {
-    FailProblem(problem, "weights", "eq. (14) knows no repeatability", kHint);
-  }
-  if (experiment.loss != "none") FailProblem(problem, "weights", "eq. (14) does not go with a loss", kHint);
-  if (!problem.sigma_is_stated()) {
+  if (is_eq14 && !problem.sigma_is_stated()) {
     FailProblem(problem, "weights", "eq. (14) needs standard deviations, and nothing states them",
                 "add sigma columns, or noise: {from: residuals}");
+  }
+  if (!is_eq14 && !RowsDiffer(problem)) return;  // the noise's own weights, or sigma is estimated
+  const std::string which = is_eq14 ? "eq. (14)" : "eq. (8) for equal weights";
+  if (!experiment.repeatability.IsZero()) FailProblem(problem, "weights", which + " knows no repeatability", kHint);
+  if (experiment.loss != "none") FailProblem(problem, "weights", which + " does not go with a loss", kHint);
+  if (experiment.covariance == "profile") {
+    FailProblem(problem, "covariance",
+                "a profile likelihood weighs by the noise, the fit by weights: " + experiment.weights,
+                "use covariance: model, sandwich or bootstrap");
   }
 }
 

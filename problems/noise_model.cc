@@ -25,12 +25,14 @@ Vector3<double> InstrumentPlace(const Experiment& experiment, const std::string&
 Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& data, const Observation& observation,
                            const Vector3<double>& point) {
   const NoiseSpec& noise = experiment.noise;
-  if (noise.from == NoiseSpec::From::kInstrument && experiment.weights != "equal") {
+  if (noise.from == NoiseSpec::From::kInstrument) {
     return InstrumentRoot(noise, point,
                           InstrumentPlace(experiment, data.stations[data.shots[observation.shot].station]));
   }
   const double otherwise = noise.sigma.value_or(0.0);
-  const bool rows_count = experiment.weights != "equal" && !noise.replaces_rows;
+  // Equal weights with variance components: one common sigma for all rows, to be found.
+  const bool is_common = experiment.weights == "equal" && noise.from == NoiseSpec::From::kVarianceComponents;
+  const bool rows_count = !is_common && !noise.replaces_rows;
   const bool row_states = rows_count && observation.sigma.minCoeff() > 0.0;
   return (row_states ? observation.sigma : Vector3<double>::Constant(otherwise).eval()).asDiagonal();
 }

@@ -8,9 +8,19 @@
 
 namespace sagitta {
 
+int LineOf(const Experiment& experiment, std::string key) {
+  while (!key.empty()) {
+    const auto found = experiment.lines.find(key);
+    if (found != experiment.lines.end()) return found->second;
+    const size_t dot = key.rfind('.');
+    key.resize(dot == std::string::npos ? 0 : dot);
+  }
+  return 0;
+}
+
 void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
                  const std::string& hint) {
-  throw InputError({problem.experiment.file, 0, key}, what, hint);
+  throw InputError({problem.experiment.file, LineOf(problem.experiment, key), key}, what, hint);
 }
 
 void CheckNames(const CalibrationProblem& problem) {

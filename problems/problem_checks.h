@@ -7,6 +7,9 @@
 
 namespace sagitta {
 
+// Of a key of the experiment file, or of the nearest map around it that the file has; 0: none.
+int LineOf(const Experiment& experiment, std::string key);
+
 // At `key` of the experiment file.
 [[noreturn]] void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
                               const std::string& hint = "");

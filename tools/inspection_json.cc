@@ -87,6 +87,15 @@ std::string NoiseInWords(const Inspection& inspection) {
   return words + "; what follows takes them " + Significant(inspection.scale, 3) + " times as large.";
 }
 
+std::string MisfitInWords(const Inspection& inspection) {
+  const double misfit = inspection.aligned.distance_rms;
+  if (!std::isfinite(misfit))
+    return "The nominal robot finds no equilibrium under its loads: nothing can be predicted.";
+  return "The aligned nominal robot misses by " + Fixed(1e3 * misfit, 3) +
+         " mm RMS distance; a linear fit of all unknowns would leave " + Fixed(1e3 * inspection.linear_rms, 4) +
+         " mm RMS per coordinate. " + NoiseInWords(inspection);
+}
+
 Section Overview(const CalibrationProblem& problem, const Inspection& inspection) {
   const auto count = [&](Severity severity) { return std::to_string(inspection.Count(severity)); };
   Section section;
@@ -97,10 +106,7 @@ Section Overview(const CalibrationProblem& problem, const Inspection& inspection
                             std::to_string(problem.data.markers.size()) + " marker(s).",
                         "Findings: " + count(Severity::kSerious) + " serious, " + count(Severity::kWarning) +
                             " warnings, " + count(Severity::kNote) + " notes.",
-                        "The aligned nominal robot misses by " + Fixed(1e3 * inspection.aligned.distance_rms, 3) +
-                            " mm RMS distance; a linear fit of all unknowns would leave " +
-                            Fixed(1e3 * inspection.linear_rms, 4) + " mm RMS per coordinate. " +
-                            NoiseInWords(inspection)};
+                        MisfitInWords(inspection)};
   return section;
 }
 

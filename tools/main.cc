@@ -113,7 +113,7 @@ void Print(const InputError& error) {
 int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
-  FLAGS_minloglevel = google::GLOG_ERROR;  // what matters is said in the summary
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what matters is said in the summary; Ceres' own words help nobody
   try {
     return sagitta::Run({argv + 1, argv + argc});
   } catch (const sagitta::InputError& error) {

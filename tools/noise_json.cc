@@ -57,7 +57,12 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
 
 Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
   const NoiseReport& report = estimate.noise_report;
-  Json json = {{"source", report.source}, {"rounds", report.rounds}, {"converged", report.converged}};
+  Json json = {{"source", report.source},
+               {"weights", problem.weight_roots.empty()            ? "sigma"
+                           : problem.experiment.weights == "equal" ? "equal"
+                                                                   : "eq14"},
+               {"rounds", report.rounds},
+               {"converged", report.converged}};
   if (!report.components.empty()) json["variance"] = ComponentsToJson(problem, report);
   if (problem.repeat_scatter) {
     const Vector3<double> um = 1e6 * problem.repeat_scatter->sigma;

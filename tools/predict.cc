@@ -10,6 +10,7 @@
 
 #include "estimator/intervals/prediction.h"
 #include "estimator/linearization.h"
+#include "estimator/load_remedy.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
@@ -85,7 +86,9 @@ int RunPredict(const CommandLine& line) {
   std::vector<int> all(problem.data.observations.size());
   std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
-  if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
+  if (!points.allFinite()) {
+    throw std::runtime_error("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
+  }
   std::vector<AddedColumn> added = PointColumns("pred_", points);
   double largest = 0.0;  // mm
   for (const AddedColumn& column : UncertaintyColumns(problem, known, all, &largest)) added.push_back(column);

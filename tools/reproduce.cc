@@ -12,7 +12,7 @@
 #include "tools/progress.h"
 #include "tools/reproduce_data.h"
 
-DEFINE_int32(trials, 1000, "of the Monte-Carlo study");
+DEFINE_int32(trials, 2000, "of the Monte-Carlo study");
 DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, else as built)");
 
 namespace sagitta {
@@ -129,7 +129,7 @@ loads and noise drive the simulation. Tables: 000-I … 000-IV, 002-I … 002-XI
 
 Examples
   sagitta reproduce --out=results
-  sagitta reproduce 003-4 --trials=2000
+  sagitta reproduce 003-4 --trials=20000
   sagitta reproduce 002-VIII 002-XIII 003 --seed=7 --out=results
 )",
           {"trials", "data", "out", "seed", "threads", "quiet"},

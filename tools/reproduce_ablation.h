@@ -24,6 +24,7 @@ struct AblationCase {
   bool markers = false;      // marker coordinates; else full poses, 0.3 m/rad
   bool compensator = false;  // k21 ... k25; else one k2
   ResidualSize before, after;
+  Vector3<double> before_max_axis, after_max_axis;  // m
 };
 // Errors are those of the compensation alone, without the noise of validation, over
 // many random configurations. Previous work (none of the three) first, this work (all) last.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "estimator/linearization.h"
+#include "estimator/load_remedy.h"
 #include "problems/input_error.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
@@ -128,7 +129,9 @@ int RunSimulate(const CommandLine& line) {
   const CalibrationProblem problem = PredictionProblem(ReadTruth(line.arguments[0], inputs), inputs.data);
 
   Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, AllRows(problem));
-  if (!points.allFinite()) throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
+  if (!points.allFinite()) {
+    throw std::runtime_error("nothing simulated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
+  }
   points += JointDeviations(problem, inputs.experiment);
   const NoiseRoots roots = NoiseOf(inputs, problem.data, points);
   const std::string csv = MeasurementsToCsv(Simulate(problem, points, roots));

@@ -9,6 +9,7 @@
 
 #include "estimator/intervals/prediction.h"
 #include "estimator/linearization.h"
+#include "estimator/load_remedy.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
@@ -58,8 +59,9 @@ Validation Validate(const KnownRobot& known, const CalibrationProblem& problem, 
   std::iota(all.begin(), all.end(), 0);
   validation.predicted = PredictPoints(problem, problem.parameters, all);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
-  if (!validation.predicted.allFinite() || !nominal.allFinite())
-    throw std::runtime_error("the elastic equilibrium of a loaded row diverged");
+  if (!validation.predicted.allFinite() || !nominal.allFinite()) {
+    throw std::runtime_error("not validated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
+  }
   validation.before = SizeOf(problem, nominal);
   validation.after = SizeOf(problem, validation.predicted);
   validation.predicted_rms = PredictedRms(problem, known, all);

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "estimator/inspect/load_lint.h"
 #include "estimator/inspect/orientation.h"
 #include "problems/loads.h"
 
@@ -281,6 +282,7 @@ std::vector<Finding> LintData(const CalibrationProblem& problem) {
   LintCounts(problem, &findings);
   LintDuplicatedPoses(problem, &findings);
   LintLoads(problem, &findings);
+  for (Finding& finding : LintDeflections(problem)) findings.push_back(std::move(finding));
   LintColumns(problem, &findings);
   return findings;
 }

@@ -202,9 +202,10 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   FillNoise(state, &inspection);
   inspection.unknowns = state.all.num_columns();
   if (!state.all.valid) {
+    const std::string folded = FoldedShot(problem, problem.parameters);
     inspection.findings.push_back({Severity::kSerious,
                                    "folded",
-                                   "a load folds the arm at the nominal compliances",
+                                   (folded.empty() ? "a load" : folded) + " folds the arm at the nominal compliances",
                                    "check the units of loads, load points and compliances",
                                    {}});
   } else {

@@ -42,6 +42,14 @@ CoverageStudy::CoverageStudy(const CalibrationProblem& problem, const Estimate& 
   fallback_ = truth.sigma.stated ? kFallbackSigma : truth.sigma.estimated;
   const Linearization fit = LinearizeFit(problem, truth.parameters, truth.estimated);
   const Eigen::MatrixXd root = SolveLinearization(fit).covariance_root;
+  Linearization best = fit;  // the Cramér-Rao bound is that of the noise, whatever the fit weighs with
+  if (!problem.weight_roots.empty()) {
+    best = Linearize(problem, truth.parameters, fit.observations, truth.estimated,
+                     ObservationNoise(problem, fit.observations, fallback_));
+    AppendPriors(truth.parameters, &best);
+  }
+  const double scale = truth.sigma.stated ? noise_scale_ : truth.sigma.estimated / kFallbackSigma;
+  cramer_rao_ = scale * SolveLinearization(best).covariance.diagonal().cwiseSqrt();
   linear_ = root * (root.transpose() * fit.jacobian.transpose());
 }
 
@@ -93,7 +101,7 @@ std::vector<CoverageRow> CoverageStudy::Summarise(const std::vector<CoverageTria
     row.name = line.name;
     row.quantity = line.quantity;
     row.tied = line.tied;
-    row.cramer_rao = std::sqrt(truth_.model_covariance(c, c));
+    row.cramer_rao = cramer_rao_[c];
     for (const CoverageTrial& trial : trials) {
       if (trial.covered[c] < 0) continue;
       ++row.trials;

@@ -55,9 +55,10 @@ class CoverageStudy {
   const Estimate& truth_;
   std::string method_;
   unsigned long long seed_;
-  double noise_scale_;      // of the stated noise
-  double fallback_;         // m, the sigma where none is stated
-  Eigen::MatrixXd linear_;  // C J' at the truth
+  double noise_scale_;          // of the stated noise
+  double fallback_;             // m, the sigma where none is stated
+  Eigen::MatrixXd linear_;      // C J' at the truth
+  Eigen::VectorXd cramer_rao_;  // SI, per estimated coordinate
 };
 
 }  // namespace sagitta

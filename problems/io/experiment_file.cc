@@ -51,7 +51,8 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
 
 Experiment ReadExperimentFile(const std::string& path) {
   const std::string text = ReadTextFile(path);
-  YamlMap map(ParseYaml(text, path));
+  const YamlValue root = ParseYaml(text, path);
+  YamlMap map(root);
   map.ExpectSchema("sagitta/experiment/1");
   Experiment experiment;
   experiment.file = path;
@@ -62,6 +63,7 @@ Experiment ReadExperimentFile(const std::string& path) {
   experiment.robot_file = PathBeside(path, map.Get("robot"));
   experiment.measurement_files = ReadMeasurementPaths(path, map.Get("measurements"));
   map.Finish();
+  ListLines(root, &experiment.lines);
   return experiment;
 }
 

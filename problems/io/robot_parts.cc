@@ -79,8 +79,10 @@ JointCompliance::Node ReadComplianceNode(const YamlValue& value, const Joint& jo
   }
   // A rotation per torque, or a travel per force: 1e-6 rad/(N m) or 1e-6 m/N.
   const std::string key = joint.type == JointType::kRevolute ? "k_urad_per_Nm" : "k_um_per_N";
-  node.k = map.Get(key).NumberIn(UnitNamed("urad"));
+  const YamlValue k = map.Get(key);
+  node.k = k.NumberIn(UnitNamed("urad"));
   map.Finish();
+  if (node.k < 0.0) k.Fail("a compliance is not below 0", "0 is rigid; leave the joint out where it is");
   return node;
 }
 
@@ -165,6 +167,11 @@ GravityCompensator ReadGravityCompensator(const YamlValue& value, const std::vec
   if (const auto preload = map.Find("preload")) compensator.preload = preload->Flag();
   map.Finish();
   if (compensator.L <= 0.0) value.Fail("the lever L has to be above 0");
+  if (compensator.s0 <= 0.0) {
+    value.Fail("the spring's free length s0 has to be above 0",
+               "state it in mm: s0_mm; without a spring leave the key out");
+  }
+  if (compensator.Kc < 0.0) value.Fail("the spring's stiffness Kc is not below 0", "state it in N/mm: Kc_N_per_mm");
   return compensator;
 }
 

@@ -124,6 +124,14 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
   }
 }
 
+void ListLines(const YamlValue& value, std::map<std::string, int>* lines) {
+  if (!value.IsMap()) return;
+  for (const auto& [key, entry] : value.Entries()) {
+    (*lines)[value.PathTo(key)] = entry.line();
+    ListLines(entry, lines);
+  }
+}
+
 YamlMap::YamlMap(const YamlValue& value) : value_(value), entries_(value.Entries()) {}
 
 std::optional<YamlValue> YamlMap::Find(const std::string& key) {

@@ -9,6 +9,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -45,6 +46,7 @@ class YamlValue {
 
   [[noreturn]] void Fail(const std::string& what, const std::string& hint = "") const;
   [[noreturn]] void FailAt(int line, const std::string& key, const std::string& what, const std::string& hint) const;
+  int line() const { return line_; }
   std::string PathTo(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
 
  private:
@@ -55,6 +57,9 @@ class YamlValue {
 };
 
 YamlValue ParseYaml(const std::string& text, const std::string& file);
+
+// The line of every key below `value` by its path from the root: estimate.compliance.
+void ListLines(const YamlValue& value, std::map<std::string, int>* lines);
 
 class YamlMap {
  public:

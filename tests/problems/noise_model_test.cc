@@ -122,7 +122,19 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
   experiment.weights = "eq14";
   experiment.loss = "huber";
   EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
+  experiment.weights = "equal";
+  EXPECT_EQ(Refusal(once, experiment), "");  // alike in every row: the weights of the noise
+  once.observations[0].sigma *= 2.0;
+  EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
   experiment.loss = "none";
+  experiment.covariance = "profile";
+  EXPECT_NE(Refusal(once, experiment).find("profile"), std::string::npos);
+  experiment.covariance = "model";
+  EXPECT_EQ(Refusal(once, experiment), "");
+  experiment.repeatability.common = 1e-5;
+  EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
+  experiment.repeatability = RepeatabilitySpec();
+  experiment.weights = "eq14";
   for (Observation& observation : once.observations) observation.sigma.setZero();
   EXPECT_NE(Refusal(once, experiment).find("nothing states"), std::string::npos);
   experiment = Experiment();

@@ -115,7 +115,7 @@ TEST_F(LoadInputTest, CompensatorWhoseSpringHasNoLength) {
   ExpectNothingWritten(Calibrate(kScene, rows, spring), 2, {"gravity_compensator", "no length", "E07"});
   std::string negative = spring;
   negative.replace(negative.find("s0_mm: 100"), 10, "s0_mm: -10");
-  ExpectNothingWritten(Calibrate(kScene, LoadedRows(), negative), 2, {"gravity_compensator", "positive"});
+  ExpectNothingWritten(Calibrate(kScene, LoadedRows(), negative), 2, {"robot.yaml:", "gravity_compensator", "above 0"});
 }
 
 TEST_F(LoadInputTest, LoadThatFoldsTheArm) {
@@ -124,6 +124,10 @@ TEST_F(LoadInputTest, LoadThatFoldsTheArm) {
   const std::string held = "estimate: {compliance: none}\n";
   ExpectNothingWritten(Calibrate(std::string(kScene) + held, LoadedRows(), soft), 3,
                        {"equilibrium_diverged", "load 'V250' at configuration 'E", "loads.csv:", "folds the arm"});
+  const Outcome inspected = Run({"inspect", Path("experiment.yaml"), "--out=" + Path("seen")});
+  EXPECT_THAT(inspected.out, HasSubstr("load 'V250' at configuration 'E"));
+  EXPECT_EQ(inspected.out.find("nan"), std::string::npos);
+  EXPECT_EQ(inspected.err.find("trust_region"), std::string::npos);  // Ceres' own words
 }
 
 TEST_F(LoadInputTest, OnlyLoadedRowsAreAWarning) {
@@ -136,6 +140,91 @@ TEST_F(LoadInputTest, OnlyLoadedRowsAreAWarning) {
   EXPECT_THAT(outcome.out, HasSubstr("every row is loaded"));
   EXPECT_THAT(Read("out/report.html"), HasSubstr("every row is loaded"));
   EXPECT_THAT(ReadJson("out/estimate.json")["warnings"].dump(), HasSubstr("every row is loaded"));
+}
+
+TEST_F(LoadInputTest, NamesOfLoadsThatNoRowHas) {
+  const std::string typo = std::string(kScene) + "loads: {v-250: {mass_kg: 250}}\n";
+  ExpectNothingWritten(Calibrate(typo, LoadedRows()), 2, {"experiment.yaml:6", "loads.v-250", "did you mean 'V250'"});
+  const Outcome another = Calibrate(std::string(kScene) + "loads: {later: {mass_kg: 100}}\n", LoadedRows());
+  EXPECT_EQ(another.status, 0) << another.err;
+  EXPECT_THAT(another.out, HasSubstr("no row has the load 'later'"));
+}
+
+TEST_F(LoadInputTest, MassAgainstTheWrenchColumns) {
+  const std::string other = std::string(kScene) + "loads: {V250: {mass_kg: 280}}\n";
+  const Outcome outcome = Calibrate(other, LoadedRows());
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("280 kg"));
+  EXPECT_THAT(outcome.out, HasSubstr("the columns count"));
+  const Outcome same = Calibrate(std::string(kScene) + "loads: {V250: {mass_kg: 250}}\n", LoadedRows());
+  EXPECT_EQ(same.out.find("the columns count"), std::string::npos);
+}
+
+TEST_F(LoadInputTest, ValuesThatNoSpringOrJointHas) {
+  ExpectNothingWritten(Calibrate(kScene, LoadedRows(), "compliance: {A2: {k_urad_per_Nm: -0.3}}\n"), 2,
+                       {"robot.yaml:36", "compliance.A2.k_urad_per_Nm", "not below 0"});
+  const std::string head = "gravity_compensator: {joint: A2, type: spring, L_mm: 184.7, a_x_mm: 686, a_y_mm: 123, ";
+  ExpectNothingWritten(Calibrate(kScene, LoadedRows(), head + "s0_mm: -458, Kc_N_per_mm: 110}\n"), 2,
+                       {"robot.yaml:36", "gravity_compensator", "s0"});
+  ExpectNothingWritten(Calibrate(kScene, LoadedRows(), head + "s0_mm: 458, Kc_N_per_mm: -110}\n"), 2,
+                       {"robot.yaml:36", "gravity_compensator", "Kc"});
+}
+
+TEST_F(LoadInputTest, PriorsBelowTheBound) {
+  const std::string prior = std::string(kScene) + "priors: {compliance/A3: {value: -0.3, sigma: 0.1}}\n";
+  ExpectNothingWritten(Calibrate(prior, LoadedRows()), 2,
+                       {"experiment.yaml:6", "priors.compliance/A3", "not negative"});
+}
+
+TEST_F(LoadInputTest, JointsAndParametersThatAreMisspelt) {
+  ExpectNothingWritten(Calibrate(std::string(kScene) + "estimate:\n  compliance: [A2, A7]\n", LoadedRows()), 2,
+                       {"experiment.yaml:7", "estimate.compliance", "A7", "A1"});
+  ExpectNothingWritten(Calibrate(std::string(kScene) + "priors: {complianc/A3: {value: 1, sigma: 1}}\n", LoadedRows()),
+                       2, {"experiment.yaml:6", "did you mean 'compliance/A3'"});
+}
+
+// All forces reversed: a contradiction, not a crash and not a silent answer.
+TEST_F(LoadInputTest, ForcesOfTheWrongSign) {
+  Rows rows = LoadedRows();
+  for (const char* column : {"fx_N", "fy_N", "fz_N"}) {
+    const int c = Column(rows, column);
+    for (size_t i = 1; i < rows.size(); ++i) rows[i][c] = std::to_string(-std::stod(rows[i][c]));
+  }
+  const Outcome outcome = Calibrate(kScene, rows);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("stands on its bound"));
+  EXPECT_THAT(outcome.out, HasSubstr("sign"));
+  bool any_at_zero = false;
+  const auto estimate = ReadJson("out/estimate.json");
+  for (const auto& row : estimate["parameters"]) {
+    if (row["name"].get<std::string>().rfind("compliance/", 0) != 0) continue;
+    EXPECT_GE(row["value"], 0.0);
+    any_at_zero = any_at_zero || (row["value"] == 0.0 && row["at_bound"] == true);
+  }
+  EXPECT_TRUE(any_at_zero);
+  const Outcome inspected = Run({"inspect", Path("experiment.yaml"), "--out=" + Path("seen")});
+  EXPECT_EQ(inspected.status, 0);
+  EXPECT_THAT(ReadJson("seen/inspect.json").dump(), HasSubstr("move against its force"));
+}
+
+TEST_F(LoadInputTest, ForcesInTheWrongUnit) {
+  for (const double factor : {1e-3, 1e3}) {
+    Rows rows = LoadedRows();
+    for (const char* column : {"fx_N", "fy_N", "fz_N"}) {
+      const int c = Column(rows, column);
+      for (size_t i = 1; i < rows.size(); ++i) rows[i][c] = std::to_string(factor * std::stod(rows[i][c]));
+    }
+    Calibrate(kScene, rows);
+    const Outcome inspected = Run({"inspect", Path("experiment.yaml"), "--out=" + Path("seen")});
+    EXPECT_THAT(ReadJson("seen/inspect.json").dump(),
+                HasSubstr(factor < 1.0 ? "no arm is that soft" : "no arm is that stiff"));
+  }
+  Calibrate(kScene, LoadedRows());
+  const Outcome right = Run({"inspect", Path("experiment.yaml"), "--out=" + Path("seen")});
+  EXPECT_EQ(right.status, 0);
+  const std::string seen = ReadJson("seen/inspect.json").dump();
+  EXPECT_EQ(seen.find("load_unit"), std::string::npos);
+  EXPECT_EQ(seen.find("load_sign"), std::string::npos);
 }
 
 }  // namespace
