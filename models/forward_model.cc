@@ -162,6 +162,7 @@ void ForwardModel::AddEffects() {
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
     const EffectSpec& spec = robot_.effects[i];
     const EffectDefinition& definition = *FindEffect(robot_, spec.effect);
+    definitions_.push_back(&definition);
     first_of_effect_.push_back(num_parameters());
     const std::vector<EffectParameter> parameters = definition.parameters(robot_, spec);
     for (size_t p = 0; p < parameters.size(); ++p) {
@@ -198,9 +199,8 @@ void ForwardModel::Prepare(ShotInput* shot) const {
     }
   }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
-    const EffectSpec& spec = robot_.effects[i];
-    FindEffect(robot_, spec.effect)
-        ->apply({&robot_, &spec, &shot->conditions, &markers_, first_of_effect_[i]}, &shot->terms);
+    definitions_[i]->apply({&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i]},
+                           &shot->terms);
   }
 }
 

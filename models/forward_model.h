@@ -132,7 +132,8 @@ class ForwardModel {
   std::vector<ModelParameter> parameters_;
   std::vector<int> elastic_slots_;
   std::optional<CompensatorOnJoint> compensator_;
-  std::vector<int> first_of_compliance_;  // parameter of its first node
+  std::vector<int> first_of_compliance_;              // parameter of its first node
+  std::vector<const EffectDefinition*> definitions_;  // of robot_.effects
   std::vector<int> first_of_effect_;
 };
 

@@ -118,9 +118,8 @@ class Bench {
 
   // Penalised reductions of single columns side by side, `settings` scanned.
   Eigen::VectorXd SingleGains(const Eigen::MatrixXd& columns, int settings, Eigen::VectorXd* sizes) const {
-    const Eigen::MatrixXd rest = residual_.ProjectOff(columns);
-    const Eigen::ArrayXd squared = rest.colwise().squaredNorm().transpose().array().max(1e-300);
-    const Eigen::ArrayXd projected = (rest.transpose() * residual_.residual()).array();
+    const Eigen::ArrayXd squared = residual_.SquaredOff(columns).array().max(1e-300);
+    const Eigen::ArrayXd projected = (columns.transpose() * residual_.residual()).array();
     *sizes = -(projected / squared).matrix();
     const Eigen::ArrayXd whole = columns.colwise().squaredNorm().transpose().array();
     const Eigen::ArrayXd told = (squared > 1e-6 * whole).cast<double>();

@@ -27,7 +27,9 @@ DiagnosedModel Fit(const CalibrationProblem& problem, const JointOptions& option
 DiagnosedModel Refit(const CalibrationProblem& problem, const Estimate& start, const JointOptions& options) {
   DiagnosedModel model;
   model.problem = std::make_shared<CalibrationProblem>(problem);
-  model.estimate = EstimateFrom(*model.problem, start.parameters, options);
+  JointOptions near = options;
+  near.aligned = &start.aligned;
+  model.estimate = EstimateFrom(*model.problem, start.parameters, near);
   return model;
 }
 
@@ -127,7 +129,7 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
     added.push_back(step.candidate);
     const DiagnosedModel here = Extend(diagnosis->baseline, added, selection.joint);
     result.holdout_before = before;
-    result.holdout_after = before = here.estimate.validation.rms;
+    result.holdout_after = before = HoldoutRms(here);
     result.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
     for (const ParameterEstimate& row : diagnosis->final.estimate.table) {
       if (row.free && row.name.rfind(ParametersOf(step.candidate.spec) + "/", 0) == 0) result.parameters.push_back(row);
@@ -239,6 +241,8 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.baseline = model;
   diagnosis.baseline_p = LackOfFit(model.estimate);
   diagnosis.where = FindWhere(model);
+  diagnosis.final =
+      steps.empty() ? model : JudgeFully(diagnosis.final.problem, diagnosis.final.estimate.parameters, selection.joint);
   report("alternatives");
   FillSteps(steps, list.candidates, selection, &diagnosis);
   if (sigma_is_stated) CheckTooQuiet(options, &diagnosis);

@@ -33,6 +33,16 @@ double SquaredGap(const std::vector<std::pair<double, int>>& sums, const std::ve
 
 }  // namespace
 
+double HoldoutRms(const DiagnosedModel& model) {
+  const std::vector<int> held_out = model.problem->ValidationObservations();
+  const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  double sum = 0.0;
+  for (size_t k = 0; k < held_out.size(); ++k) {
+    sum += (model.problem->data.observations[held_out[k]].point_in_station - predicted.col(k)).squaredNorm();
+  }
+  return held_out.empty() ? 0.0 : std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
+}
+
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended) {
   GapReport gap;
   const auto before = HoldoutByConfiguration(baseline);

@@ -12,6 +12,9 @@ struct GapReport {
   Interval closed_ci95;              // bootstrap over hold-out configurations
 };
 
+// RMS over the coordinates of the hold-out, m; 0 without one.
+double HoldoutRms(const DiagnosedModel& model);
+
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended);
 
 }  // namespace sagitta

@@ -58,6 +58,7 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
     if ((step.array().abs() > kSmallStep * sigmas.array()).any()) continue;
     refit.converged = true;
     refit.chi2 = chi2 + gradient.dot(step);
+    refit.rows = here.num_rows();
     refit.dof = here.num_rows() - static_cast<int>(columns.size());
     refit.sigmas.setZero(refit.parameters.num_coordinates());
     refit.sigmas(columns) = sigmas.cwiseProduct(scale);

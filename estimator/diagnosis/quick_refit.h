@@ -11,6 +11,7 @@ namespace sagitta {
 struct QuickRefit {
   bool converged = false;
   double chi2 = 0.0;  // priors included
+  int rows = 0;
   int dof = 0;
   ParameterSet parameters;
   Eigen::VectorXd sigmas;  // per coordinate of `parameters`, SI, at the stated noise; 0 unless estimated

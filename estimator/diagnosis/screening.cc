@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "estimator/distributions.h"
@@ -39,6 +40,10 @@ Eigen::MatrixXd ProjectedResidual::ProjectOff(const Eigen::MatrixXd& columns) co
   return rest;
 }
 
+Eigen::VectorXd ProjectedResidual::SquaredOff(const Eigen::MatrixXd& columns) const {
+  return (columns.colwise().squaredNorm() - (basis_.transpose() * columns).colwise().squaredNorm()).transpose();
+}
+
 ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const {
   ProjectedResidual result;
   const Eigen::MatrixXd extra = OrthonormalBasis(ProjectOff(columns));
@@ -48,16 +53,29 @@ ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const 
   return result;
 }
 
+NormalEquations ProjectedResidual::Reduce(const Eigen::MatrixXd& columns) const {
+  const Eigen::MatrixXd believed = basis_.transpose() * columns;
+  NormalEquations normal{columns.transpose() * columns, columns.transpose() * residual_};
+  const Eigen::VectorXd whole = normal.information.diagonal();
+  normal.information -= believed.transpose() * believed;
+  for (int c = 0; c < columns.cols(); ++c) {
+    if (normal.information(c, c) > kIndependent * kIndependent * whole[c]) continue;
+    normal.information.row(c).setZero();
+    normal.information.col(c).setZero();
+    normal.gradient[c] = 0.0;
+  }
+  return normal;
+}
+
 Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) const {
   Score score;
-  Eigen::MatrixXd rest = ProjectOff(columns);
-  for (int c = 0; c < rest.cols(); ++c) {
-    const double norm = rest.col(c).norm();
-    if (norm > 0.0) rest.col(c) /= norm;
-  }
-  if (rest.cols() == 0) return score;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest.transpose() * rest);
-  const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * (rest.transpose() * residual_);
+  if (columns.cols() == 0) return score;
+  const NormalEquations normal = Reduce(columns);
+  const Eigen::VectorXd scale = (normal.information.diagonal().array() > 0.0)
+                                    .select(normal.information.diagonal().array().max(1e-300).sqrt().inverse(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * normal.information *
+                                                             scale.asDiagonal());
+  const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * scale.cwiseProduct(normal.gradient);
   for (int i = 0; i < projected.size(); ++i) {
     const double squared = eigen.eigenvalues()[i];
     if (squared < kRankTolerance) continue;
@@ -72,12 +90,11 @@ Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) cons
 }
 
 double ProjectedResidual::MarginalGain(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd rest = ProjectOff(columns);
-  const double scale = rest.norm();
-  if (scale <= 1e-9 * columns.norm() || scale == 0.0) return -1e300;
-  rest /= scale;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest.transpose() * rest);
-  const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * (rest.transpose() * residual_);
+  const NormalEquations normal = Reduce(columns);
+  const double scale = normal.information.trace();
+  if (!(scale > 0.0)) return -1e300;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal.information / scale);
+  const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * normal.gradient / std::sqrt(scale);
   double best = 0.0;
   for (double tau = 1.0; tau < 3e4; tau *= 2.0) {
     double gain = 0.0;
@@ -137,30 +154,30 @@ std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const
 }
 
 std::vector<std::string> DropUninformed(const ProjectedResidual& residual, CandidateColumns* candidate) {
+  NormalEquations normal = residual.Reduce(candidate->columns * candidate->typical.asDiagonal());
+  normal.information.diagonal().array() += 1e-9;  // what nothing tells: known to 3e4 typical sizes
+  std::vector<int> kept(candidate->names.size());
+  std::iota(kept.begin(), kept.end(), 0);
   std::vector<std::string> dropped;
-  while (candidate->columns.cols() > 0) {
-    const Eigen::MatrixXd rest = residual.ProjectOff(candidate->columns) * candidate->typical.asDiagonal();
-    const int n = static_cast<int>(rest.cols());
-    Eigen::MatrixXd information = rest.transpose() * rest;
-    information.diagonal().array() += 1e-9;  // what nothing tells: known to 3e4 typical sizes
-    const Eigen::MatrixXd covariance = information.inverse();
-    const Eigen::VectorXd value = covariance * (rest.transpose() * residual.residual());
+  while (!kept.empty()) {
+    const Eigen::MatrixXd covariance = normal.information(kept, kept).inverse();
+    const Eigen::VectorXd value = covariance * normal.gradient(kept);
     int worst = -1;
-    for (int c = 0; c < n; ++c) {
+    for (size_t c = 0; c < kept.size(); ++c) {
       const double variance = covariance(c, c);
       if (variance < 1.0 || value[c] * value[c] > 9.0 * variance) continue;
-      if (worst < 0 || variance > covariance(worst, worst)) worst = c;
+      if (worst < 0 || variance > covariance(worst, worst)) worst = static_cast<int>(c);
     }
     if (worst < 0) break;
-    dropped.push_back(candidate->names[worst]);
-    std::vector<int> kept;
-    for (int c = 0; c < n; ++c) {
-      if (c != worst) kept.push_back(c);
-    }
-    candidate->columns = Eigen::MatrixXd(candidate->columns(Eigen::all, kept));
-    candidate->typical = Eigen::VectorXd(candidate->typical(kept));
-    candidate->names.erase(candidate->names.begin() + worst);
+    dropped.push_back(candidate->names[kept[worst]]);
+    kept.erase(kept.begin() + worst);
   }
+  if (dropped.empty()) return dropped;
+  std::vector<std::string> names;
+  for (const int c : kept) names.push_back(candidate->names[c]);
+  candidate->columns = Eigen::MatrixXd(candidate->columns(Eigen::all, kept));
+  candidate->typical = Eigen::VectorXd(candidate->typical(kept));
+  candidate->names = std::move(names);
   return dropped;
 }
 

@@ -24,6 +24,12 @@ struct Score {
   double penalised = 0.0;  // reduction - p ln(n) - 2 ln(settings)
 };
 
+// C_perp' C_perp and C_perp' r of some columns.
+struct NormalEquations {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
 // Believed columns as an orthonormal basis, and the residual.
 class ProjectedResidual {
  public:
@@ -35,6 +41,10 @@ class ProjectedResidual {
   // C_perp = U S V', z = U' r, t_i = (tau s_i)^2:
   //   max over tau of sum z_i^2 t_i / (1 + t_i) - ln(1 + t_i)
   double MarginalGain(const Eigen::MatrixXd& columns) const;
+  // Columns that the believed ones contain are zero in it.
+  NormalEquations Reduce(const Eigen::MatrixXd& columns) const;
+  // Squared norm of each column's projection.
+  Eigen::VectorXd SquaredOff(const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd ProjectOff(const Eigen::MatrixXd& columns) const;
   const Eigen::VectorXd& residual() const { return residual_; }
   // A copy that believes these columns too.

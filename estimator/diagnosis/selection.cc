@@ -81,10 +81,9 @@ bool TryStep(const DiagnosedModel& model, const ScreenedCandidate& entry, const 
 
 // Refits the best of the screening and picks by FORMATS section 6; false when
 // nothing is significant.
-bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candidates, const SelectionOptions& options,
-              Trial* picked) {
-  const std::vector<ScreenedCandidate> screened = Screen(model, candidates, options.most_tests);
-  const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
+bool PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
+              const SelectionOptions& options, Trial* picked) {
+  const int tests = std::min<int>(options.most_tests, static_cast<int>(screened.size()));
   std::vector<Trial> trials;
   int refitted = 0;
   for (const ScreenedCandidate& entry : screened) {
@@ -110,6 +109,14 @@ bool PickStep(const DiagnosedModel& model, const std::vector<Candidate>& candida
   return true;
 }
 
+// Whether nothing new has become so uncertain that the full estimator would hold it.
+bool TellsAll(const QuickRefit& refit) {
+  for (const int i : refit.parameters.EstimatedCoordinates()) {
+    if (refit.sigmas[i] > TraitsOf(refit.parameters.coordinates()[i].quantity).hold_limit) return false;
+  }
+  return true;
+}
+
 // A compensator's shape counts as parameters.
 void ScreenCompensator(const DiagnosedModel& model, const ProjectedResidual& residual,
                        const Eigen::MatrixXd& deviations, ScreenedCandidate* entry) {
@@ -128,10 +135,9 @@ void ScreenCompensator(const DiagnosedModel& model, const ProjectedResidual& res
 }
 
 // Whether the screening sees another candidate that comes near the step.
-bool HasRival(const DiagnosedModel& without, const std::vector<Candidate>& candidates, const SelectionOptions& options,
-              const ChosenStep& step, double own) {
-  for (const ScreenedCandidate& entry : Screen(without, candidates, options.most_tests)) {
-    if (entry.candidate.spec.Path() != step.candidate.spec.Path()) return entry.score.penalised > own - options.tie;
+bool HasRival(const std::vector<ScreenedCandidate>& screened, const ChosenStep& step, double own, double tie) {
+  for (const ScreenedCandidate& entry : screened) {
+    if (entry.candidate.spec.Path() != step.candidate.spec.Path()) return entry.score.penalised > own - tie;
   }
   return false;
 }
@@ -152,10 +158,9 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
     }
     const double own = without.estimate.chi2 - model->estimate.chi2 -
                        Penalty(baseline, (*steps)[i].parameters, (*steps)[i].candidate.settings);
+    const std::vector<ScreenedCandidate> screened = Screen(without, candidates, options.most_tests);
     Trial trial;
-    if (!HasRival(without, candidates, options, (*steps)[i], own) || !PickStep(without, candidates, options, &trial)) {
-      continue;
-    }
+    if (!HasRival(screened, (*steps)[i], own, options.tie) || !PickStep(without, screened, options, &trial)) continue;
     if (trial.step.candidate.spec.Path() == (*steps)[i].candidate.spec.Path()) continue;
     others.insert(others.begin() + static_cast<long>(i), trial.step);
     if (PenalisedTotal(baseline, without, others) + trial.step.reduction <= total + 1.0) continue;
@@ -211,11 +216,24 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options) {
   DiagnosedModel extended;
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
-  extended.estimate = EstimateFrom(*extended.problem, extended.problem->parameters, options);
-  if (IsUsable(extended.estimate.status)) return extended;
-  const QuickRefit nearer = RefitQuickly(*extended.problem, extended.problem->parameters);
-  if (nearer.converged) extended.estimate = EstimateFrom(*extended.problem, nearer.parameters, options);
+  const QuickRefit quick = RefitQuickly(*extended.problem, extended.problem->parameters);
+  if (!quick.converged || !TellsAll(quick)) return JudgeFully(extended.problem, extended.problem->parameters, options);
+  extended.estimate.parameters = quick.parameters;
+  extended.estimate.status = model.estimate.status;
+  extended.estimate.chi2 = quick.chi2;
+  extended.estimate.rows = quick.rows;
+  extended.estimate.dof = quick.dof;
   return extended;
+}
+
+DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
+                          const JointOptions& options) {
+  DiagnosedModel judged;
+  judged.problem = std::move(problem);
+  JointOptions near = options;
+  near.aligned = &judged.problem->parameters;
+  judged.estimate = EstimateFrom(*judged.problem, from, near);
+  return judged;
 }
 
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
@@ -243,7 +261,8 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
   Trial trial;
   std::vector<Candidate> open = candidates;
   double total = PenalisedTotal(baseline, *model, steps);
-  while (static_cast<int>(steps.size()) < options.most_steps && PickStep(*model, open, options, &trial)) {
+  while (static_cast<int>(steps.size()) < options.most_steps &&
+         PickStep(*model, Screen(*model, open, options.most_tests), options, &trial)) {
     const std::string path = trial.step.candidate.spec.Path();
     DiagnosedModel next = Extend(*model, {trial.step.candidate}, options.joint);
     std::vector<ChosenStep> longer = steps;

@@ -54,8 +54,12 @@ struct ChosenStep {
 std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
                                       int most_tests);
 
-// The model with these effects more, refitted from its own optimum.
+// The model with these effects more, refitted from its own optimum: parameters, chi-square and degrees of freedom.
+// What is reported of it comes from JudgeFully.
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
+// The full estimator from a nearby point: intervals, identifiability, hold-out.
+DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
+                          const JointOptions& options);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
 // Forward selection with swap and backward passes, from the steps of `start`;
