@@ -1,6 +1,5 @@
 #include "estimator/diagnosis/alternatives.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 
 #include "estimator/diagnosis/compensator_search.h"
@@ -11,11 +10,6 @@ namespace {
 constexpr double kOverlapListed = 0.8;
 constexpr double kOverlapOfRivals = 0.2;  // below, it explains something else
 constexpr size_t kMostListed = 12;
-
-// Projection of `target` on the columns, given their part off the believed model.
-Eigen::VectorXd Reproduce(const Eigen::MatrixXd& rest, const Eigen::VectorXd& target) {
-  return rest * rest.completeOrthogonalDecomposition().solve(target);
-}
 
 }  // namespace
 
@@ -39,7 +33,7 @@ std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const C
     if (shapes.empty()) return {};
     columns.back().columns = shapes[0].columns;
   }
-  const Eigen::VectorXd found = Reproduce(residual.ProjectOff(columns.back().columns), residual.residual());
+  const Eigen::VectorXd found = residual.Reproduce(columns.back().columns, residual.residual());
   const double size = std::max(1e-300, found.squaredNorm());
   const double n = std::log(static_cast<double>(residual.residual().size()));
   const Score own_score = residual.Test(columns.back().columns, step.candidate.settings);
@@ -54,7 +48,7 @@ std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const C
     if (specs[i].effect == "gravity_compensator") {
       double overlap = 0.0, penalised = -1e300;
       for (const CompensatorShape& shape : shapes_of(specs[i])) {
-        const double here = Reproduce(residual.ProjectOff(shape.columns), found).squaredNorm() / size;
+        const double here = residual.Reproduce(shape.columns, found).squaredNorm() / size;
         overlap = std::max(overlap, here);
         penalised = std::max(penalised, shape.reduction - 4.0 * n);
       }
@@ -63,7 +57,7 @@ std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const C
     }
     const Score score = residual.Test(columns[i].columns, candidates[i].settings);
     if (score.rank == 0) continue;
-    const double overlap = Reproduce(residual.ProjectOff(columns[i].columns), found).squaredNorm() / size;
+    const double overlap = residual.Reproduce(columns[i].columns, found).squaredNorm() / size;
     consider(specs[i], overlap, score.penalised);
   }
   std::stable_sort(alternatives.begin(), alternatives.end(),

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <set>
 
 namespace sagitta {
@@ -25,50 +24,32 @@ std::string Rounded(const char* format, double value) {
   return text;
 }
 
-struct Gain {
-  double penalised = -1e300;
-  Eigen::VectorXd coefficients;  // of the columns, where they are one or two
-};
+std::string Range(const Eigen::VectorXd& x) {
+  return Rounded("%.0f", x.minCoeff() * kDegree) + " to " + Rounded("%.0f", x.maxCoeff() * kDegree) + " deg";
+}
 
-// What every decoy is scored with: residual, and how joints and stations move the rows.
-class Bench {
+// Gaussian bumps evenly over the range, one standard deviation apart.
+Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
+  const double low = x.minCoeff(), spacing = (x.maxCoeff() - low) / (count - 1);
+  Eigen::MatrixXd bumps(x.size(), count);
+  for (int b = 0; b < count; ++b) {
+    bumps.col(b) = (-0.5 * ((x.array() - (low + b * spacing)) / spacing).square()).exp();
+  }
+  return bumps;
+}
+
+}  // namespace
+
+// One search over all decoys on one residual.
+class DecoySearch {
  public:
-  Bench(const DiagnosedModel& model, const std::vector<Decoy>& believed)
-      : problem_(*model.problem),
-        parameters_(model.estimate.parameters),
-        residual_(LinearizeEstimate(problem_, parameters_)),
-        deviations_(JointDeviationColumns(problem_, parameters_)) {
-    const int n = problem_.robot.num_joints();
-    for (int j = 0; j < n; ++j) angles_.push_back(PerRow([j](const ShotConditions& shot) { return shot.q[j]; }));
-    timed_ = std::all_of(problem_.shot_inputs.begin(), problem_.shot_inputs.end(),
-                         [](const ShotInput& shot) { return shot.conditions.has_time; });
-    if (timed_) time_ = PerRow([](const ShotConditions& shot) { return shot.time; });
-    timed_ = timed_ && time_.maxCoeff() > time_.minCoeff();
-    for (const Decoy& decoy : believed) residual_ = residual_.With(ColumnsOfKind(decoy));
-  }
-
-  Eigen::MatrixXd ColumnsOfKind(const Decoy& decoy) const {
-    std::vector<Eigen::MatrixXd> blocks = {decoy.columns};
-    const int j = problem_.robot.chain.FindJoint(decoy.acts_on);
-    if (j < 0) {  // a station
-      const Eigen::MatrixXd shift = StationShift(decoy.acts_on);
-      const Eigen::MatrixXd bumps = Bumps(time_, kKindBumps);
-      for (int b = 0; b < kKindBumps; ++b) blocks.push_back(bumps.col(b).asDiagonal() * shift);
-    } else if (decoy.kind == "time") {
-      blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(time_, kKindBumps));
-    } else {
-      for (const std::string& driver : decoy.depends_on) {
-        const int k = problem_.robot.chain.FindJoint(driver);
-        blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(angles_[k], kKindBumps));
-      }
-    }
-    Eigen::MatrixXd all(decoy.columns.rows(), 0);
-    for (const Eigen::MatrixXd& block : blocks) {
-      all.conservativeResize(Eigen::NoChange, all.cols() + block.cols());
-      all.rightCols(block.cols()) = block;
-    }
-    return all;
-  }
+  DecoySearch(const DecoyBench& bench, const ProjectedResidual& residual)
+      : problem_(bench.problem_),
+        bench_(bench),
+        residual_(residual),
+        deviations_(bench.deviations_),
+        angles_(bench.angles_),
+        time_(bench.time_) {}
 
   Decoy Best() {
     const int n = problem_.robot.num_joints();
@@ -82,39 +63,14 @@ class Bench {
       for (int a = 0; a < n; ++a) {
         for (int b = a + 1; b < n; ++b) TryProduct(j, a, b);
       }
-      if (timed_) TrySmooth(j, time_, {Name(j)}, "time", "time", n);
+      if (bench_.timed_) TrySmooth(j, time_, {Name(j)}, "time", "time", n);
     }
-    if (timed_) TryWaves();
+    if (bench_.timed_) TryWaves();
     return best_;
   }
 
  private:
   const std::string& Name(int joint) const { return problem_.robot.chain.joints[joint].name; }
-
-  // One scalar per 3 rows, from the shot of each observation.
-  Eigen::VectorXd PerRow(const std::function<double(const ShotConditions&)>& value) const {
-    const std::vector<int> observations = problem_.CalibrationObservations();
-    Eigen::VectorXd rows(3 * observations.size());
-    for (size_t k = 0; k < observations.size(); ++k) {
-      const ShotInput& shot = problem_.shot_inputs[problem_.data.observations[observations[k]].shot];
-      rows.segment<3>(3 * k).setConstant(value(shot.conditions));
-    }
-    return rows;
-  }
-
-  static std::string Range(const Eigen::VectorXd& x) {
-    return Rounded("%.0f", x.minCoeff() * kDegree) + " to " + Rounded("%.0f", x.maxCoeff() * kDegree) + " deg";
-  }
-
-  // Gaussian bumps evenly over the range, one standard deviation apart.
-  static Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
-    const double low = x.minCoeff(), spacing = (x.maxCoeff() - low) / (count - 1);
-    Eigen::MatrixXd bumps(x.size(), count);
-    for (int b = 0; b < count; ++b) {
-      bumps.col(b) = (-0.5 * ((x.array() - (low + b * spacing)) / spacing).square()).exp();
-    }
-    return bumps;
-  }
 
   // Penalised reductions of single columns side by side, `settings` scanned.
   Eigen::VectorXd SingleGains(const Eigen::MatrixXd& columns, int settings, Eigen::VectorXd* sizes) const {
@@ -237,7 +193,7 @@ class Bench {
   void TryWaves() {
     const double span = time_.maxCoeff() - time_.minCoeff();
     for (const std::string& station : problem_.data.stations) {
-      const Eigen::MatrixXd shift = StationShift(station);
+      const Eigen::MatrixXd shift = bench_.StationShift(station);
       Decoy best_wave{"time", {station}, station, "", -1e300, {}};
       for (int p = 1; p <= kPeriods; ++p) {
         const double omega = kTwoPi * (0.5 * p) / span;
@@ -267,35 +223,72 @@ class Bench {
                   Rounded("%.0f", kTwoPi / omega) + " s";
   }
 
-  // How a shift of the station's points in x, y, z moves the rows, whitened, per
-  // um: the columns of its base position.
-  Eigen::MatrixXd StationShift(const std::string& station) const {
-    std::vector<int> columns;
-    for (const char* axis : {"/x", "/y", "/z"}) columns.push_back(parameters_.FindCoordinate("base/" + station + axis));
-    const std::vector<int> observations = problem_.CalibrationObservations();
-    return 1e-6 *
-           Linearize(problem_, parameters_, observations, columns, ObservationNoise(problem_, observations, 1e-3))
-               .jacobian;
-  }
-
   const CalibrationProblem& problem_;
-  const ParameterSet& parameters_;
-  ProjectedResidual residual_;
-  Eigen::MatrixXd deviations_;
-  std::vector<Eigen::VectorXd> angles_;
-  Eigen::VectorXd time_;
-  bool timed_ = false;
+  const DecoyBench& bench_;
+  const ProjectedResidual& residual_;
+  const Eigen::MatrixXd& deviations_;
+  const std::vector<Eigen::VectorXd>& angles_;
+  const Eigen::VectorXd& time_;
   Decoy best_;
 };
 
-}  // namespace
-
-Decoy BestDecoy(const DiagnosedModel& model, const std::vector<Decoy>& believed) {
-  return Bench(model, believed).Best();
+DecoyBench::DecoyBench(const DiagnosedModel& model)
+    : problem_(*model.problem),
+      parameters_(model.estimate.parameters),
+      residual_(LinearizeEstimate(problem_, parameters_)),
+      deviations_(JointDeviationColumns(problem_, parameters_)) {
+  const int n = problem_.robot.num_joints();
+  for (int j = 0; j < n; ++j) angles_.push_back(PerRow([j](const ShotConditions& shot) { return shot.q[j]; }));
+  timed_ = std::all_of(problem_.shot_inputs.begin(), problem_.shot_inputs.end(),
+                       [](const ShotInput& shot) { return shot.conditions.has_time; });
+  if (timed_) time_ = PerRow([](const ShotConditions& shot) { return shot.time; });
+  timed_ = timed_ && time_.maxCoeff() > time_.minCoeff();
 }
 
-Eigen::MatrixXd ColumnsOfKind(const DiagnosedModel& model, const Decoy& decoy) {
-  return Bench(model, {}).ColumnsOfKind(decoy);
+Decoy DecoyBench::Best(const ProjectedResidual& residual) const { return DecoySearch(*this, residual).Best(); }
+
+Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
+  std::vector<Eigen::MatrixXd> blocks = {decoy.columns};
+  const int j = problem_.robot.chain.FindJoint(decoy.acts_on);
+  if (j < 0) {  // a station
+    const Eigen::MatrixXd shift = StationShift(decoy.acts_on);
+    const Eigen::MatrixXd bumps = Bumps(time_, kKindBumps);
+    for (int b = 0; b < kKindBumps; ++b) blocks.push_back(bumps.col(b).asDiagonal() * shift);
+  } else if (decoy.kind == "time") {
+    blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(time_, kKindBumps));
+  } else {
+    for (const std::string& driver : decoy.depends_on) {
+      const int k = problem_.robot.chain.FindJoint(driver);
+      blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(angles_[k], kKindBumps));
+    }
+  }
+  Eigen::MatrixXd all(decoy.columns.rows(), 0);
+  for (const Eigen::MatrixXd& block : blocks) {
+    all.conservativeResize(Eigen::NoChange, all.cols() + block.cols());
+    all.rightCols(block.cols()) = block;
+  }
+  return all;
+}
+
+// One scalar per 3 rows, from the shot of each observation.
+Eigen::VectorXd DecoyBench::PerRow(const std::function<double(const ShotConditions&)>& value) const {
+  const std::vector<int> observations = problem_.CalibrationObservations();
+  Eigen::VectorXd rows(3 * observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const ShotInput& shot = problem_.shot_inputs[problem_.data.observations[observations[k]].shot];
+    rows.segment<3>(3 * k).setConstant(value(shot.conditions));
+  }
+  return rows;
+}
+
+// How a shift of the station's points in x, y, z moves the rows, whitened, per
+// um: the columns of its base position.
+Eigen::MatrixXd DecoyBench::StationShift(const std::string& station) const {
+  std::vector<int> columns;
+  for (const char* axis : {"/x", "/y", "/z"}) columns.push_back(parameters_.FindCoordinate("base/" + station + axis));
+  const std::vector<int> observations = problem_.CalibrationObservations();
+  return 1e-6 * Linearize(problem_, parameters_, observations, columns, ObservationNoise(problem_, observations, 1e-3))
+                    .jacobian;
 }
 
 }  // namespace sagitta

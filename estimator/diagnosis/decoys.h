@@ -14,6 +14,7 @@
 // penalised chi-square reduction of FORMATS section 6.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,32 @@ struct Decoy {
   Eigen::MatrixXd columns;  // whitened, at the model it was scored on
 };
 
-// The best decoy on the model's residual, beside others that are believed.
-Decoy BestDecoy(const DiagnosedModel& model, const std::vector<Decoy>& believed = {});
+// What decoys are scored with at one model: how its joints and stations move the rows.
+class DecoyBench {
+ public:
+  explicit DecoyBench(const DiagnosedModel& model);
 
-// All that a decoy's kind can do at this model: any smooth function of what it
-// depends on, on what it acts on, and its own columns.
-Eigen::MatrixXd ColumnsOfKind(const DiagnosedModel& model, const Decoy& decoy);
+  // The model's residual, projected off what it believes.
+  const ProjectedResidual& residual() const { return residual_; }
+  // The best decoy on the model's residual, or on what is left of it beside columns that are believed too.
+  Decoy Best() const { return Best(residual_); }
+  Decoy Best(const ProjectedResidual& residual) const;
+  // All that a decoy's kind can do: any smooth function of what it depends on, on what it acts on, and its own columns.
+  Eigen::MatrixXd ColumnsOfKind(const Decoy& decoy) const;
+
+ private:
+  Eigen::VectorXd PerRow(const std::function<double(const ShotConditions&)>& value) const;
+  Eigen::MatrixXd StationShift(const std::string& station) const;
+
+  const CalibrationProblem& problem_;
+  const ParameterSet& parameters_;
+  ProjectedResidual residual_;
+  Eigen::MatrixXd deviations_;
+  std::vector<Eigen::VectorXd> angles_;
+  Eigen::VectorXd time_;
+  bool timed_ = false;
+
+  friend class DecoySearch;
+};
 
 }  // namespace sagitta

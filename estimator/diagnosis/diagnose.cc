@@ -111,10 +111,9 @@ bool FollowNoise(const DiagnosedModel& extended, double unnamed, bool sigma_is_s
 }
 
 // Whether the model with the decoy's kind fits the stated noise.
-bool LeavesNothing(const DiagnosedModel& model, const Decoy& decoy) {
-  const Eigen::MatrixXd columns = ColumnsOfKind(model, decoy);
-  const ProjectedResidual rest =
-      ProjectedResidual(LinearizeEstimate(*model.problem, model.estimate.parameters)).With(columns);
+bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const Decoy& decoy) {
+  const Eigen::MatrixXd columns = bench.ColumnsOfKind(decoy);
+  const ProjectedResidual rest = bench.residual().With(columns);
   const int dof = model.estimate.dof - static_cast<int>(columns.cols());
   return dof > 0 && rest.residual().squaredNorm() < 1.2 * dof;
 }
@@ -160,7 +159,7 @@ void Decide(const DiagnosisOptions& options, Diagnosis* diagnosis) {
   const double gate = 0.25 * options.significance;
   diagnosis->final_p = LackOfFit(diagnosis->final.estimate);
   if (!diagnosis->has_unexplained) {
-    diagnosis->unexplained = BestDecoy(diagnosis->final);
+    diagnosis->unexplained = DecoyBench(diagnosis->final).Best();
     const bool stands_out = diagnosis->unexplained.penalised > kNoiseEvidence;
     diagnosis->has_unexplained = diagnosis->final_p < gate || stands_out;
   }
@@ -210,14 +209,15 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
   if (!repeatability_is_stated) {
     const double effect = diagnosis.candidates.empty() ? 0.0 : diagnosis.candidates[0].score.penalised;
-    const double found = FindRepeatability(model, std::max(effect, BestDecoy(model).penalised), &noise);
+    const double found = FindRepeatability(model, std::max(effect, DecoyBench(model).Best().penalised), &noise);
     if (found > 0.0) model = Refit(WithRepeatability(*model.problem, found), model.estimate, options.joint);
   }
   std::vector<ChosenStep> steps;
   for (int round = 0; round < kMostNoiseRounds; ++round) {
-    const Decoy decoy = BestDecoy(model);
+    const DecoyBench bench(model);
+    const Decoy decoy = bench.Best();
     selection.decoy_gain = decoy.penalised - kUnknownMargin;
-    selection.decoy_explains_all = sigma_is_stated && LeavesNothing(model, decoy);
+    selection.decoy_explains_all = sigma_is_stated && LeavesNothing(model, bench, decoy);
     // Where only the common sigma followed, the same steps are the start again.
     if (sigma_is_stated) steps.clear();
     steps = SelectEffects(model, list.candidates, selection, steps, &diagnosis.final);

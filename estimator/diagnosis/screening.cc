@@ -44,6 +44,11 @@ Eigen::VectorXd ProjectedResidual::SquaredOff(const Eigen::MatrixXd& columns) co
   return (columns.colwise().squaredNorm() - (basis_.transpose() * columns).colwise().squaredNorm()).transpose();
 }
 
+Eigen::VectorXd ProjectedResidual::Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const {
+  const Eigen::MatrixXd rest = ProjectOff(columns);
+  return rest * rest.completeOrthogonalDecomposition().solve(target);
+}
+
 ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const {
   ProjectedResidual result;
   const Eigen::MatrixXd extra = OrthonormalBasis(ProjectOff(columns));

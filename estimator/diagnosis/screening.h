@@ -46,6 +46,8 @@ class ProjectedResidual {
   // Squared norm of each column's projection.
   Eigen::VectorXd SquaredOff(const Eigen::MatrixXd& columns) const;
   Eigen::MatrixXd ProjectOff(const Eigen::MatrixXd& columns) const;
+  // What of `target` (rows, off the believed columns) the columns' part off the believed ones can do.
+  Eigen::VectorXd Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const;
   const Eigen::VectorXd& residual() const { return residual_; }
   // A copy that believes these columns too.
   ProjectedResidual With(const Eigen::MatrixXd& columns) const;

@@ -9,60 +9,72 @@ namespace {
 
 constexpr size_t kMostDecoys = 4;
 constexpr int kManyParameters = 3;
+constexpr double kContained = 0.95;  // share of the decoy's contribution
 
-// The best candidate beside what `residual` believes, by the rule of FORMATS
-// section 6 on the linear reductions; false when none is significant.
-bool PickBeside(const DiagnosedModel& model, const ProjectedResidual& residual,
-                const std::vector<Candidate>& candidates, const SelectionOptions& options, ChosenStep* picked) {
-  const std::vector<EffectSpec> specs = SpecsOf(candidates);
-  std::vector<CandidateColumns> columns = ColumnsOf(*model.problem, model.estimate.parameters, specs);
+// What candidates and decoys do at one model, to first order.
+struct Bench {
+  Bench(const DiagnosedModel& model, const std::vector<Candidate>& catalogue)
+      : decoys(model),
+        candidates(catalogue),
+        columns(ColumnsOf(*model.problem, model.estimate.parameters, SpecsOf(catalogue))),
+        dof(std::max(1, model.estimate.dof)) {}
+
+  DecoyBench decoys;
+  const std::vector<Candidate>& candidates;
+  std::vector<CandidateColumns> columns;
+  int dof;
+};
+
+// The best candidate beside what `residual` believes, by the rule of FORMATS section 6 on the linear reductions, and
+// its columns; false when none is significant.
+bool PickBeside(const Bench& bench, const ProjectedResidual& residual, const SelectionOptions& options,
+                ChosenStep* picked, Eigen::MatrixXd* columns) {
   const double chi2 = residual.residual().squaredNorm();
-  const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
-  std::vector<ChosenStep> entries;
+  const int tests = std::min<int>(options.most_tests, static_cast<int>(bench.candidates.size()));
+  std::vector<std::pair<ChosenStep, Eigen::MatrixXd>> entries;
   double best = 0.0;
-  for (size_t i = 0; i < candidates.size(); ++i) {
+  for (size_t i = 0; i < bench.candidates.size(); ++i) {
     ChosenStep entry;
-    entry.candidate = candidates[i];
-    entry.candidate.vague = DropUninformed(residual, &columns[i]);
-    const Score score = residual.Test(columns[i].columns, candidates[i].settings);
+    entry.candidate = bench.candidates[i];
+    CandidateColumns own = bench.columns[i];
+    entry.candidate.vague = DropUninformed(residual, &own);
+    const Score score = residual.Test(own.columns, entry.candidate.settings);
     if (score.rank == 0 || score.penalised <= 0.0) continue;
-    const double left = std::max(1.0, (chi2 - score.reduction) / std::max(1, model.estimate.dof));
+    const double left = std::max(1.0, (chi2 - score.reduction) / bench.dof);
     entry.parameters = score.rank;
     entry.reduction = score.reduction;
     entry.penalised = score.reduction / left - (score.reduction - score.penalised);
     entry.corrected_p = std::min(1.0, tests * ChiSquareSurvival(score.reduction / left, score.rank));
     best = std::max(best, entry.penalised);
-    entries.push_back(entry);
+    entries.emplace_back(std::move(entry), std::move(own.columns));
   }
-  const ChosenStep* chosen = nullptr;
-  for (const ChosenStep& entry : entries) {
-    if (entry.penalised < best - options.tie || entry.corrected_p >= options.significance) continue;
-    if (chosen == nullptr || entry.parameters < chosen->parameters) chosen = &entry;
+  const std::pair<ChosenStep, Eigen::MatrixXd>* chosen = nullptr;
+  for (const auto& entry : entries) {
+    const ChosenStep& step = entry.first;
+    if (step.penalised < best - options.tie || step.corrected_p >= options.significance) continue;
+    if (chosen == nullptr || step.parameters < chosen->first.parameters) chosen = &entry;
   }
   if (chosen == nullptr) return false;
-  *picked = *chosen;
+  *picked = chosen->first;
+  *columns = chosen->second;
   return true;
 }
 
-// Steps chosen beside decoys whose kinds are believed, and the models after each.
+// Steps chosen beside decoys whose kinds are believed, and what is left after each.
 struct Beside {
   std::vector<ChosenStep> steps;
-  std::vector<DiagnosedModel> models;  // one more than steps: the baseline first
+  std::vector<ProjectedResidual> left;  // one more than steps: before the first
 };
 
-Beside SelectBeside(const DiagnosedModel& baseline, const std::vector<Decoy>& decoys,
-                    const std::vector<Candidate>& candidates, const SelectionOptions& options) {
-  Beside beside{{}, {baseline}};
-  while (static_cast<int>(beside.steps.size()) < options.most_steps / 2) {
-    const DiagnosedModel& model = beside.models.back();
-    ProjectedResidual residual(LinearizeEstimate(*model.problem, model.estimate.parameters));
-    for (const Decoy& decoy : decoys) residual = residual.With(ColumnsOfKind(model, decoy));
-    ChosenStep step;
-    if (!PickBeside(model, residual, candidates, options, &step)) break;
-    DiagnosedModel next = Extend(model, {step.candidate}, options.joint);
-    if (!IsUsable(next.estimate.status)) break;
+Beside SelectBeside(const Bench& bench, const std::vector<Decoy>& decoys, const SelectionOptions& options) {
+  Beside beside{{}, {bench.decoys.residual()}};
+  for (const Decoy& decoy : decoys) beside.left[0] = beside.left[0].With(bench.decoys.ColumnsOfKind(decoy));
+  ChosenStep step;
+  Eigen::MatrixXd columns;
+  while (static_cast<int>(beside.steps.size()) < options.most_steps / 2 &&
+         PickBeside(bench, beside.left.back(), options, &step, &columns)) {
     beside.steps.push_back(step);
-    beside.models.push_back(std::move(next));
+    beside.left.push_back(beside.left.back().With(columns));
   }
   return beside;
 }
@@ -75,6 +87,17 @@ double Sum(const std::vector<ChosenStep>& steps, size_t count) {
 
 // One cause instead of several is the simpler answer; one instead of one is a tie.
 double Margin(size_t steps_replaced) { return steps_replaced > 1 ? 0.0 : kUnknownMargin; }
+
+// Whether the decoy's contribution is something that the effect can do too: then it is a special case with fewer
+// parameters, or a form of it, and no sign of another cause.
+bool Contains(const DiagnosedModel& without, const DecoyBench& bench, const ChosenStep& step, const Decoy& decoy) {
+  const ProjectedResidual& residual = bench.residual();
+  const Eigen::VectorXd fitted = residual.Reproduce(decoy.columns, residual.residual());
+  const Eigen::MatrixXd own =
+      ColumnsOf(*without.problem, without.estimate.parameters, {step.candidate.spec})[0].columns;
+  if (own.cols() == 0) return false;
+  return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
+}
 
 // Effects of many parameters lose much by p ln(n), decoys of many columns by
 // their marginal likelihood only: what a step gains when it is scored like them.
@@ -113,31 +136,42 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
       partial = Extend(partial, {held.back().candidate}, options.joint);
       if (!IsUsable(partial.estimate.status)) return rest;
     }
-    const Decoy decoy = BestDecoy(partial);
+    const DecoyBench bench(partial);
+    const Decoy decoy = bench.Best();
     const double gain = PenalisedTotal(baseline, partial, held) + decoy.penalised;
-    if (gain > total + Margin(steps->size() - kept)) decoys.push_back(decoy);
+    if (gain <= total + Margin(steps->size() - kept)) continue;
+    if (kept + 1 == steps->size() && Contains(partial, bench, steps->back(), decoy)) continue;
+    decoys.push_back(decoy);
   }
   if (decoys.empty()) return rest;
   rest.found = true;
   rest.decoy = decoys[0];
   // The steps before it hold. Beside what has no name the same question again,
   // until the further steps hold.
-  for (;;) {
-    Beside beside = SelectBeside(partial, decoys, candidates, options);
-    const double sum = Sum(beside.steps, beside.steps.size());
-    bool holds = true;
-    for (size_t kept = 0; kept < beside.steps.size() && holds && decoys.size() < kMostDecoys; ++kept) {
-      const Decoy decoy = BestDecoy(beside.models[kept], decoys);
-      holds = Sum(beside.steps, kept) + decoy.penalised <= sum + Margin(beside.steps.size() - kept);
+  const Bench bench(partial, candidates);
+  std::vector<ChosenStep> further;
+  for (bool holds = false; !holds;) {
+    const Beside beside = SelectBeside(bench, decoys, options);
+    further = beside.steps;
+    const double sum = Sum(further, further.size());
+    holds = true;
+    for (size_t kept = 0; kept < further.size() && holds && decoys.size() < kMostDecoys; ++kept) {
+      const Decoy decoy = bench.decoys.Best(beside.left[kept]);
+      holds = Sum(further, kept) + decoy.penalised <= sum + Margin(further.size() - kept);
       if (!holds) decoys.push_back(decoy);
     }
-    if (!holds) continue;
-    *model = std::move(beside.models.back());
-    *steps = held;
-    steps->insert(steps->end(), beside.steps.begin(), beside.steps.end());
-    if (!steps->empty()) rest.decoy = BestDecoy(*model);
-    return rest;
   }
+  *steps = held;
+  *model = partial;
+  if (!further.empty()) {
+    DiagnosedModel extended = Extend(partial, CandidatesOf(further), options.joint);
+    if (IsUsable(extended.estimate.status)) {
+      *model = std::move(extended);
+      steps->insert(steps->end(), further.begin(), further.end());
+    }
+  }
+  if (!steps->empty()) rest.decoy = DecoyBench(*model).Best();
+  return rest;
 }
 
 }  // namespace sagitta
