@@ -65,21 +65,6 @@ void RequireColumn(const std::string& column, const Measurements& data) {
   }
 }
 
-// Configurations with equal joint values, in order of appearance.
-std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data) {
-  std::vector<std::vector<int>> groups;
-  std::map<std::vector<double>, size_t> group_of;
-  for (size_t c = 0; c < data.configurations.size(); ++c) {
-    const Eigen::VectorXd& q = data.configurations[c].q;
-    std::vector<double> key(q.data(), q.data() + q.size());
-    for (double& value : key) value += 0.0;  // -0 is 0
-    const auto [entry, is_new] = group_of.try_emplace(key, groups.size());
-    if (is_new) groups.emplace_back();
-    groups[entry->second].push_back(static_cast<int>(c));
-  }
-  return groups;
-}
-
 // Hex SHA-256 of "<seed>:<config>" of each group's first configuration.
 std::vector<std::string> HashKeys(const std::vector<std::vector<int>>& groups, unsigned long long seed,
                                   const Measurements& data) {
@@ -134,6 +119,20 @@ void SplitByFraction(const ValidationSpec& spec, Measurements* data) {
 }
 
 }  // namespace
+
+std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data) {
+  std::vector<std::vector<int>> groups;
+  std::map<std::vector<double>, size_t> group_of;
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    const Eigen::VectorXd& q = data.configurations[c].q;
+    std::vector<double> key(q.data(), q.data() + q.size());
+    for (double& value : key) value += 0.0;  // -0 is 0
+    const auto [entry, is_new] = group_of.try_emplace(key, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[entry->second].push_back(static_cast<int>(c));
+  }
+  return groups;
+}
 
 void SplitConfigurations(const ValidationSpec& spec, Measurements* data) {
   for (Configuration& configuration : data->configurations) configuration.is_validation = false;

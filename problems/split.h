@@ -1,6 +1,8 @@
 // Which configurations are held out for validation (FORMATS section 3).
 #pragma once
 
+#include <vector>
+
 #include "problems/experiment.h"
 #include "problems/measurements.h"
 
@@ -12,5 +14,8 @@ namespace sagitta {
 // last ones. Throws InputError when nothing or everything is held out, a column
 // is absent, or one configuration has both kinds of rows.
 void SplitConfigurations(const ValidationSpec& spec, Measurements* data);
+
+// Configurations with equal joint values, in order of appearance.
+std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data);
 
 }  // namespace sagitta

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/diagnosis/cautions.h"
 #include "estimator/distributions.h"
 
 namespace sagitta {
@@ -139,6 +140,8 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
     }
     const DiagnosedModel without = Extend(diagnosis->baseline, others, selection.joint);
     result.alternatives = FindAlternatives(without, step, candidates, selection.tie);
+    result.confirmation = ConfirmStep(without, diagnosis->final, step, candidates, selection);
+    result.view = ViewStep(diagnosis->final, step);
     diagnosis->steps.push_back(std::move(result));
   }
 }
@@ -197,6 +200,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   const bool sigma_is_stated = problem.sigma_is_stated();
   const bool repeatability_is_stated = !problem.latent.empty();
   NoiseFinding& noise = diagnosis.noise;
+  diagnosis.cautions = FindCautions(model);
   StateSigma(&model, options);
   RemoveOutliers(&model, options, &noise);
   double applied = sigma_is_stated ? FindScale(model, 1.0, options, &noise) : 1.0;
@@ -243,7 +247,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.where = FindWhere(model);
   diagnosis.final =
       steps.empty() ? model : JudgeFully(diagnosis.final.problem, diagnosis.final.estimate.parameters, selection.joint);
-  report("alternatives");
+  report("alternatives and halves");
   FillSteps(steps, list.candidates, selection, &diagnosis);
   if (sigma_is_stated) CheckTooQuiet(options, &diagnosis);
   Decide(options, &diagnosis);

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "estimator/diagnosis/alternatives.h"
+#include "estimator/diagnosis/confirmation.h"
 #include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/step_view.h"
 #include "estimator/diagnosis/unexplained.h"
 
 namespace sagitta {
@@ -27,6 +29,8 @@ struct DiagnosisStep {
   double holdout_before = 0.0, holdout_after = 0.0;  // m
   double reduced_chi2_after = 0.0;
   std::vector<Alternative> alternatives;
+  Confirmation confirmation;
+  StepView view;
 };
 
 struct NoiseFinding {
@@ -53,6 +57,7 @@ struct Diagnosis {
   GapReport gap;
   bool has_unexplained = false;
   Decoy unexplained;
+  std::vector<std::string> cautions;  // what limits the verdict, in words
 };
 
 struct DiagnosisOptions {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "estimator/diagnosis/compensator_search.h"
-#include "estimator/diagnosis/quick_refit.h"
 #include "estimator/distributions.h"
 
 namespace sagitta {
@@ -218,12 +217,18 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
   const QuickRefit quick = RefitQuickly(*extended.problem, extended.problem->parameters);
   if (!quick.converged || !TellsAll(quick)) return JudgeFully(extended.problem, extended.problem->parameters, options);
-  extended.estimate.parameters = quick.parameters;
-  extended.estimate.status = model.estimate.status;
-  extended.estimate.chi2 = quick.chi2;
-  extended.estimate.rows = quick.rows;
-  extended.estimate.dof = quick.dof;
+  extended.estimate = QuickEstimate(quick);
   return extended;
+}
+
+Estimate QuickEstimate(const QuickRefit& refit) {
+  Estimate estimate;
+  if (refit.converged) estimate.status = Status::kConverged;
+  estimate.parameters = refit.parameters;
+  estimate.chi2 = refit.chi2;
+  estimate.rows = refit.rows;
+  estimate.dof = refit.dof;
+  return estimate;
 }
 
 DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,

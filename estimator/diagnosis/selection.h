@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/diagnosis/quick_refit.h"
 #include "estimator/diagnosis/screening.h"
 #include "estimator/joint_estimator.h"
 
@@ -57,6 +58,9 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
 // The model with these effects more, refitted from its own optimum: parameters, chi-square and degrees of freedom.
 // What is reported of it comes from JudgeFully.
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
+// What a quick refit says: parameters, chi-square, degrees of freedom, and whether it converged.
+Estimate QuickEstimate(const QuickRefit& refit);
+
 // The full estimator from a nearby point: intervals, identifiability, hold-out.
 DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
                           const JointOptions& options);

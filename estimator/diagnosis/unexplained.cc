@@ -88,14 +88,14 @@ double Sum(const std::vector<ChosenStep>& steps, size_t count) {
 // One cause instead of several is the simpler answer; one instead of one is a tie.
 double Margin(size_t steps_replaced) { return steps_replaced > 1 ? 0.0 : kUnknownMargin; }
 
-// Whether the decoy's contribution is something that the effect can do too: then it is a special case with fewer
-// parameters, or a form of it, and no sign of another cause.
+// Whether the decoy's contribution is something that the effect can do too: then it leads by its fewer parameters only,
+// and is no sign of another cause.
 bool Contains(const DiagnosedModel& without, const DecoyBench& bench, const ChosenStep& step, const Decoy& decoy) {
   const ProjectedResidual& residual = bench.residual();
   const Eigen::VectorXd fitted = residual.Reproduce(decoy.columns, residual.residual());
   const Eigen::MatrixXd own =
       ColumnsOf(*without.problem, without.estimate.parameters, {step.candidate.spec})[0].columns;
-  if (own.cols() == 0) return false;
+  if (own.cols() <= decoy.columns.cols()) return false;
   return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
 }
 

@@ -1,0 +1,100 @@
+#include "estimator/diagnosis/step_view.h"
+
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "estimator/linearization.h"
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kDegree = 57.29577951308232;
+
+struct Driver {
+  std::string name, unit;
+  std::function<double(const Shot&, const ShotConditions&)> value;
+};
+
+Driver AngleOf(const Chain& chain, const std::string& joint) {
+  const int j = chain.FindJoint(joint);
+  const bool turns = chain.joints[j].type == JointType::kRevolute;
+  const double scale = turns ? kDegree : 1e3;
+  return {joint, turns ? "deg" : "mm",
+          [j, scale](const Shot&, const ShotConditions& conditions) { return scale * conditions.q[j]; }};
+}
+
+Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
+  const Chain& chain = problem.robot.chain;
+  const ShotConditions& first = problem.shot_inputs.front().conditions;
+  if (spec.effect == "joint_coupling") return AngleOf(chain, spec.TextSetting("driver", spec.target));
+  if (spec.effect == "thermal_growth" && first.has_temperature) {
+    return {"temperature above its mean", "K", [](const Shot&, const ShotConditions& c) { return c.temperature; }};
+  }
+  const bool by_time = spec.effect == "joint_slip" || spec.effect == "station_drift" || spec.effect == "marker_shift";
+  if (by_time && first.has_time) {
+    return {"time", "s", [](const Shot&, const ShotConditions& c) { return c.time; }};
+  }
+  if (chain.FindJoint(spec.target) >= 0) return AngleOf(chain, spec.target);
+  return {"configuration", "", [](const Shot& shot, const ShotConditions&) { return 1.0 + shot.configuration; }};
+}
+
+// The step's contribution to the whitened rows: its columns times its values. A
+// compensator's torque is proportional to Kc.
+Eigen::VectorXd Contribution(const DiagnosedModel& with, const ChosenStep& step, const Linearization& here) {
+  const std::string prefix = ParametersOf(step.candidate.spec) + "/";
+  const bool spring = step.candidate.spec.effect == "gravity_compensator";
+  Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
+  for (int c = 0; c < here.num_columns(); ++c) {
+    const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
+    if (name.rfind(prefix, 0) != 0 || (spring && name != prefix + "Kc")) continue;
+    contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
+  }
+  return contribution;
+}
+
+struct VisitSums {
+  double squared = 0.0, measured = 0.0, simulated = 0.0, x = 0.0;
+};
+
+}  // namespace
+
+StepView ViewStep(const DiagnosedModel& with, const ChosenStep& step) {
+  const CalibrationProblem& problem = *with.problem;
+  const EffectSpec& spec = step.candidate.spec;
+  const Linearization here = LinearizeEstimate(problem, with.estimate.parameters);
+  const Eigen::VectorXd contribution = Contribution(with, step, here);
+  const Driver driver = DriverOf(problem, spec);
+  StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
+  Eigen::VectorXd along = contribution;
+  const int joint = problem.robot.chain.FindJoint(spec.target);
+  if (joint >= 0) {
+    const bool turns = problem.robot.chain.joints[joint].type == JointType::kRevolute;
+    along = JointDeviationColumns(problem, with.estimate.parameters).col(joint);
+    view.quantity = "deviation of " + spec.target;
+    view.unit = turns ? "urad" : "um";
+  }
+  // Residuals are predicted - measured: without the step they would be lower by its contribution.
+  std::map<int, VisitSums> visits;
+  for (size_t k = 0; k < here.observations.size(); ++k) {
+    const int s = problem.data.observations[here.observations[k]].shot;
+    VisitSums& sums = visits[problem.latent.visit_of_shot[s]];
+    const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
+    sums.x = driver.value(problem.data.shots[s], problem.shot_inputs[s].conditions);
+    sums.squared += along(rows).squaredNorm();
+    sums.simulated += along(rows).dot(contribution(rows));
+    sums.measured += along(rows).dot(contribution(rows) - here.residual(rows));
+  }
+  double largest = 0.0;
+  for (const auto& [visit, sums] : visits) largest = std::max(largest, sums.squared);
+  for (const auto& [visit, sums] : visits) {
+    if (sums.squared < 1e-3 * largest) continue;  // hardly seen in this visit
+    view.x.push_back(sums.x);
+    view.measured.push_back(sums.measured / sums.squared);
+    view.simulated.push_back(sums.simulated / sums.squared);
+  }
+  return view;
+}
+
+}  // namespace sagitta
