@@ -12,4 +12,19 @@ std::string LineChart(const std::string& title, const std::vector<double>& value
 // Counts in equal bins between the extremes.
 std::string HistogramChart(const std::string& title, const std::vector<double>& values, int decimals);
 
+// Points over x: what was measured, and what the model says there.
+std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
+                         const std::vector<double>& measured, const std::vector<double>& model);
+
+// A value after each stage, what each stage took away, and the floor that none can go below.
+struct Stage {
+  std::string name;
+  double value;
+};
+std::string WaterfallChart(const std::string& title, const std::vector<Stage>& stages, double floor,
+                           const std::string& floor_name);
+
+// One bar per name, longest first or as given.
+std::string BarChart(const std::string& title, const std::vector<Stage>& bars);
+
 }  // namespace sagitta

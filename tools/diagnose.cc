@@ -11,9 +11,10 @@
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
 #include "tools/diagnosis_json.h"
+#include "tools/diagnosis_report.h"
+#include "tools/diagnosis_words.h"
 #include "tools/estimate_json.h"
 #include "tools/progress.h"
-#include "tools/report_html.h"
 #include "tools/residuals_csv.h"
 
 DEFINE_string(simulation, "model", "what the gap is measured from: model, or columns (sim_x_mm, sim_y_mm, sim_z_mm)");
@@ -87,7 +88,7 @@ int RunDiagnose(const CommandLine& line) {
   const Provenance provenance{line.text, "joint", inputs.files};
   const std::string residuals = ResidualsToCsv(extended, estimate);
   const std::string robot = RobotToYaml(ExtendedRobot(diagnosis));
-  const std::string report = ReportToHtml(extended, estimate, provenance);
+  const std::string report = DiagnosisToHtml(diagnosis, provenance);
   const std::string estimate_json = DumpJson(EstimateToJson(extended, estimate, provenance));
   const std::string json = DumpJson(DiagnosisToJson(diagnosis, problem.experiment.significance));
   WriteTextFile(FLAGS_out + "/robot.extended.yaml", robot);

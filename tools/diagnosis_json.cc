@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <sstream>
 
-#include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
+#include "tools/diagnosis_words.h"
 
 namespace sagitta {
 namespace {
@@ -16,12 +14,6 @@ using Json = nlohmann::ordered_json;
 constexpr size_t kListedCandidates = 40;
 
 Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string Short(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 Json SettingsToJson(const EffectSpec& spec) {
   Json json = Json::object();
@@ -41,47 +33,18 @@ Json SpecToJson(const EffectSpec& spec) {
   return {{"effect", spec.effect}, {"target", spec.target}, {"settings", SettingsToJson(spec)}};
 }
 
-std::string SettingsInWords(const EffectSpec& spec) {
-  std::string words;
-  for (const auto& [name, text] : spec.settings) words += ", " + name + " " + text;
-  return words;
+Json HalvesToJson(const Confirmation& confirmation) {
+  Json json = {{"named_again", Json::array()}, {"best", Json::array()}};
+  for (const HalfResult& half : confirmation.halves) {
+    json["named_again"].push_back(half.named);
+    json["best"].push_back(half.best);
+  }
+  json["compatible_p"] = Finite(confirmation.compatible_p);
+  json["words"] = HalvesInWords(confirmation);
+  return json;
 }
 
-std::string Title(const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(spec.effect);
-  const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
-  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
-}
-
-// Largest size that a healthy machine could show, in units of results.
-bool IsPlausible(const DiagnosisStep& step) {
-  for (const ParameterEstimate& row : step.parameters) {
-    const bool is_compliance = row.quantity == Quantity::kCompliance;
-    if (is_compliance && row.ci95.high < 0.0) return false;
-    if (std::abs(row.value) > 5.0 * TraitsOf(row.quantity).hold_limit) return false;
-    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity")
-      return false;
-  }
-  return true;
-}
-
-std::string SeparateBy(const EffectSpec& spec) {
-  if (spec.effect == "gravity_compensator" || spec.effect == "link_gravity" || spec.effect == "self_weight_sag") {
-    return "poses with " + spec.target +
-           " over its whole range, loaded and unloaded, and with the links beyond it folded and stretched";
-  }
-  if (spec.effect == "joint_harmonic" || spec.effect == "encoder_gain" || spec.effect == "axis_wobble") {
-    return "poses with " + spec.target + " evenly over its whole range, the other joints independent of it";
-  }
-  if (FindEffect(spec.effect)->target == EffectTarget::kStation || spec.effect == "joint_slip" ||
-      spec.effect == "marker_shift") {
-    return "the first poses repeated at the end, time columns";
-  }
-  if (spec.effect == "backlash") return "the same poses approached from both sides";
-  return "loads in other directions: sideways pulls and other load points";
-}
-
-Json StepToJson(const DiagnosisStep& step) {
+Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
   Json json = SpecToJson(step.chosen.candidate.spec);
   json["p_value"] = step.chosen.corrected_p;
   json["chi2_reduction"] = step.chosen.reduction;
@@ -97,20 +60,20 @@ Json StepToJson(const DiagnosisStep& step) {
   json["holdout_rms_before_mm"] = 1e3 * step.holdout_before;
   json["holdout_rms_after_mm"] = 1e3 * step.holdout_after;
   json["reduced_chi2_after"] = step.reduced_chi2_after;
-  const bool plausible = IsPlausible(step);
-  json["physical"] = {{"plausible", plausible},
-                      {"words", plausible ? "the size is one that machines show"
-                                          : "sign or size is not physical: take it as a description, not as a cause"}};
+  json["cross_validation"] = {{"folds", step.confirmation.folds},
+                              {"chi2_per_row_before", Finite(step.confirmation.cv_before)},
+                              {"chi2_per_row_after", Finite(step.confirmation.cv_after)}};
+  json["halves"] = HalvesToJson(step.confirmation);
+  json["physical"] = {{"plausible", IsPlausible(step)}, {"words", PhysicalInWords(step)}};
   json["alternatives"] = Json::array();
   for (const Alternative& alternative : step.alternatives) {
     Json entry = SpecToJson(alternative.spec);
     entry["overlap"] = alternative.overlap;
-    entry["words"] = Title(alternative.spec) + " would explain " + Short(100 * alternative.overlap) + " % of it" +
-                     (alternative.tied ? "; the data cannot tell the two apart" : "");
-    entry["separate_by"] = SeparateBy(alternative.spec);
+    entry["words"] = AlternativeInWords(robot, alternative);
+    entry["separate_by"] = SeparateBy(robot, alternative.spec);
     json["alternatives"].push_back(entry);
   }
-  json["words"] = StepInWords(step);
+  json["words"] = StepInWords(robot, step);
   return json;
 }
 
@@ -121,44 +84,13 @@ Json NoiseToJson(const NoiseFinding& noise) {
     json["repeatability_ci95_urad"] = {1e6 * noise.repeatability_low, 1e6 * noise.repeatability_high};
   }
   json["outliers"] = noise.outliers;
-  std::string words;
-  if (noise.is_finding && std::abs(noise.scale - 1.0) > 0.02 && (noise.low > 1.0 || noise.high < 1.0)) {
-    words += "The instrument's noise is " + Short(noise.scale) + " times what is stated. ";
-  }
-  if (noise.repeatability > 0.0) {
-    words += "Joint repeatability of about " + Short(1e6 * noise.repeatability) + " urad was not declared. ";
-  }
-  if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out. ";
-  json["words"] = words.empty() ? "The noise is as stated." : words;
+  json["words"] = NoiseInWords(noise);
   return json;
-}
-
-std::string VerdictInWords(const Diagnosis& d) {
-  if (d.verdict == "consistent") return "Nothing is missing at this significance.";
-  if (d.verdict == "noise") return "No effect is missing; the stated noise is wrong.";
-  std::string names;
-  for (const DiagnosisStep& step : d.steps) names += (names.empty() ? "" : "; ") + Title(step.chosen.candidate.spec);
-  if (d.verdict == "explained") return "Found: " + names + ". Nothing significant is left.";
-  if (d.verdict == "partly") return "Found: " + names + ". A significant rest has no name in the catalogue.";
-  return "There is a significant gap that no effect of the catalogue explains well.";
 }
 
 std::string KindOf(const Decoy& decoy) { return decoy.kind.empty() ? "other" : decoy.kind; }
 
 }  // namespace
-
-std::string StepInWords(const DiagnosisStep& step) {
-  std::string words = Title(step.chosen.candidate.spec) + ":";
-  for (const ParameterEstimate& row : step.parameters) {
-    const double unit = TraitsOf(row.quantity).si_per_unit;
-    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + Short(row.value / unit) + " ± " +
-             Short(0.5 * (row.ci95.high - row.ci95.low) / unit) + " " + TraitsOf(row.quantity).unit + ",";
-  }
-  words.back() = ';';
-  words += " hold-out RMS " + Short(1e3 * step.holdout_before) + " -> " + Short(1e3 * step.holdout_after) + " mm.";
-  if (step.chosen.candidate.spec.effect == "backlash") words += " Friction wind-up has the same signature.";
-  return words;
-}
 
 Robot ExtendedRobot(const Diagnosis& diagnosis) {
   Robot robot = diagnosis.final.problem->model.WithValues(diagnosis.final.estimate.parameters.ModelValues());
@@ -186,6 +118,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   const Estimate& after = d.final.estimate;
   Json json = {{"schema", "sagitta/diagnosis/1"}, {"verdict", d.verdict}, {"significance", significance}};
   json["words"] = VerdictInWords(d);
+  if (!d.cautions.empty()) json["cautions"] = d.cautions;
   json["baseline"] = {{"reduced_chi2", before.chi2 / std::max(1, before.dof)},
                       {"lack_of_fit_p", Finite(d.baseline_p)},
                       {"rms_mm", 1e3 * before.fit.rms},
@@ -194,10 +127,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   json["where"] = Json::array();
   for (const WhereShare& share : d.where) {
     json["where"].push_back(
-        {{"by", share.by},
-         {"key", share.key},
-         {"share_of_excess", share.share},
-         {"words", Short(100 * share.share) + " % of the excess is at " + share.by + " " + share.key}});
+        {{"by", share.by}, {"key", share.key}, {"share_of_excess", share.share}, {"words", ShareInWords(share)}});
   }
   json["noise"] = NoiseToJson(d.noise);
   json["candidates"] = Json::array();
@@ -215,7 +145,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
     json["not_testable"].push_back({{"effect", entry.effect}, {"target", entry.target}, {"needs", entry.needs}});
   }
   json["steps"] = Json::array();
-  for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(step));
+  for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(d.final.problem->robot, step));
   json["final"] = {{"reduced_chi2", after.chi2 / std::max(1, after.dof)},
                    {"lack_of_fit_p", Finite(d.final_p)},
                    {"rms_mm", 1e3 * after.fit.rms},
@@ -235,29 +165,6 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
         {"kind", KindOf(d.unexplained)}};
   }
   return json;
-}
-
-std::string DiagnosisToText(const Diagnosis& d) {
-  std::ostringstream text;
-  const Estimate& before = d.baseline.estimate;
-  const Estimate& after = d.final.estimate;
-  text << "Verdict: " << d.verdict << ". " << VerdictInWords(d) << "\n\n";
-  text << "Baseline: reduced chi-square " << Short(before.chi2 / std::max(1, before.dof)) << ", hold-out RMS "
-       << Short(1e3 * before.validation.rms) << " mm\n";
-  for (size_t i = 0; i < d.steps.size(); ++i) {
-    text << "Step " << i + 1 << ": " << StepInWords(d.steps[i]) << "\n";
-    for (const Alternative& alternative : d.steps[i].alternatives) {
-      text << "    or " << Title(alternative.spec) << " (overlap " << Short(alternative.overlap) << "); separate by "
-           << SeparateBy(alternative.spec) << "\n";
-    }
-  }
-  text << "Final: reduced chi-square " << Short(after.chi2 / std::max(1, after.dof)) << ", hold-out RMS "
-       << Short(1e3 * after.validation.rms) << " mm, noise floor " << Short(1e3 * after.noise_floor) << " mm\n";
-  text << "Gap on untouched configurations: " << Short(1e3 * d.gap.before) << " -> " << Short(1e3 * d.gap.after)
-       << " mm, closed " << Short(100 * d.gap.closed) << " %\n";
-  text << "Noise: " << NoiseToJson(d.noise)["words"].get<std::string>() << "\n";
-  if (d.has_unexplained) text << "Unexplained: " << d.unexplained.words << "\n";
-  return text.str();
 }
 
 }  // namespace sagitta

@@ -19,6 +19,7 @@ table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:right
 th:first-child,td:first-child,.unit{text-align:left}td:first-child{white-space:pre}tr:nth-child(even) td{background:#f5f5f5}
 svg{margin:.5em 1em .5em 0}svg text{font:11px sans-serif;fill:#444}code{background:#f5f5f5;word-break:break-all}
 .bar{fill:#4a78b0}.held-out{fill:#d9822b}.line{stroke:#b33;fill:none;stroke-width:1.5}.axis{stroke:#888}
+.dot{fill:#4a78b0;fill-opacity:.55}.model{fill:#b33}.taken{fill:#4a78b0;fill-opacity:.2}
 @media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr,svg{break-inside:avoid}}
 )";
 
@@ -156,7 +157,7 @@ std::string SectionToHtml(const Section& section, const char* heading) {
     html += "</tbody></table>\n";
   }
   for (const std::string& paragraph : section.paragraphs) html += "<p>" + EscapeHtml(paragraph) + "</p>\n";
-  return html;
+  return html + section.figure;
 }
 
 std::string ProvenanceToHtml(const Provenance& provenance) {
@@ -206,11 +207,14 @@ std::string SectionsToPage(const std::vector<Section>& sections, const std::stri
   return html + charts + ProvenanceToHtml(provenance) + "</body></html>\n";
 }
 
+std::string ResidualCharts(const CalibrationProblem& problem, const Estimate& estimate) {
+  return Histograms(problem, estimate) +
+         "<h2>Residual per configuration</h2>\n<p>RMS distance; validation configurations in orange.</p>\n" +
+         ConfigurationSvg(BarsOf(problem, estimate));
+}
+
 std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
-  std::string charts = Histograms(problem, estimate);
-  charts += "<h2>Residual per configuration</h2>\n<p>RMS distance; validation configurations in orange.</p>\n";
-  charts += ConfigurationSvg(BarsOf(problem, estimate));
-  return SectionsToPage(Summarise(problem, estimate), charts, provenance);
+  return SectionsToPage(Summarise(problem, estimate), ResidualCharts(problem, estimate), provenance);
 }
 
 }  // namespace sagitta

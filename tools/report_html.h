@@ -14,6 +14,9 @@ namespace sagitta {
 std::string SectionsToPage(const std::vector<Section>& sections, const std::string& charts,
                            const Provenance& provenance);
 
+// Whitened residuals as histograms, residuals per configuration.
+std::string ResidualCharts(const CalibrationProblem& problem, const Estimate& estimate);
+
 std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance);
 
 std::string EscapeHtml(const std::string& text);

@@ -15,6 +15,7 @@ struct Section {
   std::vector<std::string> paragraphs;
   std::vector<std::string> header;             // of the table; empty: none
   std::vector<std::vector<std::string>> rows;  // the first cell of a row is text, the others numbers
+  std::string figure;                          // SVG, for pages only
 };
 
 std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate);

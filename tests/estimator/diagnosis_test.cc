@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/diagnosis/cautions.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -53,6 +57,90 @@ TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   EXPECT_NEAR(parameters[0].value, 80e-6, 5 * parameters[0].sigma);
   EXPECT_NEAR(parameters[1].value, -50e-6, 5 * parameters[1].sigma);
   EXPECT_LT(diagnosis.gap.after, 0.3 * diagnosis.gap.before);
+  const Confirmation& confirmation = diagnosis.steps[0].confirmation;
+  ASSERT_EQ(confirmation.halves.size(), 2u);
+  for (const HalfResult& half : confirmation.halves) {
+    EXPECT_TRUE(half.named) << half.best;
+    ASSERT_EQ(half.values.size(), 2);
+    EXPECT_NEAR(half.values[0], 80e-6, 5 * std::sqrt(half.covariance(0, 0)));
+    EXPECT_NEAR(half.values[1], -50e-6, 5 * std::sqrt(half.covariance(1, 1)));
+    // Half of the configurations: the variance is about twice that of all.
+    EXPECT_GT(half.covariance(0, 0), 1.2 * parameters[0].sigma * parameters[0].sigma);
+  }
+  EXPECT_GT(confirmation.compatible_p, 1e-4);
+  // 97 of 100 predicted chi-squares per row lie within a third of 1 + unknowns / rows.
+  EXPECT_GT(confirmation.cv_before, 1.5 * confirmation.cv_after);
+  EXPECT_NEAR(confirmation.cv_after, 1.2, 0.4);
+}
+
+TEST(Diagnosis, MeasuredAndSimulatedFollowTheDriver) {
+  const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
+  const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());
+  ASSERT_EQ(diagnosis.steps.size(), 1u);
+  const StepView& view = diagnosis.steps[0].view;
+  EXPECT_EQ(view.driver, "A3");
+  EXPECT_EQ(view.unit, "urad");
+  ASSERT_GE(view.x.size(), 30u);
+  double squared = 0.0;
+  for (size_t i = 0; i < view.x.size(); ++i) {
+    const double q = view.x[i] / 57.29577951308232;
+    EXPECT_NEAR(view.simulated[i], 1e6 * harmonic(q), 25.0);  // 5 standard deviations of either coefficient
+    squared += std::pow(view.measured[i] - 1e6 * harmonic(q), 2);
+  }
+  // 20 um on three markers about 2 m away, less what base and geometry take: below 40 urad.
+  EXPECT_LT(std::sqrt(squared / static_cast<double>(view.x.size())), 40.0);
+}
+
+// A cause that is larger in every other configuration: the halves find their own values and contradict each other.
+TEST(Diagnosis, HalvesContradictWhereTheCauseIsNotOne) {
+  int configuration = 0;
+  const auto uneven = [&](double q) { return (configuration++ % 2 == 0 ? 400e-6 : 100e-6) * std::cos(2 * q); };
+  CalibrationProblem problem = Hidden(2, uneven);
+  for (Configuration& held_out : problem.data.configurations) held_out.is_validation = false;
+  DiagnosedModel believed;
+  believed.problem = std::make_shared<CalibrationProblem>(problem);
+  believed.estimate = EstimateJointly(problem, JointOptions());
+  ChosenStep step;
+  step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
+  const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
+  const Confirmation confirmation = ConfirmStep(believed, with, step, {step.candidate}, SelectionOptions());
+  const double expected[2] = {400e-6, 100e-6};
+  for (int half = 0; half < 2; ++half) {
+    const HalfResult& result = confirmation.halves[half];
+    ASSERT_EQ(result.values.size(), 2);
+    EXPECT_NEAR(result.values[0], expected[half], 5 * std::sqrt(result.covariance(0, 0)));
+  }
+  EXPECT_LT(confirmation.compatible_p, 1e-6);
+}
+
+bool AnyStartsWith(const std::vector<std::string>& cautions, const std::string& start) {
+  return std::any_of(cautions.begin(), cautions.end(),
+                     [&](const std::string& caution) { return caution.rfind(start, 0) == 0; });
+}
+
+TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
+  const CalibrationProblem healthy = Hidden(1, [](double) { return 0.0; });
+  EXPECT_TRUE(Diagnose(healthy, DiagnosisOptions()).cautions.empty());
+
+  CalibrationProblem silent = healthy;
+  for (Observation& observation : silent.data.observations) observation.sigma.setZero();
+  EXPECT_TRUE(AnyStartsWith(Diagnose(silent, DiagnosisOptions()).cautions, "No noise is stated"));
+
+  CalibrationProblem shared = healthy;
+  std::vector<Configuration>& configurations = shared.data.configurations;
+  const auto held_out = std::find_if(configurations.begin(), configurations.end(),
+                                     [](const Configuration& c) { return c.is_validation; });
+  const auto fitted = std::find_if(configurations.begin(), configurations.end(),
+                                   [](const Configuration& c) { return !c.is_validation; });
+  held_out->q = fitted->q;
+  DiagnosedModel believed;
+  believed.problem = std::make_shared<CalibrationProblem>(shared);
+  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "1 configurations are fitted and held out at once"));
+
+  for (Configuration& configuration : configurations) configuration.q = configurations[0].q;
+  believed.problem = std::make_shared<CalibrationProblem>(shared);
+  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "All configurations are alike"));
+  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "Only 1 different configurations"));
 }
 
 TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {

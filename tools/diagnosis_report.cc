@@ -1,0 +1,138 @@
+#include "tools/diagnosis_report.h"
+
+#include <map>
+
+#include "tools/charts.h"
+#include "tools/diagnosis_words.h"
+#include "tools/report_html.h"
+#include "tools/summary.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kBarsPerMap = 8;
+
+std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
+
+std::string Waterfall(const Diagnosis& d) {
+  std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
+  for (const DiagnosisStep& step : d.steps) {
+    stages.push_back({Title(d.final.problem->robot, step.chosen.candidate.spec), 1e3 * step.holdout_after});
+  }
+  return WaterfallChart("hold-out RMS per coordinate, mm", stages, 1e3 * d.final.estimate.noise_floor, "noise floor");
+}
+
+// Before: what the measurements ask for with the step taken out of the model, and what the step says. After: the rest.
+std::string StepCharts(const StepView& view) {
+  std::vector<double> rest;
+  for (size_t k = 0; k < view.x.size(); ++k) rest.push_back(view.measured[k] - view.simulated[k]);
+  const std::string unit = view.unit.empty() ? "" : ", " + view.unit;
+  const std::string driver = view.driver + (view.driver_unit.empty() ? "" : ", " + view.driver_unit);
+  return ScatterChart("before: " + view.quantity + unit, driver, view.x, view.measured, view.simulated) +
+         ScatterChart("after: the rest" + unit, driver, view.x, rest, {});
+}
+
+Section GapSection(const Diagnosis& d) {
+  const Estimate& before = d.baseline.estimate;
+  const Estimate& after = d.final.estimate;
+  const auto reduced = [](const Estimate& e) { return Significant(e.chi2 / std::max(1, e.dof), 4); };
+  Section section;
+  section.title = "The gap, before and after";
+  section.header = {"", "before", "after", "unit"};
+  section.rows = {
+      {"reduced chi-square of the fit", reduced(before), reduced(after), ""},
+      {"lack of fit, p", Significant(d.baseline_p, 2), Significant(d.final_p, 2), ""},
+      {"hold-out RMS per coordinate", Millimetres(before.validation.rms), Millimetres(after.validation.rms), "mm"},
+      {"hold-out RMS distance", Millimetres(before.validation.distance_rms), Millimetres(after.validation.distance_rms),
+       "mm"},
+      {"gap beyond the noise floor", Millimetres(d.gap.before), Millimetres(d.gap.after), "mm"}};
+  section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
+                        Millimetres(after.noise_floor) +
+                        " mm per coordinate. Closed: " + Significant(100 * d.gap.closed, 3) +
+                        " % of the squared gap (95 %: " + Significant(100 * d.gap.closed_ci95.low, 3) + " to " +
+                        Significant(100 * d.gap.closed_ci95.high, 3) + ")."};
+  if (d.baseline.estimate.validation.observations > 0) section.figure = Waterfall(d);
+  return section;
+}
+
+Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number) {
+  Section section;
+  section.title = "Step " + std::to_string(number) + ": " + Title(robot, step.chosen.candidate.spec);
+  section.header = {"parameter", "value", "95 % from", "to", "unit"};
+  for (const ParameterEstimate& row : step.parameters) {
+    const QuantityTraits& traits = TraitsOf(row.quantity);
+    section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
+                            Significant(row.ci95.low / traits.si_per_unit, 4),
+                            Significant(row.ci95.high / traits.si_per_unit, 4), traits.unit});
+  }
+  section.paragraphs = {StepInWords(robot, step), HalvesInWords(step.confirmation),
+                        "Cross-validated chi-square per row: " + Significant(step.confirmation.cv_before, 4) + " -> " +
+                            Significant(step.confirmation.cv_after, 4) + " (" +
+                            std::to_string(step.confirmation.folds) + " folds of configurations).",
+                        "Physical bounds: " + PhysicalInWords(step) + "."};
+  for (const Alternative& alternative : step.alternatives) {
+    section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
+                                 ". To separate them: " + SeparateBy(robot, alternative.spec) + ".");
+  }
+  section.paragraphs.push_back(
+      "Below, one blue point per visit: what the measurements ask for with the step taken out of the model; red: what "
+      "the step says; beside it, what is left.");
+  section.figure = StepCharts(step.view);
+  return section;
+}
+
+Section CandidateSection(const Diagnosis& d) {
+  Section section;
+  section.title = "What was screened";
+  section.header = {"effect", "chi-square explained", "parameters", "p, corrected"};
+  for (size_t i = 0; i < d.candidates.size() && i < 12; ++i) {
+    const ScreenedCandidate& entry = d.candidates[i];
+    if (entry.score.rank == 0) break;
+    section.rows.push_back({Title(d.final.problem->robot, entry.candidate.spec), Fixed(entry.score.reduction, 1),
+                            std::to_string(entry.score.rank), Significant(entry.corrected_p, 2)});
+  }
+  section.paragraphs = {std::to_string(d.candidates.size()) +
+                        " candidates, each alone beside the believed model; p counts the whole search."};
+  std::map<std::string, int> missing;
+  for (const NotTestable& entry : d.not_testable) ++missing[entry.effect + " needs " + entry.needs];
+  for (const auto& [what, count] : missing) section.paragraphs.push_back("Cannot be tested: " + what + ".");
+  return section;
+}
+
+// Share of the excess chi-square by joint, marker, load and so on.
+Section WhereSection(const Diagnosis& d) {
+  std::map<std::string, std::vector<Stage>> families;
+  for (const WhereShare& share : d.where) {
+    std::vector<Stage>& bars = families[share.by];
+    if (bars.size() < kBarsPerMap) bars.push_back({share.key, share.share});
+  }
+  Section section;
+  section.title = "Where they disagree";
+  section.paragraphs = {"Share of the excess chi-square of the believed model."};
+  for (const auto& [family, bars] : families) {
+    if (bars.size() > 1) section.figure += BarChart("by " + family, bars);
+  }
+  return section;
+}
+
+}  // namespace
+
+std::string DiagnosisToHtml(const Diagnosis& d, const Provenance& provenance) {
+  std::vector<Section> sections(1);
+  sections[0].title = "Diagnosis: " + d.verdict;
+  sections[0].paragraphs = {VerdictInWords(d), NoiseInWords(d.noise)};
+  if (d.has_unexplained && !d.unexplained.words.empty()) {
+    sections[0].paragraphs.push_back("Without a name: " + d.unexplained.words + ".");
+  }
+  for (const std::string& caution : d.cautions) sections[0].paragraphs.push_back("Caution: " + caution);
+  sections.push_back(GapSection(d));
+  if (d.verdict != "consistent") sections.push_back(WhereSection(d));
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    sections.push_back(StepSection(d.final.problem->robot, d.steps[i], i + 1));
+  }
+  sections.push_back(CandidateSection(d));
+  for (Section& section : Summarise(*d.final.problem, d.final.estimate)) sections.push_back(std::move(section));
+  return SectionsToPage(sections, ResidualCharts(*d.final.problem, d.final.estimate), provenance);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,162 @@
+#include "tools/diagnosis_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kCompatible = 0.01;  // p below which two halves contradict each other
+
+std::string Short(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string SettingsInWords(const EffectSpec& spec) {
+  std::string words;
+  for (const auto& [name, text] : spec.settings) {
+    words +=
+        name == "after_s" ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string Title(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
+  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
+}
+
+std::string VerdictInWords(const Diagnosis& d) {
+  if (d.verdict == "consistent") return "Nothing is missing at this significance.";
+  if (d.verdict == "noise") return "No effect is missing; the stated noise is wrong.";
+  std::string names;
+  for (const DiagnosisStep& step : d.steps)
+    names += (names.empty() ? "" : "; ") + Title(d.final.problem->robot, step.chosen.candidate.spec);
+  if (d.verdict == "explained") return "Found: " + names + ". Nothing significant is left.";
+  if (d.verdict == "partly") return "Found: " + names + ". A significant rest has no name in the catalogue.";
+  return "There is a significant gap that no effect of the catalogue explains well.";
+}
+
+std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
+  std::string words = Title(robot, step.chosen.candidate.spec) + ":";
+  const std::vector<std::string>& vague = step.chosen.candidate.vague;
+  for (const ParameterEstimate& row : step.parameters) {
+    if (std::find(vague.begin(), vague.end(), row.name) != vague.end()) continue;
+    const double unit = TraitsOf(row.quantity).si_per_unit;
+    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + Short(row.value / unit) + " ± " +
+             Short(0.5 * (row.ci95.high - row.ci95.low) / unit) + " " + TraitsOf(row.quantity).unit + ",";
+  }
+  words.back() = ';';
+  if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
+  words += " hold-out RMS " + Short(1e3 * step.holdout_before) + " -> " + Short(1e3 * step.holdout_after) + " mm.";
+  if (step.chosen.candidate.spec.effect == "backlash") words += " Friction wind-up has the same signature.";
+  return words;
+}
+
+std::string AlternativeInWords(const Robot& robot, const Alternative& alternative) {
+  return Title(robot, alternative.spec) + " would explain " + Short(100 * alternative.overlap) + " % of it" +
+         (alternative.tied ? "; the data cannot tell the two apart" : "");
+}
+
+std::string SeparateBy(const Robot& robot, const EffectSpec& spec) {
+  if (spec.effect == "gravity_compensator" || spec.effect == "link_gravity" || spec.effect == "self_weight_sag") {
+    return "poses with " + spec.target +
+           " over its whole range, loaded and unloaded, and with the links beyond it folded and stretched";
+  }
+  if (spec.effect == "joint_harmonic" || spec.effect == "encoder_gain" || spec.effect == "axis_wobble") {
+    return "poses with " + spec.target + " evenly over its whole range, the other joints independent of it";
+  }
+  if (FindEffect(robot, spec.effect)->target == EffectTarget::kStation || spec.effect == "joint_slip" ||
+      spec.effect == "marker_shift") {
+    return "the first poses repeated at the end, time columns";
+  }
+  if (spec.effect == "backlash") return "the same poses approached from both sides";
+  return "loads in other directions: sideways pulls and other load points";
+}
+
+std::string HalvesInWords(const Confirmation& confirmation) {
+  int named = 0, telling = 0;
+  for (const HalfResult& half : confirmation.halves) {
+    named += half.named;
+    telling += half.telling;
+  }
+  std::string words = "On two disjoint halves of the configurations: ";
+  if (telling == 0) return words + "neither is large enough to name anything.";
+  words += named == 2 ? "named in both" : named == 1 ? "named in one" : "named in neither";
+  if (telling < 2) words += " (the other is too small to name anything)";
+  if (confirmation.halves[0].values.size() == 0 || confirmation.halves[1].values.size() == 0) return words + ".";
+  return words +
+         (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
+         " (p " + Short(confirmation.compatible_p) + ").";
+}
+
+std::string NoiseInWords(const NoiseFinding& noise) {
+  std::string words;
+  if (noise.is_finding && std::abs(noise.scale - 1.0) > 0.02 && (noise.low > 1.0 || noise.high < 1.0)) {
+    words += "The instrument's noise is " + Short(noise.scale) + " times what is stated. ";
+  }
+  if (noise.repeatability > 0.0) {
+    words += "Joint repeatability of about " + Short(1e6 * noise.repeatability) + " urad was not declared. ";
+  }
+  if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out. ";
+  return words.empty() ? "The noise is as stated." : words;
+}
+
+std::string ShareInWords(const WhereShare& share) {
+  return Short(100 * share.share) + " % of the excess is at " + share.by + " " + share.key;
+}
+
+// Largest size that a healthy machine could show, in units of results.
+bool IsPlausible(const DiagnosisStep& step) {
+  for (const ParameterEstimate& row : step.parameters) {
+    const bool is_compliance = row.quantity == Quantity::kCompliance;
+    if (is_compliance && row.ci95.high < 0.0) return false;
+    if (std::abs(row.value) > 5.0 * TraitsOf(row.quantity).hold_limit) return false;
+    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity")
+      return false;
+  }
+  return true;
+}
+
+std::string PhysicalInWords(const DiagnosisStep& step) {
+  return IsPlausible(step) ? "the size is one that machines show"
+                           : "sign or size is not physical: take it as a description, not as a cause";
+}
+
+std::string DiagnosisToText(const Diagnosis& d) {
+  std::ostringstream text;
+  const Robot& robot = d.final.problem->robot;
+  const Estimate& before = d.baseline.estimate;
+  const Estimate& after = d.final.estimate;
+  text << "Verdict: " << d.verdict << ". " << VerdictInWords(d) << "\n\n";
+  text << "Baseline: reduced chi-square " << Short(before.chi2 / std::max(1, before.dof)) << ", hold-out RMS "
+       << Short(1e3 * before.validation.rms) << " mm\n";
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    text << "Step " << i + 1 << ": " << StepInWords(robot, d.steps[i]) << "\n";
+    text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
+    if (!IsPlausible(d.steps[i])) text << "    " << PhysicalInWords(d.steps[i]) << "\n";
+    for (const Alternative& alternative : d.steps[i].alternatives) {
+      text << "    or " << Title(robot, alternative.spec) << " (overlap " << Short(alternative.overlap)
+           << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
+    }
+  }
+  text << "Final: reduced chi-square " << Short(after.chi2 / std::max(1, after.dof)) << ", hold-out RMS "
+       << Short(1e3 * after.validation.rms) << " mm, noise floor " << Short(1e3 * after.noise_floor) << " mm\n";
+  text << "Gap on untouched configurations: " << Short(1e3 * d.gap.before) << " -> " << Short(1e3 * d.gap.after)
+       << " mm, closed " << Short(100 * d.gap.closed) << " %\n";
+  text << "Noise: " << NoiseInWords(d.noise) << "\n";
+  if (d.has_unexplained) text << "Unexplained: " << d.unexplained.words << "\n";
+  for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
+  return text.str();
+}
+
+}  // namespace sagitta

@@ -1,0 +1,27 @@
+// What a diagnosis says to people: the same sentences for the terminal, the report and the words in diagnosis.json.
+#pragma once
+
+#include <string>
+
+#include "estimator/diagnosis/diagnose.h"
+
+namespace sagitta {
+
+// "periodic joint error (joint_harmonic, A3, order 1)"; effects of the robot file included.
+std::string Title(const Robot& robot, const EffectSpec& spec);
+std::string VerdictInWords(const Diagnosis& diagnosis);
+std::string StepInWords(const Robot& robot, const DiagnosisStep& step);
+std::string AlternativeInWords(const Robot& robot, const Alternative& alternative);
+// Poses, loads or columns that would tell this effect from another.
+std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
+std::string HalvesInWords(const Confirmation& confirmation);
+std::string NoiseInWords(const NoiseFinding& noise);
+std::string ShareInWords(const WhereShare& share);
+
+// Whether a healthy machine could show sign and size.
+bool IsPlausible(const DiagnosisStep& step);
+std::string PhysicalInWords(const DiagnosisStep& step);
+
+std::string DiagnosisToText(const Diagnosis& diagnosis);
+
+}  // namespace sagitta
