@@ -138,6 +138,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
     entry["score"] = candidate.score.reduction;
     entry["p_value"] = candidate.corrected_p;
     entry["penalised"] = candidate.score.penalised;
+    entry["holdout_rms_mm"] = candidate.holdout_rms ? Json(1e3 * *candidate.holdout_rms) : Json(nullptr);
     json["candidates"].push_back(entry);
   }
   json["not_testable"] = Json::array();

@@ -84,12 +84,13 @@ Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number
 Section CandidateSection(const Diagnosis& d) {
   Section section;
   section.title = "What was screened";
-  section.header = {"effect", "chi-square explained", "parameters", "p, corrected"};
+  section.header = {"effect", "chi-square explained", "parameters", "p, corrected", "hold-out RMS, mm"};
   for (size_t i = 0; i < d.candidates.size() && i < 12; ++i) {
     const ScreenedCandidate& entry = d.candidates[i];
     if (entry.score.rank == 0) break;
     section.rows.push_back({Title(d.final.problem->robot, entry.candidate.spec), Fixed(entry.score.reduction, 1),
-                            std::to_string(entry.score.rank), Significant(entry.corrected_p, 2)});
+                            std::to_string(entry.score.rank), Significant(entry.corrected_p, 2),
+                            entry.holdout_rms ? Millimetres(*entry.holdout_rms) : ""});
   }
   section.paragraphs = {std::to_string(d.candidates.size()) +
                         " candidates, each alone beside the believed model; p counts the whole search."};

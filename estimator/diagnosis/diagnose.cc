@@ -146,6 +146,18 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   }
 }
 
+// What each of the best candidates alone does on the hold-out: for people, nothing is chosen by it.
+void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection,
+               std::vector<ScreenedCandidate>* candidates) {
+  if (baseline.problem->ValidationObservations().empty()) return;
+  for (size_t i = 0; i < candidates->size() && static_cast<int>(i) < selection.refitted; ++i) {
+    ScreenedCandidate& entry = (*candidates)[i];
+    if (entry.score.rank == 0) return;
+    const DiagnosedModel extended = Extend(baseline, {entry.candidate}, selection.joint);
+    if (IsUsable(extended.estimate.status)) entry.holdout_rms = HoldoutRms(extended);
+  }
+}
+
 // Where no rigid body of markers tells the instrument's noise, scatter that is
 // too small for it does.
 void CheckTooQuiet(const DiagnosisOptions& options, Diagnosis* diagnosis) {
@@ -242,6 +254,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   }
   noise.is_finding |= noise.repeatability > 0.0 || noise.scale_differs;
   diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
+  RefitBest(model, selection, &diagnosis.candidates);
   diagnosis.baseline = model;
   diagnosis.baseline_p = LackOfFit(model.estimate);
   diagnosis.where = FindWhere(model);

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,8 @@ struct ScreenedCandidate {
   Candidate candidate;
   Score score;
   double corrected_p = 1.0;
-  std::vector<EffectSpec> starts;  // of the refit; more than one where the effect is not linear
+  std::vector<EffectSpec> starts;     // of the refit; more than one where the effect is not linear
+  std::optional<double> holdout_rms;  // m, with this candidate alone beside the believed model; of the best few
 };
 
 // What the names of an effect's parameters start with.
