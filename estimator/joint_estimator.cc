@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: its scale is estimated afterwards
 constexpr int kMaxHoldRounds = 8;
-constexpr int kFreshRounds = 3;  // afterwards what is held stays held
-constexpr int kMaxPolishSteps = 12;
+constexpr int kFreshRounds = 3;       // afterwards what is held stays held
+constexpr int kMaxPolishSteps = 60;   // a bent valley (a compensator's shape) halves the step only
 constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
 constexpr int kMaxBoundedSteps = 60;
 constexpr int kMaxWarmSteps = 12;

@@ -10,7 +10,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kCompatible = 0.01;  // p below which two halves contradict each other
+constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
+constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 
 std::string Short(double value) {
   char text[32];
@@ -115,8 +116,19 @@ std::string ShareInWords(const WhereShare& share) {
   return Short(100 * share.share) + " % of the excess is at " + share.by + " " + share.key;
 }
 
+// A spring within metres of the joint, with a rest length and a rate.
+bool IsPlausibleSpring(const DiagnosisStep& step) {
+  for (const ParameterEstimate& row : step.parameters) {
+    if (row.quantity == Quantity::kLength && std::abs(row.value) > kFarthestAnchor) return false;
+    const bool is_size = row.name == "compensator/s0" || row.name == "compensator/Kc";
+    if (is_size && row.ci95.high < 0.0) return false;
+  }
+  return true;
+}
+
 // Largest size that a healthy machine could show, in units of results.
 bool IsPlausible(const DiagnosisStep& step) {
+  if (step.chosen.candidate.spec.effect == "gravity_compensator") return IsPlausibleSpring(step);
   for (const ParameterEstimate& row : step.parameters) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
     if (is_compliance && row.ci95.high < 0.0) return false;

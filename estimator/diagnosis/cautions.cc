@@ -62,7 +62,8 @@ bool HasRepeats(const Measurements& data) {
   std::set<std::vector<int>> seen;
   for (const Observation& observation : data.observations) {
     const Shot& shot = data.shots[observation.shot];
-    if (!seen.insert({shot.configuration, shot.station, observation.marker, IsLoaded(shot) ? 1 : 0}).second) return true;
+    if (!seen.insert({shot.configuration, shot.station, observation.marker, IsLoaded(shot) ? 1 : 0}).second)
+      return true;
   }
   return false;
 }

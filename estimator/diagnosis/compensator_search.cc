@@ -10,9 +10,11 @@
 namespace sagitta {
 namespace {
 
-constexpr double kLever = 0.2;                      // m: L of every start; the gauge makes it free
-constexpr double kRatios[] = {1.4, 2.2, 3.5, 6.0};  // a / L
-constexpr int kDirections = 16;                     // of the anchor around the joint
+constexpr double kLever = 0.2;                                // m: L of every start; the gauge makes it free
+constexpr double kRatios[] = {1.3, 1.8, 2.5, 3.5, 5.0, 8.0};  // a / L
+constexpr int kNumRatios = sizeof(kRatios) / sizeof(kRatios[0]);
+constexpr int kDirections = 24;  // of the anchor around the joint
+constexpr size_t kTriedFromMiddle = 2;
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y
 constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
@@ -50,6 +52,19 @@ Eigen::MatrixX2d TorquesPerRate(const CompensatorParameters<double>& unit, const
   return torques;
 }
 
+// Whether no neighbour on the grid of ratios and directions explains more.
+bool IsPeak(const std::vector<CompensatorShape>& shapes, int ratio, int direction) {
+  const auto reduction = [&](int r, int d) {
+    return shapes[r * kDirections + (d + kDirections) % kDirections].reduction;
+  };
+  for (int r = std::max(0, ratio - 1); r <= std::min(kNumRatios - 1, ratio + 1); ++r) {
+    for (int d = direction - 1; d <= direction + 1; ++d) {
+      if (reduction(r, d) > reduction(ratio, direction)) return false;
+    }
+  }
+  return true;
+}
+
 // Start values from the linear solution (Kc, Kc s0); a spring that no machine
 // has (negative rate or rest length) goes behind the others.
 void Seed(const Eigen::Vector2d& solution, CompensatorShape* shape) {
@@ -75,7 +90,7 @@ std::vector<CompensatorShape> ScanCompensator(const CalibrationProblem& problem,
     for (int d = 0; d < kDirections; ++d) {
       const double alpha = kTwoPi * d / kDirections;
       const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
-      shapes.push_back({{"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}}, 0.0, {}});
+      shapes.push_back({{"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}}, d, 0.0, {}});
     }
   }
   Eigen::MatrixXd columns(deviation.size(), 2 * shapes.size());
@@ -93,9 +108,22 @@ std::vector<CompensatorShape> ScanCompensator(const CalibrationProblem& problem,
     shape.reduction = -c.dot(projected);
     Seed(c, &shape);
   }
-  std::stable_sort(shapes.begin(), shapes.end(),
-                   [](const auto& a, const auto& b) { return a.reduction > b.reduction; });
-  return shapes;
+  // One shape per basin: its neighbours lead to the same optimum.
+  std::vector<CompensatorShape> peaks;
+  for (int ratio = 0; ratio < kNumRatios; ++ratio) {
+    for (int direction = 0; direction < kDirections; ++direction) {
+      if (IsPeak(shapes, ratio, direction)) peaks.push_back(shapes[ratio * kDirections + direction]);
+    }
+  }
+  std::stable_sort(peaks.begin(), peaks.end(), [](const auto& a, const auto& b) { return a.reduction > b.reduction; });
+  // Along its direction a peak is flat: the best ones are tried from the middle of the ratios too.
+  const size_t best = std::min(kTriedFromMiddle, peaks.size());
+  for (size_t p = 0; p < best; ++p) {
+    CompensatorShape middle = shapes[kNumRatios / 2 * kDirections + peaks[2 * p].direction];
+    middle.reduction = std::min(middle.reduction, peaks[2 * p].reduction);
+    peaks.insert(peaks.begin() + static_cast<long>(2 * p + 1), middle);
+  }
+  return peaks;
 }
 
 void BoundCompensatorShape(ParameterSet* parameters) {

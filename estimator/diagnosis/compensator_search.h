@@ -4,7 +4,7 @@
 //
 // is linear in (Kc, Kc s0) once the shape (a / L, alpha) is given, and moves the
 // rows like a deviation k_j tau of the joint. So a grid of shapes is scanned with
-// two columns each; the best few start the nonlinear refit. L is free (gauge).
+// two columns each; the peaks start the nonlinear refit. L is free (gauge).
 #pragma once
 
 #include <vector>
@@ -15,13 +15,13 @@ namespace sagitta {
 
 struct CompensatorShape {
   EffectSpec start;         // gravity_compensator with L, a_x, a_y, s0, Kc
+  int direction = 0;        // of the anchor, on the scan's grid
   double reduction = 0.0;   // chi-square, linear
   Eigen::MatrixXd columns;  // its two, whitened
 };
 
-// All shapes of a spring on `joint`, best first. `deviation`: the joint's column
-// of JointDeviationColumns. Empty where the model has a compensator already or
-// the joint no compliance.
+// Shapes of a spring on `joint` that explain more than their neighbours on the grid, best first. `deviation`: the
+// joint's column of JointDeviationColumns. Empty where the model has a compensator already or the joint no compliance.
 std::vector<CompensatorShape> ScanCompensator(const CalibrationProblem& problem, const ParameterSet& parameters,
                                               const ProjectedResidual& residual, const Eigen::VectorXd& deviation,
                                               const std::string& joint);

@@ -146,6 +146,20 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   }
 }
 
+// The full estimator has the last word: a step with which it finds no optimum is not named.
+void JudgeFinal(const DiagnosedModel& baseline, const SelectionOptions& selection, std::vector<ChosenStep>* steps,
+                Diagnosis* diagnosis) {
+  DiagnosedModel& final = diagnosis->final;
+  while (!steps->empty()) {
+    final = JudgeFully(final.problem, final.estimate.parameters, selection.joint);
+    if (IsUsable(final.estimate.status)) return;
+    steps->pop_back();
+    diagnosis->has_unexplained = true;
+    final = Extend(baseline, CandidatesOf(*steps), selection.joint);
+  }
+  final = baseline;
+}
+
 // What each of the best candidates alone does on the hold-out: for people, nothing is chosen by it.
 void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection,
                std::vector<ScreenedCandidate>* candidates) {
@@ -258,8 +272,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.baseline = model;
   diagnosis.baseline_p = LackOfFit(model.estimate);
   diagnosis.where = FindWhere(model);
-  diagnosis.final =
-      steps.empty() ? model : JudgeFully(diagnosis.final.problem, diagnosis.final.estimate.parameters, selection.joint);
+  JudgeFinal(model, selection, &steps, &diagnosis);
   report("alternatives and halves");
   FillSteps(steps, list.candidates, selection, &diagnosis);
   if (sigma_is_stated) CheckTooQuiet(options, &diagnosis);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
-constexpr int kShapesRefitted = 3;
+constexpr size_t kShapesRefitted = 5;
 constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
 
 double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
@@ -125,7 +125,7 @@ void ScreenCompensator(const DiagnosedModel& model, const ProjectedResidual& res
       ScanCompensator(*model.problem, model.estimate.parameters, residual, deviations.col(j), joint);
   entry->starts.clear();
   if (shapes.empty()) return;
-  for (int s = 0; s < kShapesRefitted; ++s) entry->starts.push_back(shapes[s].start);
+  for (size_t s = 0; s < std::min(kShapesRefitted, shapes.size()); ++s) entry->starts.push_back(shapes[s].start);
   entry->candidate.spec = shapes[0].start;
   entry->score.reduction = shapes[0].reduction;
   entry->score.rank = kCompensatorParameters;
@@ -190,7 +190,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
   const int tests = std::min<int>(most_tests, static_cast<int>(candidates.size()));
   std::vector<ScreenedCandidate> screened;
   for (size_t i = 0; i < candidates.size(); ++i) {
-    ScreenedCandidate entry{candidates[i], {}, 1.0, {candidates[i].spec}};
+    ScreenedCandidate entry{candidates[i], {}, 1.0, {candidates[i].spec}, {}};
     if (specs[i].effect == "gravity_compensator") {
       ScreenCompensator(model, residual, deviations, &entry);
     } else {

@@ -167,7 +167,9 @@ TEST(Profile, EndsAreWhereTheConstrainedFitIsWorseByTheQuantile) {
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
   const double scale = estimate.sigma.scaled ? estimate.sigma.a_posteriori : 1.0;
   const double t = estimate.sigma.scaled ? StudentQuantile(0.975, estimate.dof) : NormalQuantile(0.975);
-  ProfileIntervals(problem, {2}, &estimate);
+  ProfileOptions options;
+  options.num_threads = 2;
+  ProfileIntervals(problem, options, &estimate);
   int checked = 0;
   for (const char* name : {"compensator/a_x", "compensator/s0", "compensator/Kc"}) {
     const int i = estimate.parameters.FindCoordinate(name);
