@@ -99,6 +99,39 @@ class Study(WithFolder):
         self.assertEqual(json.dumps(again), json.dumps(records))
 
 
+class PapersOwnCases(WithFolder):
+    """What paper 002 leaves out, at the size of the published machine."""
+
+    def named(self, kind, number):
+        PROGRAMS.generate({'kinds': kind, 'scales': 1, 'study': 6, 'case': number}, self.folder / 'case',
+                          self.folder / 'answer')
+        sealed = json.loads((self.folder / 'answer' / 'answer.json').read_text())['hidden'][0]
+        diagnosis, message, _ = PROGRAMS.diagnose(self.folder / 'case' / 'experiment.yaml', self.folder / 'result')
+        self.assertIsNotNone(diagnosis, message)
+        self.assertEqual(diagnosis['verdict'], 'explained', diagnosis['words'])
+        self.assertEqual(len(diagnosis['steps']), 1, diagnosis['words'])
+        step = diagnosis['steps'][0]
+        self.assertEqual((step['effect'], step['target']), (kind, sealed['target']), diagnosis['words'])
+        self.assertEqual(step['halves']['named_again'], [True, True])
+        self.assertTrue(step['physical']['plausible'])
+        self.assertGreater(diagnosis['final']['gap_closed'], 0.95)
+        return {p['name']: p for p in step['parameters']}, sealed
+
+    def test_compliance_of_joint_1(self):
+        found, sealed = self.named('joint_compliance', 14)
+        self.assertEqual(sealed['target'], 'A1')
+        k = found['k_urad_per_Nm']
+        self.assertLess(abs(k['value'] - sealed['parameters']['k_urad_per_Nm']), 4 * k['sigma'])
+
+    def test_gravity_compensator_with_its_shape(self):
+        found, sealed = self.named('gravity_compensator', 1)
+        truth = sealed['parameters']
+        # The gauge: lengths times c, the rate over c^2. The search takes a lever of 200 mm.
+        c = 200 / truth['L_mm']
+        for name, factor in (('a_x_mm', c), ('a_y_mm', c), ('s0_mm', c), ('Kc_N_per_mm', 1 / c ** 2)):
+            self.assertLess(abs(found[name]['value'] - factor * truth[name]), 4 * found[name]['sigma'], name)
+
+
 class Demo(WithFolder):
     def test_the_demo_names_what_was_sealed(self):
         root = HERE.parent.parent
