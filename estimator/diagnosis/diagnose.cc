@@ -42,17 +42,33 @@ void StateSigma(DiagnosedModel* model, const DiagnosisOptions& options) {
   *model = Refit(stated, model->estimate, options.joint);
 }
 
-void RemoveOutliers(DiagnosedModel* model, const DiagnosisOptions& options, NoiseFinding* noise) {
+// Returns the observations that are fitted no longer.
+std::vector<int> RemoveOutliers(DiagnosedModel* model, const DiagnosisOptions& options) {
+  std::vector<int> removed;
   for (int round = 0; round < kMostOutlierRounds; ++round) {
     const std::vector<int> outliers = FindOutliers(*model->problem, model->estimate, 0.1 * options.significance);
-    if (outliers.empty()) return;
+    if (outliers.empty()) return removed;
     CalibrationProblem cleaned = *model->problem;
-    for (const int i : outliers) {
-      cleaned.data.observations[i].excluded = true;
-      noise->outliers.push_back(cleaned.data.SourceOf(cleaned.data.observations[i]));
-    }
+    for (const int i : outliers) cleaned.data.observations[i].excluded = true;
+    removed.insert(removed.end(), outliers.begin(), outliers.end());
     *model = Refit(cleaned, model->estimate, options.joint);
   }
+  return removed;
+}
+
+// Rows that were outliers only to a model that lacked something come back. True when the baseline has changed.
+bool BringBackOutliers(const DiagnosedModel& extended, const DiagnosisOptions& options, std::vector<int>* removed,
+                       DiagnosedModel* baseline) {
+  const std::vector<int> explained =
+      ExplainedOutliers(*extended.problem, extended.estimate.parameters, *removed, 0.1 * options.significance);
+  if (explained.empty()) return false;
+  CalibrationProblem problem = *baseline->problem;
+  for (const int i : explained) {
+    problem.data.observations[i].excluded = false;
+    removed->erase(std::find(removed->begin(), removed->end(), i));
+  }
+  *baseline = Refit(problem, baseline->estimate, options.joint);
+  return true;
 }
 
 // Scale of the instrument's noise from the markers' rigidity, over what is stated
@@ -228,7 +244,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   NoiseFinding& noise = diagnosis.noise;
   diagnosis.cautions = FindCautions(model);
   StateSigma(&model, options);
-  RemoveOutliers(&model, options, &noise);
+  std::vector<int> outliers = RemoveOutliers(&model, options);
   double applied = sigma_is_stated ? FindScale(model, 1.0, options, &noise) : 1.0;
   if (applied != 1.0) model = Refit(WithScaledSigmas(*model.problem, applied), model.estimate, options.joint);
 
@@ -260,13 +276,14 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
     }
     if (round + 1 == kMostNoiseRounds) break;
     const double unnamed = diagnosis.has_unexplained ? diagnosis.unexplained.penalised : 0.0;
-    if (!FollowNoise(diagnosis.final, unnamed, sigma_is_stated, repeatability_is_stated, options, &applied, &model,
-                     &noise)) {
-      break;
-    }
+    const bool back = BringBackOutliers(diagnosis.final, options, &outliers, &model);
+    const bool other = FollowNoise(diagnosis.final, unnamed, sigma_is_stated, repeatability_is_stated, options,
+                                   &applied, &model, &noise);
+    if ((!back && !other) || !IsUsable(model.estimate.status)) break;
     report("the noise beside the effects is not what was taken: once more");
   }
   noise.is_finding |= noise.repeatability > 0.0 || noise.scale_differs;
+  for (const int i : outliers) noise.outliers.push_back(problem.data.SourceOf(problem.data.observations[i]));
   diagnosis.candidates = Screen(model, list.candidates, selection.most_tests);
   RefitBest(model, selection, &diagnosis.candidates);
   diagnosis.baseline = model;

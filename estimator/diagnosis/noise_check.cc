@@ -139,6 +139,21 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate&
   return outliers;
 }
 
+std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                   const std::vector<int>& outliers, double significance) {
+  std::vector<int> explained;
+  if (outliers.empty()) return explained;
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, outliers);
+  const NoiseRoots noise = ObservationNoise(problem, outliers, 1e-3);
+  const double n = static_cast<double>(problem.CalibrationObservations().size() + outliers.size());
+  const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
+  for (size_t k = 0; k < outliers.size(); ++k) {
+    const Vector3<double> residual = problem.data.observations[outliers[k]].point_in_station - predicted.col(k);
+    if ((noise[k].inverse() * residual).squaredNorm() < limit) explained.push_back(outliers[k]);
+  }
+  return explained;
+}
+
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor) {
   CalibrationProblem scaled = problem;
   scaled.resolved_noise.resize(problem.data.observations.size());

@@ -26,6 +26,11 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 // many points are off that it is something to explain.
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance);
 
+// Those of `outliers` (excluded from the fit) that this model predicts within the
+// noise: they were none.
+std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                   const std::vector<int>& outliers, double significance);
+
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
 

@@ -115,6 +115,7 @@ class PapersOwnCases(WithFolder):
         self.assertEqual(step['halves']['named_again'], [True, True])
         self.assertTrue(step['physical']['plausible'])
         self.assertGreater(diagnosis['final']['gap_closed'], 0.95)
+        self.assertEqual(diagnosis['noise']['outliers'], [])
         return {p['name']: p for p in step['parameters']}, sealed
 
     def test_compliance_of_joint_1(self):
@@ -130,6 +131,16 @@ class PapersOwnCases(WithFolder):
         c = 200 / truth['L_mm']
         for name, factor in (('a_x_mm', c), ('a_y_mm', c), ('s0_mm', c), ('Kc_N_per_mm', 1 / c ** 2)):
             self.assertLess(abs(found[name]['value'] - factor * truth[name]), 4 * found[name]['sigma'], name)
+
+
+class Outliers(WithFolder):
+    def test_rows_of_a_reseated_marker_are_none_once_it_is_named(self):
+        PROGRAMS.generate({'kinds': 'marker_shift', 'scales': 1, 'study': 6, 'case': 1}, self.folder / 'case',
+                          self.folder / 'answer')
+        diagnosis, message, _ = PROGRAMS.diagnose(self.folder / 'case' / 'experiment.yaml', self.folder / 'result')
+        self.assertIsNotNone(diagnosis, message)
+        self.assertEqual([s['effect'] for s in diagnosis['steps']], ['marker_shift'])
+        self.assertEqual(diagnosis['noise']['outliers'], [])
 
 
 class Demo(WithFolder):

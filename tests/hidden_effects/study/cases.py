@@ -1,7 +1,7 @@
 """The suites: what is hidden in which case. A case is a function of (suite, seed, index) alone."""
 import random
 
-SIZES = {'strong': (280.0, 560.0), 'about': (45.0, 80.0), 'below': (4.0, 14.0)}  # NC
+SIZES = {'large': (2500.0, 20000.0), 'strong': (280.0, 560.0), 'about': (45.0, 80.0), 'below': (4.0, 14.0)}  # NC
 OUTSIDE_SIZE = (80.0, 2000.0)
 CATALOGUE = ['frozen_geometry', 'joint_compliance', 'compliance_hardening', 'transverse_compliance',
              'gravity_compensator', 'link_gravity', 'self_weight_sag', 'base_compliance', 'payload', 'joint_harmonic',
