@@ -9,6 +9,7 @@
 namespace sagitta {
 namespace {
 
+constexpr double kShareOfNaming = 0.25;  // of the significance; lack of fit and decoys have their own shares
 constexpr double kNoiseEvidence = 10.0;  // penalised gain of what is no effect before it counts
 constexpr double kSettled = 0.05;        // of sigma and repeatability
 constexpr int kMostNoiseRounds = 3;
@@ -220,7 +221,7 @@ void Decide(const DiagnosisOptions& options, Diagnosis* diagnosis) {
 
 SelectionOptions SelectionFor(const DiagnosisOptions& options) {
   SelectionOptions selection;
-  selection.significance = 0.5 * options.significance;
+  selection.significance = kShareOfNaming * options.significance;
   selection.joint = options.joint;
   selection.joint.progress = nullptr;
   selection.progress = options.progress;
