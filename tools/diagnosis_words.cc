@@ -37,7 +37,11 @@ std::string Title(const Robot& robot, const EffectSpec& spec) {
 }
 
 std::string VerdictInWords(const Diagnosis& d) {
-  if (d.verdict == "consistent") return "Nothing is missing at this significance.";
+  if (d.verdict == "consistent") {
+    return d.cautions.empty()
+               ? "Nothing is missing at this significance."
+               : "Nothing is missing at this significance, as far as these data can tell: see the cautions.";
+  }
   if (d.verdict == "noise") return "No effect is missing; the stated noise is wrong.";
   std::string names;
   for (const DiagnosisStep& step : d.steps)
