@@ -13,6 +13,7 @@ constexpr double kShareOfNaming = 0.25;  // of the significance; lack of fit and
 constexpr double kNoiseEvidence = 10.0;  // penalised gain of what is no effect before it counts
 constexpr double kSettled = 0.05;        // of sigma and repeatability
 constexpr int kMostNoiseRounds = 3;
+constexpr int kManyRows = 3000;
 constexpr int kMostOutlierRounds = 12;
 
 double LackOfFit(const Estimate& estimate) {
@@ -265,8 +266,9 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
     const Decoy decoy = bench.Best();
     selection.decoy_gain = decoy.penalised - kUnknownMargin;
     selection.decoy_explains_all = sigma_is_stated && LeavesNothing(model, bench, decoy);
-    // Where only the common sigma followed, the same steps are the start again.
-    if (sigma_is_stated) steps.clear();
+    // Where only the common sigma followed, the same steps are the start again; and where there are many rows, which
+    // name the same steps whatever the noise.
+    if (sigma_is_stated && model.estimate.rows < kManyRows) steps.clear();
     steps = SelectEffects(model, list.candidates, selection, steps, &diagnosis.final);
     diagnosis.has_unexplained = false;
     if (!steps.empty()) {
