@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -181,42 +182,49 @@ struct Pool {
   }
 };
 
+// Each part fitted alone, both with what either cannot tell held.
+std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, bool with_sandwich) {
+  const std::vector<int>* parts[2] = {&split.first, &split.second};
+  std::vector<int> columns[2];
+  std::vector<int> held;
+  for (int p = 0; p < 2; ++p) {
+    columns[p] = SeenColumns(whole.rows, *parts[p]);
+    const std::vector<int> own = HeldColumns(whole, *parts[p], columns[p]);
+    held.insert(held.end(), own.begin(), own.end());
+  }
+  std::array<PartFit, 2> fits;
+  for (int p = 0; p < 2; ++p) {
+    const auto is_held = [&](int c) { return std::find(held.begin(), held.end(), c) != held.end(); };
+    columns[p].erase(std::remove_if(columns[p].begin(), columns[p].end(), is_held), columns[p].end());
+    fits[p] = FitPart(whole, *parts[p], columns[p], with_sandwich);
+  }
+  return fits;
+}
+
 void CompareSplits(const Whole& whole, const std::vector<Split>& splits, AgreementReport* report) {
   std::map<std::string, Pool> kinds;
-  Pool by_model, by_sandwich;
+  Pool random[2];  // by the model's covariance, by the sandwich
   for (const Split& split : splits) {
-    std::vector<int> columns[2];
-    std::vector<int> held;
-    const std::vector<int>* parts[2] = {&split.first, &split.second};
-    for (int p = 0; p < 2; ++p) {
-      columns[p] = SeenColumns(whole.rows, *parts[p]);
-      const std::vector<int> own = HeldColumns(whole, *parts[p], columns[p]);
-      held.insert(held.end(), own.begin(), own.end());
-    }
     const bool is_random = split.by == "random";
-    PartFit fits[2];
-    for (int p = 0; p < 2; ++p) {
-      const auto is_held = [&](int c) { return std::find(held.begin(), held.end(), c) != held.end(); };
-      columns[p].erase(std::remove_if(columns[p].begin(), columns[p].end(), is_held), columns[p].end());
-      fits[p] = FitPart(whole, *parts[p], columns[p], is_random || whole.by_sandwich);
+    const auto [first, second] = FitParts(whole, split, is_random || whole.by_sandwich);
+    if (!first.usable || !second.usable) continue;
+    const Differences found = Compare(whole, first, second, whole.by_sandwich);
+    if (is_random) {
+      random[whole.by_sandwich].Add(found);
+      random[!whole.by_sandwich].Add(Compare(whole, first, second, !whole.by_sandwich));
     }
-    if (!fits[0].usable || !fits[1].usable) continue;
-    if (is_random) by_model.Add(Compare(whole, fits[0], fits[1], false));
-    if (is_random) by_sandwich.Add(Compare(whole, fits[0], fits[1], true));
+    if (found.over_interval.empty()) continue;
+    kinds[split.by].Add(found);
+    if (is_random) continue;
     Pool own;
-    own.Add(Compare(whole, fits[0], fits[1], whole.by_sandwich));
-    if (own.over_interval.empty()) continue;
-    kinds[split.by].over_interval.insert(kinds[split.by].over_interval.end(), own.over_interval.begin(),
-                                         own.over_interval.end());
-    kinds[split.by].least_p = std::min(kinds[split.by].least_p, own.least_p);
-    ++kinds[split.by].splits;
-    if (!is_random) report->splits.push_back(own.Result(split.by, split.key));
+    own.Add(found);
+    report->splits.push_back(own.Result(split.by, split.key));
   }
   for (const char* by : {"random", "region", "station", "time"}) {
     if (kinds.count(by) > 0) report->kinds.push_back(kinds[by].Result(by, ""));
   }
-  report->random_share_model = by_model.Result("", "").share();
-  report->random_share_sandwich = by_sandwich.Result("", "").share();
+  report->random_share_model = random[false].Result("", "").share();
+  report->random_share_sandwich = random[true].Result("", "").share();
 }
 
 // With one value per group of repeated shots that no model can explain apart:
