@@ -7,6 +7,7 @@
 #include <map>
 
 #include "estimator/distributions.h"
+#include "estimator/median.h"
 #include "estimator/starting_values.h"
 
 namespace sagitta {
@@ -17,12 +18,6 @@ constexpr double kCauchy = 2.67;
 constexpr int kAlignRounds = 6;
 constexpr double kFarFromMedian = 6.0;  // left out of the next alignment
 constexpr double kFollows = 0.05;       // share of its own noise that a point still shows
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Distances of the listed observations to an aligned nominal robot, m.
 std::vector<double> AlignedDistances(const CalibrationProblem& problem, const std::vector<int>& observations,

@@ -13,6 +13,7 @@
 #include "estimator/distributions.h"
 #include "estimator/intervals/sandwich.h"
 #include "estimator/linearization.h"
+#include "estimator/median.h"
 
 namespace sagitta {
 namespace {
@@ -262,12 +263,6 @@ RepeatFit TestRepeats(const Whole& whole) {
   return fit;
 }
 
-double Median(Eigen::VectorXd values) {
-  if (values.size() == 0) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 // True where the sandwich is larger than chance makes it: a variance with nu degrees of freedom scatters by
 // sqrt(1 / (2 nu)) of its root.
 bool SandwichIsLarger(const Whole& whole, double* ratio) {
@@ -275,8 +270,10 @@ bool SandwichIsLarger(const Whole& whole, double* ratio) {
   AppendPriors(whole.estimate.parameters, &fit);
   const RobustCovariance robust = SandwichCovariance(fit, whole.clusters);
   if (robust.covariance.rows() == 0) return false;
-  *ratio = Median(robust.covariance.diagonal().cwiseQuotient(whole.estimate.model_covariance.diagonal()).cwiseSqrt());
-  return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median(robust.dof));
+  const Eigen::VectorXd ratios =
+      robust.covariance.diagonal().cwiseQuotient(whole.estimate.model_covariance.diagonal()).cwiseSqrt();
+  *ratio = Median({ratios.begin(), ratios.end()});
+  return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median({robust.dof.begin(), robust.dof.end()}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "estimator/median.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -64,11 +65,6 @@ std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
   return found;
 }
 
-double MedianOf(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
 std::string Short(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
@@ -86,7 +82,7 @@ std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
   std::vector<Finding> findings;
   for (const auto& [load, deflections] : Collect(problem)) {
     if (deflections.sizes.empty()) continue;
-    const double size = MedianOf(deflections.sizes), flexibility = MedianOf(deflections.per_force);
+    const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
     if (size <= kSeen * deflections.noise) continue;
     if (flexibility > kSoftest || flexibility < kStiffest) {
       findings.push_back(At(problem, deflections, Severity::kSerious, "load_unit",

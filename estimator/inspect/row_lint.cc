@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "estimator/median.h"
+
 namespace sagitta {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr int kReweightings = 12;
 constexpr double kCauchy = 1.5;     // median distances: where a row's weight has fallen to a half
 constexpr double kGross = 10.0;     // median distances; 15 sigma of normal noise
 constexpr double kSwapGain = 25.0;  // of the squared residual when two markers are exchanged
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 std::vector<double> Distances(const Eigen::Matrix3Xd& residuals) {
   std::vector<double> distances(residuals.cols());

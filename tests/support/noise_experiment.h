@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "estimator/median.h"
 #include "estimator/noise_loop.h"
 #include "tests/support/kr270_experiment.h"
 
@@ -244,8 +245,7 @@ inline double MedianRatio(const IntervalTally& a, const IntervalTally& b) {
   for (int i = 0; i < a.squares.size(); ++i) {
     ratios.push_back(std::sqrt((a.squares[i] / a.trials) / (b.squares[i] / b.trials)));
   }
-  std::sort(ratios.begin(), ratios.end());
-  return ratios[ratios.size() / 2];
+  return Median(std::move(ratios));
 }
 
 }  // namespace sagitta::test
