@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/report_html.h"
 #include "tools/summary.h"
+#include "tools/svg.h"
 
 namespace sagitta {
 namespace {
@@ -12,23 +12,13 @@ namespace {
 constexpr double kWidth = 300, kWide = 400, kTop = 24, kFloor = 130, kHeight = 150;
 constexpr int kBins = 12;
 
-std::string N(double value) { return Fixed(value, 1); }
-
-std::string Text(double x, double y, const std::string& anchor, const std::string& text) {
-  return "<text x=\"" + N(x) + "\" y=\"" + N(y) + "\" text-anchor=\"" + anchor + "\">" + EscapeHtml(text) + "</text>";
-}
-
 std::string Canvas(const std::string& title, const std::string& body, double width, double height) {
-  return "<svg role=\"img\" width=\"" + N(width) + "\" height=\"" + N(height) + "\" viewBox=\"0 0 " + N(width) + " " +
-         N(height) + "\"><title>" + EscapeHtml(title) + "</title>" + Text(0, 12, "start", title) + body + "</svg>\n";
+  return svg::Picture(width, height, title, svg::Text(0, 12, "start", title) + body);
 }
 
 // With a base line.
 std::string Frame(const std::string& title, const std::string& body, double width = kWidth) {
-  return Canvas(title,
-                body + "<line class=\"axis\" x1=\"0\" x2=\"" + N(width) + "\" y1=\"" + N(kFloor) + "\" y2=\"" +
-                    N(kFloor) + "\"/>",
-                width, kHeight);
+  return Canvas(title, body + svg::LevelLine(kFloor, width, "axis"), width, kHeight);
 }
 
 }  // namespace
@@ -37,14 +27,13 @@ std::string LineChart(const std::string& title, const std::vector<double>& value
   const double low = *std::min_element(values.begin(), values.end());
   const double high = *std::max_element(values.begin(), values.end());
   const double scale = high > low ? (kFloor - kTop) / (high - low) : 0.0;
-  std::string points;
+  std::vector<std::pair<double, double>> points;
   for (size_t i = 0; i < values.size(); ++i) {
-    points +=
-        N(kWidth * i / std::max<size_t>(1, values.size() - 1)) + "," + N(kFloor - scale * (values[i] - low)) + " ";
+    points.emplace_back(kWidth * i / std::max<size_t>(1, values.size() - 1), kFloor - scale * (values[i] - low));
   }
   return Frame(title + ": " + Fixed(low, decimals) + " ... " + Fixed(high, decimals),
-               "<polyline class=\"line\" points=\"" + points + "\"/>" + Text(0, kHeight - 6, "start", "0") +
-                   Text(kWidth, kHeight - 6, "end", std::to_string(values.size() - 1)));
+               svg::Curve(points) + svg::Text(0, kHeight - 6, "start", "0") +
+                   svg::Text(kWidth, kHeight - 6, "end", std::to_string(values.size() - 1)));
 }
 
 std::string HistogramChart(const std::string& title, const std::vector<double>& values, int decimals) {
@@ -58,12 +47,11 @@ std::string HistogramChart(const std::string& title, const std::vector<double>& 
   const double scale = (kFloor - kTop) / *std::max_element(counts.begin(), counts.end()), step = kWidth / kBins;
   std::string body;
   for (int b = 0; b < kBins; ++b) {
-    body += "<rect class=\"bar\" x=\"" + N(b * step) + "\" y=\"" + N(kFloor - scale * counts[b]) + "\" width=\"" +
-            N(step - 1) + "\" height=\"" + N(scale * counts[b]) + "\"><title>" + std::to_string(counts[b]) +
-            "</title></rect>";
+    body += svg::Rectangle(b * step, kFloor - scale * counts[b], step - 1, scale * counts[b], "bar",
+                           std::to_string(counts[b]));
   }
-  return Frame(title, body + Text(0, kHeight - 6, "start", Fixed(low, decimals)) +
-                          Text(kWidth, kHeight - 6, "end", Fixed(high, decimals)));
+  return Frame(title, body + svg::Text(0, kHeight - 6, "start", Fixed(low, decimals)) +
+                          svg::Text(kWidth, kHeight - 6, "end", Fixed(high, decimals)));
 }
 
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
@@ -77,20 +65,18 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
   const double middle = 0.5 * (kTop + kFloor);
   const double across = *right > *left ? kWide / (*right - *left) : 0.0;
   const double up = reach > 0.0 ? 0.5 * (kFloor - kTop) / reach : 0.0;
-  std::string body =
-      "<line class=\"axis\" x1=\"0\" x2=\"" + N(kWide) + "\" y1=\"" + N(middle) + "\" y2=\"" + N(middle) + "\"/>";
+  std::string body = svg::LevelLine(middle, kWide, "axis");
   const auto dots = [&](const std::vector<double>& values, const char* style) {
     for (size_t i = 0; i < values.size(); ++i) {
-      body += std::string("<circle class=\"") + style + "\" r=\"2\" cx=\"" + N(across * (x[i] - *left)) + "\" cy=\"" +
-              N(middle - up * values[i]) + "\"/>";
+      body += svg::Dot(across * (x[i] - *left), middle - up * values[i], style);
     }
   };
   dots(measured, "dot");
   dots(model, "model");
   return Frame(title + ", within " + Significant(reach, 2),
-               body + Text(0, kHeight - 6, "start", Significant(*left, 3)) +
-                   Text(0.5 * kWide, kHeight - 6, "middle", x_label) +
-                   Text(kWide, kHeight - 6, "end", Significant(*right, 3)),
+               body + svg::Text(0, kHeight - 6, "start", Significant(*left, 3)) +
+                   svg::Text(0.5 * kWide, kHeight - 6, "middle", x_label) +
+                   svg::Text(kWide, kHeight - 6, "end", Significant(*right, 3)),
                kWide);
 }
 
@@ -105,17 +91,12 @@ std::string WaterfallChart(const std::string& title, const std::vector<Stage>& s
   for (size_t i = 0; i < stages.size(); ++i) {
     const double x = step * static_cast<double>(i), top = kFloor - scale * stages[i].value;
     const double before = i > 0 ? kFloor - scale * stages[i - 1].value : top;
-    body += "<rect class=\"bar\" x=\"" + N(x) + "\" y=\"" + N(top) + "\" width=\"" + N(0.8 * step) + "\" height=\"" +
-            N(kFloor - top) + "\"><title>" + EscapeHtml(stages[i].name) + "</title></rect>";
-    if (top > before) {
-      body += "<rect class=\"taken\" x=\"" + N(x) + "\" y=\"" + N(before) + "\" width=\"" + N(0.8 * step) +
-              "\" height=\"" + N(top - before) + "\"/>";
-    }
-    body += Text(x + 0.4 * step, std::min(top, before) - 4, "middle", Significant(stages[i].value, 3)) +
-            Text(x + 0.4 * step, kHeight - 6, "middle", i == 0 ? "before" : "step " + std::to_string(i));
+    body += svg::Rectangle(x, top, 0.8 * step, kFloor - top, "bar", stages[i].name);
+    if (top > before) body += svg::Rectangle(x, before, 0.8 * step, top - before, "taken");
+    body += svg::Text(x + 0.4 * step, std::min(top, before) - 4, "middle", Significant(stages[i].value, 3)) +
+            svg::Text(x + 0.4 * step, kHeight - 6, "middle", i == 0 ? "before" : "step " + std::to_string(i));
   }
-  body += "<line class=\"line\" x1=\"0\" x2=\"" + N(width) + "\" y1=\"" + N(kFloor - scale * floor) + "\" y2=\"" +
-          N(kFloor - scale * floor) + "\"/>";
+  body += svg::LevelLine(kFloor - scale * floor, width, "line");
   return Frame(title + " (line: " + floor_name + ", " + Significant(floor, 3) + ")", body, width);
 }
 
@@ -128,9 +109,8 @@ std::string BarChart(const std::string& title, const std::vector<Stage>& bars) {
   for (size_t i = 0; i < bars.size(); ++i) {
     const double y = kTop + kRow * static_cast<double>(i);
     const double length = highest > 0.0 ? (kWidth - kNames - 50) * bars[i].value / highest : 0.0;
-    body += Text(kNames - 6, y + 11, "end", bars[i].name) + "<rect class=\"bar\" x=\"" + N(kNames) + "\" y=\"" + N(y) +
-            "\" width=\"" + N(length) + "\" height=\"" + N(kRow - 4) + "\"/>" +
-            Text(kNames + length + 4, y + 11, "start", Significant(bars[i].value, 2));
+    body += svg::Text(kNames - 6, y + 11, "end", bars[i].name) + svg::Rectangle(kNames, y, length, kRow - 4, "bar") +
+            svg::Text(kNames + length + 4, y + 11, "start", Significant(bars[i].value, 2));
   }
   return Canvas(title, body, kWidth, height);
 }

@@ -5,6 +5,7 @@
 
 #include "tools/residuals_csv.h"
 #include "tools/summary.h"
+#include "tools/svg.h"
 
 namespace sagitta {
 namespace {
@@ -23,23 +24,6 @@ svg{margin:.5em 1em .5em 0}svg text{font:11px sans-serif;fill:#444}code{backgrou
 @media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr,svg{break-inside:avoid}}
 )";
 
-std::string N(double value) { return Fixed(value, 1); }
-
-std::string Rectangle(double x, double y, double width, double height, const std::string& style,
-                      const std::string& title) {
-  return "<rect class=\"" + style + "\" x=\"" + N(x) + "\" y=\"" + N(y) + "\" width=\"" + N(width) + "\" height=\"" +
-         N(height) + "\"><title>" + EscapeHtml(title) + "</title></rect>\n";
-}
-
-std::string Text(double x, double y, const std::string& text, const std::string& anchor = "middle") {
-  return "<text x=\"" + N(x) + "\" y=\"" + N(y) + "\" text-anchor=\"" + anchor + "\">" + EscapeHtml(text) + "</text>\n";
-}
-
-std::string Svg(double width, double height, const std::string& title, const std::string& body) {
-  return "<svg role=\"img\" width=\"" + N(width) + "\" height=\"" + N(height) + "\" viewBox=\"0 0 " + N(width) + " " +
-         N(height) + "\"><title>" + EscapeHtml(title) + "</title>\n" + body + "</svg>\n";
-}
-
 // Counts in bins over +-kRange; what lies beyond is in the outermost bins.
 std::vector<int> Histogram(const std::vector<double>& values) {
   std::vector<int> counts(kBins);
@@ -56,22 +40,24 @@ std::string HistogramSvg(char axis, const std::vector<double>& values) {
   const double expected_peak = values.size() * 2.0 * kRange / kBins * 0.3989422804;
   const double highest = std::max({1.0, expected_peak, 1.0 * *std::max_element(counts.begin(), counts.end())});
   const double scale = (kFloor - 20) / highest, step = kWidth / kBins;
-  std::string body, curve;
+  std::string body;
   for (int b = 0; b < kBins; ++b) {
-    body +=
-        Rectangle(b * step, kFloor - scale * counts[b], step - 1, scale * counts[b], "bar", std::to_string(counts[b]));
+    body += svg::Rectangle(b * step, kFloor - scale * counts[b], step - 1, scale * counts[b], "bar",
+                           std::to_string(counts[b])) +
+            "\n";
   }
+  std::vector<std::pair<double, double>> normal;
   for (int i = 0; i <= 80; ++i) {
     const double u = kRange * (i / 40.0 - 1.0);
-    curve += N(kWidth * i / 80.0) + "," + N(kFloor - scale * expected_peak * std::exp(-0.5 * u * u)) + " ";
+    normal.emplace_back(kWidth * i / 80.0, kFloor - scale * expected_peak * std::exp(-0.5 * u * u));
   }
-  body += "<polyline class=\"line\" points=\"" + curve + "\"/>\n";
+  body += svg::Curve(normal) + "\n";
   body += "<line class=\"axis\" x1=\"0\" x2=\"260\" y1=\"135\" y2=\"135\"/>\n";
   for (const int tick : {-3, -2, -1, 0, 1, 2, 3}) {
-    body += Text(kWidth * (tick + kRange) / (2.0 * kRange), 150, std::to_string(tick));
+    body += svg::Text(kWidth * (tick + kRange) / (2.0 * kRange), 150, "middle", std::to_string(tick)) + "\n";
   }
-  body += Text(4, 12, std::string(1, axis), "start");
-  return Svg(kWidth, kHeight, std::string("whitened residuals in ") + axis, body);
+  body += svg::Text(4, 12, "start", std::string(1, axis)) + "\n";
+  return svg::Picture(kWidth, kHeight, std::string("whitened residuals in ") + axis, "\n" + body);
 }
 
 std::string Histograms(const CalibrationProblem& problem, const Estimate& estimate) {
@@ -130,14 +116,16 @@ std::string ConfigurationSvg(const std::vector<Bar>& bars) {
   std::string body;
   for (size_t i = 0; i < bars.size(); ++i) {
     const double height = (kFloor - 20) * bars[i].rms() / highest;
-    body += Rectangle(i * step, kFloor - height, std::max(0.5, 0.8 * step), height,
-                      bars[i].is_validation ? "held-out" : "bar",
-                      bars[i].name + ": " + Fixed(1e3 * bars[i].rms(), 4) + " mm");
+    body += svg::Rectangle(i * step, kFloor - height, std::max(0.5, 0.8 * step), height,
+                           bars[i].is_validation ? "held-out" : "bar",
+                           bars[i].name + ": " + Fixed(1e3 * bars[i].rms(), 4) + " mm") +
+            "\n";
   }
   body += "<line class=\"axis\" x1=\"0\" x2=\"840\" y1=\"170\" y2=\"170\"/>\n";
-  body += Text(4, 12, Fixed(1e3 * highest, 3) + " mm at most", "start");
-  body += Text(0, 185, bars.front().name, "start") + Text(kWidth, 185, bars.back().name, "end");
-  return Svg(kWidth, kHeight, "RMS distance per configuration", body);
+  body += svg::Text(4, 12, "start", Fixed(1e3 * highest, 3) + " mm at most") + "\n";
+  body += svg::Text(0, 185, "start", bars.front().name) + "\n";
+  body += svg::Text(kWidth, 185, "end", bars.back().name) + "\n";
+  return svg::Picture(kWidth, kHeight, "RMS distance per configuration", "\n" + body);
 }
 
 std::string SectionToHtml(const Section& section, const char* heading) {
@@ -171,32 +159,6 @@ std::string ProvenanceToHtml(const Provenance& provenance) {
 }
 
 }  // namespace
-
-std::string EscapeHtml(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 std::string SectionsToPage(const std::vector<Section>& sections, const std::string& charts,
                            const Provenance& provenance) {

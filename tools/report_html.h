@@ -19,6 +19,4 @@ std::string ResidualCharts(const CalibrationProblem& problem, const Estimate& es
 
 std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance);
 
-std::string EscapeHtml(const std::string& text);
-
 }  // namespace sagitta

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/report_html.h"
+#include "tools/svg.h"
 
 namespace sagitta {
 namespace {
