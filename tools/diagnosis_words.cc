@@ -2,22 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include "models/effects/catalogue.h"
+#include "tools/summary.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
-
-std::string Short(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 std::string SettingsInWords(const EffectSpec& spec) {
   std::string words;
@@ -57,18 +51,19 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   for (const ParameterEstimate& row : step.parameters) {
     if (std::find(vague.begin(), vague.end(), row.name) != vague.end()) continue;
     const double unit = TraitsOf(row.quantity).si_per_unit;
-    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + Short(row.value / unit) + " ± " +
-             Short(0.5 * (row.ci95.high - row.ci95.low) / unit) + " " + TraitsOf(row.quantity).unit + ",";
+    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + Significant(row.value / unit, 3) + " ± " +
+             Significant(0.5 * (row.ci95.high - row.ci95.low) / unit, 3) + " " + TraitsOf(row.quantity).unit + ",";
   }
   words.back() = ';';
   if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
-  words += " hold-out RMS " + Short(1e3 * step.holdout_before) + " -> " + Short(1e3 * step.holdout_after) + " mm.";
+  words += " hold-out RMS " + Significant(1e3 * step.holdout_before, 3) + " -> " +
+           Significant(1e3 * step.holdout_after, 3) + " mm.";
   if (step.chosen.candidate.spec.effect == "backlash") words += " Friction wind-up has the same signature.";
   return words;
 }
 
 std::string AlternativeInWords(const Robot& robot, const Alternative& alternative) {
-  return Title(robot, alternative.spec) + " would explain " + Short(100 * alternative.overlap) + " % of it" +
+  return Title(robot, alternative.spec) + " would explain " + Significant(100 * alternative.overlap, 3) + " % of it" +
          (alternative.tied ? "; the data cannot tell the two apart" : "");
 }
 
@@ -101,23 +96,23 @@ std::string HalvesInWords(const Confirmation& confirmation) {
   if (confirmation.halves[0].values.size() == 0 || confirmation.halves[1].values.size() == 0) return words + ".";
   return words +
          (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
-         " (p " + Short(confirmation.compatible_p) + ").";
+         " (p " + Significant(confirmation.compatible_p, 3) + ").";
 }
 
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
   if (noise.is_finding && std::abs(noise.scale - 1.0) > 0.02 && (noise.low > 1.0 || noise.high < 1.0)) {
-    words += "The instrument's noise is " + Short(noise.scale) + " times what is stated. ";
+    words += "The instrument's noise is " + Significant(noise.scale, 3) + " times what is stated. ";
   }
   if (noise.repeatability > 0.0) {
-    words += "Joint repeatability of about " + Short(1e6 * noise.repeatability) + " urad was not declared. ";
+    words += "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) + " urad was not declared. ";
   }
   if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out. ";
   return words.empty() ? "The noise is as stated." : words;
 }
 
 std::string ShareInWords(const WhereShare& share) {
-  return Short(100 * share.share) + " % of the excess is at " + share.by + " " + share.key;
+  return Significant(100 * share.share, 3) + " % of the excess is at " + share.by + " " + share.key;
 }
 
 // A spring within metres of the joint, with a rest length and a rate.
@@ -154,21 +149,22 @@ std::string DiagnosisToText(const Diagnosis& d) {
   const Estimate& before = d.baseline.estimate;
   const Estimate& after = d.final.estimate;
   text << "Verdict: " << d.verdict << ". " << VerdictInWords(d) << "\n\n";
-  text << "Baseline: reduced chi-square " << Short(before.chi2 / std::max(1, before.dof)) << ", hold-out RMS "
-       << Short(1e3 * before.validation.rms) << " mm\n";
+  text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", hold-out RMS "
+       << Significant(1e3 * before.validation.rms, 3) << " mm\n";
   for (size_t i = 0; i < d.steps.size(); ++i) {
     text << "Step " << i + 1 << ": " << StepInWords(robot, d.steps[i]) << "\n";
     text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
     if (!IsPlausible(d.steps[i])) text << "    " << PhysicalInWords(d.steps[i]) << "\n";
     for (const Alternative& alternative : d.steps[i].alternatives) {
-      text << "    or " << Title(robot, alternative.spec) << " (overlap " << Short(alternative.overlap)
+      text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3)
            << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
     }
   }
-  text << "Final: reduced chi-square " << Short(after.chi2 / std::max(1, after.dof)) << ", hold-out RMS "
-       << Short(1e3 * after.validation.rms) << " mm, noise floor " << Short(1e3 * after.noise_floor) << " mm\n";
-  text << "Gap on untouched configurations: " << Short(1e3 * d.gap.before) << " -> " << Short(1e3 * d.gap.after)
-       << " mm, closed " << Short(100 * d.gap.closed) << " %\n";
+  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", hold-out RMS "
+       << Significant(1e3 * after.validation.rms, 3) << " mm, noise floor " << Significant(1e3 * after.noise_floor, 3)
+       << " mm\n";
+  text << "Gap on untouched configurations: " << Significant(1e3 * d.gap.before, 3) << " -> "
+       << Significant(1e3 * d.gap.after, 3) << " mm, closed " << Significant(100 * d.gap.closed, 3) << " %\n";
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << d.unexplained.words << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
