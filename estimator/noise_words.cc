@@ -167,9 +167,8 @@ void DescribeWeights(const CalibrationProblem& problem, NoiseReport* report) {
   const NoiseSpec& noise = problem.experiment.noise;
   if (problem.experiment.weights == "equal") {
     report->words.push_back(
-        "Weights: equal (ordinary least squares). The intervals count the noise of each row as it is (sandwich, eq. "
-        "(8) "
-        "of paper 003); weights: sigma would make them shorter.");
+        "Weights: equal (ordinary least squares). The intervals count the noise of each row as it is "
+        "(sandwich, eq. (8) of paper 003); weights: sigma would make them shorter.");
     return;
   }
   report->words.push_back("Weights: eq. (14) of paper 003, lambda " + Number("%.3g", noise.lambda) + ", sigma0 " +
@@ -191,9 +190,8 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
                          Number("%.3g", 1e6 * high) + " µm.");
   if (noise.group == "residual") {
     estimate->warnings.push_back(
-        "weights from each row's own residual make intervals that are too short (of 95 % intervals of the published "
-        "scheme "
-        "three in ten hold the truth); use group: config-axis or state the noise");
+        "weights from each row's own residual make intervals that are too short (of 95 % intervals of the "
+        "published scheme three in ten hold the truth); use group: config-axis or state the noise");
   }
 }
 

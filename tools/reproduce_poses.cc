@@ -54,8 +54,7 @@ ReproducedTable TableI(Reproduction* reproduction) {
               "never worse (" + Fixed(smallest, 4) + "); " + Fixed(low, 2) + " ... " + Fixed(high, 2),
               low < 1.1 ? Verdict::kNotReproducible : Verdict::kReproduced,
               "smallest factor of all sets; medians over random sets for a disc of 100 mm with the TCP at its centre, "
-              "100 mm/rad: "
-              "nothing to gain there");
+              "100 mm/rad: nothing to gain there");
   table.State("full poses with their propagated 6 x 6 covariance", "-",
               "equal to markers within " + Significant(gap, 1), Verdict::kAddition,
               "the pose is a sufficient statistic: the gain is bad weighting avoided");

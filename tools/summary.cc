@@ -180,10 +180,9 @@ Section ParameterSection(const Estimate& estimate) {
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
-        "at bound: the interval meets a physical bound (a compliance is not below 0) and ends there; such a value is "
-        "known as \"at most\". Its interval holds the truth more often than 95 %: what it would have beyond the bound "
-        "is "
-        "cut off.");
+        "at bound: the interval meets a physical bound (a compliance is not below 0) and ends there; such a value "
+        "is known as \"at most\". Its interval holds the truth more often than 95 %: what it would have beyond the "
+        "bound is cut off.");
   }
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.insert(

@@ -87,9 +87,8 @@ void LintOrientation(const CalibrationProblem& problem, std::vector<Finding>* fi
         {Severity::kSerious,
          "constant_orientation",
          "the flange has the same orientation in all configurations" + where +
-             ": where the marker sits on the flange cannot be "
-             "told "
-             "from where the base stands; both could be shifted against each other by any amount without a trace",
+             ": where the marker sits on the flange cannot be told from where the base stands; both could be "
+             "shifted against each other by any amount without a trace",
          "add configurations with the flange turned about at least two axes by 30 degrees and more, or state the "
          "markers' points",
          {}});
