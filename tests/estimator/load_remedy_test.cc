@@ -36,23 +36,11 @@ void AddPlannedShots(const LoadPlan& plan, double sigma, test::LoadedTruth* trut
     for (const Shot& other : data->shots) {
       if (other.configuration == configuration) shot = other;
     }
-    shot.observations.clear();
     shot.load = shot.visit = "plan" + std::to_string(i);  // a pull is an arrival of its own
     const AppliedWrench& wrench = plan.wrenches[i];
     truth->loads[shot.load] = {wrench.force, wrench.moment, wrench.point, wrench.expressed_in};
     shot.wrench = {wrench.force, wrench.moment};
-    for (int m = 0; m < 3; ++m) {
-      Observation observation;
-      observation.shot = static_cast<int>(data->shots.size());
-      observation.marker = m;
-      observation.sigma.setConstant(sigma);
-      observation.file = 0;
-      observation.row = static_cast<int>(data->observations.size());
-      data->files[0].rows.push_back({observation.row + 2, {}});
-      shot.observations.push_back(observation.row);
-      data->observations.push_back(observation);
-    }
-    data->shots.push_back(shot);
+    test::AddShot(shot, 3, sigma, data);
   }
 }
 

@@ -51,6 +51,23 @@ struct Kr270Design {
   double sigma = 1e-4;  // m, stated in every row
 };
 
+// One row per marker, the first `markers` of the data, without points.
+inline void AddShot(Shot shot, int markers, double sigma, Measurements* data) {
+  shot.observations.clear();
+  for (int m = 0; m < markers; ++m) {
+    Observation observation;
+    observation.shot = static_cast<int>(data->shots.size());
+    observation.marker = m;
+    observation.sigma.setConstant(sigma);
+    observation.file = 0;
+    observation.row = static_cast<int>(data->observations.size());
+    data->files[0].rows.push_back({observation.row + 2, {}});
+    shot.observations.push_back(observation.row);
+    data->observations.push_back(observation);
+  }
+  data->shots.push_back(shot);
+}
+
 inline Measurements DesignMeasurements(const Kr270Design& design) {
   RandomNumbers random(design.seed);
   Measurements data;
@@ -67,19 +84,8 @@ inline Measurements DesignMeasurements(const Kr270Design& design) {
     Shot shot;
     shot.configuration = c;
     shot.station = c % design.stations;
-    for (int m = 0; m < 3; ++m) {
-      Observation observation;
-      observation.shot = c;
-      observation.marker = m;
-      observation.sigma.setConstant(design.sigma);
-      observation.file = 0;
-      observation.row = static_cast<int>(data.observations.size());
-      data.files[0].rows.push_back({observation.row + 2, {}});
-      shot.observations.push_back(observation.row);
-      data.observations.push_back(observation);
-    }
     data.configurations.push_back(configuration);
-    data.shots.push_back(shot);
+    AddShot(shot, 3, design.sigma, &data);
   }
   return data;
 }

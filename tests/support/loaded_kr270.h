@@ -167,24 +167,12 @@ inline Measurements LoadedRows(const LoadedDesign& design, const LoadedTruth& tr
     if (static_cast<int>(c) < design.pulled) states.insert(states.end(), design.pulls.begin(), design.pulls.end());
     for (const std::string& state : states) {
       Shot shot = once[c];
-      shot.observations.clear();
       shot.load = state;
       if (state != "none") {
         shot.wrench.force = truth.loads.at(state).force;
         shot.wrench.moment = truth.loads.at(state).moment;
       }
-      for (size_t m = 0; m < data.markers.size(); ++m) {
-        Observation observation;
-        observation.shot = static_cast<int>(data.shots.size());
-        observation.marker = static_cast<int>(m);
-        observation.sigma.setConstant(design.sigma);
-        observation.file = 0;
-        observation.row = static_cast<int>(data.observations.size());
-        data.files[0].rows.push_back({observation.row + 2, {}});
-        shot.observations.push_back(observation.row);
-        data.observations.push_back(observation);
-      }
-      data.shots.push_back(shot);
+      AddShot(shot, static_cast<int>(data.markers.size()), design.sigma, &data);
     }
   }
   return data;

@@ -37,20 +37,8 @@ inline Measurements RepeatRows(const RepeatDesign& design) {
   for (const Shot& first : shots) {
     for (int r = 0; r < design.repeats; ++r) {
       Shot shot = first;
-      shot.observations.clear();
       (design.reapproached ? shot.visit : shot.repeat) = std::to_string(r + 1);
-      for (int m = 0; m < 3; ++m) {
-        Observation observation;
-        observation.shot = static_cast<int>(data.shots.size());
-        observation.marker = m;
-        observation.sigma.setConstant(design.tracker);
-        observation.file = 0;
-        observation.row = static_cast<int>(data.observations.size());
-        data.files[0].rows.push_back({observation.row + 2, {}});
-        shot.observations.push_back(observation.row);
-        data.observations.push_back(observation);
-      }
-      data.shots.push_back(shot);
+      AddShot(shot, 3, design.tracker, &data);
     }
   }
   return data;
