@@ -50,10 +50,7 @@ CalibrationProblem ProblemOf(const Kr270Design& design, const Change& before, co
   if (before) before(&data);
   test::MeasureKr270(Kr270Truth(), design.sigma, 7, &data);
   if (after) after(&data);
-  Robot robot;
-  robot.name = "KR 270";
-  robot.chain = test::Kr270Chain();
-  return MakeCalibrationProblem(robot, data, Experiment());
+  return test::Kr270ProblemOf(data, Experiment());
 }
 
 Inspection InspectKr270(const Change& before, const Change& after, const Kr270Design& design = Kr270Design()) {

@@ -70,14 +70,7 @@ TEST(NoiseLoop, TrackerResidualsAreStandardNormalAndIntervalsHold) {
     test::MeasureByTracker(truth, tracker, 100 + t, &data);
     const CalibrationProblem problem = test::Kr270ProblemOf(data, test::TrackerExperiment(tracker));
     coverage.Add(EstimateWithNoise(problem).estimate, truth);
-    for (size_t i = 0; i < data.observations.size(); ++i) {
-      const Observation& row = data.observations[i];
-      const Shot& shot = data.shots[row.shot];
-      const Vector3<double> exact =
-          test::ExactPoint(truth, data.configurations[shot.configuration].q, row.marker, shot.station);
-      const Vector3<double> u = problem.NoiseRoot(static_cast<int>(i)).inverse() * (row.point_in_station - exact);
-      whitened.insert(whitened.end(), u.data(), u.data() + 3);
-    }
+    test::AppendWhitenedErrors(truth, problem, &whitened);
   }
   EXPECT_GT(KolmogorovSurvival(test::KolmogorovDistance(whitened), static_cast<double>(whitened.size())), 1e-3);
   for (double& u : whitened) u *= 1.2;  // a sigma off by a fifth would be seen

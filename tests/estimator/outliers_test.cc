@@ -21,8 +21,7 @@ struct Scene {
   Scene() : problem(Make()), parameters(problem.parameters) {
     for (int s = 0; s < 2; ++s) {
       const test::Kr270Truth truth;
-      const Vector3<double>& turn = truth.base_rotvec[s];
-      parameters.SetBaseInStation(s, {test::Turn(turn / turn.norm(), turn.norm()), truth.base_xyz[s]});
+      parameters.SetBaseInStation(s, {test::BaseRotation(truth, s), truth.base_xyz[s]});
     }
   }
   static CalibrationProblem Make() {

@@ -160,25 +160,20 @@ void StudyTracker(const Range& range) {
       {"one sigma, estimated", Experiment()}};
   std::vector<IntervalTally> tallies(methods.size());
   std::vector<double> whitened;
-  double nearest = 1e9, farthest = 0.0;
   for (int t = 0; t < range.trials; ++t) {
     test::MeasureByTracker(truth, tracker, range.first + t, &data);
     for (size_t m = 0; m < methods.size(); ++m) {
       const CalibrationProblem problem = test::Kr270ProblemOf(data, methods[m].second);
       tallies[m].Add(EstimateWithNoise(problem).estimate, truth);
-      if (m > 0) continue;
-      for (size_t i = 0; i < data.observations.size(); ++i) {
-        const Observation& row = data.observations[i];
-        const Shot& shot = data.shots[row.shot];
-        const Vector3<double> exact =
-            test::ExactPoint(truth, data.configurations[shot.configuration].q, row.marker, shot.station);
-        const Vector3<double> u = problem.NoiseRoot(static_cast<int>(i)).inverse() * (row.point_in_station - exact);
-        whitened.insert(whitened.end(), u.data(), u.data() + 3);
-        const double r = (exact - test::TrackerPlaces()[shot.station]).norm();
-        nearest = std::min(nearest, r);
-        farthest = std::max(farthest, r);
-      }
+      if (m == 0) test::AppendWhitenedErrors(truth, problem, &whitened);
     }
+  }
+  double nearest = 1e9, farthest = 0.0;
+  for (const Observation& row : data.observations) {
+    const Vector3<double> place = test::TrackerPlaces()[data.shots[row.shot].station];
+    const double r = (test::ExactPoint(truth, data, row) - place).norm();
+    nearest = std::min(nearest, r);
+    farthest = std::max(farthest, r);
   }
   std::printf("ranges %.1f to %.1f m, %zu whitened coordinates: Kolmogorov p = %.3f\n", nearest, farthest,
               whitened.size(),

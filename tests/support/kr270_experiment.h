@@ -90,28 +90,42 @@ inline Measurements DesignMeasurements(const Kr270Design& design) {
   return data;
 }
 
+inline Eigen::Matrix3d BaseRotation(const Kr270Truth& truth, int station) {
+  const Vector3<double>& turn = truth.base_rotvec[station];
+  const double angle = turn.norm();
+  return angle > 0 ? Turn(turn / angle, angle) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+}
+
+// Of an arm at q, as its station sees it.
+inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Eigen::VectorXd& q, int marker, int station) {
+  const Vector3<double> in_base = IndependentKr270Point(q, truth.errors, truth.tools[marker]);
+  return truth.base_xyz[station] + BaseRotation(truth, station) * in_base;
+}
+
+inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Measurements& data, const Observation& row) {
+  return ExactPoint(truth, data.ConfigurationOf(row).q, row.marker, data.shots[row.shot].station);
+}
+
 // Fills in the points: truth plus seeded noise of the design's sigma.
 inline void MeasureKr270(const Kr270Truth& truth, double sigma, std::uint64_t seed, Measurements* data) {
   NormalNumbers normal(seed);
   for (Observation& observation : data->observations) {
-    const Shot& shot = data->shots[observation.shot];
-    const Vector3<double> in_base = IndependentKr270Point(data->configurations[shot.configuration].q, truth.errors,
-                                                          truth.tools[observation.marker]);
-    const Vector3<double>& turn = truth.base_rotvec[shot.station];
-    const double angle = turn.norm();
-    const Eigen::Matrix3d rotation = angle > 0 ? Turn(turn / angle, angle) : Eigen::Matrix3d::Identity();
     const Vector3<double> noise(normal(), normal(), normal());
-    observation.point_in_station = truth.base_xyz[shot.station] + rotation * in_base + sigma * noise;
+    observation.point_in_station = ExactPoint(truth, *data, observation) + sigma * noise;
   }
+}
+
+inline CalibrationProblem Kr270ProblemOf(const Measurements& data, const Experiment& experiment) {
+  Robot robot;
+  robot.name = "KR 270";
+  robot.chain = Kr270Chain();
+  return MakeCalibrationProblem(robot, data, experiment);
 }
 
 inline CalibrationProblem Kr270Problem(const Kr270Design& design, const Kr270Truth& truth, std::uint64_t noise_seed) {
   Measurements data = DesignMeasurements(design);
   MeasureKr270(truth, design.sigma, noise_seed, &data);
-  Robot robot;
-  robot.name = "KR 270";
-  robot.chain = Kr270Chain();
-  return MakeCalibrationProblem(robot, data, Experiment());
+  return Kr270ProblemOf(data, Experiment());
 }
 
 // The truth of a coordinate by name, as results state it (SI).

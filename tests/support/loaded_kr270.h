@@ -91,12 +91,6 @@ inline ArmState StateOfArm(const std::array<double, 6>& v, const std::array<doub
   return s;
 }
 
-inline Eigen::Matrix3d BaseRotation(const Kr270Truth& truth, int station) {
-  const Vector3<double>& turn = truth.base_rotvec[station];
-  const double angle = turn.norm();
-  return angle > 0 ? Turn(turn / angle, angle) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-}
-
 // Deflections theta_j = k_j tau_j(q + theta), iterated until they stand.
 inline ArmState LoadedState(const LoadedTruth& truth, const Eigen::VectorXd& q, const std::string& load, int station) {
   const Eigen::Matrix3d base = BaseRotation(truth, station);

@@ -44,12 +44,6 @@ inline Measurements RepeatRows(const RepeatDesign& design) {
   return data;
 }
 
-inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Eigen::VectorXd& q, int marker, int station) {
-  const Vector3<double>& turn = truth.base_rotvec[station];
-  const Eigen::Matrix3d rotation = Turn(turn / turn.norm(), turn.norm());
-  return truth.base_xyz[station] + rotation * IndependentKr270Point(q, truth.errors, truth.tools[marker]);
-}
-
 // Deviation of every joint (rad) that moves a coordinate of the markers by `per_axis` (m) RMS at these configurations:
 // per_axis^2 = joint^2 mean_k tr(D_k D_k') / 3, D_k by differences.
 inline double JointDeviationFor(double per_axis, const Kr270Truth& truth, const Measurements& data) {
@@ -58,7 +52,7 @@ inline double JointDeviationFor(double per_axis, const Kr270Truth& truth, const 
   for (const Observation& observation : data.observations) {
     const Shot& shot = data.shots[observation.shot];
     const Eigen::VectorXd& q = data.configurations[shot.configuration].q;
-    const Vector3<double> here = ExactPoint(truth, q, observation.marker, shot.station);
+    const Vector3<double> here = ExactPoint(truth, data, observation);
     for (int j = 0; j < q.size(); ++j) {
       const Eigen::VectorXd moved = q + kStep * Eigen::VectorXd::Unit(q.size(), j);
       squares += (ExactPoint(truth, moved, observation.marker, shot.station) - here).squaredNorm() / (kStep * kStep);
@@ -87,13 +81,6 @@ inline void MeasureRepeated(const Kr270Truth& truth, const RepeatDesign& design,
           ExactPoint(truth, q, data->observations[i].marker, shot.station) + design.tracker * noise;
     }
   }
-}
-
-inline CalibrationProblem Kr270ProblemOf(const Measurements& data, const Experiment& experiment) {
-  Robot robot;
-  robot.name = "KR 270";
-  robot.chain = Kr270Chain();
-  return MakeCalibrationProblem(robot, data, experiment);
 }
 
 // A tracker at `instrument` reads range, azimuth and elevation, each with its noise.
@@ -130,10 +117,19 @@ inline void MeasureByTracker(const Kr270Truth& truth, const TrackerTruth& tracke
                              Measurements* data) {
   NormalNumbers normal(seed);
   for (Observation& observation : data->observations) {
-    const Shot& shot = data->shots[observation.shot];
-    const Vector3<double> exact =
-        ExactPoint(truth, data->configurations[shot.configuration].q, observation.marker, shot.station);
-    observation.point_in_station = tracker.Read(exact, TrackerPlaces()[shot.station], &normal);
+    const Vector3<double> place = TrackerPlaces()[data->shots[observation.shot].station];
+    observation.point_in_station = tracker.Read(ExactPoint(truth, *data, observation), place, &normal);
+  }
+}
+
+// Appends the true errors of all rows, whitened by the problem's noise.
+inline void AppendWhitenedErrors(const Kr270Truth& truth, const CalibrationProblem& problem,
+                                 std::vector<double>* whitened) {
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    const Observation& row = problem.data.observations[i];
+    const Vector3<double> error = row.point_in_station - ExactPoint(truth, problem.data, row);
+    const Vector3<double> u = problem.NoiseRoot(static_cast<int>(i)).inverse() * error;
+    whitened->insert(whitened->end(), u.data(), u.data() + 3);
   }
 }
 
@@ -178,9 +174,8 @@ inline double NoiseErrorOf(const Estimate& estimate, const Kr270Truth& truth, in
   const Coordinate& c = estimate.parameters.coordinates()[coordinate];
   if (c.quantity != Quantity::kRotationVector) return estimate.parameters.Value(coordinate) - TrueValue(truth, c.name);
   const int station = estimate.parameters.blocks()[c.block].owner;
-  const Vector3<double>& turn = truth.base_rotvec[station];
   const Eigen::AngleAxisd off(estimate.parameters.BaseInStation(station).rotation *
-                              Turn(turn / turn.norm(), turn.norm()).transpose());
+                              BaseRotation(truth, station).transpose());
   return off.angle() * off.axis()[c.index_in_block];
 }
 
