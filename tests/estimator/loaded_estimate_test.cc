@@ -20,30 +20,11 @@ using test::LoadedTruth;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// Two tilted stations, a load on the arm's end, two sideways pulls in three
-// configurations, the spring of paper 002, a marker on A1 and one on A2.
-LoadedTruth Everything() {
-  LoadedTruth truth;
-  truth.base_rotvec = {{0.0528, 0.01, 0.3}, {-0.04, 0.02, -1.0}};
-  truth.base_xyz = {{0.1, 0.2, 0.3}, {3.0, -1.0, 0.2}};
-  truth.loads["PX"] = {{500, 0, 0}};
-  truth.loads["PY"] = {{0, 500, 0}};
-  truth.spring = test::SpringTruth();
-  truth.link_markers = {{"B1", {0, {0.3, 0.2, 0.1}}}, {"B2", {1, {0.1, 0.2, 0.15}}}};
-  return truth;
-}
-
 LoadedTruth WithoutSpring() {
-  LoadedTruth truth = Everything();
+  LoadedTruth truth = test::Everything();
   truth.spring.reset();
   truth.link_markers.clear();
   return truth;
-}
-
-LoadedDesign WithPulls() {
-  LoadedDesign design;
-  design.pulls = {"PX", "PY"};
-  return design;
 }
 
 struct Simulated {
@@ -93,21 +74,21 @@ void ExpectWithinCovariance(const Estimate& estimate, const LoadedTruth& truth) 
 }
 
 TEST(LoadedEstimate, RecoversExactDataToRoundOff) {
-  Simulated data(Everything(), WithPulls());
+  Simulated data(test::Everything(), test::WithPulls());
   const Estimate estimate = data.SolveExact();
   EXPECT_EQ(estimate.estimated.size(), 55u);
   ExpectTruth(estimate, data.truth);
 }
 
 TEST(LoadedEstimate, RecoversEverythingWithinItsCovariance) {
-  Simulated data(Everything(), WithPulls());
+  Simulated data(test::Everything(), test::WithPulls());
   for (int seed = 1; seed <= 20; ++seed) ExpectWithinCovariance(data.Solve(seed), data.truth);
 }
 
 TEST(LoadedEstimate, TwoStepReachesTheJointOptimum) {
-  test::LoadedSetup setup = test::SetupFor(Everything());
+  test::LoadedSetup setup = test::SetupFor(test::Everything());
   setup.experiment.priors["compliance/A6"] = {2.2, 0.1};
-  Simulated data(Everything(), WithPulls(), setup);
+  Simulated data(test::Everything(), test::WithPulls(), setup);
   const Estimate joint = data.Solve(3);
   ASSERT_EQ(joint.status, Status::kConverged) << joint.message;
   const MethodResult two_step = RunMethod(data.problem, "two-step", joint);
@@ -151,7 +132,7 @@ class LoadVariantTest : public ::testing::TestWithParam<Variant> {};
 
 TEST_P(LoadVariantTest, IsRecovered) {
   LoadedTruth truth = WithoutSpring();
-  LoadedDesign design = WithPulls();
+  LoadedDesign design = test::WithPulls();
   GetParam().change(&truth, &design);
   Simulated data(truth, design);
   ExpectTruth(data.SolveExact(), truth);
@@ -172,10 +153,10 @@ void ExpectHeld(const Estimate& estimate, const std::string& name, const std::st
 }
 
 TEST(LoadedEstimate, TheSpringsScaleGaugeHoldsLWithWords) {
-  const LoadedTruth truth = Everything();
+  const LoadedTruth truth = test::Everything();
   test::LoadedSetup setup = test::SetupFor(truth);
   setup.experiment.estimate.gravity_compensator = {Selection::Kind::kAll, {}};
-  Simulated data(truth, WithPulls(), setup);
+  Simulated data(truth, test::WithPulls(), setup);
   const Estimate estimate = data.Solve(5);
   ExpectHeld(estimate, "compensator/L", "measure L with markers on the links, or hold it");
   const auto& components = estimate.identifiability.unidentifiable[0].components;
@@ -208,7 +189,7 @@ TEST(LoadedEstimate, LoadOnAxisSixHoldsK6) {
 TEST(LoadedEstimate, CompliancesStayPositiveAndTheirIntervalsSayWhereTheyEnd) {
   LoadedTruth truth = WithoutSpring();
   truth.k[5] = 0.0;
-  Simulated data(truth, WithPulls());
+  Simulated data(truth, test::WithPulls());
   int at_zero = 0;
   constexpr int kSeeds = 12;
   for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -229,7 +210,7 @@ TEST(LoadedEstimate, CompliancesStayPositiveAndTheirIntervalsSayWhereTheyEnd) {
 // A linear model's posterior: x + C e d / (s^2 + C_ee), C - C e e'C / (s^2 + C_ee).
 TEST(LoadedEstimate, PriorsPullAsTheClosedFormSays) {
   const LoadedTruth truth = WithoutSpring();
-  Simulated plain(truth, WithPulls());
+  Simulated plain(truth, test::WithPulls());
   const Estimate without = plain.Solve(2);
   ASSERT_EQ(without.status, Status::kConverged) << without.message;
   const int k6 = without.parameters.FindCoordinate("compliance/A6");
@@ -240,7 +221,7 @@ TEST(LoadedEstimate, PriorsPullAsTheClosedFormSays) {
     const double shift = -0.8 * sigma;
     test::LoadedSetup setup = test::SetupFor(truth);
     setup.experiment.priors["compliance/A6"] = {(without.table[k6].value + shift) / 1e-6, prior_sigma / 1e-6};
-    Simulated data(truth, WithPulls(), setup);
+    Simulated data(truth, test::WithPulls(), setup);
     const Estimate with = data.Solve(2);
     ASSERT_EQ(with.status, Status::kConverged) << with.message;
     const Eigen::VectorXd column = without.covariance.col(c);

@@ -23,17 +23,6 @@ namespace {
 
 using namespace sagitta;  // NOLINT: a program of two pages
 
-test::LoadedTruth Truth() {
-  test::LoadedTruth truth;
-  truth.base_rotvec = {{0.0528, 0.01, 0.3}, {-0.04, 0.02, -1.0}};
-  truth.base_xyz = {{0.1, 0.2, 0.3}, {3.0, -1.0, 0.2}};
-  truth.loads["PX"] = {{500, 0, 0}};
-  truth.loads["PY"] = {{0, 500, 0}};
-  truth.spring = test::SpringTruth();
-  truth.link_markers = {{"B1", {0, {0.3, 0.2, 0.1}}}, {"B2", {1, {0.1, 0.2, 0.15}}}};
-  return truth;
-}
-
 struct Tally {
   int covered = 0;
   double z2 = 0.0;                               // sum of (error / sigma)^2
@@ -54,9 +43,8 @@ int main(int argc, char** argv) {
   const int trials = argc > 1 ? std::atoi(argv[1]) : 2000;
   const int paired = argc > 2 ? std::atoi(argv[2]) : 200;
   const int seeds = argc > 3 ? std::atoi(argv[3]) : 200;
-  const test::LoadedTruth truth = Truth();
-  test::LoadedDesign design;
-  design.pulls = {"PX", "PY"};
+  const test::LoadedTruth truth = test::Everything();
+  const test::LoadedDesign design = test::WithPulls();
   test::LoadedSetup setup = test::SetupFor(truth);
   setup.robot.compliances.push_back({1, {{0.0, 0.25e-6}}, false});  // where the two-step method starts
   Measurements data = test::LoadedRows(design, truth);

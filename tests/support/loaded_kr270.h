@@ -134,6 +134,19 @@ inline ArmState LoadedState(const LoadedTruth& truth, const Eigen::VectorXd& q, 
   }
 }
 
+// Two tilted stations, a load on the arm's end, two sideways pulls, the spring of paper 002, a marker on A1 and one on
+// A2.
+inline LoadedTruth Everything() {
+  LoadedTruth truth;
+  truth.base_rotvec = {{0.0528, 0.01, 0.3}, {-0.04, 0.02, -1.0}};
+  truth.base_xyz = {{0.1, 0.2, 0.3}, {3.0, -1.0, 0.2}};
+  truth.loads["PX"] = {{500, 0, 0}};
+  truth.loads["PY"] = {{0, 500, 0}};
+  truth.spring = SpringTruth();
+  truth.link_markers = {{"B1", {0, {0.3, 0.2, 0.1}}}, {"B2", {1, {0.1, 0.2, 0.15}}}};
+  return truth;
+}
+
 struct LoadedDesign : Kr270Design {
   LoadedDesign() {
     configurations = 20;
@@ -145,6 +158,13 @@ struct LoadedDesign : Kr270Design {
   bool unloaded = true;
   std::function<void(std::vector<Configuration>*)> change;  // of the drawn configurations
 };
+
+// In the first three configurations two sideways pulls beside the load.
+inline LoadedDesign WithPulls() {
+  LoadedDesign design;
+  design.pulls = {"PX", "PY"};
+  return design;
+}
 
 // Rows without points: every load state of a configuration is one shot of its station.
 inline Measurements LoadedRows(const LoadedDesign& design, const LoadedTruth& truth) {
