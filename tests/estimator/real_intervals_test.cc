@@ -1,7 +1,6 @@
 // What intervals promise on measured robots (../shared/data).
 #include <gtest/gtest.h>
 
-#include <numeric>
 #include <random>
 
 #include "estimator/agreement/agreement.h"
@@ -69,24 +68,8 @@ TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
   Experiment experiment;
   experiment.covariance = "sandwich";
   const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
-  std::mt19937_64 random(1);
-  const ParameterSet start = EstimateJointly(problem).parameters;
-  Agreement agreement;
-  for (int split = 0; split < 12; ++split) {
-    std::vector<int> order(problem.data.configurations.size());
-    std::iota(order.begin(), order.end(), 0);
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-    std::vector<bool> first(order.size());
-    for (size_t i = 0; i < order.size() / 2; ++i) first[order[i]] = true;
-    const auto half = [&](bool which) {
-      return test::EstimatePart(problem, start, [&](const Observation& observation) {
-        return first[problem.data.shots[observation.shot].configuration] == which;
-      });
-    };
-    const Estimate a = half(true), b = half(false);
-    ASSERT_TRUE(IsUsable(a.status) && IsUsable(b.status));
-    test::Compare(a, b, "", &agreement);
-  }
+  const Agreement agreement = test::CompareRandomHalves(problem, 12, 1);
+  ASSERT_EQ(agreement.failed, 0);
   ASSERT_GT(agreement.compared, 200);
   // Parameters of one split move together and all splits share the data: as if 12
   // splits of 8 independent differences, sqrt(0.95 * 0.05 / 96) = 2.2 %.

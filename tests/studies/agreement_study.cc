@@ -8,11 +8,10 @@
 // and the inflation, the factor on the intervals with which 95 % would be. Random
 // halves share every model error, regions do not: what they ask for beyond 1 is
 // what the model's error adds. UR5: predicted against observed validation RMS.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numeric>
-#include <random>
 
 #include "tests/support/agreement.h"
 #include "tests/support/real_data.h"
@@ -35,28 +34,6 @@ void Print(const char* what, const std::string& covariance, const Agreement& agr
               agreement.compared, agreement.share(), agreement.Inflation());
 }
 
-Agreement RandomHalves(const CalibrationProblem& problem, int splits, unsigned seed) {
-  std::mt19937_64 random(seed);
-  const ParameterSet start = EstimateJointly(problem).parameters;
-  Agreement agreement;
-  for (int split = 0; split < splits; ++split) {
-    std::vector<int> order(problem.data.configurations.size());
-    std::iota(order.begin(), order.end(), 0);
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-    std::vector<bool> first(order.size());
-    for (size_t i = 0; i < order.size() / 2; ++i) first[order[i]] = true;
-    const auto half = [&](bool which) {
-      return test::EstimatePart(problem, start, [&](const Observation& observation) {
-        return first[problem.data.shots[observation.shot].configuration] == which;
-      });
-    };
-    const Estimate a = half(true), b = half(false);
-    if (IsUsable(a.status) && IsUsable(b.status)) test::Compare(a, b, "", &agreement);
-    std::fprintf(stderr, "split %d of %d\n", split + 1, splits);
-  }
-  return agreement;
-}
-
 // Each series alone; geometry is what they have in common.
 Agreement BetweenSeries(const std::string& covariance) {
   std::vector<CalibrationProblem> problems;
@@ -76,9 +53,7 @@ Agreement BetweenSeries(const std::string& covariance) {
       if (coordinates == 0) continue;
       test::Compare(estimates[a], estimates[b], "geometry/", &pair);
       Print(("series " + kSeries[a] + " against " + kSeries[b]).c_str(), covariance, pair);
-      all.compared += pair.compared;
-      all.inside += pair.inside;
-      all.z.insert(all.z.end(), pair.z.begin(), pair.z.end());
+      all.Add(pair);
     }
   }
   return all;
@@ -111,9 +86,7 @@ Agreement BetweenRegions(const CalibrationProblem& problem, const std::string& c
     Agreement pair;
     if (IsUsable(a.status) && IsUsable(b.status)) test::Compare(a, b, "geometry/", &pair);
     Print((std::string("halves of the workspace by ") + by).c_str(), covariance, pair);
-    all.compared += pair.compared;
-    all.inside += pair.inside;
-    all.z.insert(all.z.end(), pair.z.begin(), pair.z.end());
+    all.Add(pair);
   }
   return all;
 }
@@ -142,7 +115,8 @@ int main(int argc, char** argv) {
   for (const char* covariance : {"model", "sandwich"}) {
     PredictedRms(covariance);
     const CalibrationProblem problem = Ur10(covariance);
-    Print("random halves", covariance, RandomHalves(problem, splits, seed));
+    const auto progress = [&](int done) { std::fprintf(stderr, "split %d of %d\n", done, splits); };
+    Print("random halves", covariance, test::CompareRandomHalves(problem, splits, seed, progress));
     Print("between series", covariance, BetweenSeries(covariance));
     Print("between halves of the workspace", covariance, BetweenRegions(problem, covariance));
     std::fflush(stdout);

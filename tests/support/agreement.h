@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,14 @@ struct Agreement {
   int compared = 0;
   int inside = 0;         // |difference| within t sqrt(sigma_a^2 + sigma_b^2)
   std::vector<double> z;  // difference over its 95 % half-width, times 1.96
+  int failed = 0;         // splits of which a part could not be fitted
+
+  void Add(const Agreement& other) {
+    compared += other.compared;
+    inside += other.inside;
+    z.insert(z.end(), other.z.begin(), other.z.end());
+    failed += other.failed;
+  }
   double share() const { return compared > 0 ? inside / static_cast<double>(compared) : 0.0; }
   // Factor on the intervals that makes 95 % of the differences fit.
   double Inflation() const {
@@ -53,6 +63,32 @@ inline void Compare(const Estimate& a, const Estimate& b, const std::string& pre
     agreement->inside += std::abs(difference) <= t * std::sqrt(variance);
     agreement->z.push_back(difference / (t * std::sqrt(variance)) * 1.96);
   }
+}
+
+// Random halves of the configurations, fitted from the estimate of all. `after` is told how many splits are done.
+inline Agreement CompareRandomHalves(const CalibrationProblem& problem, int splits, unsigned seed,
+                                     const std::function<void(int)>& after = {}) {
+  std::mt19937_64 random(seed);
+  const ParameterSet start = EstimateJointly(problem).parameters;
+  Agreement agreement;
+  for (int split = 0; split < splits; ++split) {
+    std::vector<int> order(problem.data.configurations.size());
+    std::iota(order.begin(), order.end(), 0);
+    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    std::vector<bool> first(order.size());
+    for (size_t i = 0; i < order.size() / 2; ++i) first[order[i]] = true;
+    const auto half = [&](bool which) {
+      return EstimatePart(problem, start, [&](const Observation& observation) {
+        return first[problem.data.shots[observation.shot].configuration] == which;
+      });
+    };
+    const Estimate a = half(true), b = half(false);
+    const bool usable = IsUsable(a.status) && IsUsable(b.status);
+    if (usable) Compare(a, b, "", &agreement);
+    agreement.failed += !usable;
+    if (after) after(split + 1);
+  }
+  return agreement;
 }
 
 }  // namespace sagitta::test
