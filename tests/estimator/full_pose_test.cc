@@ -8,6 +8,7 @@
 #include "estimator/joint_estimator.h"
 #include "estimator/pose_registration.h"
 #include "estimator/two_step.h"
+#include "tests/support/agreement.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -42,13 +43,6 @@ FullPoseOptions Propagated() {
   FullPoseOptions options;
   options.propagated_covariance = true;
   return options;
-}
-
-double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
-  const Eigen::VectorXd difference = TangentDifference(estimate.parameters, joint.parameters);
-  double largest = 0.0;
-  for (const int c : joint.estimated) largest = std::max(largest, std::abs(difference[c]) / joint.table[c].sigma);
-  return largest;
 }
 
 TEST(RegisterPose, RecoversAMotionAboutTheReference) {
@@ -99,7 +93,7 @@ TEST(FullPose, PropagatedCovarianceEqualsMarkerLeastSquares) {
       for (const int c : markers.estimated) {
         EXPECT_NEAR(poses.table[c].sigma / markers.table[c].sigma, 1.0, 1e-6) << markers.table[c].name;
       }
-      const double deviation = LargestDeviation(poses, markers);
+      const double deviation = test::LargestDeviation(poses, markers);
       EXPECT_LT(deviation, 2e-3 * sigma / 1e-5);
       if (previous > 0.0) {
         EXPECT_NEAR(deviation / previous, 0.01, 0.003);
@@ -116,7 +110,7 @@ TEST(FullPose, PropagatedCovarianceEqualsMarkerLeastSquaresWithUnequalSigmas) {
   }
   const Estimate markers = EstimateJointly(problem);
   const Estimate poses = EstimateFromFullPoses(problem, Propagated());
-  EXPECT_LT(LargestDeviation(poses, markers), 1e-2);
+  EXPECT_LT(test::LargestDeviation(poses, markers), 1e-2);
   for (const int c : markers.estimated) {
     EXPECT_NEAR(poses.table[c].sigma / markers.table[c].sigma, 1.0, 1e-6) << markers.table[c].name;
   }
@@ -128,7 +122,7 @@ TEST(FullPose, UnknownToolCostsNothingEither) {
   const Estimate markers = EstimateJointly(problem);
   const Estimate poses = EstimateFromFullPoses(problem, Propagated());
   ASSERT_EQ(poses.status, Status::kConverged) << poses.message;
-  EXPECT_LT(LargestDeviation(poses, markers), 3e-3);
+  EXPECT_LT(test::LargestDeviation(poses, markers), 3e-3);
   for (const int c : markers.estimated) {
     if (markers.table[c].name.rfind("marker/", 0) == 0) continue;  // their shape counts as known
     EXPECT_NEAR(poses.table[c].sigma / markers.table[c].sigma, 1.0, 1e-6) << markers.table[c].name;

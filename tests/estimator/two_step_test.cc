@@ -7,6 +7,7 @@
 
 #include "estimator/compare_methods.h"
 #include "estimator/joint_estimator.h"
+#include "tests/support/agreement.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {
@@ -33,13 +34,6 @@ TwoStepResult RunVariant(const CalibrationProblem& problem, TwoStepVariant varia
   return EstimateInTwoSteps(problem, options);
 }
 
-double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
-  const Eigen::VectorXd difference = TangentDifference(estimate.parameters, joint.parameters);
-  double largest = 0.0;
-  for (const int c : joint.estimated) largest = std::max(largest, std::abs(difference[c]) / joint.table[c].sigma);
-  return largest;
-}
-
 TEST(TwoStep, TangentDifferenceUndoesPlus) {
   const ParameterSet from = TurnedBase(0.3, 1).parameters;
   ParameterSet to = from;
@@ -56,7 +50,7 @@ TEST(TwoStep, ExactReachesTheJointOptimum) {
         const Estimate joint = EstimateJointly(problem);
         const TwoStepResult exact = RunVariant(problem, TwoStepVariant::kExact);
         ASSERT_EQ(exact.estimate.status, Status::kConverged) << exact.estimate.message;
-        EXPECT_LT(LargestDeviation(exact.estimate, joint), 1e-6) << seed << " " << angle;
+        EXPECT_LT(test::LargestDeviation(exact.estimate, joint), 1e-6) << seed << " " << angle;
         // Rounding of predicted points (4e-16 * 3 m / 0.01 mm) is 2e-11 of the cost.
         EXPECT_NEAR(exact.estimate.cost / joint.cost, 1.0, 4e-11) << seed << " " << angle;
       }
@@ -77,7 +71,7 @@ TEST(TwoStep, RelinearisedStopsBesideTheOptimum) {
     const double excess = relinearised.estimate.cost / joint.cost - 1.0;
     EXPECT_GT(excess, 1e-6);
     EXPECT_LT(excess, 1e-2);
-    const double deviation = LargestDeviation(relinearised.estimate, joint);
+    const double deviation = test::LargestDeviation(relinearised.estimate, joint);
     EXPECT_GT(deviation, 0.01);
     EXPECT_LT(deviation, 1.0);
     sum_of_logs += std::log(excess);
@@ -132,8 +126,8 @@ TEST(TwoStep, LiteralWithoutRotationIsNearlyUnbiased) {
     const Estimate joint = EstimateJointly(problem);
     const TwoStepResult literal = RunVariant(problem, TwoStepVariant::kLiteral);
     EXPECT_LT(literal.estimate.cost / joint.cost, 1.02);
-    EXPECT_LT(LargestDeviation(literal.estimate, joint), 1.0);
-    EXPECT_GT(LargestDeviation(literal.estimate, joint), 0.05);
+    EXPECT_LT(test::LargestDeviation(literal.estimate, joint), 1.0);
+    EXPECT_GT(test::LargestDeviation(literal.estimate, joint), 0.05);
   }
 }
 
@@ -151,9 +145,9 @@ TEST(TwoStep, UnequalSigmasKeepTheOptimum) {
   }
   const Estimate joint = EstimateJointly(problem);
   const TwoStepResult exact = RunVariant(problem, TwoStepVariant::kExact);
-  EXPECT_LT(LargestDeviation(exact.estimate, joint), 1e-6);
+  EXPECT_LT(test::LargestDeviation(exact.estimate, joint), 1e-6);
   const TwoStepResult relinearised = RunVariant(problem, TwoStepVariant::kRelinearised);
-  EXPECT_LT(LargestDeviation(relinearised.estimate, joint), 1.0);
+  EXPECT_LT(test::LargestDeviation(relinearised.estimate, joint), 1.0);
 }
 
 TEST(TwoStep, RefusesInWordsWhatThePrintedStepsCannot) {

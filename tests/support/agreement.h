@@ -1,5 +1,4 @@
-// Do two estimates from disjoint parts of the data agree within what they say of
-// themselves?
+// Do two estimates, of disjoint parts of the data or by two methods, agree within what they say of themselves?
 #pragma once
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 
 #include "estimator/distributions.h"
 #include "estimator/joint_estimator.h"
+#include "estimator/two_step.h"
 
 namespace sagitta::test {
 
@@ -63,6 +63,16 @@ inline void Compare(const Estimate& a, const Estimate& b, const std::string& pre
     agreement->inside += std::abs(difference) <= t * std::sqrt(variance);
     agreement->z.push_back(difference / (t * std::sqrt(variance)) * 1.96);
   }
+}
+
+// Over the estimated coordinates, in standard deviations of `reference`.
+inline double LargestDeviation(const Estimate& estimate, const Estimate& reference) {
+  const Eigen::VectorXd difference = TangentDifference(estimate.parameters, reference.parameters);
+  double largest = 0.0;
+  for (const int c : reference.estimated) {
+    largest = std::max(largest, std::abs(difference[c]) / reference.table[c].sigma);
+  }
+  return largest;
 }
 
 // Random halves of the configurations, fitted from the estimate of all. `after` is told how many splits are done.
