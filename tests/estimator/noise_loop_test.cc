@@ -31,6 +31,16 @@ struct Coverage {
   }
 };
 
+// One visit each, 30 um per coordinate, as stated.
+Measurements SixtyConfigurations(std::uint64_t seed) {
+  test::Kr270Design design;
+  design.configurations = 60;
+  design.sigma = 3e-5;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, seed, &data);
+  return data;
+}
+
 // Short form of sagitta_noise_study: 24 draws, REML, both kinds of repeats.
 TEST(NoiseLoop, IntervalsHoldWithVarianceComponentsUnknown) {
   for (const bool reapproached : {false, true}) {
@@ -112,12 +122,7 @@ TEST(NoiseLoop, GrossErrorsAreFoundAndDoNotMatter) {
 
 // Rows beyond a joint angle are off by a millimetre in one direction: a misfit, no outliers.
 TEST(NoiseLoop, MisfitIsNotThrownOut) {
-  const test::Kr270Truth truth;
-  test::Kr270Design design;
-  design.configurations = 60;
-  design.sigma = 3e-5;
-  Measurements data = test::DesignMeasurements(design);
-  test::MeasureKr270(truth, design.sigma, 8, &data);
+  Measurements data = SixtyConfigurations(8);
   int moved = 0;
   for (Observation& observation : data.observations) {
     if (data.ConfigurationOf(observation).q[2] < 105 * test::kDegree) continue;
@@ -202,12 +207,7 @@ TEST(NoiseLoop, Eq14CovarianceIsEquationEleven) {
 
 // Eq. (14) whitens by sigma0 + lambda sigma; a hold-out row scatters by sigma all the same.
 TEST(NoiseLoop, HoldOutIsPredictedByTheNoiseAndNotByTheWeights) {
-  const test::Kr270Truth truth;
-  test::Kr270Design design;
-  design.configurations = 60;
-  design.sigma = 3e-5;
-  Measurements data = test::DesignMeasurements(design);
-  test::MeasureKr270(truth, design.sigma, 41, &data);
+  const Measurements data = SixtyConfigurations(41);
   Experiment experiment;
   experiment.noise.from = NoiseSpec::From::kResiduals;
   experiment.noise.group = "axis";
