@@ -110,17 +110,6 @@ bool IsExperimentFile(const std::string& path) {
   return false;
 }
 
-Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
-                                 const MeasurementReadOptions& options) {
-  std::vector<std::string> joints;
-  std::vector<bool> prismatic;
-  for (const Joint& joint : robot.chain.joints) {
-    joints.push_back(joint.name);
-    prismatic.push_back(joint.type == JointType::kPrismatic);
-  }
-  return ReadMeasurements(paths, joints, prismatic, options);
-}
-
 ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& arguments,
                                       const MeasurementReadOptions& options) {
   ExperimentInputs inputs;

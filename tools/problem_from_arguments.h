@@ -32,9 +32,6 @@ ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& arguments,
                                       const MeasurementReadOptions& options = {});
 bool IsExperimentFile(const std::string& path);
 
-Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
-                                 const MeasurementReadOptions& options = {});
-
 // The flags that an estimating command takes beside its own.
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 

@@ -20,18 +20,6 @@ nlohmann::json ReadJson(const std::string& path) {
   }
 }
 
-Measurements ReadRows(const Robot& robot, const std::string& path) {
-  std::vector<std::string> joints;
-  std::vector<bool> prismatic;
-  for (const Joint& joint : robot.chain.joints) {
-    joints.push_back(joint.name);
-    prismatic.push_back(joint.type == JointType::kPrismatic);
-  }
-  MeasurementReadOptions options;
-  options.points_required = false;
-  return ReadMeasurements({path}, joints, prismatic, options);
-}
-
 }  // namespace
 
 PublishedData ReadPublishedData(const std::string& folder) {
@@ -44,8 +32,10 @@ PublishedData ReadPublishedData(const std::string& folder) {
   data.three_link_truth = ReadJson(folder + "/three_link/truth.json");
   data.kr270 = ReadRobotFile(folder + "/kr270/robot.yaml");
   data.three_link = ReadRobotFile(folder + "/three_link/robot.yaml");
-  data.geometric_rows = ReadRows(data.kr270, folder + "/kr270/configurations.csv");
-  data.elastic_rows = ReadRows(data.kr270, folder + "/kr270/elastostatic_configurations.csv");
+  MeasurementReadOptions commanded;
+  commanded.points_required = false;
+  data.geometric_rows = ReadMeasurementsFor(data.kr270, {folder + "/kr270/configurations.csv"}, commanded);
+  data.elastic_rows = ReadMeasurementsFor(data.kr270, {folder + "/kr270/elastostatic_configurations.csv"}, commanded);
   return data;
 }
 

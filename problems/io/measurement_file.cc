@@ -194,4 +194,15 @@ Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::
   return builder.Take();
 }
 
+Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
+                                 const MeasurementReadOptions& options) {
+  std::vector<std::string> joints;
+  std::vector<bool> prismatic;
+  for (const Joint& joint : robot.chain.joints) {
+    joints.push_back(joint.name);
+    prismatic.push_back(joint.type == JointType::kPrismatic);
+  }
+  return ReadMeasurements(paths, joints, prismatic, options);
+}
+
 }  // namespace sagitta

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "models/robot.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
@@ -17,5 +18,9 @@ struct MeasurementReadOptions {
 // `prismatic[j]` tells which unit column j has to have. Throws InputError.
 Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
                               const std::vector<bool>& prismatic, const MeasurementReadOptions& options = {});
+
+// With the columns that this robot's joints ask for.
+Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
+                                 const MeasurementReadOptions& options = {});
 
 }  // namespace sagitta

@@ -24,11 +24,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 CalibrationProblem AllStages() {
   const Experiment experiment = ReadExperimentFile(kFolder + "all_stages.yaml");
   const Robot robot = ReadRobotFile(experiment.robot_file);
-  std::vector<std::string> joints;
-  for (const Joint& joint : robot.chain.joints) joints.push_back(joint.name);
-  const Measurements data =
-      ReadMeasurements(experiment.measurement_files, joints, std::vector<bool>(joints.size(), false), {});
-  return MakeCalibrationProblem(robot, data, experiment);
+  return MakeCalibrationProblem(robot, ReadMeasurementsFor(robot, experiment.measurement_files), experiment);
 }
 
 class AllStagesTest : public ::testing::Test {

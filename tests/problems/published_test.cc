@@ -45,15 +45,9 @@ std::map<std::string, double> ErrorsIn(const nlohmann::json& truth) {
 }
 
 Measurements ReadRows(const std::string& file, const Robot& robot, bool points_required) {
-  std::vector<std::string> joints;
-  std::vector<bool> prismatic;
-  for (const Joint& joint : robot.chain.joints) {
-    joints.push_back(joint.name);
-    prismatic.push_back(joint.type == JointType::kPrismatic);
-  }
   MeasurementReadOptions options;
   options.points_required = points_required;
-  return ReadMeasurements({kPublished + file}, joints, prismatic, options);
+  return ReadMeasurementsFor(robot, {kPublished + file}, options);
 }
 
 class PublishedKr270 : public ::testing::Test {

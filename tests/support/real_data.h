@@ -17,11 +17,9 @@ inline bool HasRealData() { return std::filesystem::exists(RealData("ur10_leica/
 inline CalibrationProblem RealProblem(const std::string& folder, const std::vector<std::string>& files,
                                       const Experiment& experiment) {
   const Robot robot = ReadRobotFile(RealData(folder + "/robot.yaml"));
-  std::vector<std::string> paths, joints;
+  std::vector<std::string> paths;
   for (const std::string& file : files) paths.push_back(RealData(folder + "/" + file));
-  for (const Joint& joint : robot.chain.joints) joints.push_back(joint.name);
-  const Measurements data = ReadMeasurements(paths, joints, std::vector<bool>(joints.size(), false), {});
-  return MakeCalibrationProblem(robot, data, experiment);
+  return MakeCalibrationProblem(robot, ReadMeasurementsFor(robot, paths), experiment);
 }
 
 }  // namespace sagitta::test
