@@ -42,6 +42,10 @@ bool WeighsOtherwise(const CalibrationProblem& problem) {
   return problem.sigma_is_stated() && !AllAlike(AllRoots(problem));
 }
 
+bool WeighsByEq14(const Experiment& experiment) {
+  return experiment.weights == "eq14" || experiment.noise.from == NoiseSpec::From::kResiduals;
+}
+
 NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise) {
   if (experiment.weights == "equal") {
     return NoiseRoots(noise.size(), CommonSigma(noise) * Matrix3<double>::Identity());

@@ -20,6 +20,9 @@ namespace sagitta {
 // those of the noise.
 bool WeighsOtherwise(const CalibrationProblem& problem);
 
+// Weights of eq. (14), from stated sigmas or from residuals: they are not the inverse of a noise.
+bool WeighsByEq14(const Experiment& experiment);
+
 // One root per observation of the data. `noise`: what it scatters by.
 NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise);
 

@@ -14,6 +14,7 @@
 #include "estimator/intervals/sandwich.h"
 #include "estimator/linearization.h"
 #include "estimator/median.h"
+#include "estimator/weighting.h"
 
 namespace sagitta {
 namespace {
@@ -284,9 +285,7 @@ void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& o
   whole.rows = Linearize(problem, estimate->parameters, observations, estimate->estimated,
                          ObservationNoise(problem, observations, kFallbackSigma));
   whole.clusters = ConfigurationClusters(problem.data, observations);
-  const Experiment& experiment = problem.experiment;
-  const bool has_weights = experiment.weights == "eq14" || experiment.noise.from == NoiseSpec::From::kResiduals;
-  whole.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled || has_weights;  // weights are no noise
+  whole.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled || WeighsByEq14(problem.experiment);
   whole.by_sandwich = estimate->intervals.is_empirical();
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();

@@ -2,6 +2,7 @@
 
 #include "estimator/intervals/bootstrap.h"
 #include "estimator/intervals/profile.h"
+#include "estimator/weighting.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -9,10 +10,9 @@ namespace sagitta {
 void CheckIntervalsFit(const CalibrationProblem& problem, const std::string& method) {
   const Experiment& experiment = problem.experiment;
   const std::string& covariance = experiment.covariance;
-  const bool has_weights = experiment.weights == "eq14" || experiment.noise.from == NoiseSpec::From::kResiduals;
   const bool needs_noise =
       covariance == "profile" || (covariance == "bootstrap" && experiment.bootstrap.kind != "configurations");
-  if (has_weights && needs_noise) {
+  if (WeighsByEq14(experiment) && needs_noise) {
     throw InputError({experiment.file, 0, "covariance"},
                      covariance + " needs the distribution of the noise, and the weights of eq. (14) are none",
                      "use covariance: model or sandwich, or bootstrap: {kind: configurations}");
