@@ -9,12 +9,12 @@
 #include "estimator/damped_step.h"
 #include "estimator/distributions.h"
 #include "estimator/joint_estimator.h"
+#include "estimator/linearization.h"
 #include "problems/loads.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: only ratios matter
 constexpr int kMaxIterations = 200;
 constexpr double kConvergedStep = 1e-7;  // standard deviations
 

@@ -15,7 +15,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr int kShapeRounds = 30;
 constexpr double kConvergedStep = 1e-6;  // standard deviations
 

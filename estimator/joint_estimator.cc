@@ -13,7 +13,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: its scale is estimated afterwards
 constexpr int kMaxHoldRounds = 8;
 constexpr int kFreshRounds = 3;       // afterwards what is held stays held
 constexpr int kMaxPolishSteps = 60;   // a bent valley (a compensator's shape) halves the step only

@@ -20,7 +20,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr double kFarBelow = 4.0;        // standard deviations
 
 Eigen::Matrix3Xd Residuals(const Measurements& data, const std::vector<int>& observations,

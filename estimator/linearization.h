@@ -28,6 +28,8 @@ struct Linearization {
   int num_columns() const { return static_cast<int>(jacobian.cols()); }
 };
 
+constexpr double kFallbackSigma = 1e-3;  // m, where no noise is stated: its scale is estimated afterwards
+
 // Noise roots of the listed observations, m; standard deviation `fallback` (m)
 // on every axis where none is stated.
 NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);

@@ -13,7 +13,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr double kPull = 500.0;          // N
 constexpr double kOffAxis = 0.1;         // m
 constexpr int kPulls = 3;

@@ -17,7 +17,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-6;  // m, where none is stated: below any noise, so that nothing is held for it
+constexpr double kTinySigma = 1e-6;  // m, where none is stated: below any noise, so that nothing is held for it
 constexpr int kMostRounds = 60;
 constexpr double kSettled = 1e-4;           // largest relative change of a standard deviation
 constexpr double kWeightSettled = 1e-4;     // largest change of the root of a weight
@@ -29,7 +29,7 @@ bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from 
 NoiseRoots AllRoots(const CalibrationProblem& problem) {
   std::vector<int> all(problem.data.observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  return ObservationNoise(problem, all, kFallbackSigma);
+  return ObservationNoise(problem, all, kTinySigma);
 }
 
 // What the rounds carry.
@@ -158,7 +158,7 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   NoiseRoots noise;
   for (const int i : observations) noise.push_back(judged->NoiseRoot(i));
   for (Matrix3<double>& root : noise) {
-    if (!IsStated(root)) root = kFallbackSigma * Matrix3<double>::Identity();
+    if (!IsStated(root)) root = kTinySigma * Matrix3<double>::Identity();
   }
   const PointCheck check = CheckPoints(loop->problem, estimate->parameters, noise, loop->weights, report.robust_scale);
   std::vector<bool> kept(observations.size(), true);
@@ -182,7 +182,7 @@ Eigen::VectorXd IntervalDof(const Loop& loop, const Estimate& estimate) {
 
 void ToMetres(VarianceComponent* instrument) {
   for (double* number : {&instrument->value, &instrument->sigma, &instrument->low, &instrument->high}) {
-    *number *= kFallbackSigma;
+    *number *= kTinySigma;
   }
 }
 

@@ -1,4 +1,5 @@
 #include "estimator/repeatability.h"
+#include "estimator/linearization.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,7 +120,7 @@ VarianceComponent ComponentOf(const RestrictedLikelihood& reml, const RemlFit& f
 // RMS per coordinate of the calibration rows: the instrument's reading, and what deviating joints move.
 void MeasureShares(const CalibrationProblem& problem, const ParameterSet& parameters, NoiseReport* report) {
   const std::vector<int> rows = problem.CalibrationObservations();
-  const NoiseRoots noise = ObservationNoise(problem, rows, 1e-3);
+  const NoiseRoots noise = ObservationNoise(problem, rows, kFallbackSigma);
   const Linearization raw = Linearize(problem, parameters, rows, {}, noise, LatentTreatment::kIgnore);
   double instrument = 0.0, robot = 0.0;
   for (size_t k = 0; k < rows.size(); ++k) {

@@ -55,7 +55,7 @@ RowGroups GroupRows(const Measurements& data, const std::string& word) {
 NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups,
                              std::vector<NoiseGroup>* report) {
   const std::vector<int> rows = problem.CalibrationObservations();
-  const NoiseRoots noise = FitRoots(problem, rows, 1e-3);
+  const NoiseRoots noise = FitRoots(problem, rows, kFallbackSigma);
   const std::vector<int> columns = estimate.parameters.EstimatedCoordinates();
   Linearization here = Linearize(problem, estimate.parameters, rows, columns, noise);
   const int n = here.num_rows();

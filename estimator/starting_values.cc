@@ -146,7 +146,7 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   candidates[0].rms *= 1.0 - kTie;
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   candidates.resize(std::min<size_t>(candidates.size(), options.polished));
-  const NoiseRoots noise = FitRoots(problem, observations, 1e-3);
+  const NoiseRoots noise = FitRoots(problem, observations, kFallbackSigma);
   for (Candidate& candidate : candidates) {
     ParameterSet polished = candidate.parameters;
     HoldModel(&polished);

@@ -16,7 +16,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m, where none is stated: only ratios matter
 constexpr double kSmallestScale = 1e-4;  // times it: 0.1 um, the scale of steps on data without noise
 constexpr double kDiverged = 1e12;       // standard deviations per step
 constexpr double kRoundOff = 1e-5;       // standard deviations: a step below it may be a rounding error

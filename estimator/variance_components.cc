@@ -14,7 +14,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kReference = 1e-5;      // rad or m: deviations are counted in these
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr int kMaxNewton = 100;
 constexpr int kMaxHalvings = 30;
 constexpr int kMostWidenings = 40;

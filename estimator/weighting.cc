@@ -9,7 +9,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kAlike = 1e-9;  // relative difference of roots
-constexpr double kFallbackSigma = 1e-3;
 
 NoiseRoots AllRoots(const CalibrationProblem& problem) {
   std::vector<int> all(problem.data.observations.size());

@@ -11,7 +11,7 @@
 #include "estimator/distributions.h"
 #include "estimator/intervals/coverage.h"
 #include "estimator/intervals/intervals.h"
-#include "estimator/intervals/parallel.h"
+#include "estimator/parallel.h"
 #include "estimator/noise_loop.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"

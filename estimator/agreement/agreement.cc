@@ -19,7 +19,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr int kFewestFree = 6;           // degrees of freedom of a part: less and its noise is not known
 constexpr double kSurplus = 2.0;         // standard errors by which the sandwich has to exceed the model
 

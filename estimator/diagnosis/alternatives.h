@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/step_bench.h"
 
 namespace sagitta {
 
@@ -15,9 +15,9 @@ struct Alternative {
   bool tied = false;  // within the tie of the step's penalised reduction
 };
 
-// `without`: the model with all other steps. Sorted by overlap; all tied ones
-// and all with an overlap of 0.8 or more.
-std::vector<Alternative> FindAlternatives(const DiagnosedModel& without, const ChosenStep& step,
-                                          const std::vector<Candidate>& candidates, double tie);
+// Sorted by overlap; all tied ones and all with an overlap of 0.8 or more.
+// neutral_residual: StepBench::NeutralResidual of the step.
+std::vector<Alternative> FindAlternatives(const StepBench& bench, const ChosenStep& step,
+                                          const Eigen::VectorXd& neutral_residual, double tie);
 
 }  // namespace sagitta

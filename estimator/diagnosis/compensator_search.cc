@@ -78,25 +78,27 @@ void Seed(const Eigen::Vector2d& solution, CompensatorShape* shape) {
 
 }  // namespace
 
-std::vector<CompensatorShape> ScanCompensator(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                              const ProjectedResidual& residual, const Eigen::VectorXd& deviation,
-                                              const std::string& joint) {
+SpringSeat SeatOf(const CalibrationProblem& problem, const ParameterSet& parameters, const std::string& joint,
+                  const Eigen::VectorXd& deviation) {
+  return {joint, ComplianceOf(parameters, joint), JointAngles(problem, problem.robot.chain.FindJoint(joint)),
+          deviation};
+}
+
+std::vector<CompensatorShape> ScanCompensator(const SpringSeat& seat, const ProjectedResidual& residual) {
   std::vector<CompensatorShape> shapes;
-  const int j = problem.robot.chain.FindJoint(joint);
-  const double k = ComplianceOf(parameters, joint);
-  if (problem.robot.gravity_compensator || k <= 0.0) return shapes;
-  const Eigen::VectorXd q = JointAngles(problem, j);
+  if (seat.compliance <= 0.0) return shapes;
   for (const double ratio : kRatios) {
     for (int d = 0; d < kDirections; ++d) {
       const double alpha = kTwoPi * d / kDirections;
       const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
-      shapes.push_back({{"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}}, d, 0.0, {}});
+      shapes.push_back({{"gravity_compensator", seat.joint, {}, {kLever, a_x, a_y, 0.0, 0.0}}, d, 0.0, {}});
     }
   }
-  Eigen::MatrixXd columns(deviation.size(), 2 * shapes.size());
+  Eigen::MatrixXd columns(seat.deviation.size(), 2 * shapes.size());
+  const Eigen::VectorXd per_torque = 1e6 * seat.compliance * seat.deviation;
   for (size_t s = 0; s < shapes.size(); ++s) {
     const std::vector<double>& p = shapes[s].start.values;
-    columns.middleCols<2>(2 * s) = (1e6 * k * deviation).asDiagonal() * TorquesPerRate({p[0], p[1], p[2], 0.0, 1.0}, q);
+    columns.middleCols<2>(2 * s) = per_torque.asDiagonal() * TorquesPerRate({p[0], p[1], p[2], 0.0, 1.0}, seat.angles);
   }
   const Eigen::MatrixXd rest = residual.ProjectOff(columns);
   for (size_t s = 0; s < shapes.size(); ++s) {

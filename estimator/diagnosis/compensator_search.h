@@ -20,11 +20,21 @@ struct CompensatorShape {
   Eigen::MatrixXd columns;  // its two, whitened
 };
 
-// Shapes of a spring on `joint` that explain more than their neighbours on the grid, best first. `deviation`: the
-// joint's column of JointDeviationColumns. Empty where the model has a compensator already or the joint no compliance.
-std::vector<CompensatorShape> ScanCompensator(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                              const ProjectedResidual& residual, const Eigen::VectorXd& deviation,
-                                              const std::string& joint);
+// What a spring on one joint acts through, per row of a linearization.
+struct SpringSeat {
+  std::string joint;
+  double compliance = 0.0;    // of the joint, rad/(N m); not above 0: no spring can act
+  Eigen::VectorXd angles;     // commanded, rad
+  Eigen::VectorXd deviation;  // how a deviation of the joint moves the row, whitened, per urad
+};
+
+// `deviation`: the joint's column of JointDeviationColumns.
+SpringSeat SeatOf(const CalibrationProblem& problem, const ParameterSet& parameters, const std::string& joint,
+                  const Eigen::VectorXd& deviation);
+
+// Shapes of a spring that explain more than their neighbours on the grid, best first. Empty where the joint has no
+// compliance.
+std::vector<CompensatorShape> ScanCompensator(const SpringSeat& seat, const ProjectedResidual& residual);
 
 // Weak physical priors on the shape: anchors lie within metres of the joint.
 void BoundCompensatorShape(ParameterSet* parameters);

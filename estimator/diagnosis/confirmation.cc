@@ -2,8 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
-#include "estimator/diagnosis/quick_refit.h"
 #include "estimator/distributions.h"
 #include "problems/split.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFolds = 5;
 
-// Group of each configuration: groups are dealt in order of appearance, so that
+// Part of each configuration: groups of equal joint values are dealt in order of appearance, so that
 // each part covers the whole time.
 std::vector<int> PartOfConfiguration(const Measurements& data, int parts) {
   std::vector<int> part(data.configurations.size(), 0);
@@ -25,59 +25,67 @@ std::vector<int> PartOfConfiguration(const Measurements& data, int parts) {
   return part;
 }
 
-int PartOf(const CalibrationProblem& problem, const std::vector<int>& parts, int observation) {
-  return parts[problem.data.shots[problem.data.observations[observation].shot].configuration];
-}
-
-// The model on the calibration configurations of one part alone.
-DiagnosedModel OnPart(const DiagnosedModel& model, const std::vector<int>& parts, int part) {
-  CalibrationProblem problem = *model.problem;
-  for (const int i : model.problem->CalibrationObservations()) {
-    problem.data.observations[i].excluded = PartOf(problem, parts, i) != part;
+std::vector<int> PartOfRow(const CalibrationProblem& problem, const Linearization& here, int parts) {
+  const std::vector<int> of_configuration = PartOfConfiguration(problem.data, parts);
+  std::vector<int> of_row;
+  for (const int observation : here.observations) {
+    const int shot = problem.data.observations[observation].shot;
+    of_row.insert(of_row.end(), 3, of_configuration[problem.data.shots[shot].configuration]);
   }
-  problem.parameters = model.estimate.parameters;
-  DiagnosedModel half;
-  half.problem = std::make_shared<CalibrationProblem>(std::move(problem));
-  half.estimate = QuickEstimate(RefitQuickly(*half.problem, half.problem->parameters));
-  return half;
+  return of_row;
 }
 
-// Values and covariance of the step's parameters, without those that only a prior holds.
-void ReadValues(const DiagnosedModel& with, const ChosenStep& step, HalfResult* half) {
-  const Linearization here = LinearizeEstimate(*with.problem, with.estimate.parameters);
-  Linearization complete = here;
-  AppendPriors(with.estimate.parameters, &complete);
+std::vector<int> RowsOf(const std::vector<int>& part_of_row, int part) {
+  std::vector<int> rows;
+  for (size_t row = 0; row < part_of_row.size(); ++row) {
+    if (part_of_row[row] == part) rows.push_back(static_cast<int>(row));
+  }
+  return rows;
+}
+
+// Chi-square per row of configurations left out of the fit, from one
+// linearization: with N = J'J, g = J'r (priors included), and those of a fold f,
+//   e_f = r_f - J_f (N - N_f)^-1 (g - g_f).
+double CrossValidated(const Linearization& complete, const std::vector<int>& fold_of_row) {
+  const Eigen::VectorXd scale = complete.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd jacobian = complete.jacobian * scale.asDiagonal();
+  const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+  const Eigen::VectorXd gradient = jacobian.transpose() * complete.residual;
+  double sum = 0.0;
+  for (int fold = 0; fold < kFolds; ++fold) {
+    const std::vector<int> own = RowsOf(fold_of_row, fold);
+    const Eigen::MatrixXd left_out = jacobian(own, Eigen::all);
+    const Eigen::VectorXd residual = complete.residual(own);
+    const Eigen::LDLT<Eigen::MatrixXd> rest(information - left_out.transpose() * left_out);
+    sum += (residual - left_out * rest.solve(gradient - left_out.transpose() * residual)).squaredNorm();
+  }
+  return fold_of_row.empty() ? 0.0 : sum / static_cast<double>(fold_of_row.size());
+}
+
+// With priors, and with other columns and another residual.
+Linearization Complete(const ParameterSet& parameters, const Linearization& believed, const std::vector<int>& columns,
+                       const Eigen::VectorXd& residual) {
+  Linearization complete;
+  complete.residual = residual;
+  complete.jacobian = believed.jacobian(Eigen::all, columns);
+  for (const int c : columns) complete.columns.push_back(believed.columns[c]);
+  AppendPriors(parameters, &complete);
+  return complete;
+}
+
+// Values and covariance of the step's parameters on one half, without those that only a prior holds.
+void ReadValues(const StepBench& steps, const BenchPart& half, const ChosenStep& step, HalfResult* result) {
+  const ParameterSet& parameters = steps.model().estimate.parameters;
+  Linearization complete = half.believed;
+  AppendPriors(parameters, &complete);
   const LinearSolution solution = SolveLinearization(complete);
   if (!solution.full_rank) return;
-  const std::string prefix = ParametersOf(step.candidate.spec) + "/";
-  const std::vector<std::string>& vague = step.candidate.vague;
-  std::vector<int> own;
-  for (int c = 0; c < complete.num_columns(); ++c) {
-    const std::string& name = with.estimate.parameters.coordinates()[complete.columns[c]].name;
-    if (name.rfind(prefix, 0) == 0 && std::find(vague.begin(), vague.end(), name) == vague.end()) own.push_back(c);
+  const std::vector<int> own = steps.OwnColumns(step);
+  result->values.resize(own.size());
+  for (size_t i = 0; i < own.size(); ++i) {
+    result->values[i] = parameters.Value(complete.columns[own[i]]) + solution.step[own[i]];
   }
-  half->values.resize(own.size());
-  for (size_t i = 0; i < own.size(); ++i) half->values[i] = with.estimate.parameters.Value(complete.columns[own[i]]);
-  half->covariance = solution.covariance(own, own);
-}
-
-HalfResult NameAgain(const DiagnosedModel& half, const ChosenStep& step, const std::vector<Candidate>& candidates,
-                     const SelectionOptions& options) {
-  HalfResult result;
-  double best = 0.0, own = -1e300;
-  for (const ScreenedCandidate& entry : Screen(half, candidates, options.most_tests)) {
-    if (entry.score.rank == 0) continue;
-    const std::string path = entry.candidate.spec.Path();
-    if (path == step.candidate.spec.Path()) own = entry.score.penalised;
-    if (entry.score.penalised <= best) continue;
-    best = entry.score.penalised;
-    result.best = path;
-  }
-  result.telling = best > 0.0;
-  result.named = own > 0.0 && own > best - options.tie;
-  const DiagnosedModel with = Extend(half, {step.candidate}, options.joint);
-  if (IsUsable(with.estimate.status)) ReadValues(with, step, &result);
-  return result;
+  result->covariance = solution.covariance(own, own);
 }
 
 double CompatibleP(const HalfResult& a, const HalfResult& b) {
@@ -88,47 +96,49 @@ double CompatibleP(const HalfResult& a, const HalfResult& b) {
   return ChiSquareSurvival(difference.dot(joint.solve(difference)), static_cast<double>(difference.size()));
 }
 
-// Chi-square per row of configurations left out of the fit, from one
-// linearization at the optimum: with N = J'J, g = J'r, and those of a fold f,
-//   e_f = r_f - J_f (N - N_f)^-1 (g - g_f).
-double CrossValidated(const DiagnosedModel& model, const std::vector<int>& parts) {
-  Linearization here = LinearizeEstimate(*model.problem, model.estimate.parameters);
-  const auto rows = static_cast<int>(3 * here.observations.size());
-  AppendPriors(model.estimate.parameters, &here);
-  const Eigen::VectorXd scale = here.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd jacobian = here.jacobian * scale.asDiagonal();
-  const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
-  const Eigen::VectorXd gradient = jacobian.transpose() * here.residual;
-  double sum = 0.0;
-  for (int fold = 0; fold < kFolds; ++fold) {
-    std::vector<int> own;
-    for (int row = 0; row < rows; ++row) {
-      if (PartOf(*model.problem, parts, here.observations[row / 3]) == fold) own.push_back(row);
-    }
-    const Eigen::MatrixXd left_out = jacobian(own, Eigen::all);
-    const Eigen::VectorXd residual = here.residual(own);
-    const Eigen::LDLT<Eigen::MatrixXd> rest(information - left_out.transpose() * left_out);
-    sum += (residual - left_out * rest.solve(gradient - left_out.transpose() * residual)).squaredNorm();
-  }
-  return rows > 0 ? sum / rows : 0.0;
-}
-
 }  // namespace
 
-Confirmation ConfirmStep(const DiagnosedModel& without, const DiagnosedModel& with, const ChosenStep& step,
-                         const std::vector<Candidate>& candidates, const SelectionOptions& options) {
-  Confirmation confirmation;
-  const std::vector<int> halves = PartOfConfiguration(without.problem->data, 2);
-  for (int half = 0; half < 2; ++half) {
-    const DiagnosedModel model = OnPart(without, halves, half);
-    confirmation.halves.push_back(IsUsable(model.estimate.status) ? NameAgain(model, step, candidates, options)
-                                                                  : HalfResult());
+ConfirmationBench::ConfirmationBench(const StepBench& steps) : steps_(steps) {
+  const Linearization& all = steps.whole().believed;
+  const CalibrationProblem& problem = *steps.model().problem;
+  const std::vector<int> half_of_row = PartOfRow(problem, all, 2);
+  for (int half = 0; half < 2; ++half) halves_.push_back(steps.PartOfRows(RowsOf(half_of_row, half)));
+  fold_of_row_ = PartOfRow(problem, all, kFolds);
+  Linearization complete = all;
+  AppendPriors(steps.model().estimate.parameters, &complete);
+  cv_with_ = CrossValidated(complete, fold_of_row_);
+}
+
+HalfResult ConfirmationBench::NameAgain(const BenchPart& half, const ChosenStep& step,
+                                        const Eigen::VectorXd& neutral_residual, double tie) const {
+  HalfResult result;
+  const WithoutStep without = steps_.Without(step, neutral_residual, half);
+  const double own = without.residual.Test(without.own, step.candidate.settings).penalised;
+  double best = std::max(0.0, own);
+  if (own > 0.0) result.best = step.candidate.spec.Path();
+  const Screening screening(half.candidates, without.residual, without.has_spring);
+  for (size_t i = 0; i < half.candidates.candidates().size(); ++i) {
+    const Score score = screening.Of(static_cast<int>(i)).score;
+    if (score.rank == 0 || score.penalised <= best) continue;
+    best = score.penalised;
+    result.best = half.candidates.candidates()[i].spec.Path();
   }
+  result.telling = best > 0.0;
+  result.named = own > 0.0 && own > best - tie;
+  ReadValues(steps_, half, step, &result);
+  return result;
+}
+
+Confirmation ConfirmationBench::Confirm(const ChosenStep& step, const Eigen::VectorXd& neutral_residual,
+                                        double tie) const {
+  Confirmation confirmation;
+  for (const BenchPart& half : halves_) confirmation.halves.push_back(NameAgain(half, step, neutral_residual, tie));
   confirmation.compatible_p = CompatibleP(confirmation.halves[0], confirmation.halves[1]);
-  const std::vector<int> folds = PartOfConfiguration(without.problem->data, kFolds);
   confirmation.folds = kFolds;
-  confirmation.cv_before = CrossValidated(without, folds);
-  confirmation.cv_after = CrossValidated(with, folds);
+  confirmation.cv_before = CrossValidated(Complete(steps_.model().estimate.parameters, steps_.whole().believed,
+                                                   steps_.OtherColumns(step), neutral_residual),
+                                          fold_of_row_);
+  confirmation.cv_after = cv_with_;
   return confirmation;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/step_bench.h"
 
 namespace sagitta {
 
@@ -26,8 +26,21 @@ struct Confirmation {
   double cv_after = 0.0;           // and with it
 };
 
-// `without`: the model with all other steps; `with`: the whole one.
-Confirmation ConfirmStep(const DiagnosedModel& without, const DiagnosedModel& with, const ChosenStep& step,
-                         const std::vector<Candidate>& candidates, const SelectionOptions& options);
+// Which rows of a step bench make each half, and what does not depend on the step.
+class ConfirmationBench {
+ public:
+  explicit ConfirmationBench(const StepBench& steps);
+  // neutral_residual: StepBench::NeutralResidual of the step. tie: of the naming.
+  Confirmation Confirm(const ChosenStep& step, const Eigen::VectorXd& neutral_residual, double tie) const;
+
+ private:
+  HalfResult NameAgain(const BenchPart& half, const ChosenStep& step, const Eigen::VectorXd& neutral_residual,
+                       double tie) const;
+
+  const StepBench& steps_;
+  std::vector<BenchPart> halves_;
+  std::vector<int> fold_of_row_;  // of the cross-validation
+  double cv_with_ = 0.0;          // predicted chi-square per row of the whole model
+};
 
 }  // namespace sagitta

@@ -1,4 +1,5 @@
 #include "estimator/diagnosis/decoys.h"
+#include "estimator/linearization.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -40,6 +41,31 @@ Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
 
 }  // namespace
 
+// What functions of the shot can do through one whitened column: the sums over each shot's rows that the normal
+// equations of column * f(shot) need, whatever f.
+struct ShotSums {
+  Eigen::VectorXd squared, gradient;
+  Eigen::MatrixXd on_believed;  // believed basis x shots
+
+  ShotSums(const Eigen::VectorXd& column, const std::vector<int>& shot_of_row, long shots,
+           const ProjectedResidual& residual)
+      : squared(Eigen::VectorXd::Zero(shots)),
+        gradient(Eigen::VectorXd::Zero(shots)),
+        on_believed(Eigen::MatrixXd::Zero(residual.basis().cols(), shots)) {
+    for (long row = 0; row < column.size(); ++row) {
+      const int s = shot_of_row[row];
+      squared[s] += column[row] * column[row];
+      gradient[s] += column[row] * residual.residual()[row];
+      on_believed.col(s) += column[row] * residual.basis().row(row).transpose();
+    }
+  }
+
+  NormalEquations Reduce(const Eigen::MatrixXd& functions) const {
+    return ReduceOff(functions.transpose() * squared.asDiagonal() * functions, on_believed * functions,
+                     functions.transpose() * gradient);
+  }
+};
+
 // One search over all decoys on one residual.
 class DecoySearch {
  public:
@@ -47,55 +73,74 @@ class DecoySearch {
       : problem_(bench.problem_),
         bench_(bench),
         residual_(residual),
-        deviations_(bench.deviations_),
+        rows_(residual.residual().size()),
         angles_(bench.angles_),
-        time_(bench.time_) {}
+        time_(bench.time_) {
+    for (long j = 0; j < bench.deviations_.cols(); ++j) {
+      sums_.emplace_back(bench.deviations_.col(j), bench.shot_of_row_, static_cast<long>(bench.shots_.size()),
+                         residual);
+    }
+  }
 
   Decoy Best() {
     const int n = problem_.robot.num_joints();
-    for (int j = 0; j < n; ++j) {
-      for (int k = 0; k < n; ++k) {
-        if (angles_[k].maxCoeff() - angles_[k].minCoeff() < 1e-6) continue;
-        TrySmooth(j, angles_[k], {Name(k)}, "smooth", Name(k) + " (" + Range(angles_[k]) + ")", n);
-        if (k == j) TryPlaces(j);
-        if (k != j) TryHarmonics(j, k);
-      }
-      for (int a = 0; a < n; ++a) {
-        for (int b = a + 1; b < n; ++b) TryProduct(j, a, b);
-      }
-      if (bench_.timed_) TrySmooth(j, time_, {Name(j)}, "time", "time", n);
+    for (int k = 0; k < n; ++k) {
+      if (angles_[k].maxCoeff() - angles_[k].minCoeff() < 1e-6) continue;
+      const std::string on = Name(k) + " (" + Range(angles_[k]) + ")";
+      TrySmooth(angles_[k], {Name(k)}, "smooth", on);
+      TryPlaces(k);
+      TryHarmonics(k);
     }
-    if (bench_.timed_) TryWaves();
+    for (int a = 0; a < n; ++a) {
+      for (int b = a + 1; b < n; ++b) TryProduct(a, b);
+    }
+    if (bench_.timed_) {
+      TrySmooth(time_, {}, "time", "time");
+      TryWaves();
+    }
     return best_;
   }
 
  private:
   const std::string& Name(int joint) const { return problem_.robot.chain.joints[joint].name; }
+  int joints() const { return problem_.robot.num_joints(); }
 
-  // Penalised reductions of single columns side by side, `settings` scanned.
-  Eigen::VectorXd SingleGains(const Eigen::MatrixXd& columns, int settings, Eigen::VectorXd* sizes) const {
-    const Eigen::ArrayXd squared = residual_.SquaredOff(columns).array().max(1e-300);
-    const Eigen::ArrayXd projected = (columns.transpose() * residual_.residual()).array();
-    *sizes = -(projected / squared).matrix();
-    const Eigen::ArrayXd whole = columns.colwise().squaredNorm().transpose().array();
-    const Eigen::ArrayXd told = (squared > 1e-6 * whole).cast<double>();
-    const double rows = static_cast<double>(residual_.residual().size());
-    return (told * projected.square() / squared - std::log(rows) - 2.0 * std::log(settings)).matrix();
+  bool IsBetter(double penalised) const { return penalised > best_.penalised; }
+
+  // Joint j deviates by functions of the shot.
+  void Keep(const std::string& kind, std::vector<std::string> depends_on, int j, const std::string& words,
+            double penalised, const Eigen::MatrixXd& functions) {
+    best_ = {kind,      std::move(depends_on),
+             Name(j),   words,
+             penalised, bench_.deviations_.col(j).asDiagonal() * bench_.OnRows(functions)};
   }
 
-  void Keep(Decoy decoy) {
-    if (decoy.penalised > best_.penalised) best_ = std::move(decoy);
-  }
-
-  void TrySmooth(int j, const Eigen::VectorXd& x, std::vector<std::string> depends_on, const std::string& kind,
-                 const std::string& on, int drivers) {
-    const double scanned = 2.0 * std::log(drivers * (sizeof(kSmoothBumps) / sizeof(kSmoothBumps[0])));
+  // Any joint deviates by a smooth function of x.
+  void TrySmooth(const Eigen::VectorXd& x, const std::vector<std::string>& depends_on, const std::string& kind,
+                 const std::string& on) {
+    const double scanned = 2.0 * std::log(joints() * (sizeof(kSmoothBumps) / sizeof(kSmoothBumps[0])));
     for (const int count : kSmoothBumps) {
-      const Eigen::MatrixXd columns = deviations_.col(j).asDiagonal() * Bumps(x, count);
-      Decoy decoy{kind, depends_on, Name(j), "", residual_.MarginalGain(columns) - scanned, columns};
-      decoy.words = "a smooth deviation of " + Name(j) + " that depends on " + on;
-      Keep(std::move(decoy));
+      const Eigen::MatrixXd bumps = Bumps(x, count);
+      for (int j = 0; j < joints(); ++j) {
+        const double penalised = MarginalGainOf(sums_[j].Reduce(bumps), rows_) - scanned;
+        if (!IsBetter(penalised)) continue;
+        Keep(kind, depends_on.empty() ? std::vector<std::string>{Name(j)} : depends_on, j,
+             "a smooth deviation of " + Name(j) + " that depends on " + on, penalised, bumps);
+      }
     }
+  }
+
+  // Penalised reductions of joint j deviating by each single function, `settings` scanned.
+  Eigen::VectorXd SingleGains(int j, const Eigen::MatrixXd& functions, int settings, Eigen::VectorXd* sizes) const {
+    const ShotSums& sums = sums_[j];
+    const Eigen::ArrayXd whole = (functions.array().square().matrix().transpose() * sums.squared).array();
+    const Eigen::ArrayXd on_believed = (sums.on_believed * functions).colwise().squaredNorm().transpose().array();
+    const Eigen::ArrayXd squared = (whole - on_believed).max(1e-300);
+    const Eigen::ArrayXd projected = (functions.transpose() * sums.gradient).array();
+    *sizes = -(projected / squared).matrix();
+    const Eigen::ArrayXd told = (squared > 1e-6 * whole).cast<double>();
+    const double n = static_cast<double>(rows_);
+    return (told * projected.square() / squared - std::log(n) - 2.0 * std::log(settings)).matrix();
   }
 
   // One bump or one step along the joint's own angle, at the angles that the
@@ -108,39 +153,28 @@ class DecoySearch {
     const int count = static_cast<int>(places.size());
     Eigen::MatrixXd bumps(q.size(), count * kWidths), steps(q.size(), count - 1);
     for (int p = 0; p < count; ++p) {
-      if (p + 1 < count) {
-        steps.col(p) = deviations_.col(j).array() * (q > 0.5 * (places[p] + places[p + 1])).cast<double>();
-      }
+      if (p + 1 < count) steps.col(p) = (q > 0.5 * (places[p] + places[p + 1])).cast<double>();
       for (int w = 0; w < kWidths; ++w) {
-        bumps.col(p * kWidths + w) =
-            deviations_.col(j).array() * (-0.5 * ((q - places[p]) / (kBumpWidths[w] * span)).square()).exp();
+        bumps.col(p * kWidths + w) = (-0.5 * ((q - places[p]) / (kBumpWidths[w] * span)).square()).exp();
       }
     }
     Eigen::VectorXd sizes;
     int at = 0;
-    const double bump = SingleGains(bumps, static_cast<int>(bumps.cols()), &sizes).maxCoeff(&at);
-    if (bump > best_.penalised) {
+    const double bump = SingleGains(j, bumps, static_cast<int>(bumps.cols()), &sizes).maxCoeff(&at);
+    if (IsBetter(bump)) {
       const double center = places[at / kWidths] * kDegree, reach = 1.5 * kBumpWidths[at % kWidths] * span * kDegree;
-      Keep({"smooth",
-            {Name(j)},
-            Name(j),
-            "a bump of " + Name(j) + " between " + Rounded("%.0f", center - reach) + " and " +
-                Rounded("%.0f", center + reach) + " deg, " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad high",
-            bump,
-            bumps.col(at)});
+      const std::string words = "a bump of " + Name(j) + " between " + Rounded("%.0f", center - reach) + " and " +
+                                Rounded("%.0f", center + reach) + " deg, " + Rounded("%.3g", 1e-3 * sizes[at]) +
+                                " mrad high";
+      Keep("smooth", {Name(j)}, j, words, bump, bumps.col(at));
     }
     if (count < 2) return;
-    const double step = SingleGains(steps, count - 1, &sizes).maxCoeff(&at);
-    if (step > best_.penalised) {
-      const double place = 0.5 * (places[at] + places[at + 1]) * kDegree;
-      Keep({"step",
-            {Name(j)},
-            Name(j),
-            "a step of " + Name(j) + " by " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad at " + Rounded("%.0f", place) +
-                " deg",
-            step,
-            steps.col(at)});
-    }
+    const double step = SingleGains(j, steps, count - 1, &sizes).maxCoeff(&at);
+    if (!IsBetter(step)) return;
+    const double place = 0.5 * (places[at] + places[at + 1]) * kDegree;
+    const std::string words = "a step of " + Name(j) + " by " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad at " +
+                              Rounded("%.0f", place) + " deg";
+    Keep("step", {Name(j)}, j, words, step, steps.col(at));
   }
 
   // Distinct values, thinned.
@@ -153,64 +187,68 @@ class DecoySearch {
     return places;
   }
 
-  // Joint j deviates with the angle of another joint.
-  void TryHarmonics(int j, int k) {
+  // A score test; no gain where nothing of it shows.
+  double Gain(const NormalEquations& normal, int settings) const {
+    const Score score = ScoreOf(normal, rows_, settings);
+    return score.rank > 0 ? score.penalised : -1e300;
+  }
+
+  // Other joints deviate with the angle of joint k.
+  void TryHarmonics(int k) {
     for (int order = 1; order <= kOrders; ++order) {
-      Eigen::MatrixXd columns(angles_[k].size(), 2);
-      columns << deviations_.col(j).cwiseProduct((order * angles_[k]).array().cos().matrix()),
-          deviations_.col(j).cwiseProduct((order * angles_[k]).array().sin().matrix());
-      const int drivers = problem_.robot.num_joints() - 1;
-      const Score score = residual_.Test(columns, kOrders * drivers);
-      const double penalised = score.rank > 0 ? score.penalised : -1e300;
-      if (penalised <= best_.penalised) continue;
-      Keep({"periodic",
-            {Name(k)},
-            Name(j),
-            "a deviation of " + Name(j) + " that repeats " + std::to_string(order) + " time(s) per turn of " + Name(k),
-            penalised,
-            columns});
+      Eigen::MatrixXd wave(angles_[k].size(), 2);
+      wave << (order * angles_[k]).array().cos().matrix(), (order * angles_[k]).array().sin().matrix();
+      for (int j = 0; j < joints(); ++j) {
+        if (j == k) continue;
+        const double penalised = Gain(sums_[j].Reduce(wave), kOrders * (joints() - 1));
+        if (!IsBetter(penalised)) continue;
+        Keep("periodic", {Name(k)}, j,
+             "a deviation of " + Name(j) + " that repeats " + std::to_string(order) + " time(s) per turn of " + Name(k),
+             penalised, wave);
+      }
     }
   }
 
-  void TryProduct(int j, int a, int b) {
-    const Eigen::ArrayXd p = angles_[a].array() - angles_[a].mean(), q = angles_[b].array() - angles_[b].mean();
+  // Any joint deviates with two joints' angles together.
+  void TryProduct(int a, int b) {
+    const Eigen::ArrayXd p = angles_[a].array() - angles_[a].dot(bench_.weight_);
+    const Eigen::ArrayXd q = angles_[b].array() - angles_[b].dot(bench_.weight_);
     const Eigen::ArrayXd sum = angles_[a].array() + angles_[b].array();
     const Eigen::ArrayXd difference = angles_[a].array() - angles_[b].array();
     Eigen::MatrixXd basis(p.size(), 7);
     basis << (p * q).matrix(), sum.cos().matrix(), sum.sin().matrix(), difference.cos().matrix(),
         difference.sin().matrix(), (p.cos() * q).matrix(), (q.cos() * p).matrix();
-    const Eigen::MatrixXd columns = deviations_.col(j).asDiagonal() * basis;
-    const std::string words =
-        "a deviation of " + Name(j) + " that depends on " + Name(a) + " and " + Name(b) + " together";
-    const int n = problem_.robot.num_joints(), pairs = n * (n - 1) / 2;
-    const double any = residual_.MarginalGain(columns) - 2.0 * std::log(2.0 * pairs);
-    Keep({"other", {Name(a), Name(b)}, Name(j), words, any, columns});
-    const Score product = residual_.Test(columns.col(0), 2 * pairs);
-    const double penalised = product.rank > 0 ? product.penalised : -1e300;
-    Keep({"other", {Name(a), Name(b)}, Name(j), words, penalised, columns.col(0)});
+    const int pairs = joints() * (joints() - 1) / 2;
+    for (int j = 0; j < joints(); ++j) {
+      const std::string words =
+          "a deviation of " + Name(j) + " that depends on " + Name(a) + " and " + Name(b) + " together";
+      const NormalEquations normal = sums_[j].Reduce(basis);
+      const double any = MarginalGainOf(normal, rows_) - 2.0 * std::log(2.0 * pairs);
+      if (IsBetter(any)) Keep("other", {Name(a), Name(b)}, j, words, any, basis);
+      const double product = Gain({normal.information.topLeftCorner(1, 1), normal.gradient.head(1)}, 2 * pairs);
+      if (IsBetter(product)) Keep("other", {Name(a), Name(b)}, j, words, product, basis.col(0));
+    }
   }
 
   void TryWaves() {
     const double span = time_.maxCoeff() - time_.minCoeff();
-    for (const std::string& station : problem_.data.stations) {
-      const Eigen::MatrixXd shift = bench_.StationShift(station);
+    const Eigen::VectorXd time = bench_.OnRows(time_);
+    for (const auto& [station, shift] : bench_.shifts_) {
       Decoy best_wave{"time", {station}, station, "", -1e300, {}};
       for (int p = 1; p <= kPeriods; ++p) {
         const double omega = kTwoPi * (0.5 * p) / span;
-        const Eigen::VectorXd c = (omega * time_).array().cos(), s = (omega * time_).array().sin();
-        Eigen::MatrixXd columns(time_.size(), 6);
+        const Eigen::VectorXd c = (omega * time).array().cos(), s = (omega * time).array().sin();
+        Eigen::MatrixXd columns(time.size(), 6);
         columns << c.asDiagonal() * shift, s.asDiagonal() * shift;
-        const double all = residual_.MarginalGain(columns) - 2.0 * std::log(4.0 * kPeriods);
-        TryWave(all, columns, omega, "", &best_wave);
+        const NormalEquations normal = residual_.Reduce(columns);
+        TryWave(MarginalGainOf(normal, rows_) - 2.0 * std::log(4.0 * kPeriods), columns, omega, "", &best_wave);
         for (int axis = 0; axis < 3; ++axis) {
-          Eigen::MatrixXd own(time_.size(), 2);
-          own << columns.col(axis), columns.col(3 + axis);
-          const Score score = residual_.Test(own, 4 * kPeriods);
-          const double penalised = score.rank > 0 ? score.penalised : -1e300;
-          TryWave(penalised, own, omega, std::string(" in ") + "xyz"[axis], &best_wave);
+          const std::vector<int> own = {axis, 3 + axis};
+          const double gain = Gain({normal.information(own, own), normal.gradient(own)}, 4 * kPeriods);
+          TryWave(gain, columns(Eigen::all, own), omega, std::string(" in ") + "xyz"[axis], &best_wave);
         }
       }
-      Keep(std::move(best_wave));
+      if (IsBetter(best_wave.penalised)) best_ = std::move(best_wave);
     }
   }
 
@@ -226,9 +264,10 @@ class DecoySearch {
   const CalibrationProblem& problem_;
   const DecoyBench& bench_;
   const ProjectedResidual& residual_;
-  const Eigen::MatrixXd& deviations_;
+  const long rows_;
   const std::vector<Eigen::VectorXd>& angles_;
   const Eigen::VectorXd& time_;
+  std::vector<ShotSums> sums_;  // of each joint's deviation
   Decoy best_;
 };
 
@@ -237,12 +276,23 @@ DecoyBench::DecoyBench(const DiagnosedModel& model)
       parameters_(model.estimate.parameters),
       residual_(LinearizeEstimate(problem_, parameters_)),
       deviations_(JointDeviationColumns(problem_, parameters_)) {
+  std::map<int, int> place;
+  for (const int observation : problem_.CalibrationObservations()) {
+    const int shot = problem_.data.observations[observation].shot;
+    const auto entry = place.emplace(shot, static_cast<int>(shots_.size()));
+    if (entry.second) shots_.push_back(shot);
+    shot_of_row_.insert(shot_of_row_.end(), 3, entry.first->second);
+  }
+  weight_ = Eigen::VectorXd::Zero(static_cast<long>(shots_.size()));
+  for (const int shot : shot_of_row_) weight_[shot] += 1.0 / static_cast<double>(shot_of_row_.size());
   const int n = problem_.robot.num_joints();
-  for (int j = 0; j < n; ++j) angles_.push_back(PerRow([j](const ShotConditions& shot) { return shot.q[j]; }));
+  for (int j = 0; j < n; ++j) angles_.push_back(PerShot([j](const ShotConditions& shot) { return shot.q[j]; }));
   timed_ = std::all_of(problem_.shot_inputs.begin(), problem_.shot_inputs.end(),
                        [](const ShotInput& shot) { return shot.conditions.has_time; });
-  if (timed_) time_ = PerRow([](const ShotConditions& shot) { return shot.time; });
+  if (timed_) time_ = PerShot([](const ShotConditions& shot) { return shot.time; });
   timed_ = timed_ && time_.maxCoeff() > time_.minCoeff();
+  if (!timed_) return;
+  for (const std::string& station : problem_.data.stations) shifts_[station] = StationShift(station);
 }
 
 Decoy DecoyBench::Best(const ProjectedResidual& residual) const { return DecoySearch(*this, residual).Best(); }
@@ -251,15 +301,14 @@ Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
   std::vector<Eigen::MatrixXd> blocks = {decoy.columns};
   const int j = problem_.robot.chain.FindJoint(decoy.acts_on);
   if (j < 0) {  // a station
-    const Eigen::MatrixXd shift = StationShift(decoy.acts_on);
-    const Eigen::MatrixXd bumps = Bumps(time_, kKindBumps);
-    for (int b = 0; b < kKindBumps; ++b) blocks.push_back(bumps.col(b).asDiagonal() * shift);
+    const Eigen::MatrixXd bumps = OnRows(Bumps(time_, kKindBumps));
+    for (int b = 0; b < kKindBumps; ++b) blocks.push_back(bumps.col(b).asDiagonal() * shifts_.at(decoy.acts_on));
   } else if (decoy.kind == "time") {
-    blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(time_, kKindBumps));
+    blocks.push_back(deviations_.col(j).asDiagonal() * OnRows(Bumps(time_, kKindBumps)));
   } else {
     for (const std::string& driver : decoy.depends_on) {
       const int k = problem_.robot.chain.FindJoint(driver);
-      blocks.push_back(deviations_.col(j).asDiagonal() * Bumps(angles_[k], kKindBumps));
+      blocks.push_back(deviations_.col(j).asDiagonal() * OnRows(Bumps(angles_[k], kKindBumps)));
     }
   }
   Eigen::MatrixXd all(decoy.columns.rows(), 0);
@@ -270,15 +319,10 @@ Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
   return all;
 }
 
-// One scalar per 3 rows, from the shot of each observation.
-Eigen::VectorXd DecoyBench::PerRow(const std::function<double(const ShotConditions&)>& value) const {
-  const std::vector<int> observations = problem_.CalibrationObservations();
-  Eigen::VectorXd rows(3 * observations.size());
-  for (size_t k = 0; k < observations.size(); ++k) {
-    const ShotInput& shot = problem_.shot_inputs[problem_.data.observations[observations[k]].shot];
-    rows.segment<3>(3 * k).setConstant(value(shot.conditions));
-  }
-  return rows;
+Eigen::VectorXd DecoyBench::PerShot(const std::function<double(const ShotConditions&)>& value) const {
+  Eigen::VectorXd values(shots_.size());
+  for (size_t s = 0; s < shots_.size(); ++s) values[s] = value(problem_.shot_inputs[shots_[s]].conditions);
+  return values;
 }
 
 // How a shift of the station's points in x, y, z moves the rows, whitened, per
@@ -287,7 +331,8 @@ Eigen::MatrixXd DecoyBench::StationShift(const std::string& station) const {
   std::vector<int> columns;
   for (const char* axis : {"/x", "/y", "/z"}) columns.push_back(parameters_.FindCoordinate("base/" + station + axis));
   const std::vector<int> observations = problem_.CalibrationObservations();
-  return 1e-6 * Linearize(problem_, parameters_, observations, columns, ObservationNoise(problem_, observations, 1e-3))
+  return 1e-6 * Linearize(problem_, parameters_, observations, columns,
+                          ObservationNoise(problem_, observations, kFallbackSigma))
                     .jacobian;
 }
 

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -45,15 +46,21 @@ class DecoyBench {
   Eigen::MatrixXd ColumnsOfKind(const Decoy& decoy) const;
 
  private:
-  Eigen::VectorXd PerRow(const std::function<double(const ShotConditions&)>& value) const;
+  // One scalar per shot.
+  Eigen::VectorXd PerShot(const std::function<double(const ShotConditions&)>& value) const;
+  // Rows of functions of the shot.
+  Eigen::MatrixXd OnRows(const Eigen::MatrixXd& of_shot) const { return of_shot(shot_of_row_, Eigen::all); }
   Eigen::MatrixXd StationShift(const std::string& station) const;
 
   const CalibrationProblem& problem_;
   const ParameterSet& parameters_;
   ProjectedResidual residual_;
-  Eigen::MatrixXd deviations_;
-  std::vector<Eigen::VectorXd> angles_;
-  Eigen::VectorXd time_;
+  Eigen::MatrixXd deviations_;                     // JointDeviationColumns
+  std::map<std::string, Eigen::MatrixXd> shifts_;  // of stations: whitened rows per um in x, y, z
+  std::vector<int> shots_, shot_of_row_;           // the fitted ones; index into them
+  Eigen::VectorXd weight_;                         // rows of each shot over all
+  std::vector<Eigen::VectorXd> angles_;            // of each joint, per shot
+  Eigen::VectorXd time_;                           // per shot
   bool timed_ = false;
 
   friend class DecoySearch;

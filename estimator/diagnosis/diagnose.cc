@@ -5,6 +5,7 @@
 
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/distributions.h"
+#include "estimator/parallel.h"
 
 namespace sagitta {
 namespace {
@@ -28,12 +29,7 @@ DiagnosedModel Fit(const CalibrationProblem& problem, const JointOptions& option
 }
 
 DiagnosedModel Refit(const CalibrationProblem& problem, const Estimate& start, const JointOptions& options) {
-  DiagnosedModel model;
-  model.problem = std::make_shared<CalibrationProblem>(problem);
-  JointOptions near = options;
-  near.aligned = &start.aligned;
-  model.estimate = EstimateFrom(*model.problem, start.parameters, near);
-  return model;
+  return JudgeFully(std::make_shared<CalibrationProblem>(problem), start.parameters, start.aligned, options);
 }
 
 // Where nothing states sigma, the baseline's own scatter is what is compared with.
@@ -137,30 +133,38 @@ bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const D
   return dof > 0 && rest.residual().squaredNorm() < 1.2 * dof;
 }
 
+// What the first `count` steps do: on the hold-out, and to chi-square.
+void MeasurePrefix(const std::vector<ChosenStep>& chosen, size_t count, const SelectionOptions& selection,
+                   const DiagnosedModel& baseline, DiagnosisStep* result) {
+  const std::vector<ChosenStep> first(chosen.begin(), chosen.begin() + static_cast<long>(count));
+  const DiagnosedModel here = Extend(baseline, CandidatesOf(first), selection.joint);
+  result->holdout_after = HoldoutRms(here);
+  result->reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
+}
+
 void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidate>& candidates,
                const SelectionOptions& selection, Diagnosis* diagnosis) {
-  std::vector<Candidate> added;
-  double before = diagnosis->baseline.estimate.validation.rms;
-  for (const ChosenStep& step : chosen) {
-    DiagnosisStep result;
-    result.chosen = step;
-    added.push_back(step.candidate);
-    const DiagnosedModel here = Extend(diagnosis->baseline, added, selection.joint);
-    result.holdout_before = before;
-    result.holdout_after = before = HoldoutRms(here);
-    result.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
+  if (chosen.empty()) return;
+  const StepBench bench(diagnosis->final, candidates);
+  const ConfirmationBench confirmation(bench);
+  std::vector<DiagnosisStep>& steps = diagnosis->steps;
+  steps.resize(chosen.size());
+  ParallelFor(static_cast<int>(chosen.size()), selection.joint.num_threads, [&](int i, int) {
+    DiagnosisStep& result = steps[i];
+    result.chosen = chosen[i];
+    MeasurePrefix(chosen, i + 1, selection, diagnosis->baseline, &result);
+    const Eigen::VectorXd neutral_residual = bench.NeutralResidual(chosen[i]);
+    result.alternatives = FindAlternatives(bench, chosen[i], neutral_residual, selection.tie);
+    result.confirmation = confirmation.Confirm(chosen[i], neutral_residual, selection.tie);
+    result.view = ViewStep(bench, chosen[i]);
     for (const ParameterEstimate& row : diagnosis->final.estimate.table) {
-      if (row.free && row.name.rfind(ParametersOf(step.candidate.spec) + "/", 0) == 0) result.parameters.push_back(row);
+      if (row.free && IsParameterOf(chosen[i].candidate.spec, row.name)) result.parameters.push_back(row);
     }
-    std::vector<Candidate> others;
-    for (const ChosenStep& other : chosen) {
-      if (&other != &step) others.push_back(other.candidate);
-    }
-    const DiagnosedModel without = Extend(diagnosis->baseline, others, selection.joint);
-    result.alternatives = FindAlternatives(without, step, candidates, selection.tie);
-    result.confirmation = ConfirmStep(without, diagnosis->final, step, candidates, selection);
-    result.view = ViewStep(diagnosis->final, step);
-    diagnosis->steps.push_back(std::move(result));
+  });
+  double before = diagnosis->baseline.estimate.validation.rms;
+  for (DiagnosisStep& step : steps) {
+    step.holdout_before = before;
+    before = step.holdout_after;
   }
 }
 
@@ -169,7 +173,7 @@ void JudgeFinal(const DiagnosedModel& baseline, const SelectionOptions& selectio
                 Diagnosis* diagnosis) {
   DiagnosedModel& final = diagnosis->final;
   while (!steps->empty()) {
-    final = JudgeFully(final.problem, final.estimate.parameters, selection.joint);
+    final = JudgeFully(final.problem, final.estimate.parameters, final.problem->parameters, selection.joint);
     if (IsUsable(final.estimate.status)) return;
     steps->pop_back();
     diagnosis->has_unexplained = true;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "estimator/distributions.h"
+#include "estimator/linearization.h"
 
 namespace sagitta {
 namespace {
@@ -26,7 +27,7 @@ struct ShotResidual {
 std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<int> all = problem.CalibrationObservations();
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
-  const NoiseRoots noise = ObservationNoise(problem, all, 1e-3);
+  const NoiseRoots noise = ObservationNoise(problem, all, kFallbackSigma);
   std::map<int, std::vector<size_t>> members;
   for (size_t k = 0; k < all.size(); ++k) members[problem.data.observations[all[k]].shot].push_back(k);
   std::vector<ShotResidual> shots;
@@ -65,7 +66,7 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
 double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
   const CalibrationProblem with = WithRepeatability(problem, sigma);
   const std::vector<int> observations = with.CalibrationObservations();
-  const NoiseRoots noise = ObservationNoise(with, observations, 1e-3);
+  const NoiseRoots noise = ObservationNoise(with, observations, kFallbackSigma);
   const std::vector<int> columns = parameters.EstimatedCoordinates();
   const LinearSolution solution = SolveLinearization(Linearize(with, parameters, observations, columns, noise));
   const Linearization raw = Linearize(with, parameters, observations, {}, noise, LatentTreatment::kIgnore);
@@ -144,7 +145,7 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
   std::vector<int> explained;
   if (outliers.empty()) return explained;
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, outliers);
-  const NoiseRoots noise = ObservationNoise(problem, outliers, 1e-3);
+  const NoiseRoots noise = ObservationNoise(problem, outliers, kFallbackSigma);
   const double n = static_cast<double>(problem.CalibrationObservations().size() + outliers.size());
   const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
   for (size_t k = 0; k < outliers.size(); ++k) {

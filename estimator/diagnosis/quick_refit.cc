@@ -8,8 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
-constexpr int kMostSteps = 40;           // most need two or three
+constexpr int kMostSteps = 40;  // most need two or three
 constexpr double kFirstDamping = 1e-4;
 constexpr double kSmallStep = 0.01;  // standard deviations: chi-square is then right to 1e-4
 

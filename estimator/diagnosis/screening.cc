@@ -12,8 +12,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
-constexpr double kIndependent = 1e-5;    // projected norm over norm below which a column says nothing new
+constexpr double kIndependent = 1e-5;  // projected norm over norm below which a column says nothing new
 constexpr double kRankTolerance = 1e-6;
 constexpr double kTypicalPerHoldLimit = 0.1;  // TraitsOf: a direction is held beyond ten typical sizes
 
@@ -27,8 +26,25 @@ Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
 
 }  // namespace
 
+NormalEquations ReduceOff(Eigen::MatrixXd information, const Eigen::Ref<const Eigen::MatrixXd>& on_believed,
+                          Eigen::VectorXd gradient) {
+  NormalEquations normal{std::move(information), std::move(gradient)};
+  const Eigen::VectorXd squared = normal.information.diagonal();
+  normal.information -= on_believed.transpose() * on_believed;
+  for (int c = 0; c < squared.size(); ++c) {
+    if (normal.information(c, c) > kIndependent * kIndependent * squared[c]) continue;
+    normal.information.row(c).setZero();
+    normal.information.col(c).setZero();
+    normal.gradient[c] = 0.0;
+  }
+  return normal;
+}
+
 ProjectedResidual::ProjectedResidual(const Linearization& believed)
-    : basis_(OrthonormalBasis(believed.jacobian)), residual_(believed.residual) {
+    : ProjectedResidual(believed.jacobian, believed.residual) {}
+
+ProjectedResidual::ProjectedResidual(const Eigen::MatrixXd& believed, const Eigen::VectorXd& residual)
+    : basis_(OrthonormalBasis(believed)), residual_(residual) {
   residual_ -= basis_ * (basis_.transpose() * residual_);
 }
 
@@ -38,10 +54,6 @@ Eigen::MatrixXd ProjectedResidual::ProjectOff(const Eigen::MatrixXd& columns) co
     if (rest.col(c).norm() < kIndependent * columns.col(c).norm()) rest.col(c).setZero();
   }
   return rest;
-}
-
-Eigen::VectorXd ProjectedResidual::SquaredOff(const Eigen::MatrixXd& columns) const {
-  return (columns.colwise().squaredNorm() - (basis_.transpose() * columns).colwise().squaredNorm()).transpose();
 }
 
 Eigen::VectorXd ProjectedResidual::Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const {
@@ -59,23 +71,21 @@ ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const 
 }
 
 NormalEquations ProjectedResidual::Reduce(const Eigen::MatrixXd& columns) const {
-  const Eigen::MatrixXd believed = basis_.transpose() * columns;
-  NormalEquations normal{columns.transpose() * columns, columns.transpose() * residual_};
-  const Eigen::VectorXd whole = normal.information.diagonal();
-  normal.information -= believed.transpose() * believed;
-  for (int c = 0; c < columns.cols(); ++c) {
-    if (normal.information(c, c) > kIndependent * kIndependent * whole[c]) continue;
-    normal.information.row(c).setZero();
-    normal.information.col(c).setZero();
-    normal.gradient[c] = 0.0;
-  }
-  return normal;
+  return ReduceBlock(columns, OnBelieved(columns));
+}
+
+NormalEquations ProjectedResidual::ReduceBlock(const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                                               const Eigen::Ref<const Eigen::MatrixXd>& on_believed) const {
+  return ReduceOff(columns.transpose() * columns, on_believed, columns.transpose() * residual_);
 }
 
 Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) const {
+  return ScoreOf(Reduce(columns), residual_.size(), settings);
+}
+
+Score ScoreOf(const NormalEquations& normal, long rows, int settings) {
   Score score;
-  if (columns.cols() == 0) return score;
-  const NormalEquations normal = Reduce(columns);
+  if (normal.gradient.size() == 0) return score;
   const Eigen::VectorXd scale = (normal.information.diagonal().array() > 0.0)
                                     .select(normal.information.diagonal().array().max(1e-300).sqrt().inverse(), 0.0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * normal.information *
@@ -89,13 +99,16 @@ Score ProjectedResidual::Test(const Eigen::MatrixXd& columns, int settings) cons
   }
   if (score.rank == 0) return score;
   score.p_value = ChiSquareSurvival(score.reduction, score.rank);
-  const double n = static_cast<double>(residual_.size());
+  const double n = static_cast<double>(rows);
   score.penalised = score.reduction - score.rank * std::log(n) - 2.0 * std::log(static_cast<double>(settings));
   return score;
 }
 
 double ProjectedResidual::MarginalGain(const Eigen::MatrixXd& columns) const {
-  const NormalEquations normal = Reduce(columns);
+  return MarginalGainOf(Reduce(columns), residual_.size());
+}
+
+double MarginalGainOf(const NormalEquations& normal, long rows) {
   const double scale = normal.information.trace();
   if (!(scale > 0.0)) return -1e300;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal.information / scale);
@@ -111,7 +124,7 @@ double ProjectedResidual::MarginalGain(const Eigen::MatrixXd& columns) const {
     }
     best = std::max(best, gain);
   }
-  return best - std::log(static_cast<double>(residual_.size()));
+  return best - std::log(static_cast<double>(rows));
 }
 
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -121,52 +134,56 @@ Linearization LinearizeEstimate(const CalibrationProblem& problem, const Paramet
   return linearization;
 }
 
-std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                        const std::vector<EffectSpec>& specs) {
+CandidateColumns ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
+                           const std::vector<EffectSpec>& specs) {
   std::set<std::string> known;
   for (const EffectSpec& own : problem.robot.effects) known.insert(own.Path());
   std::vector<EffectSpec> fresh;
+  std::vector<bool> has_columns;
   for (const EffectSpec& spec : specs) {
-    if (spec.effect != "gravity_compensator" && known.insert(spec.Path()).second) fresh.push_back(spec);
+    has_columns.push_back(spec.effect != "gravity_compensator" && known.insert(spec.Path()).second);
+    if (has_columns.back()) fresh.push_back(spec);
   }
   CalibrationProblem extended = problem.WithEffects(fresh);
   extended.parameters.CopyByName(parameters);
-  std::map<std::string, std::vector<int>> columns_of;  // by path
-  std::vector<int> all;
+  std::map<std::string, std::vector<int>> coordinates_of;  // by path
   for (int i = 0; i < extended.parameters.num_coordinates(); ++i) {
     const std::string& name = extended.parameters.coordinates()[i].name;
-    if (parameters.FindCoordinate(name) >= 0) continue;
-    columns_of[name.substr(0, name.rfind('/'))].push_back(static_cast<int>(all.size()));
-    all.push_back(i);
+    if (parameters.FindCoordinate(name) < 0) coordinates_of[name.substr(0, name.rfind('/'))].push_back(i);
   }
+  CandidateColumns candidates;
+  std::vector<int> all;
+  for (size_t c = 0; c < specs.size(); ++c) {
+    candidates.first.push_back(static_cast<int>(all.size()));
+    if (!has_columns[c]) continue;
+    const std::vector<int>& own = coordinates_of[specs[c].Path()];
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  candidates.first.push_back(static_cast<int>(all.size()));
   const std::vector<int> observations = extended.CalibrationObservations();
-  const Linearization linearization = Linearize(extended, extended.parameters, observations, all,
-                                                ObservationNoise(extended, observations, kFallbackSigma));
-  std::vector<CandidateColumns> candidates;
-  for (const EffectSpec& spec : specs) {
-    const std::vector<int> own = columns_of[spec.Path()];
-    CandidateColumns candidate{linearization.jacobian(Eigen::all, own), {}, Eigen::VectorXd(own.size())};
-    for (size_t c = 0; c < own.size(); ++c) {
-      const Coordinate& coordinate = extended.parameters.coordinates()[all[own[c]]];
-      const QuantityTraits& traits = TraitsOf(coordinate.quantity);
-      candidate.columns.col(c) *= traits.si_per_unit;
-      candidate.typical[c] = kTypicalPerHoldLimit * traits.hold_limit / traits.si_per_unit;
-      candidate.names.push_back(coordinate.name);
-    }
-    candidates.push_back(std::move(candidate));
+  candidates.columns = Linearize(extended, extended.parameters, observations, all,
+                                 ObservationNoise(extended, observations, kFallbackSigma))
+                           .jacobian;
+  candidates.typical.resize(all.size());
+  for (size_t c = 0; c < all.size(); ++c) {
+    const Coordinate& coordinate = extended.parameters.coordinates()[all[c]];
+    const QuantityTraits& traits = TraitsOf(coordinate.quantity);
+    candidates.columns.col(c) *= traits.si_per_unit;
+    candidates.typical[c] = kTypicalPerHoldLimit * traits.hold_limit / traits.si_per_unit;
+    candidates.names.push_back(coordinate.name);
   }
   return candidates;
 }
 
-std::vector<std::string> DropUninformed(const ProjectedResidual& residual, CandidateColumns* candidate) {
-  NormalEquations normal = residual.Reduce(candidate->columns * candidate->typical.asDiagonal());
-  normal.information.diagonal().array() += 1e-9;  // what nothing tells: known to 3e4 typical sizes
-  std::vector<int> kept(candidate->names.size());
+std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::VectorXd& typical) {
+  Eigen::MatrixXd information = typical.asDiagonal() * normal.information * typical.asDiagonal();
+  information.diagonal().array() += 1e-9;  // what nothing tells: known to 3e4 typical sizes
+  const Eigen::VectorXd gradient = typical.cwiseProduct(normal.gradient);
+  std::vector<int> kept(typical.size());
   std::iota(kept.begin(), kept.end(), 0);
-  std::vector<std::string> dropped;
   while (!kept.empty()) {
-    const Eigen::MatrixXd covariance = normal.information(kept, kept).inverse();
-    const Eigen::VectorXd value = covariance * normal.gradient(kept);
+    const Eigen::MatrixXd covariance = information(kept, kept).inverse();
+    const Eigen::VectorXd value = covariance * gradient(kept);
     int worst = -1;
     for (size_t c = 0; c < kept.size(); ++c) {
       const double variance = covariance(c, c);
@@ -174,16 +191,9 @@ std::vector<std::string> DropUninformed(const ProjectedResidual& residual, Candi
       if (worst < 0 || variance > covariance(worst, worst)) worst = static_cast<int>(c);
     }
     if (worst < 0) break;
-    dropped.push_back(candidate->names[kept[worst]]);
     kept.erase(kept.begin() + worst);
   }
-  if (dropped.empty()) return dropped;
-  std::vector<std::string> names;
-  for (const int c : kept) names.push_back(candidate->names[c]);
-  candidate->columns = Eigen::MatrixXd(candidate->columns(Eigen::all, kept));
-  candidate->typical = Eigen::VectorXd(candidate->typical(kept));
-  candidate->names = std::move(names);
-  return dropped;
+  return kept;
 }
 
 Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -191,10 +201,8 @@ Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const P
   std::vector<EffectSpec> specs;
   for (const Joint& joint : problem.robot.chain.joints)
     specs.push_back({"joint_harmonic", joint.name, {{"order", "0"}}, {}});
-  const std::vector<CandidateColumns> joints = ColumnsOf(problem, parameters, specs);
-  Eigen::MatrixXd deviations(joints[0].columns.rows(), specs.size());
-  for (size_t j = 0; j < specs.size(); ++j) deviations.col(j) = joints[j].columns.col(0);
-  return deviations;
+  const CandidateColumns joints = ColumnsOf(problem, parameters, specs);
+  return joints.columns(Eigen::all, std::vector<int>(joints.first.begin(), joints.first.end() - 1));
 }
 
 }  // namespace sagitta

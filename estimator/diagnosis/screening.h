@@ -24,31 +24,48 @@ struct Score {
   double penalised = 0.0;  // reduction - p ln(n) - 2 ln(settings)
 };
 
-// C_perp' C_perp and C_perp' r of some columns.
+// C_perp' C_perp and C_perp' r of some columns. Those that the believed ones contain are zero in it.
 struct NormalEquations {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
 };
 
+// From those of the columns as they are, and their coordinates along the believed basis.
+NormalEquations ReduceOff(Eigen::MatrixXd information, const Eigen::Ref<const Eigen::MatrixXd>& on_believed,
+                          Eigen::VectorXd gradient);
+
+// The score test from normal equations of a residual with this many rows.
+Score ScoreOf(const NormalEquations& normal, long rows, int settings);
+
+// 2 ln of the marginal likelihood over that of no effect, for coefficients of one common prior variance tau^2, the best
+// of a grid; minus ln(rows) for tau. With C_perp = U S V', z = U' r, t_i = (tau s_i)^2:
+//   max over tau of sum z_i^2 t_i / (1 + t_i) - ln(1 + t_i)
+double MarginalGainOf(const NormalEquations& normal, long rows);
+
+// Leaves out, worst first, parameters that would stay unknown to more than a typical size: they would only fit noise.
+// Returns the others. In a refit the left-out ones get a wide prior instead, so that the intervals of the others stay
+// true. typical: size of each, in units of the columns.
+std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::VectorXd& typical);
+
 // Believed columns as an orthonormal basis, and the residual.
 class ProjectedResidual {
  public:
   explicit ProjectedResidual(const Linearization& believed);
+  ProjectedResidual(const Eigen::MatrixXd& believed, const Eigen::VectorXd& residual);
 
   Score Test(const Eigen::MatrixXd& columns, int settings = 1) const;
-  // 2 ln of the marginal likelihood over that of no effect, for coefficients of
-  // one common prior variance tau^2, the best of a grid; minus ln(n) for tau. With
-  // C_perp = U S V', z = U' r, t_i = (tau s_i)^2:
-  //   max over tau of sum z_i^2 t_i / (1 + t_i) - ln(1 + t_i)
   double MarginalGain(const Eigen::MatrixXd& columns) const;
-  // Columns that the believed ones contain are zero in it.
   NormalEquations Reduce(const Eigen::MatrixXd& columns) const;
-  // Squared norm of each column's projection.
-  Eigen::VectorXd SquaredOff(const Eigen::MatrixXd& columns) const;
+  // The columns' coordinates along the believed basis, for ReduceBlock.
+  Eigen::MatrixXd OnBelieved(const Eigen::MatrixXd& columns) const { return basis_.transpose() * columns; }
+  // Reduce of some columns whose coordinates along the believed basis are known.
+  NormalEquations ReduceBlock(const Eigen::Ref<const Eigen::MatrixXd>& columns,
+                              const Eigen::Ref<const Eigen::MatrixXd>& on_believed) const;
   Eigen::MatrixXd ProjectOff(const Eigen::MatrixXd& columns) const;
   // What of `target` (rows, off the believed columns) the columns' part off the believed ones can do.
   Eigen::VectorXd Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const;
   const Eigen::VectorXd& residual() const { return residual_; }
+  const Eigen::MatrixXd& basis() const { return basis_; }
   // A copy that believes these columns too.
   ProjectedResidual With(const Eigen::MatrixXd& columns) const;
 
@@ -60,23 +77,21 @@ class ProjectedResidual {
 
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters);
 
-// Whitened columns of one candidate at neutral, in units of results.
+// Whitened columns of several candidates at neutral, side by side, in units of results.
 struct CandidateColumns {
-  Eigen::MatrixXd columns;         // rows x parameters
+  Eigen::MatrixXd columns;         // rows x parameters of all
   std::vector<std::string> names;  // of the parameters
   Eigen::VectorXd typical;         // sizes, in the same units
+  std::vector<int> first;          // column of each candidate; one more at the end
+
+  int count(int candidate) const { return first[candidate + 1] - first[candidate]; }
 };
 
 // From one linearization of the model with all of them. A candidate that the
 // model already has gets no columns, and so does a gravity compensator (not
 // linear: compensator_search.h).
-std::vector<CandidateColumns> ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                        const std::vector<EffectSpec>& specs);
-
-// Leaves out, worst first, parameters that would stay unknown to more than a
-// typical size: they would only fit noise. Returns their names. In a refit they
-// get a wide prior instead, so that the intervals of the others stay true.
-std::vector<std::string> DropUninformed(const ProjectedResidual& residual, CandidateColumns* candidate);
+CandidateColumns ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
+                           const std::vector<EffectSpec>& specs);
 
 // How a deviation of each joint on its encoder side moves the rows, whitened,
 // per urad (um); one column per joint.

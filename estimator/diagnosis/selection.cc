@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/diagnosis/compensator_search.h"
+#include "estimator/diagnosis/candidate_bench.h"
 #include "estimator/distributions.h"
+#include "estimator/parallel.h"
 
 namespace sagitta {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
 constexpr size_t kShapesRefitted = 5;
-constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
 
 double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
   return parameters * std::log(static_cast<double>(baseline.estimate.rows)) +
@@ -42,14 +42,10 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   return problem;
 }
 
-struct Trial {
+// One candidate refitted, from the best of its starts; none where that fails.
+std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCandidate& entry,
+                                  const SelectionOptions& options, int tests) {
   ChosenStep step;
-};
-
-// One candidate refitted, from the best of its starts; false where that fails.
-bool TryStep(const DiagnosedModel& model, const ScreenedCandidate& entry, const SelectionOptions& options, int tests,
-             Trial* trial) {
-  ChosenStep& step = trial->step;
   step.candidate = entry.candidate;
   step.parameters = entry.score.rank;
   double best = std::numeric_limits<double>::infinity();
@@ -71,41 +67,41 @@ bool TryStep(const DiagnosedModel& model, const ScreenedCandidate& entry, const 
     best = chi2;
     step.candidate.spec = start;
   }
-  if (!std::isfinite(best)) return false;
+  if (!std::isfinite(best)) return std::nullopt;
   step.reduction = model.estimate.chi2 - best;
   step.penalised = step.reduction - Penalty(model, step.parameters, entry.candidate.settings);
   step.corrected_p = CorrectedP(step.reduction, step.parameters, best, dof, tests);
-  return true;
+  return step;
 }
 
-// Refits the best of the screening and picks by FORMATS section 6; false when
+// Refits the best of the screening and picks by FORMATS section 6; none when
 // nothing is significant.
-bool PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
-              const SelectionOptions& options, Trial* picked) {
+std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
+                                   const SelectionOptions& options) {
   const int tests = std::min<int>(options.most_tests, static_cast<int>(screened.size()));
-  std::vector<Trial> trials;
   int refitted = 0;
-  for (const ScreenedCandidate& entry : screened) {
-    if (refitted++ >= options.refitted || entry.score.rank == 0) break;
-    Trial trial;
-    if (!TryStep(model, entry, options, tests, &trial)) continue;
-    if (trial.step.corrected_p >= options.significance || trial.step.penalised <= 0.0) continue;
-    trials.push_back(std::move(trial));
+  while (refitted < std::min(options.refitted, static_cast<int>(screened.size())) &&
+         screened[refitted].score.rank > 0) {
+    ++refitted;
   }
-  if (trials.empty()) return false;
+  std::vector<std::optional<ChosenStep>> trials(refitted);
+  ParallelFor(refitted, options.joint.num_threads,
+              [&](int i, int) { trials[i] = TryStep(model, screened[i], options, tests); });
+  std::vector<ChosenStep> steps;
+  for (const std::optional<ChosenStep>& trial : trials) {
+    if (trial && trial->corrected_p < options.significance && trial->penalised > 0.0) steps.push_back(*trial);
+  }
+  if (steps.empty()) return std::nullopt;
   double best = -1e300;
-  for (const Trial& trial : trials) best = std::max(best, trial.step.penalised);
-  const auto simpler = [&](const Trial& a, const Trial& b) {
-    const bool a_tied = a.step.penalised >= best - options.tie, b_tied = b.step.penalised >= best - options.tie;
+  for (const ChosenStep& step : steps) best = std::max(best, step.penalised);
+  const auto simpler = [&](const ChosenStep& a, const ChosenStep& b) {
+    const bool a_tied = a.penalised >= best - options.tie, b_tied = b.penalised >= best - options.tie;
     if (a_tied != b_tied) return a_tied;
-    if (a.step.parameters != b.step.parameters) return a.step.parameters < b.step.parameters;
-    if (a.step.candidate.catalogue != b.step.candidate.catalogue) {
-      return a.step.candidate.catalogue < b.step.candidate.catalogue;
-    }
-    return a.step.penalised > b.step.penalised;
+    if (a.parameters != b.parameters) return a.parameters < b.parameters;
+    if (a.candidate.catalogue != b.candidate.catalogue) return a.candidate.catalogue < b.candidate.catalogue;
+    return a.penalised > b.penalised;
   };
-  *picked = std::move(*std::min_element(trials.begin(), trials.end(), simpler));
-  return true;
+  return *std::min_element(steps.begin(), steps.end(), simpler);
 }
 
 // Whether nothing new has become so uncertain that the full estimator would hold it.
@@ -116,21 +112,11 @@ bool TellsAll(const QuickRefit& refit) {
   return true;
 }
 
-// A compensator's shape counts as parameters.
-void ScreenCompensator(const DiagnosedModel& model, const ProjectedResidual& residual,
-                       const Eigen::MatrixXd& deviations, ScreenedCandidate* entry) {
-  const std::string& joint = entry->candidate.spec.target;
-  const int j = model.problem->robot.chain.FindJoint(joint);
-  const std::vector<CompensatorShape> shapes =
-      ScanCompensator(*model.problem, model.estimate.parameters, residual, deviations.col(j), joint);
+// A refit of a compensator starts from its best shapes.
+void TakeStarts(const std::vector<CompensatorShape>& shapes, ScreenedCandidate* entry) {
   entry->starts.clear();
-  if (shapes.empty()) return;
   for (size_t s = 0; s < std::min(kShapesRefitted, shapes.size()); ++s) entry->starts.push_back(shapes[s].start);
-  entry->candidate.spec = shapes[0].start;
-  entry->score.reduction = shapes[0].reduction;
-  entry->score.rank = kCompensatorParameters;
-  entry->score.p_value = ChiSquareSurvival(shapes[0].reduction, kCompensatorParameters);
-  entry->score.penalised = shapes[0].reduction - Penalty(model, kCompensatorParameters, 1);
+  if (!shapes.empty()) entry->candidate.spec = shapes[0].start;
 }
 
 // Whether the screening sees another candidate that comes near the step.
@@ -158,12 +144,12 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
     const double own = without.estimate.chi2 - model->estimate.chi2 -
                        Penalty(baseline, (*steps)[i].parameters, (*steps)[i].candidate.settings);
     const std::vector<ScreenedCandidate> screened = Screen(without, candidates, options.most_tests);
-    Trial trial;
-    if (!HasRival(screened, (*steps)[i], own, options.tie) || !PickStep(without, screened, options, &trial)) continue;
-    if (trial.step.candidate.spec.Path() == (*steps)[i].candidate.spec.Path()) continue;
-    others.insert(others.begin() + static_cast<long>(i), trial.step);
-    if (PenalisedTotal(baseline, without, others) + trial.step.reduction <= total + 1.0) continue;
-    DiagnosedModel swapped = Extend(without, {trial.step.candidate}, options.joint);
+    if (!HasRival(screened, (*steps)[i], own, options.tie)) continue;
+    const std::optional<ChosenStep> better = PickStep(without, screened, options);
+    if (!better || better->candidate.spec.Path() == (*steps)[i].candidate.spec.Path()) continue;
+    others.insert(others.begin() + static_cast<long>(i), *better);
+    if (PenalisedTotal(baseline, without, others) + better->reduction <= total + 1.0) continue;
+    DiagnosedModel swapped = Extend(without, {better->candidate}, options.joint);
     if (!IsUsable(swapped.estimate.status) || PenalisedTotal(baseline, swapped, others) <= total + 1.0) continue;
     *steps = others;
     *model = std::move(swapped);
@@ -174,8 +160,9 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
 
 }  // namespace
 
-std::string ParametersOf(const EffectSpec& spec) {
-  return spec.effect == "gravity_compensator" ? "compensator" : spec.Path();
+bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
+  const std::string home = spec.effect == "gravity_compensator" ? "compensator" : spec.Path();
+  return name.rfind(home + "/", 0) == 0;
 }
 
 std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
@@ -183,20 +170,17 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
   const CalibrationProblem& problem = *model.problem;
   const ParameterSet& parameters = model.estimate.parameters;
   const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
-  const Eigen::MatrixXd deviations = JointDeviationColumns(problem, parameters);
-  const std::vector<EffectSpec> specs = SpecsOf(candidates);
-  std::vector<CandidateColumns> columns = ColumnsOf(problem, parameters, specs);
+  const CandidateBench bench(problem, parameters, candidates);
+  const Screening screening(bench, residual, problem.robot.gravity_compensator.has_value());
   const double left = model.estimate.dof > 0 ? std::max(1.0, model.estimate.chi2 / model.estimate.dof) : 1.0;
   const int tests = std::min<int>(most_tests, static_cast<int>(candidates.size()));
   std::vector<ScreenedCandidate> screened;
   for (size_t i = 0; i < candidates.size(); ++i) {
     ScreenedCandidate entry{candidates[i], {}, 1.0, {candidates[i].spec}, {}};
-    if (specs[i].effect == "gravity_compensator") {
-      ScreenCompensator(model, residual, deviations, &entry);
-    } else {
-      entry.candidate.vague = DropUninformed(residual, &columns[i]);
-      entry.score = residual.Test(columns[i].columns, candidates[i].settings);
-    }
+    CandidateScore scored = screening.Of(static_cast<int>(i));
+    entry.score = scored.score;
+    entry.candidate.vague = std::move(scored.vague);
+    if (candidates[i].spec.effect == "gravity_compensator") TakeStarts(scored.shapes, &entry);
     const double after =
         (model.estimate.chi2 - entry.score.reduction) / std::max(1, model.estimate.dof - entry.score.rank);
     const double yardstick = std::min(left, std::max(1.0, after));
@@ -216,7 +200,10 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
   DiagnosedModel extended;
   extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
   const QuickRefit quick = RefitQuickly(*extended.problem, extended.problem->parameters);
-  if (!quick.converged || !TellsAll(quick)) return JudgeFully(extended.problem, extended.problem->parameters, options);
+  if (!quick.converged || !TellsAll(quick)) {
+    const ParameterSet& start = extended.problem->parameters;
+    return JudgeFully(extended.problem, start, start, options);
+  }
   extended.estimate = QuickEstimate(quick);
   return extended;
 }
@@ -232,11 +219,11 @@ Estimate QuickEstimate(const QuickRefit& refit) {
 }
 
 DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
-                          const JointOptions& options) {
+                          const ParameterSet& aligned, const JointOptions& options) {
   DiagnosedModel judged;
   judged.problem = std::move(problem);
   JointOptions near = options;
-  near.aligned = &judged.problem->parameters;
+  near.aligned = &aligned;
   judged.estimate = EstimateFrom(*judged.problem, from, near);
   return judged;
 }
@@ -263,15 +250,15 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
     steps.clear();
     *model = baseline;
   }
-  Trial trial;
   std::vector<Candidate> open = candidates;
   double total = PenalisedTotal(baseline, *model, steps);
-  while (static_cast<int>(steps.size()) < options.most_steps &&
-         PickStep(*model, Screen(*model, open, options.most_tests), options, &trial)) {
-    const std::string path = trial.step.candidate.spec.Path();
-    DiagnosedModel next = Extend(*model, {trial.step.candidate}, options.joint);
+  while (static_cast<int>(steps.size()) < options.most_steps) {
+    const std::optional<ChosenStep> picked = PickStep(*model, Screen(*model, open, options.most_tests), options);
+    if (!picked) break;
+    const std::string path = picked->candidate.spec.Path();
+    DiagnosedModel next = Extend(*model, {picked->candidate}, options.joint);
     std::vector<ChosenStep> longer = steps;
-    longer.push_back(trial.step);
+    longer.push_back(*picked);
     const bool fits = IsUsable(next.estimate.status) && PenalisedTotal(baseline, next, longer) > total;
     const bool swaps = longer.size() > 1 && longer.size() <= kSwappedAtOnce;
     for (int pass = 0; fits && swaps && pass < 2; ++pass) {

@@ -42,8 +42,8 @@ struct ScreenedCandidate {
   std::optional<double> holdout_rms;  // m, with this candidate alone beside the believed model; of the best few
 };
 
-// What the names of an effect's parameters start with.
-std::string ParametersOf(const EffectSpec& spec);
+// Whether a coordinate of this name is a parameter of the effect.
+bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 
 struct ChosenStep {
   Candidate candidate;
@@ -63,9 +63,10 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
 // What a quick refit says: parameters, chi-square, degrees of freedom, and whether it converged.
 Estimate QuickEstimate(const QuickRefit& refit);
 
-// The full estimator from a nearby point: intervals, identifiability, hold-out.
+// The full estimator from a nearby point: intervals, identifiability, hold-out. aligned: what the model was before
+// anything was fitted, as results compare with it.
 DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
-                          const JointOptions& options);
+                          const ParameterSet& aligned, const JointOptions& options);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
 // Forward selection with swap and backward passes, from the steps of `start`;

@@ -43,12 +43,11 @@ Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
 // The step's contribution to the whitened rows: its columns times its values. A
 // compensator's torque is proportional to Kc.
 Eigen::VectorXd Contribution(const DiagnosedModel& with, const ChosenStep& step, const Linearization& here) {
-  const std::string prefix = ParametersOf(step.candidate.spec) + "/";
   const bool spring = step.candidate.spec.effect == "gravity_compensator";
   Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
   for (int c = 0; c < here.num_columns(); ++c) {
     const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
-    if (name.rfind(prefix, 0) != 0 || (spring && name != prefix + "Kc")) continue;
+    if (!IsParameterOf(step.candidate.spec, name) || (spring && name != "compensator/Kc")) continue;
     contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
   }
   return contribution;
@@ -60,10 +59,11 @@ struct VisitSums {
 
 }  // namespace
 
-StepView ViewStep(const DiagnosedModel& with, const ChosenStep& step) {
+StepView ViewStep(const StepBench& bench, const ChosenStep& step) {
+  const DiagnosedModel& with = bench.model();
   const CalibrationProblem& problem = *with.problem;
   const EffectSpec& spec = step.candidate.spec;
-  const Linearization here = LinearizeEstimate(problem, with.estimate.parameters);
+  const Linearization& here = bench.whole().believed;
   const Eigen::VectorXd contribution = Contribution(with, step, here);
   const Driver driver = DriverOf(problem, spec);
   StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/step_bench.h"
 
 namespace sagitta {
 
@@ -18,7 +18,6 @@ struct StepView {
   std::vector<double> simulated;    // what the step says
 };
 
-// `with`: the model with all steps.
-StepView ViewStep(const DiagnosedModel& with, const ChosenStep& step);
+StepView ViewStep(const StepBench& bench, const ChosenStep& step);
 
 }  // namespace sagitta

@@ -1,7 +1,10 @@
 #include "estimator/diagnosis/unexplained.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
+#include "estimator/diagnosis/candidate_bench.h"
 #include "estimator/distributions.h"
 
 namespace sagitta {
@@ -15,49 +18,52 @@ constexpr double kContained = 0.95;  // share of the decoy's contribution
 struct Bench {
   Bench(const DiagnosedModel& model, const std::vector<Candidate>& catalogue)
       : decoys(model),
-        candidates(catalogue),
-        columns(ColumnsOf(*model.problem, model.estimate.parameters, SpecsOf(catalogue))),
+        candidates(*model.problem, model.estimate.parameters, catalogue),
         dof(std::max(1, model.estimate.dof)) {}
 
   DecoyBench decoys;
-  const std::vector<Candidate>& candidates;
-  std::vector<CandidateColumns> columns;
+  CandidateBench candidates;
   int dof;
 };
 
 // The best candidate beside what `residual` believes, by the rule of FORMATS section 6 on the linear reductions, and
-// its columns; false when none is significant.
-bool PickBeside(const Bench& bench, const ProjectedResidual& residual, const SelectionOptions& options,
-                ChosenStep* picked, Eigen::MatrixXd* columns) {
+// its columns; none when nothing is significant. A compensator's shape is not linear: it takes no part.
+struct PickedBeside {
+  ChosenStep step;
+  Eigen::MatrixXd columns;
+};
+
+std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidual& residual,
+                                       const SelectionOptions& options) {
   const double chi2 = residual.residual().squaredNorm();
-  const int tests = std::min<int>(options.most_tests, static_cast<int>(bench.candidates.size()));
-  std::vector<std::pair<ChosenStep, Eigen::MatrixXd>> entries;
+  const std::vector<Candidate>& candidates = bench.candidates.candidates();
+  const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
+  const Screening screening(bench.candidates, residual, true);
+  std::vector<std::pair<ChosenStep, std::vector<int>>> entries;
   double best = 0.0;
-  for (size_t i = 0; i < bench.candidates.size(); ++i) {
-    ChosenStep entry;
-    entry.candidate = bench.candidates[i];
-    CandidateColumns own = bench.columns[i];
-    entry.candidate.vague = DropUninformed(residual, &own);
-    const Score score = residual.Test(own.columns, entry.candidate.settings);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const CandidateScore scored = screening.Of(static_cast<int>(i));
+    const Score& score = scored.score;
     if (score.rank == 0 || score.penalised <= 0.0) continue;
     const double left = std::max(1.0, (chi2 - score.reduction) / bench.dof);
+    ChosenStep entry;
+    entry.candidate = candidates[i];
+    entry.candidate.vague = scored.vague;
     entry.parameters = score.rank;
     entry.reduction = score.reduction;
     entry.penalised = score.reduction / left - (score.reduction - score.penalised);
     entry.corrected_p = std::min(1.0, tests * ChiSquareSurvival(score.reduction / left, score.rank));
     best = std::max(best, entry.penalised);
-    entries.emplace_back(std::move(entry), std::move(own.columns));
+    entries.emplace_back(std::move(entry), scored.informed);
   }
-  const std::pair<ChosenStep, Eigen::MatrixXd>* chosen = nullptr;
+  const std::pair<ChosenStep, std::vector<int>>* chosen = nullptr;
   for (const auto& entry : entries) {
     const ChosenStep& step = entry.first;
     if (step.penalised < best - options.tie || step.corrected_p >= options.significance) continue;
     if (chosen == nullptr || step.parameters < chosen->first.parameters) chosen = &entry;
   }
-  if (chosen == nullptr) return false;
-  *picked = chosen->first;
-  *columns = chosen->second;
-  return true;
+  if (chosen == nullptr) return std::nullopt;
+  return PickedBeside{chosen->first, bench.candidates.columns().columns(Eigen::all, chosen->second)};
 }
 
 // Steps chosen beside decoys whose kinds are believed, and what is left after each.
@@ -69,12 +75,11 @@ struct Beside {
 Beside SelectBeside(const Bench& bench, const std::vector<Decoy>& decoys, const SelectionOptions& options) {
   Beside beside{{}, {bench.decoys.residual()}};
   for (const Decoy& decoy : decoys) beside.left[0] = beside.left[0].With(bench.decoys.ColumnsOfKind(decoy));
-  ChosenStep step;
-  Eigen::MatrixXd columns;
-  while (static_cast<int>(beside.steps.size()) < options.most_steps / 2 &&
-         PickBeside(bench, beside.left.back(), options, &step, &columns)) {
-    beside.steps.push_back(step);
-    beside.left.push_back(beside.left.back().With(columns));
+  while (static_cast<int>(beside.steps.size()) < options.most_steps / 2) {
+    const std::optional<PickedBeside> picked = PickBeside(bench, beside.left.back(), options);
+    if (!picked) break;
+    beside.steps.push_back(picked->step);
+    beside.left.push_back(beside.left.back().With(picked->columns));
   }
   return beside;
 }
@@ -93,8 +98,7 @@ double Margin(size_t steps_replaced) { return steps_replaced > 1 ? 0.0 : kUnknow
 bool Contains(const DiagnosedModel& without, const DecoyBench& bench, const ChosenStep& step, const Decoy& decoy) {
   const ProjectedResidual& residual = bench.residual();
   const Eigen::VectorXd fitted = residual.Reproduce(decoy.columns, residual.residual());
-  const Eigen::MatrixXd own =
-      ColumnsOf(*without.problem, without.estimate.parameters, {step.candidate.spec})[0].columns;
+  const Eigen::MatrixXd own = ColumnsOf(*without.problem, without.estimate.parameters, {step.candidate.spec}).columns;
   if (own.cols() <= decoy.columns.cols()) return false;
   return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
 }
@@ -111,11 +115,12 @@ double MarginalBonus(const DiagnosedModel& baseline, const std::vector<ChosenSte
     const DiagnosedModel without = Extend(baseline, CandidatesOf(others), options.joint);
     if (!IsUsable(without.estimate.status)) continue;
     const ProjectedResidual residual(LinearizeEstimate(*without.problem, without.estimate.parameters));
-    CandidateColumns own = ColumnsOf(*without.problem, without.estimate.parameters, {steps[i].candidate.spec})[0];
-    DropUninformed(residual, &own);
-    const Eigen::MatrixXd typical = own.columns * own.typical.asDiagonal();
+    const CandidateColumns own = ColumnsOf(*without.problem, without.estimate.parameters, {steps[i].candidate.spec});
+    const std::vector<int> kept = InformedColumns(residual.Reduce(own.columns), own.typical);
+    const Eigen::MatrixXd columns = own.columns(Eigen::all, kept);
+    const Eigen::MatrixXd typical = columns * Eigen::VectorXd(own.typical(kept)).asDiagonal();
     const double settings = 2.0 * std::log(steps[i].candidate.settings);
-    const double penalised = residual.Test(own.columns, steps[i].candidate.settings).penalised;
+    const double penalised = residual.Test(columns, steps[i].candidate.settings).penalised;
     bonus += std::max(0.0, residual.MarginalGain(typical) - settings - penalised);
   }
   return bonus;

@@ -6,7 +6,8 @@
 #include <random>
 
 #include "estimator/distributions.h"
-#include "estimator/intervals/parallel.h"
+#include "estimator/linearization.h"
+#include "estimator/parallel.h"
 #include "estimator/intervals/redraw.h"
 #include "estimator/intervals/refit.h"
 #include "estimator/intervals/sandwich.h"
@@ -17,7 +18,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr double kEnough = 2.0;          // configurations per unknown: two thirds of them are in a draw
 
 struct Replicate {

@@ -7,13 +7,13 @@
 #include "estimator/intervals/intervals.h"
 #include "estimator/intervals/redraw.h"
 #include "estimator/intervals/refit.h"
+#include "estimator/linearization.h"
 #include "estimator/noise_loop.h"
 #include "estimator/two_step.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Estimate EstimateBy(const std::string& method, const CalibrationProblem& problem) {

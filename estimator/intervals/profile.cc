@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "estimator/distributions.h"
-#include "estimator/intervals/parallel.h"
+#include "estimator/parallel.h"
 #include "estimator/intervals/refit.h"
 #include "estimator/intervals/table.h"
 #include "estimator/two_step.h"

@@ -8,7 +8,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFallbackSigma = 1e-3;  // m
 constexpr double kNoGain = 1e-9;         // of chi-square, round-off of the equilibria
 constexpr int kMaxHalvings = 8;
 

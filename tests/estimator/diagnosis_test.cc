@@ -103,7 +103,9 @@ TEST(Diagnosis, HalvesContradictWhereTheCauseIsNotOne) {
   ChosenStep step;
   step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
   const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
-  const Confirmation confirmation = ConfirmStep(believed, with, step, {step.candidate}, SelectionOptions());
+  const StepBench bench(with, {step.candidate});
+  const Confirmation confirmation =
+      ConfirmationBench(bench).Confirm(step, bench.NeutralResidual(step), SelectionOptions().tie);
   const double expected[2] = {400e-6, 100e-6};
   for (int half = 0; half < 2; ++half) {
     const HalfResult& result = confirmation.halves[half];

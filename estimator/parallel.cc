@@ -1,4 +1,4 @@
-#include "estimator/intervals/parallel.h"
+#include "estimator/parallel.h"
 
 #include <algorithm>
 #include <atomic>
