@@ -20,7 +20,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kFarBelow = 4.0;        // standard deviations
+constexpr double kFarBelow = 4.0;  // standard deviations
 
 Eigen::Matrix3Xd Residuals(const Measurements& data, const std::vector<int>& observations,
                            const Eigen::Matrix3Xd& predicted) {
@@ -93,7 +93,8 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
   for (int k = 0; k < n; ++k) {
     const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
     estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
-    if (!problem.data.IsValidation(problem.data.observations[k])) continue;
+    const Observation& observation = problem.data.observations[k];
+    if (observation.excluded || !problem.data.IsValidation(observation)) continue;
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
     const Matrix3<double>& own = estimate->noise[k];
     const double noise = own.squaredNorm() + (own * all.latent.middleRows<3>(3 * k)).squaredNorm();

@@ -125,7 +125,8 @@ std::vector<int> CalibrationProblem::CalibrationObservations() const {
 std::vector<int> CalibrationProblem::ValidationObservations() const {
   std::vector<int> indices;
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    if (data.IsValidation(data.observations[i])) indices.push_back(i);
+    const Observation& observation = data.observations[i];
+    if (!observation.excluded && data.IsValidation(observation)) indices.push_back(i);
   }
   return indices;
 }

@@ -49,7 +49,7 @@ struct CalibrationProblem {
   CalibrationProblem WithEffects(const std::vector<EffectSpec>& specs) const;
   CalibrationProblem WithEffect(const EffectSpec& spec) const { return WithEffects({spec}); }
 
-  // Observations that are fitted (not validation, not excluded), by index.
+  // Observations that are fitted, and those of held-out configurations, by index; none that is excluded.
   std::vector<int> CalibrationObservations() const;
   std::vector<int> ValidationObservations() const;
 };

@@ -62,7 +62,7 @@ struct Observation {
   Vector3<double> sigma = Vector3<double>::Zero();             // m; 0: the row states none
   int file = -1;                                               // index into Measurements::files
   int row = -1;                                                // index into MeasurementFile::rows
-  bool excluded = false;                                       // an outlier: not fitted
+  bool excluded = false;                                       // an outlier: neither fitted nor judged by
 };
 
 struct Measurements {

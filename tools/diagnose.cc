@@ -1,8 +1,10 @@
 // sagitta diagnose: finds, names and adds the missing effect.
 #include <gflags/gflags.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <thread>
 #include <utility>
 
 #include "estimator/diagnosis/simulation_baseline.h"
@@ -62,6 +64,13 @@ CalibrationProblem DiagnosedProblem(const ExperimentInputs& inputs) {
   return std::move(baseline.problem);
 }
 
+// What comes out does not depend on how many there are.
+int Threads() {
+  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
+  if (!gflags::GetCommandLineFlagInfoOrDie("threads").is_default) return FLAGS_threads;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
@@ -72,7 +81,7 @@ int RunDiagnose(const CommandLine& line) {
     Progress progress(FLAGS_quiet);
     DiagnosisOptions options;
     options.significance = problem.experiment.significance;
-    options.joint.num_threads = FLAGS_threads;
+    options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
     diagnosis = Diagnose(problem, options);
   }

@@ -102,12 +102,17 @@ std::string HalvesInWords(const Confirmation& confirmation) {
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
   if (noise.is_finding && std::abs(noise.scale - 1.0) > 0.02 && (noise.low > 1.0 || noise.high < 1.0)) {
-    words += "The instrument's noise is " + Significant(noise.scale, 3) + " times what is stated. ";
+    words += "The instrument's noise is " + Significant(noise.scale, 3) +
+             " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
   }
   if (noise.repeatability > 0.0) {
-    words += "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) + " urad was not declared. ";
+    words += "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
+             " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
+             Significant(1e6 * noise.repeatability_high, 3) + ") was not declared. ";
   }
-  if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out. ";
+  if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out";
+  if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
+  if (!noise.outliers.empty()) words += ". ";
   return words.empty() ? "The noise is as stated." : words;
 }
 

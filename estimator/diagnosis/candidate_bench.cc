@@ -6,12 +6,6 @@
 #include "estimator/distributions.h"
 
 namespace sagitta {
-namespace {
-
-constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
-
-}  // namespace
-
 CandidateBench::CandidateBench(const CalibrationProblem& problem, const ParameterSet& parameters,
                                std::vector<Candidate> candidates)
     : candidates_(std::move(candidates)), columns_(ColumnsOf(problem, parameters, SpecsOf(candidates_))) {

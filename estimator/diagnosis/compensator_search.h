@@ -13,6 +13,8 @@
 
 namespace sagitta {
 
+constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale gauge
+
 struct CompensatorShape {
   EffectSpec start;         // gravity_compensator with L, a_x, a_y, s0, Kc
   int direction = 0;        // of the anchor, on the scan's grid

@@ -10,7 +10,7 @@
 #include "estimator/diagnosis/confirmation.h"
 #include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/gap.h"
-#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/noise_book.h"
 #include "estimator/diagnosis/selection.h"
 #include "estimator/diagnosis/step_view.h"
 #include "estimator/diagnosis/unexplained.h"
@@ -31,15 +31,6 @@ struct DiagnosisStep {
   std::vector<Alternative> alternatives;
   Confirmation confirmation;
   StepView view;
-};
-
-struct NoiseFinding {
-  double scale = 1.0, low = 1.0, high = 1.0;  // of the instrument's sigma over the stated one
-  bool scale_differs = false;
-  double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
-  std::vector<std::string> outliers;                                              // file:line
-  std::string words;
-  bool is_finding = false;
 };
 
 struct Diagnosis {
@@ -63,6 +54,7 @@ struct Diagnosis {
 struct DiagnosisOptions {
   double significance = 0.01;
   JointOptions joint;
+  int num_threads = 1;  // of the search: candidates and steps side by side
   std::function<void(const std::string&)> progress;
 };
 

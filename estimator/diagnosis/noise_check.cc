@@ -24,8 +24,8 @@ struct ShotResidual {
   Eigen::MatrixXd rigid;     // whitened, 6 columns
 };
 
-std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const std::vector<int> all = problem.CalibrationObservations();
+std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                          const std::vector<int>& all) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
   const NoiseRoots noise = ObservationNoise(problem, all, kFallbackSigma);
   std::map<int, std::vector<size_t>> members;
@@ -91,7 +91,7 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
                                                double significance) {
   NoiseScale noise;
   double sum = 0.0;
-  for (const ShotResidual& shot : ResidualsByShot(problem, parameters)) {
+  for (const ShotResidual& shot : ResidualsByShot(problem, parameters, problem.CalibrationObservations())) {
     int dof = 0;
     sum += WithoutRigidMotion(shot, &dof).squaredNorm();
     noise.dof += dof;
@@ -107,14 +107,15 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
   return noise;
 }
 
-std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance) {
+std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
+                              const std::vector<int>& observations, double significance) {
   struct Entry {
     int observation;
     double squared;  // whitened, 3 degrees of freedom
     double others;   // mean of the shot's other markers; 0: there are none
   };
   std::vector<Entry> entries;
-  for (const ShotResidual& shot : ResidualsByShot(problem, estimate.parameters)) {
+  for (const ShotResidual& shot : ResidualsByShot(problem, parameters, observations)) {
     const int n = static_cast<int>(shot.observations.size());
     for (int i = 0; i < n; ++i) {
       const double own = shot.residual.segment<3>(3 * i).squaredNorm();

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimator/diagnosis/selection.h"
+#include "problems/calibration_problem.h"
 
 namespace sagitta {
 
@@ -21,10 +21,11 @@ struct NoiseScale {
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
                                                double significance);
 
-// Observations far outside the robust scatter (median) and alone so in their
+// Those of `observations` far outside the robust scatter (median) and alone so in their
 // shot, the worst first: indices into Measurements::observations. None where so
 // many points are off that it is something to explain.
-std::vector<int> FindOutliers(const CalibrationProblem& problem, const Estimate& estimate, double significance);
+std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
+                              const std::vector<int>& observations, double significance);
 
 // Those of `outliers` (excluded from the fit) that this model predicts within the
 // noise: they were none.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "estimator/diagnosis/candidate_bench.h"
 #include "estimator/distributions.h"
@@ -74,8 +75,27 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   return step;
 }
 
-// Refits the best of the screening and picks by FORMATS section 6; none when
-// nothing is significant.
+// Penalised by all parameters of the effect, whether these data tell them or not: among targets of one effect, which
+// have the same ones, one is no better for telling fewer.
+double PenalisedByAll(const ChosenStep& step, double log_rows) {
+  const Candidate& candidate = step.candidate;
+  return step.reduction - candidate.parameters * log_rows - 2.0 * std::log(static_cast<double>(candidate.settings));
+}
+
+// The best of each effect, over its targets and settings.
+std::vector<ChosenStep> BestOfEachEffect(const std::vector<ChosenStep>& steps, double log_rows) {
+  std::map<std::string, ChosenStep> best;
+  for (const ChosenStep& step : steps) {
+    const auto entry = best.emplace(step.candidate.spec.effect, step);
+    ChosenStep& own = entry.first->second;
+    if (PenalisedByAll(step, log_rows) > PenalisedByAll(own, log_rows)) own = step;
+  }
+  std::vector<ChosenStep> chosen;
+  for (auto& [effect, step] : best) chosen.push_back(std::move(step));
+  return chosen;
+}
+
+// Refits the best of the screening and picks one; none when nothing is significant.
 std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
                                    const SelectionOptions& options) {
   const int tests = std::min<int>(options.most_tests, static_cast<int>(screened.size()));
@@ -85,23 +105,14 @@ std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vecto
     ++refitted;
   }
   std::vector<std::optional<ChosenStep>> trials(refitted);
-  ParallelFor(refitted, options.joint.num_threads,
+  ParallelFor(refitted, options.num_threads,
               [&](int i, int) { trials[i] = TryStep(model, screened[i], options, tests); });
   std::vector<ChosenStep> steps;
   for (const std::optional<ChosenStep>& trial : trials) {
     if (trial && trial->corrected_p < options.significance && trial->penalised > 0.0) steps.push_back(*trial);
   }
   if (steps.empty()) return std::nullopt;
-  double best = -1e300;
-  for (const ChosenStep& step : steps) best = std::max(best, step.penalised);
-  const auto simpler = [&](const ChosenStep& a, const ChosenStep& b) {
-    const bool a_tied = a.penalised >= best - options.tie, b_tied = b.penalised >= best - options.tie;
-    if (a_tied != b_tied) return a_tied;
-    if (a.parameters != b.parameters) return a.parameters < b.parameters;
-    if (a.candidate.catalogue != b.candidate.catalogue) return a.candidate.catalogue < b.candidate.catalogue;
-    return a.penalised > b.penalised;
-  };
-  return *std::min_element(steps.begin(), steps.end(), simpler);
+  return PickByRule(steps, model.estimate.rows, options.tie);
 }
 
 // Whether nothing new has become so uncertain that the full estimator would hold it.
@@ -127,38 +138,63 @@ bool HasRival(const std::vector<ScreenedCandidate>& screened, const ChosenStep& 
   return false;
 }
 
-// Drops each step once and lets the screening name a better one.
+struct StepsAndModel {
+  std::vector<ChosenStep> steps;
+  DiagnosedModel model;
+};
+
+// Drops one step and lets the screening name a better one; none where there is no better.
+std::optional<StepsAndModel> Swapped(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
+                                     const SelectionOptions& options, const StepsAndModel& now, int dropped) {
+  const double total = PenalisedTotal(baseline, now.model, now.steps);
+  const ChosenStep& step = now.steps[dropped];
+  std::vector<ChosenStep> others = now.steps;
+  others.erase(others.begin() + dropped);
+  const DiagnosedModel without = Extend(baseline, CandidatesOf(others), options.joint);
+  if (!IsUsable(without.estimate.status)) return std::nullopt;
+  if (PenalisedTotal(baseline, without, others) > total) return StepsAndModel{others, without};  // no longer needed
+  const double own =
+      without.estimate.chi2 - now.model.estimate.chi2 - Penalty(baseline, step.parameters, step.candidate.settings);
+  const std::vector<ScreenedCandidate> screened = Screen(without, candidates, options.most_tests);
+  if (!HasRival(screened, step, own, options.tie)) return std::nullopt;
+  const std::optional<ChosenStep> better = PickStep(without, screened, options);
+  if (!better || better->candidate.spec.Path() == step.candidate.spec.Path()) return std::nullopt;
+  others.insert(others.begin() + dropped, *better);
+  if (PenalisedTotal(baseline, without, others) + better->reduction <= total + 1.0) return std::nullopt;
+  DiagnosedModel swapped = Extend(without, {better->candidate}, options.joint);
+  if (!IsUsable(swapped.estimate.status) || PenalisedTotal(baseline, swapped, others) <= total + 1.0) {
+    return std::nullopt;
+  }
+  return StepsAndModel{std::move(others), std::move(swapped)};
+}
+
 bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates, const SelectionOptions& options,
              std::vector<ChosenStep>* steps, DiagnosedModel* model) {
-  const double total = PenalisedTotal(baseline, *model, *steps);
-  for (size_t i = 0; i < steps->size(); ++i) {
-    std::vector<ChosenStep> others = *steps;
-    others.erase(others.begin() + static_cast<long>(i));
-    const DiagnosedModel without = Extend(baseline, CandidatesOf(others), options.joint);
-    if (!IsUsable(without.estimate.status)) continue;
-    if (PenalisedTotal(baseline, without, others) > total) {  // no longer needed
-      *steps = others;
-      *model = without;
-      return true;
-    }
-    const double own = without.estimate.chi2 - model->estimate.chi2 -
-                       Penalty(baseline, (*steps)[i].parameters, (*steps)[i].candidate.settings);
-    const std::vector<ScreenedCandidate> screened = Screen(without, candidates, options.most_tests);
-    if (!HasRival(screened, (*steps)[i], own, options.tie)) continue;
-    const std::optional<ChosenStep> better = PickStep(without, screened, options);
-    if (!better || better->candidate.spec.Path() == (*steps)[i].candidate.spec.Path()) continue;
-    others.insert(others.begin() + static_cast<long>(i), *better);
-    if (PenalisedTotal(baseline, without, others) + better->reduction <= total + 1.0) continue;
-    DiagnosedModel swapped = Extend(without, {better->candidate}, options.joint);
-    if (!IsUsable(swapped.estimate.status) || PenalisedTotal(baseline, swapped, others) <= total + 1.0) continue;
-    *steps = others;
-    *model = std::move(swapped);
-    return true;
-  }
-  return false;
+  const StepsAndModel now{*steps, *model};
+  std::optional<StepsAndModel> better =
+      FirstFound<StepsAndModel>(static_cast<int>(steps->size()), options.num_threads,
+                                [&](int i) { return Swapped(baseline, candidates, options, now, i); });
+  if (!better) return false;
+  *steps = std::move(better->steps);
+  *model = std::move(better->model);
+  return true;
 }
 
 }  // namespace
+
+ChosenStep PickByRule(const std::vector<ChosenStep>& steps, long rows, double tie) {
+  const std::vector<ChosenStep> rivals = BestOfEachEffect(steps, std::log(static_cast<double>(rows)));
+  double best = -1e300;
+  for (const ChosenStep& step : rivals) best = std::max(best, step.penalised);
+  const auto simpler = [&](const ChosenStep& a, const ChosenStep& b) {
+    const bool a_tied = a.penalised >= best - tie, b_tied = b.penalised >= best - tie;
+    if (a_tied != b_tied) return a_tied;
+    if (a.candidate.parameters != b.candidate.parameters) return a.candidate.parameters < b.candidate.parameters;
+    if (a.candidate.catalogue != b.candidate.catalogue) return a.candidate.catalogue < b.candidate.catalogue;
+    return a.penalised > b.penalised;
+  };
+  return *std::min_element(rivals.begin(), rivals.end(), simpler);
+}
 
 bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
   const std::string home = spec.effect == "gravity_compensator" ? "compensator" : spec.Path();
@@ -206,26 +242,6 @@ DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>&
   }
   extended.estimate = QuickEstimate(quick);
   return extended;
-}
-
-Estimate QuickEstimate(const QuickRefit& refit) {
-  Estimate estimate;
-  if (refit.converged) estimate.status = Status::kConverged;
-  estimate.parameters = refit.parameters;
-  estimate.chi2 = refit.chi2;
-  estimate.rows = refit.rows;
-  estimate.dof = refit.dof;
-  return estimate;
-}
-
-DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
-                          const ParameterSet& aligned, const JointOptions& options) {
-  DiagnosedModel judged;
-  judged.problem = std::move(problem);
-  JointOptions near = options;
-  near.aligned = &aligned;
-  judged.estimate = EstimateFrom(*judged.problem, from, near);
-  return judged;
 }
 
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {

@@ -3,14 +3,12 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/quick_refit.h"
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/screening.h"
-#include "estimator/joint_estimator.h"
 
 namespace sagitta {
 
@@ -25,13 +23,8 @@ struct SelectionOptions {
   double decoy_gain = -1e300;
   bool decoy_explains_all = false;
   JointOptions joint;
+  int num_threads = 1;
   std::function<void(const std::string&)> progress;
-};
-
-// A model under diagnosis: the problem with its effects, and its fit.
-struct DiagnosedModel {
-  std::shared_ptr<CalibrationProblem> problem;
-  Estimate estimate;
 };
 
 struct ScreenedCandidate {
@@ -53,6 +46,10 @@ struct ChosenStep {
   double corrected_p = 1.0;
 };
 
+// The rule of FORMATS section 6 among significant steps (not empty): of each effect the best target and setting, of
+// those the best penalised, or the simplest that ties with it. rows: of the fit.
+ChosenStep PickByRule(const std::vector<ChosenStep>& steps, long rows, double tie);
+
 // All candidates scored against the model, best penalised first.
 std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
                                       int most_tests);
@@ -60,13 +57,6 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
 // The model with these effects more, refitted from its own optimum: parameters, chi-square and degrees of freedom.
 // What is reported of it comes from JudgeFully.
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
-// What a quick refit says: parameters, chi-square, degrees of freedom, and whether it converged.
-Estimate QuickEstimate(const QuickRefit& refit);
-
-// The full estimator from a nearby point: intervals, identifiability, hold-out. aligned: what the model was before
-// anything was fitted, as results compare with it.
-DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
-                          const ParameterSet& aligned, const JointOptions& options);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
 // Forward selection with swap and backward passes, from the steps of `start`;

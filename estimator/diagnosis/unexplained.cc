@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "estimator/diagnosis/candidate_bench.h"
 #include "estimator/distributions.h"
+#include "estimator/parallel.h"
 
 namespace sagitta {
 namespace {
@@ -26,8 +28,8 @@ struct Bench {
   int dof;
 };
 
-// The best candidate beside what `residual` believes, by the rule of FORMATS section 6 on the linear reductions, and
-// its columns; none when nothing is significant. A compensator's shape is not linear: it takes no part.
+// The best candidate beside what `residual` believes, by the rule on the linear reductions in units of the scatter that
+// is left, and its columns; none when nothing is significant. A compensator's shape is not linear: it takes no part.
 struct PickedBeside {
   ChosenStep step;
   Eigen::MatrixXd columns;
@@ -39,31 +41,31 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   const std::vector<Candidate>& candidates = bench.candidates.candidates();
   const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
   const Screening screening(bench.candidates, residual, true);
-  std::vector<std::pair<ChosenStep, std::vector<int>>> entries;
-  double best = 0.0;
+  std::vector<ChosenStep> steps;
+  std::map<std::string, CandidateScore> scores;  // by path
   for (size_t i = 0; i < candidates.size(); ++i) {
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     const Score& score = scored.score;
     if (score.rank == 0 || score.penalised <= 0.0) continue;
     const double left = std::max(1.0, (chi2 - score.reduction) / bench.dof);
-    ChosenStep entry;
-    entry.candidate = candidates[i];
-    entry.candidate.vague = scored.vague;
-    entry.parameters = score.rank;
-    entry.reduction = score.reduction;
-    entry.penalised = score.reduction / left - (score.reduction - score.penalised);
-    entry.corrected_p = std::min(1.0, tests * ChiSquareSurvival(score.reduction / left, score.rank));
-    best = std::max(best, entry.penalised);
-    entries.emplace_back(std::move(entry), scored.informed);
+    ChosenStep step;
+    step.candidate = candidates[i];
+    step.candidate.vague = scored.vague;
+    step.parameters = score.rank;
+    step.reduction = score.reduction / left;
+    step.penalised = step.reduction - (score.reduction - score.penalised);
+    step.corrected_p = std::min(1.0, tests * ChiSquareSurvival(step.reduction, score.rank));
+    if (step.corrected_p >= options.significance) continue;
+    scores[step.candidate.spec.Path()] = scored;
+    steps.push_back(std::move(step));
   }
-  const std::pair<ChosenStep, std::vector<int>>* chosen = nullptr;
-  for (const auto& entry : entries) {
-    const ChosenStep& step = entry.first;
-    if (step.penalised < best - options.tie || step.corrected_p >= options.significance) continue;
-    if (chosen == nullptr || step.parameters < chosen->first.parameters) chosen = &entry;
-  }
-  if (chosen == nullptr) return std::nullopt;
-  return PickedBeside{chosen->first, bench.candidates.columns().columns(Eigen::all, chosen->second)};
+  if (steps.empty()) return std::nullopt;
+  PickedBeside picked;
+  picked.step = PickByRule(steps, residual.residual().size(), options.tie);
+  const CandidateScore& own = scores.at(picked.step.candidate.spec.Path());
+  picked.step.reduction = own.score.reduction;
+  picked.columns = bench.candidates.columns().columns(Eigen::all, own.informed);
+  return picked;
 }
 
 // Steps chosen beside decoys whose kinds are believed, and what is left after each.
@@ -126,29 +128,40 @@ double MarginalBonus(const DiagnosedModel& baseline, const std::vector<ChosenSte
   return bonus;
 }
 
+// A decoy that does better than the steps from the (kept + 1)th on.
+struct Beaten {
+  Decoy decoy;
+  std::vector<ChosenStep> held;  // the steps before
+  DiagnosedModel partial;        // and their model
+};
+
+std::optional<Beaten> DecoyBeats(const DiagnosedModel& baseline, const SelectionOptions& options,
+                                 const std::vector<ChosenStep>& steps, int kept, double total) {
+  Beaten beaten{{}, {steps.begin(), steps.begin() + kept}, baseline};
+  if (kept > 0) beaten.partial = Extend(baseline, CandidatesOf(beaten.held), options.joint);
+  if (!IsUsable(beaten.partial.estimate.status)) return std::nullopt;
+  const DecoyBench bench(beaten.partial);
+  beaten.decoy = bench.Best();
+  const double gain = PenalisedTotal(baseline, beaten.partial, beaten.held) + beaten.decoy.penalised;
+  const size_t replaced = steps.size() - kept;
+  if (gain <= total + Margin(replaced)) return std::nullopt;
+  if (replaced == 1 && Contains(beaten.partial, bench, steps.back(), beaten.decoy)) return std::nullopt;
+  return beaten;
+}
+
 }  // namespace
 
 Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
                           const SelectionOptions& options, std::vector<ChosenStep>* steps, DiagnosedModel* model) {
   Unexplained rest;
   const double total = PenalisedTotal(baseline, *model, *steps) + MarginalBonus(baseline, *steps, options);
-  std::vector<Decoy> decoys;
-  DiagnosedModel partial = baseline;
-  std::vector<ChosenStep> held;
-  for (size_t kept = 0; kept < steps->size() && decoys.empty(); ++kept) {
-    if (kept > 0) {
-      held.push_back((*steps)[kept - 1]);
-      partial = Extend(partial, {held.back().candidate}, options.joint);
-      if (!IsUsable(partial.estimate.status)) return rest;
-    }
-    const DecoyBench bench(partial);
-    const Decoy decoy = bench.Best();
-    const double gain = PenalisedTotal(baseline, partial, held) + decoy.penalised;
-    if (gain <= total + Margin(steps->size() - kept)) continue;
-    if (kept + 1 == steps->size() && Contains(partial, bench, steps->back(), decoy)) continue;
-    decoys.push_back(decoy);
-  }
-  if (decoys.empty()) return rest;
+  const std::optional<Beaten> beaten =
+      FirstFound<Beaten>(static_cast<int>(steps->size()), options.num_threads,
+                         [&](int kept) { return DecoyBeats(baseline, options, *steps, kept, total); });
+  if (!beaten) return rest;
+  const DiagnosedModel& partial = beaten->partial;
+  const std::vector<ChosenStep>& held = beaten->held;
+  std::vector<Decoy> decoys = {beaten->decoy};
   rest.found = true;
   rest.decoy = decoys[0];
   // The steps before it hold. Beside what has no name the same question again,

@@ -18,7 +18,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kEnough = 2.0;          // configurations per unknown: two thirds of them are in a draw
+constexpr double kEnough = 2.0;  // configurations per unknown: two thirds of them are in a draw
 
 struct Replicate {
   bool used = false;
@@ -173,7 +173,7 @@ bool ByConfigurations(const BootstrapOptions& options, int clusters, int unknown
 }  // namespace
 
 void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOptions& options, Estimate* estimate) {
-  Setup setup{problem, *estimate};
+  Setup setup{problem, *estimate, false, false, {}, 0};
   setup.clusters = ConfigurationClusters(problem.data, problem.CalibrationObservations());
   setup.num_clusters = setup.clusters.empty() ? 0 : 1 + *std::max_element(setup.clusters.begin(), setup.clusters.end());
   setup.by_configurations = ByConfigurations(options, setup.num_clusters, static_cast<int>(estimate->estimated.size()));

@@ -35,7 +35,9 @@ void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& opti
     BootstrapIntervals(problem, bootstrap, estimate);
   } else if (covariance == "profile") {
     if (options.progress) options.progress("profile likelihood");
-    ProfileIntervals(problem, {options.num_threads}, estimate);
+    ProfileOptions profile;
+    profile.num_threads = options.num_threads;
+    ProfileIntervals(problem, profile, estimate);
   }
 }
 

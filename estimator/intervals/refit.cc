@@ -8,7 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kNoGain = 1e-9;         // of chi-square, round-off of the equilibria
+constexpr double kNoGain = 1e-9;  // of chi-square, round-off of the equilibria
 constexpr int kMaxHalvings = 8;
 
 void Weigh(const std::vector<double>& weights, Linearization* linearization) {

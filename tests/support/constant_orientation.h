@@ -13,7 +13,7 @@ inline Eigen::VectorXd PointingAt(const Eigen::Matrix3d& target, RandomNumbers* 
   q[0] = random->Uniform(-50, 50) * kDegree;
   q[1] = random->Uniform(-110, -40) * kDegree;
   q[2] = random->Uniform(20, 110) * kDegree;
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
   const Eigen::Matrix3d wrist = (Turn(z, q[0]) * Turn(y, q[1]) * Turn(y, q[2])).transpose() * target;
   const Eigen::Vector3d angles = wrist.eulerAngles(0, 1, 0);
   q.tail<3>() = angles;

@@ -1,0 +1,30 @@
+// A model under diagnosis: the problem with its effects, and its fit.
+#pragma once
+
+#include <memory>
+
+#include "estimator/diagnosis/quick_refit.h"
+#include "estimator/joint_estimator.h"
+
+namespace sagitta {
+
+struct DiagnosedModel {
+  std::shared_ptr<CalibrationProblem> problem;
+  Estimate estimate;
+};
+
+// The full estimator from the problem's own starting values.
+DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options);
+
+// The full estimator from a nearby point: intervals, identifiability, hold-out. aligned: what the model was before
+// anything was fitted, as results compare with it.
+DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
+                          const ParameterSet& aligned, const JointOptions& options);
+
+// A problem that has changed a little, from an estimate of what it was.
+DiagnosedModel RefitFully(const CalibrationProblem& problem, const Estimate& start, const JointOptions& options);
+
+// What a quick refit says: parameters, chi-square, degrees of freedom, and whether it converged.
+Estimate QuickEstimate(const QuickRefit& refit);
+
+}  // namespace sagitta

@@ -1,0 +1,60 @@
+// The noise that a diagnosis takes: what is stated, put right where the data say otherwise. What the noise is can only
+// be told beside the effects, and the other way round: it follows the extended model, in rounds.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/diagnosed_model.h"
+
+namespace sagitta {
+
+constexpr double kNoiseEvidence = 10.0;  // penalised gain of what is no effect before it counts
+
+struct NoiseFinding {
+  double scale = 1.0, low = 1.0, high = 1.0;  // of the instrument's sigma over the stated one
+  bool scale_differs = false;
+  double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
+  std::vector<std::string> outliers;                                              // file:line
+  int outliers_held_out = 0;                                                      // of them
+  bool is_finding = false;
+};
+
+class NoiseBook {
+ public:
+  NoiseBook(const CalibrationProblem& problem, double significance, const JointOptions& joint);
+
+  bool sigma_is_stated() const { return sigma_is_stated_; }
+  bool repeatability_is_stated() const { return repeatability_is_stated_; }
+  const NoiseFinding& finding() const { return finding_; }
+
+  // Before anything is named: a sigma where nothing states one, outliers, the scale that rigid markers tell.
+  void Prepare(DiagnosedModel* baseline);
+  // Declares joint repeatability where it says more than `rival`, the penalised gain of the best other cause.
+  void AddRepeatability(double rival, DiagnosedModel* baseline);
+  // Sigma where nothing states it, its scale where markers tell, repeatability that nobody declared (where it says more
+  // than `unnamed`, the gain of a cause outside the catalogue) and outliers that were none follow the extended model.
+  // True when the baseline has changed.
+  bool Follow(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
+  // Outliers among the untouched rows say nothing of the model: the final model finds them, and no hold-out figure
+  // counts them. Nothing is chosen by it.
+  void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
+  // Last: where no rigid body of markers tells the instrument's noise, scatter that is too small for it does.
+  void Close(const Estimate& final);
+
+ private:
+  double FindScale(const DiagnosedModel& model);
+  double FindRepeatability(const DiagnosedModel& model, double at_least);
+  bool BringBackOutliers(const DiagnosedModel& extended, DiagnosedModel* baseline);
+  bool FollowNoise(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
+
+  const CalibrationProblem& stated_;
+  double significance_;
+  JointOptions joint_;
+  bool sigma_is_stated_, repeatability_is_stated_;
+  double applied_ = 1.0;       // scale that is in the baseline's sigmas already
+  std::vector<int> outliers_;  // that are fitted no longer
+  NoiseFinding finding_;
+};
+
+}  // namespace sagitta
