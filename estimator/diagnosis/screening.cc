@@ -57,6 +57,7 @@ Eigen::MatrixXd ProjectedResidual::ProjectOff(const Eigen::MatrixXd& columns) co
 }
 
 Eigen::VectorXd ProjectedResidual::Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const {
+  if (columns.cols() == 0) return Eigen::VectorXd::Zero(target.size());
   const Eigen::MatrixXd rest = ProjectOff(columns);
   return rest * rest.completeOrthogonalDecomposition().solve(target);
 }

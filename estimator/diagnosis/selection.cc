@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "estimator/diagnosis/candidate_bench.h"
+#include "estimator/diagnosis/step_bench.h"
 #include "estimator/distributions.h"
 #include "estimator/parallel.h"
 
@@ -15,6 +15,7 @@ namespace {
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
 constexpr size_t kShapesRefitted = 5;
+constexpr double kFirstOrderMargin = 2.0;  // of chi-square, before a refit says
 
 double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
   return parameters * std::log(static_cast<double>(baseline.estimate.rows)) +
@@ -130,10 +131,16 @@ void TakeStarts(const std::vector<CompensatorShape>& shapes, ScreenedCandidate* 
   if (!shapes.empty()) entry->candidate.spec = shapes[0].start;
 }
 
-// Whether the screening sees another candidate that comes near the step.
-bool HasRival(const std::vector<ScreenedCandidate>& screened, const ChosenStep& step, double own, double tie) {
-  for (const ScreenedCandidate& entry : screened) {
-    if (entry.candidate.spec.Path() != step.candidate.spec.Path()) return entry.score.penalised > own - tie;
+// Whether, to first order, a step is hardly needed or another candidate comes near it.
+bool HasRival(const StepBench& bench, const ChosenStep& step, double tie) {
+  const WithoutStep without = bench.Without(step, bench.NeutralResidual(step), bench.whole());
+  const double own = without.residual.Test(without.own, step.candidate.settings).penalised - kFirstOrderMargin;
+  if (own <= 0.0) return true;
+  const Screening screening(bench.whole().candidates, without.residual, without.has_spring);
+  const std::vector<Candidate>& candidates = bench.whole().candidates.candidates();
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const Score score = screening.Of(static_cast<int>(i)).score;
+    if (score.rank > 0 && score.penalised > own - tie) return true;
   }
   return false;
 }
@@ -153,11 +160,7 @@ std::optional<StepsAndModel> Swapped(const DiagnosedModel& baseline, const std::
   const DiagnosedModel without = Extend(baseline, CandidatesOf(others), options.joint);
   if (!IsUsable(without.estimate.status)) return std::nullopt;
   if (PenalisedTotal(baseline, without, others) > total) return StepsAndModel{others, without};  // no longer needed
-  const double own =
-      without.estimate.chi2 - now.model.estimate.chi2 - Penalty(baseline, step.parameters, step.candidate.settings);
-  const std::vector<ScreenedCandidate> screened = Screen(without, candidates, options.most_tests);
-  if (!HasRival(screened, step, own, options.tie)) return std::nullopt;
-  const std::optional<ChosenStep> better = PickStep(without, screened, options);
+  const std::optional<ChosenStep> better = PickStep(without, Screen(without, candidates, options.most_tests), options);
   if (!better || better->candidate.spec.Path() == step.candidate.spec.Path()) return std::nullopt;
   others.insert(others.begin() + dropped, *better);
   if (PenalisedTotal(baseline, without, others) + better->reduction <= total + 1.0) return std::nullopt;
@@ -171,9 +174,12 @@ std::optional<StepsAndModel> Swapped(const DiagnosedModel& baseline, const std::
 bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates, const SelectionOptions& options,
              std::vector<ChosenStep>* steps, DiagnosedModel* model) {
   const StepsAndModel now{*steps, *model};
-  std::optional<StepsAndModel> better =
-      FirstFound<StepsAndModel>(static_cast<int>(steps->size()), options.num_threads,
-                                [&](int i) { return Swapped(baseline, candidates, options, now, i); });
+  const StepBench bench(now.model, candidates);
+  std::optional<StepsAndModel> better = FirstFound<StepsAndModel>(
+      static_cast<int>(steps->size()), options.num_threads, [&](int i) -> std::optional<StepsAndModel> {
+        if (!HasRival(bench, now.steps[i], options.tie)) return std::nullopt;
+        return Swapped(baseline, candidates, options, now, i);
+      });
   if (!better) return false;
   *steps = std::move(better->steps);
   *model = std::move(better->model);

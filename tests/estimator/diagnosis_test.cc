@@ -115,6 +115,28 @@ TEST(Diagnosis, HalvesContradictWhereTheCauseIsNotOne) {
   EXPECT_LT(confirmation.compatible_p, 1e-6);
 }
 
+// A step whose parameters the whole data cannot tell has nothing to be compared by: no half names it, no rival ties.
+TEST(Diagnosis, StepThatNothingTellsIsComparedWithNothing) {
+  CalibrationProblem problem = Hidden(2, [](double) { return 0.0; });
+  DiagnosedModel believed;
+  believed.problem = std::make_shared<CalibrationProblem>(problem);
+  believed.estimate = EstimateJointly(problem, JointOptions());
+  ChosenStep step;
+  step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
+  const std::string path = step.candidate.spec.Path();
+  step.candidate.vague = {path + "/cos", path + "/sin"};
+  const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
+  const CandidateList list = ListCandidates(problem);
+  const StepBench bench(with, list.candidates);
+  const Eigen::VectorXd neutral = bench.NeutralResidual(step);
+  ASSERT_EQ(bench.OwnColumns(step).size(), 0u);
+  EXPECT_TRUE(FindAlternatives(bench, step, neutral, SelectionOptions().tie).empty());
+  for (const HalfResult& half : ConfirmationBench(bench).Confirm(step, neutral, SelectionOptions().tie).halves) {
+    EXPECT_FALSE(half.named);
+    EXPECT_EQ(half.values.size(), 0);
+  }
+}
+
 bool AnyStartsWith(const std::vector<std::string>& cautions, const std::string& start) {
   return std::any_of(cautions.begin(), cautions.end(),
                      [&](const std::string& caution) { return caution.rfind(start, 0) == 0; });
