@@ -57,7 +57,7 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
 struct LinearSolution {
   Eigen::VectorXd step;                // SI, one per column
   Eigen::MatrixXd covariance;          // (J'J)^-1, SI
-  Eigen::MatrixXd covariance_root;     // W with W W' = covariance
+  Eigen::MatrixXd covariance_root;     // W, upper triangular, with W W' = covariance
   double residual_norm_squared = 0.0;  // |J x + r|^2
   double condition = 0.0;              // of the column-normalised Jacobian
   bool full_rank = true;

@@ -17,6 +17,8 @@ constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;         // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;  // times the limit, where no other marker tells
 constexpr double kMostOutliers = 0.06;
+constexpr double kLeastRepeatability = 1e-6, kMostRepeatability = 2e-3;  // rad
+constexpr double kRepeatabilityGrid = 1.25;                              // ratio
 
 struct ShotResidual {
   std::vector<int> observations;
@@ -61,8 +63,9 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
   return shot.residual - scaled * qr.solve(shot.residual);
 }
 
-// ln det and quadratic form of the marginal whitening are in the rows: the
-// likelihood needs ln det C = sum over visits of ln det(I + L L').
+// -2 ln of the restricted likelihood (REML), but for a constant: with C = I + L L' the whitened covariance of the rows,
+//   |r|^2_C + ln det C + ln det (J' C^-1 J).
+// Without the last term what the estimated parameters absorb would count as quiet joints.
 double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
   const CalibrationProblem with = WithRepeatability(problem, sigma);
   const std::vector<int> observations = with.CalibrationObservations();
@@ -82,6 +85,8 @@ double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& p
     const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(l.cols(), l.cols()) + l.transpose() * l;
     log_determinant += 2.0 * Eigen::MatrixXd(inner.llt().matrixL()).diagonal().array().log().sum();
   }
+  // (J' C^-1 J)^-1 = W W' with W triangular.
+  log_determinant -= 2.0 * solution.covariance_root.diagonal().array().abs().log().sum();
   return solution.residual_norm_squared + log_determinant;
 }
 
@@ -175,20 +180,38 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const double none = MarginalDeviance(problem, parameters, 0.0);
-  std::vector<std::pair<double, double>> grid;
-  for (double sigma = 1e-6; sigma < 2e-3; sigma *= 1.25)
-    grid.emplace_back(sigma, MarginalDeviance(problem, parameters, sigma));
-  const auto best =
-      std::min_element(grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  RepeatabilityFit fit;
-  fit.sigma = best->first;
-  fit.gain = none - best->second;
-  fit.low = fit.high = best->first;
-  for (const auto& [sigma, deviance] : grid) {
-    if (deviance > best->second + 3.84) continue;  // chi-square of one, 95 %
-    fit.low = std::min(fit.low, sigma);
-    fit.high = std::max(fit.high, sigma);
+  std::vector<double> x, deviance;  // x: logarithm of sigma, evenly
+  for (double sigma = kLeastRepeatability; sigma < kMostRepeatability; sigma *= kRepeatabilityGrid) {
+    x.push_back(std::log(sigma));
+    deviance.push_back(MarginalDeviance(problem, parameters, sigma));
   }
+  const auto count = static_cast<int>(x.size());
+  const auto best = static_cast<int>(std::min_element(deviance.begin(), deviance.end()) - deviance.begin());
+  double place = x[best], least = deviance[best];
+  if (best > 0 && best + 1 < count) {  // the parabola through the least and its neighbours
+    const double left = deviance[best - 1] - least, right = deviance[best + 1] - least;
+    const double shift = 0.5 * (left - right) / (left + right);
+    place += shift * std::log(kRepeatabilityGrid);
+    least -= 0.25 * (left - right) * shift;
+  }
+  // Where the deviance crosses the least + 3.84 (chi-square of one, 95 %) on the way outward, by linear interpolation.
+  const double limit = least + 3.84;
+  const auto crossing = [&](int direction) {
+    int i = best;
+    for (int next = best + direction; next >= 0 && next < count; next += direction) {
+      if (deviance[next] >= limit) {
+        const double part = (limit - deviance[i]) / (deviance[next] - deviance[i]);
+        return x[i] + std::max(0.0, part) * (x[next] - x[i]);
+      }
+      i = next;
+    }
+    return x[i];
+  };
+  RepeatabilityFit fit;
+  fit.sigma = std::exp(place);
+  fit.gain = none - least;
+  fit.low = std::exp(std::min(place, crossing(-1)));
+  fit.high = std::exp(std::max(place, crossing(1)));
   return fit;
 }
 

@@ -38,8 +38,9 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 // The problem with one common repeatability on every joint, rad.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
-// Repeatability that the marginal likelihood prefers on a grid, rad; the gain
-// 2 ln ML over none, and its 95 % interval by the likelihood ratio.
+// Repeatability that the marginal likelihood prefers, rad; the gain
+// 2 ln ML over none, and its 95 % interval by the likelihood ratio. Scanned on a
+// grid of sigma, interpolated between.
 struct RepeatabilityFit {
   double sigma = 0.0;
   double low = 0.0, high = 0.0;

@@ -172,18 +172,45 @@ std::optional<StepsAndModel> Swapped(const DiagnosedModel& baseline, const std::
 }
 
 bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates, const SelectionOptions& options,
-             std::vector<ChosenStep>* steps, DiagnosedModel* model) {
-  const StepsAndModel now{*steps, *model};
-  const StepBench bench(now.model, candidates);
+             StepsAndModel* now) {
+  const StepBench bench(now->model, candidates);
   std::optional<StepsAndModel> better = FirstFound<StepsAndModel>(
-      static_cast<int>(steps->size()), options.num_threads, [&](int i) -> std::optional<StepsAndModel> {
-        if (!HasRival(bench, now.steps[i], options.tie)) return std::nullopt;
-        return Swapped(baseline, candidates, options, now, i);
+      static_cast<int>(now->steps.size()), options.num_threads, [&](int i) -> std::optional<StepsAndModel> {
+        if (!HasRival(bench, now->steps[i], options.tie)) return std::nullopt;
+        return Swapped(baseline, candidates, options, *now, i);
       });
-  if (!better) return false;
-  *steps = std::move(better->steps);
-  *model = std::move(better->model);
-  return true;
+  if (better) *now = std::move(*better);
+  return better.has_value();
+}
+
+std::string PathOf(const Candidate& candidate) { return candidate.spec.Path(); }
+std::string PathOf(const ScreenedCandidate& screened) { return screened.candidate.spec.Path(); }
+
+template <typename Entry>
+void Drop(const std::string& path, std::vector<Entry>* entries) {
+  const auto is_it = [&](const Entry& entry) { return PathOf(entry) == path; };
+  entries->erase(std::remove_if(entries->begin(), entries->end(), is_it), entries->end());
+}
+
+// One more step, the best that keeps what its quick refit promised; those that do not are open no longer.
+std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const SelectionOptions& options,
+                                   const StepsAndModel& now, std::vector<Candidate>* open) {
+  const double total = PenalisedTotal(baseline, now.model, now.steps);
+  std::vector<ScreenedCandidate> screened = Screen(now.model, *open, options.most_tests);
+  while (const std::optional<ChosenStep> picked = PickStep(now.model, screened, options)) {
+    StepsAndModel next{now.steps, Extend(now.model, {picked->candidate}, options.joint)};
+    next.steps.push_back(*picked);
+    const bool fits = IsUsable(next.model.estimate.status) && PenalisedTotal(baseline, next.model, next.steps) > total;
+    const bool swaps = next.steps.size() > 1 && next.steps.size() <= kSwappedAtOnce;
+    for (int pass = 0; fits && swaps && pass < 2; ++pass) {
+      if (!SwapOne(baseline, *open, options, &next)) break;
+    }
+    if (fits && PenalisedTotal(baseline, next.model, next.steps) > total) return next;
+    const std::string path = picked->candidate.spec.Path();
+    Drop(path, open);
+    Drop(path, &screened);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -266,42 +293,23 @@ double PenalisedTotal(const DiagnosedModel& baseline, const DiagnosedModel& mode
 std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
                                       const SelectionOptions& options, const std::vector<ChosenStep>& start,
                                       DiagnosedModel* model) {
-  std::vector<ChosenStep> steps = start;
-  *model = steps.empty() ? baseline : Extend(baseline, CandidatesOf(steps), options.joint);
-  if (!IsUsable(model->estimate.status)) {
-    steps.clear();
-    *model = baseline;
-  }
+  StepsAndModel now{start, start.empty() ? baseline : Extend(baseline, CandidatesOf(start), options.joint)};
+  if (!IsUsable(now.model.estimate.status)) now = {{}, baseline};
   std::vector<Candidate> open = candidates;
-  double total = PenalisedTotal(baseline, *model, steps);
-  while (static_cast<int>(steps.size()) < options.most_steps) {
-    const std::optional<ChosenStep> picked = PickStep(*model, Screen(*model, open, options.most_tests), options);
-    if (!picked) break;
-    const std::string path = picked->candidate.spec.Path();
-    DiagnosedModel next = Extend(*model, {picked->candidate}, options.joint);
-    std::vector<ChosenStep> longer = steps;
-    longer.push_back(*picked);
-    const bool fits = IsUsable(next.estimate.status) && PenalisedTotal(baseline, next, longer) > total;
-    const bool swaps = longer.size() > 1 && longer.size() <= kSwappedAtOnce;
-    for (int pass = 0; fits && swaps && pass < 2; ++pass) {
-      if (!SwapOne(baseline, open, options, &longer, &next)) break;
-    }
-    const double now = fits ? PenalisedTotal(baseline, next, longer) : total;
-    if (now <= total) {  // it does not keep what the quick refit promised, or goes round in circles
-      open.erase(std::remove_if(open.begin(), open.end(), [&](const Candidate& c) { return c.spec.Path() == path; }),
-                 open.end());
-      continue;
-    }
-    total = now;
-    steps = std::move(longer);
-    *model = std::move(next);
-    if (options.progress) options.progress("step " + std::to_string(steps.size()) + ": " + path);
-    if (options.decoy_explains_all && steps.size() >= 3 && total < options.decoy_gain) return steps;
+  while (static_cast<int>(now.steps.size()) < options.most_steps) {
+    std::optional<StepsAndModel> more = Grown(baseline, options, now, &open);
+    if (!more) break;
+    now = std::move(*more);
+    const std::string path = now.steps.back().candidate.spec.Path();
+    if (options.progress) options.progress("step " + std::to_string(now.steps.size()) + ": " + path);
+    const bool loses = PenalisedTotal(baseline, now.model, now.steps) < options.decoy_gain;
+    if (options.decoy_explains_all && now.steps.size() >= 3 && loses) break;
   }
-  for (int pass = 0; steps.size() > kSwappedAtOnce && pass < 2; ++pass) {
-    if (!SwapOne(baseline, open, options, &steps, model)) break;
+  for (int pass = 0; now.steps.size() > kSwappedAtOnce && pass < 2; ++pass) {
+    if (!SwapOne(baseline, open, options, &now)) break;
   }
-  return steps;
+  *model = std::move(now.model);
+  return now.steps;
 }
 
 }  // namespace sagitta
