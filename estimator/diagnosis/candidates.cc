@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "estimator/diagnosis/compensator_search.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 
@@ -146,7 +145,7 @@ void AppendCompensators(const CalibrationProblem& problem, int place, CandidateL
     if (compliant.count(joint.name) == 0) {
       list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance (loaded rows)"});
     } else {
-      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, place, {}, kCompensatorParameters});
+      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, place, {}});
     }
   }
 }
@@ -201,8 +200,7 @@ CandidateList ListCandidates(const CalibrationProblem& problem) {
       }
       if (!missing.empty()) list.not_testable.push_back({definition.name, target, missing});
       for (const EffectSpec& variant : testable) {
-        const auto parameters = static_cast<int>(definition.parameters(problem.robot, variant).size());
-        list.candidates.push_back({variant, static_cast<int>(testable.size()), place, {}, parameters});
+        list.candidates.push_back({variant, static_cast<int>(testable.size()), place, {}});
       }
     }
   }

@@ -15,7 +15,6 @@ struct Candidate {
   int settings = 1;                // how many settings of this effect and target were scanned
   int catalogue = 0;               // place in the catalogue: ties go to the earlier
   std::vector<std::string> vague;  // parameters that the data cannot tell: a prior of three typical sizes
-  int parameters = 0;              // of the effect, whether these data tell them or not
 };
 
 struct NotTestable {

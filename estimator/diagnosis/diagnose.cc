@@ -9,7 +9,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kShareOfNaming = 0.25;  // of the significance; lack of fit and decoys have their own shares
+constexpr double kShareOfNaming = 0.15;     // of the significance; the tail of a search is heavier than its middle
+constexpr double kShareOfLackOfFit = 0.15;  // beside it: the decoys, and the shares of the noise (noise_book.cc)
 constexpr int kMostNoiseRounds = 3;
 constexpr int kManyRows = 3000;
 
@@ -78,15 +79,25 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   }
 }
 
-// The full estimator has the last word: a step with which it finds no optimum is not named.
+bool IsEstimated(const ChosenStep& step, const Estimate& estimate) {
+  return std::any_of(estimate.table.begin(), estimate.table.end(), [&](const ParameterEstimate& row) {
+    return row.free && IsParameterOf(step.candidate.spec, row.name);
+  });
+}
+
+// The full estimator has the last word: a step with which it finds no optimum is not named, and none of which it has to
+// hold every parameter.
 void JudgeFinal(const DiagnosedModel& baseline, const SelectionOptions& selection, std::vector<ChosenStep>* steps,
                 Diagnosis* diagnosis) {
   DiagnosedModel& final = diagnosis->final;
   while (!steps->empty()) {
     final = JudgeFully(final.problem, final.estimate.parameters, final.problem->parameters, selection.joint);
-    if (IsUsable(final.estimate.status)) return;
-    steps->pop_back();
-    diagnosis->has_unexplained = true;
+    const bool usable = IsUsable(final.estimate.status);
+    const auto idle = std::find_if(steps->begin(), steps->end(),
+                                   [&](const ChosenStep& step) { return !IsEstimated(step, final.estimate); });
+    if (usable && idle == steps->end()) return;
+    steps->erase(usable ? idle : steps->end() - 1);
+    diagnosis->has_unexplained |= !usable;
     final = Extend(baseline, CandidatesOf(*steps), selection.joint);
   }
   final = baseline;
@@ -105,7 +116,7 @@ void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection
 }
 
 void Decide(const DiagnosisOptions& options, Diagnosis* diagnosis) {
-  const double gate = 0.25 * options.significance;
+  const double gate = kShareOfLackOfFit * options.significance;
   diagnosis->final_p = LackOfFit(diagnosis->final.estimate);
   if (!diagnosis->has_unexplained) {
     diagnosis->unexplained = DecoyBench(diagnosis->final).Best();

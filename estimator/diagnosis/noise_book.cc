@@ -31,8 +31,9 @@ void NoiseBook::Prepare(DiagnosedModel* baseline) {
   }
   for (int round = 0; round < kMostOutlierRounds; ++round) {
     const CalibrationProblem& problem = *baseline->problem;
-    const std::vector<int> outliers = FindOutliers(problem, baseline->estimate.parameters,
-                                                   problem.CalibrationObservations(), kShareOfOutliers * significance_);
+    const std::vector<int> outliers =
+        FindOutliers(problem, baseline->estimate.parameters, problem.CalibrationObservations(),
+                     kShareOfOutliers * significance_, false);
     if (outliers.empty()) break;
     CalibrationProblem cleaned = problem;
     for (const int i : outliers) cleaned.data.observations[i].excluded = true;
@@ -60,8 +61,8 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
   CalibrationProblem cleaned = *final->problem;
   std::vector<int> removed;
   for (int round = 0; round < kMostOutlierRounds; ++round) {
-    const std::vector<int> outliers = FindOutliers(cleaned, final->estimate.parameters,
-                                                   cleaned.ValidationObservations(), kShareOfOutliers * significance_);
+    const std::vector<int> outliers = FindOutliers(
+        cleaned, final->estimate.parameters, cleaned.ValidationObservations(), kShareOfOutliers * significance_, true);
     if (outliers.empty()) break;
     for (const int i : outliers) cleaned.data.observations[i].excluded = true;
     removed.insert(removed.end(), outliers.begin(), outliers.end());

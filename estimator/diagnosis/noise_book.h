@@ -36,8 +36,8 @@ class NoiseBook {
   // than `unnamed`, the gain of a cause outside the catalogue) and outliers that were none follow the extended model.
   // True when the baseline has changed.
   bool Follow(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
-  // Outliers among the untouched rows say nothing of the model: the final model finds them, and no hold-out figure
-  // counts them. Nothing is chosen by it.
+  // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
+  // hold-out figure counts them. A single marker that is off could as well be the model's error, and counts.
   void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
   // Last: where no rigid body of markers tells the instrument's noise, scatter that is too small for it does.
   void Close(const Estimate& final);

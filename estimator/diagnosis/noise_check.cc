@@ -14,11 +14,13 @@ namespace {
 
 constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of freedom
 constexpr double kOfTheWorst = 0.05;
-constexpr double kAlone = 4.0;         // times the other markers of the shot
-constexpr double kSingleMarker = 3.0;  // times the limit, where no other marker tells
+constexpr double kAlone = 4.0;           // times the other markers of the shot
+constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
+constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 constexpr double kMostOutliers = 0.06;
 constexpr double kLeastRepeatability = 1e-6, kMostRepeatability = 2e-3;  // rad
-constexpr double kRepeatabilityGrid = 1.25;                              // ratio
+constexpr double kRepeatabilityGrid = 1.5;                               // ratio
+constexpr int kRefinements = 4;
 
 struct ShotResidual {
   std::vector<int> observations;
@@ -90,6 +92,21 @@ double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& p
   return solution.residual_norm_squared + log_determinant;
 }
 
+// Where the deviance crosses the least + 3.84 (chi-square of one, 95 %) on the way outward from the least: near it a
+// parabola, so that the root of its rise is interpolated. `curve`: its points in the order of the way.
+double Crossing(const std::vector<std::pair<double, double>>& curve, double place, double least, double direction) {
+  constexpr double kLimit = 1.96;
+  double x = place, root = 0.0;
+  for (const auto& [next, deviance] : curve) {
+    if (direction * (next - place) <= 0.0) continue;
+    const double next_root = std::sqrt(std::max(0.0, deviance - least));
+    if (next_root >= kLimit) return x + (kLimit - root) / (next_root - root) * (next - x);
+    x = next;
+    root = next_root;
+  }
+  return x;
+}
+
 }  // namespace
 
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
@@ -113,7 +130,7 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 }
 
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                              const std::vector<int>& observations, double significance) {
+                              const std::vector<int>& observations, double significance, bool held_out) {
   struct Entry {
     int observation;
     double squared;  // whitened, 3 degrees of freedom
@@ -132,13 +149,14 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   for (const Entry& entry : entries) sorted.push_back(entry.squared);
   std::sort(sorted.begin(), sorted.end());
   const double scale = std::max(1.0, sorted[sorted.size() / 2] / kMedianOfThree);
-  const double limit = scale * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
+  const double scatter = held_out ? kHeldOutScatter * scale : scale;
+  const double limit = scatter * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
   // The worst first: they pull the fit, and the others with it.
   const double floor = std::max(limit, kOfTheWorst * sorted.back());
   std::vector<int> outliers;
   for (const Entry& entry : entries) {
     const bool alone =
-        entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
+        entry.others > 0.0 ? entry.squared > kAlone * entry.others : !held_out && entry.squared > kSingleMarker * limit;
     if (entry.squared > floor && alone) outliers.push_back(entry.observation);
   }
   // What happens to many points is no outlier but something to explain.
@@ -179,39 +197,34 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 }
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const double none = MarginalDeviance(problem, parameters, 0.0);
-  std::vector<double> x, deviance;  // x: logarithm of sigma, evenly
-  for (double sigma = kLeastRepeatability; sigma < kMostRepeatability; sigma *= kRepeatabilityGrid) {
-    x.push_back(std::log(sigma));
-    deviance.push_back(MarginalDeviance(problem, parameters, sigma));
-  }
-  const auto count = static_cast<int>(x.size());
-  const auto best = static_cast<int>(std::min_element(deviance.begin(), deviance.end()) - deviance.begin());
-  double place = x[best], least = deviance[best];
-  if (best > 0 && best + 1 < count) {  // the parabola through the least and its neighbours
-    const double left = deviance[best - 1] - least, right = deviance[best + 1] - least;
-    const double shift = 0.5 * (left - right) / (left + right);
-    place += shift * std::log(kRepeatabilityGrid);
-    least -= 0.25 * (left - right) * shift;
-  }
-  // Where the deviance crosses the least + 3.84 (chi-square of one, 95 %) on the way outward, by linear interpolation.
-  const double limit = least + 3.84;
-  const auto crossing = [&](int direction) {
-    int i = best;
-    for (int next = best + direction; next >= 0 && next < count; next += direction) {
-      if (deviance[next] >= limit) {
-        const double part = (limit - deviance[i]) / (deviance[next] - deviance[i]);
-        return x[i] + std::max(0.0, part) * (x[next] - x[i]);
-      }
-      i = next;
-    }
-    return x[i];
+  std::map<double, double> curve;  // deviance over ln sigma
+  const auto at = [&](double x) {
+    const auto entry = curve.emplace(x, 0.0);
+    if (entry.second) entry.first->second = MarginalDeviance(problem, parameters, std::exp(x));
+    return entry.first->second;
   };
+  double step = std::log(kRepeatabilityGrid), place = std::log(kLeastRepeatability);
+  for (double x = place; x < std::log(kMostRepeatability); x += step) {
+    if (at(x) < at(place)) place = x;
+  }
+  double least = at(place);
+  for (int i = 0; i < kRefinements; ++i) {  // the parabola through three points, closer and closer
+    const double left = at(place - step) - at(place), right = at(place + step) - at(place);
+    if (left <= 0.0 || right <= 0.0) {  // not between them yet
+      place += left < right ? -step : step;
+      least = at(place);
+      continue;
+    }
+    const double shift = 0.5 * (left - right) / (left + right);
+    least = at(place) - 0.25 * (left - right) * shift;
+    place += shift * step;
+    step *= 0.25;
+  }
   RepeatabilityFit fit;
   fit.sigma = std::exp(place);
-  fit.gain = none - least;
-  fit.low = std::exp(std::min(place, crossing(-1)));
-  fit.high = std::exp(std::max(place, crossing(1)));
+  fit.gain = MarginalDeviance(problem, parameters, 0.0) - least;
+  fit.low = std::exp(Crossing({curve.rbegin(), curve.rend()}, place, least, -1.0));
+  fit.high = std::exp(Crossing({curve.begin(), curve.end()}, place, least, 1.0));
   return fit;
 }
 

@@ -23,9 +23,10 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 
 // Those of `observations` far outside the robust scatter (median) and alone so in their
 // shot, the worst first: indices into Measurements::observations. None where so
-// many points are off that it is something to explain.
+// many points are off that it is something to explain. held_out: the model has not seen these rows; where no other
+// marker of the shot tells, what is off could be the model's error, and is no outlier.
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                              const std::vector<int>& observations, double significance);
+                              const std::vector<int>& observations, double significance, bool held_out);
 
 // Those of `outliers` (excluded from the fit) that this model predicts within the
 // noise: they were none.

@@ -76,20 +76,16 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   return step;
 }
 
-// Penalised by all parameters of the effect, whether these data tell them or not: among targets of one effect, which
-// have the same ones, one is no better for telling fewer.
-double PenalisedByAll(const ChosenStep& step, double log_rows) {
-  const Candidate& candidate = step.candidate;
-  return step.reduction - candidate.parameters * log_rows - 2.0 * std::log(static_cast<double>(candidate.settings));
-}
-
-// The best of each effect, over its targets and settings.
-std::vector<ChosenStep> BestOfEachEffect(const std::vector<ChosenStep>& steps, double log_rows) {
+// The best of each effect, over its targets and settings. They all have the same parameters: one that tells fewer of
+// them is not simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's criterion).
+std::vector<ChosenStep> BestOfEachEffect(const std::vector<ChosenStep>& steps) {
+  const auto worth = [](const ChosenStep& step) {
+    return step.reduction - 2.0 * step.parameters - 2.0 * std::log(static_cast<double>(step.candidate.settings));
+  };
   std::map<std::string, ChosenStep> best;
   for (const ChosenStep& step : steps) {
     const auto entry = best.emplace(step.candidate.spec.effect, step);
-    ChosenStep& own = entry.first->second;
-    if (PenalisedByAll(step, log_rows) > PenalisedByAll(own, log_rows)) own = step;
+    if (worth(step) > worth(entry.first->second)) entry.first->second = step;
   }
   std::vector<ChosenStep> chosen;
   for (auto& [effect, step] : best) chosen.push_back(std::move(step));
@@ -113,7 +109,7 @@ std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vecto
     if (trial && trial->corrected_p < options.significance && trial->penalised > 0.0) steps.push_back(*trial);
   }
   if (steps.empty()) return std::nullopt;
-  return PickByRule(steps, model.estimate.rows, options.tie);
+  return PickByRule(steps, options.tie);
 }
 
 // Whether nothing new has become so uncertain that the full estimator would hold it.
@@ -215,14 +211,14 @@ std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const Selecti
 
 }  // namespace
 
-ChosenStep PickByRule(const std::vector<ChosenStep>& steps, long rows, double tie) {
-  const std::vector<ChosenStep> rivals = BestOfEachEffect(steps, std::log(static_cast<double>(rows)));
+ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
+  const std::vector<ChosenStep> rivals = BestOfEachEffect(steps);
   double best = -1e300;
   for (const ChosenStep& step : rivals) best = std::max(best, step.penalised);
   const auto simpler = [&](const ChosenStep& a, const ChosenStep& b) {
     const bool a_tied = a.penalised >= best - tie, b_tied = b.penalised >= best - tie;
     if (a_tied != b_tied) return a_tied;
-    if (a.candidate.parameters != b.candidate.parameters) return a.candidate.parameters < b.candidate.parameters;
+    if (a.parameters != b.parameters) return a.parameters < b.parameters;
     if (a.candidate.catalogue != b.candidate.catalogue) return a.candidate.catalogue < b.candidate.catalogue;
     return a.penalised > b.penalised;
   };

@@ -47,8 +47,8 @@ struct ChosenStep {
 };
 
 // The rule of FORMATS section 6 among significant steps (not empty): of each effect the best target and setting, of
-// those the best penalised, or the simplest that ties with it. rows: of the fit.
-ChosenStep PickByRule(const std::vector<ChosenStep>& steps, long rows, double tie);
+// those the best penalised, or the simplest that ties with it.
+ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie);
 
 // All candidates scored against the model, best penalised first.
 std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,

@@ -21,18 +21,6 @@ std::vector<int> AllRows(const Linearization& linearization) {
   return rows;
 }
 
-// Values of an effect that does nothing. A spring without rate does nothing, whatever its shape.
-void MakeNeutral(const ChosenStep& step, ParameterSet* parameters) {
-  const bool spring = step.candidate.spec.effect == "gravity_compensator";
-  Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters->num_coordinates());
-  for (int i = 0; i < parameters->num_coordinates(); ++i) {
-    const std::string& name = parameters->coordinates()[i].name;
-    if (!IsParameterOf(step.candidate.spec, name) || (spring && name != "compensator/Kc")) continue;
-    delta[i] = -parameters->Value(i);
-  }
-  parameters->Plus(delta);
-}
-
 }  // namespace
 
 StepBench::StepBench(const DiagnosedModel& with, const std::vector<Candidate>& candidates)
@@ -49,13 +37,14 @@ BenchPart StepBench::PartOfRows(std::vector<int> rows) const {
   return part;
 }
 
-Eigen::VectorXd StepBench::NeutralResidual(const ChosenStep& step) const {
-  ParameterSet parameters = with_.estimate.parameters;
-  MakeNeutral(step, &parameters);
-  const std::vector<int>& observations = whole_.believed.observations;
-  return Linearize(*with_.problem, parameters, observations, {},
-                   ObservationNoise(*with_.problem, observations, kFallbackSigma))
-      .residual;
+Eigen::VectorXd StepBench::Contribution(const ChosenStep& step) const {
+  const bool spring = step.candidate.spec.effect == "gravity_compensator";
+  Eigen::VectorXd contribution = Eigen::VectorXd::Zero(whole_.believed.num_rows());
+  for (int c = 0; c < whole_.believed.num_columns(); ++c) {
+    if (!IsParameterOf(step.candidate.spec, NameOf(c)) || (spring && NameOf(c) != "compensator/Kc")) continue;
+    contribution += whole_.believed.jacobian.col(c) * with_.estimate.parameters.Value(whole_.believed.columns[c]);
+  }
+  return contribution;
 }
 
 WithoutStep StepBench::Without(const ChosenStep& step, const Eigen::VectorXd& neutral_residual,

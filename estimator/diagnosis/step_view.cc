@@ -40,19 +40,6 @@ Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
   return {"configuration", "", [](const Shot& shot, const ShotConditions&) { return 1.0 + shot.configuration; }};
 }
 
-// The step's contribution to the whitened rows: its columns times its values. A
-// compensator's torque is proportional to Kc.
-Eigen::VectorXd Contribution(const DiagnosedModel& with, const ChosenStep& step, const Linearization& here) {
-  const bool spring = step.candidate.spec.effect == "gravity_compensator";
-  Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
-  for (int c = 0; c < here.num_columns(); ++c) {
-    const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
-    if (!IsParameterOf(step.candidate.spec, name) || (spring && name != "compensator/Kc")) continue;
-    contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
-  }
-  return contribution;
-}
-
 struct VisitSums {
   double squared = 0.0, measured = 0.0, simulated = 0.0, x = 0.0;
 };
@@ -64,7 +51,7 @@ StepView ViewStep(const StepBench& bench, const ChosenStep& step) {
   const CalibrationProblem& problem = *with.problem;
   const EffectSpec& spec = step.candidate.spec;
   const Linearization& here = bench.whole().believed;
-  const Eigen::VectorXd contribution = Contribution(with, step, here);
+  const Eigen::VectorXd contribution = bench.Contribution(step);
   const Driver driver = DriverOf(problem, spec);
   StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
   Eigen::VectorXd along = contribution;

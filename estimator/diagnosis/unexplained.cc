@@ -61,7 +61,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   }
   if (steps.empty()) return std::nullopt;
   PickedBeside picked;
-  picked.step = PickByRule(steps, residual.residual().size(), options.tie);
+  picked.step = PickByRule(steps, options.tie);
   const CandidateScore& own = scores.at(picked.step.candidate.spec.Path());
   picked.step.reduction = own.score.reduction;
   picked.columns = bench.candidates.columns().columns(Eigen::all, own.informed);

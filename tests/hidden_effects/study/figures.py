@@ -4,7 +4,7 @@ import math
 from . import statistics as st
 
 SIGNIFICANCE = 0.01
-SHARE_OF_GATE = 0.25  # of the significance, for the search over effects
+SHARE_OF_GATE = 0.15  # of the significance, for the search over effects
 TESTS = 300          # what the correlated search acts like at most
 # Parameters per effect: degrees of freedom of its test.
 DOF = {'frozen_geometry': 1, 'joint_compliance': 1, 'compliance_hardening': 1, 'transverse_compliance': 2,
