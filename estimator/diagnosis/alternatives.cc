@@ -7,7 +7,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kOverlapListed = 0.8;
-constexpr double kOverlapOfRivals = 0.2;  // below, it explains something else
 constexpr size_t kMostListed = 12;
 
 }  // namespace

@@ -114,13 +114,15 @@ HalfResult ConfirmationBench::NameAgain(const BenchPart& half, const ChosenStep&
   HalfResult result;
   const WithoutStep without = steps_.Without(step, neutral_residual, half);
   const double own = without.residual.Test(without.own, step.candidate.settings).penalised;
+  const Eigen::VectorXd found = without.residual.Reproduce(without.own, without.residual.residual());
   double best = std::max(0.0, own);
   if (own > 0.0) result.best = step.candidate.spec.Path();
   const Screening screening(half.candidates, without.residual, without.has_spring);
   for (size_t i = 0; i < half.candidates.candidates().size(); ++i) {
-    const Score score = screening.Of(static_cast<int>(i)).score;
-    if (score.rank == 0 || score.penalised <= best) continue;
-    best = score.penalised;
+    const CandidateScore scored = screening.Of(static_cast<int>(i));
+    if (scored.score.rank == 0 || scored.score.penalised <= best) continue;
+    if (own > 0.0 && screening.Reproduced(scored, found) < kOverlapOfRivals * found.squaredNorm()) continue;
+    best = scored.score.penalised;
     result.best = half.candidates.candidates()[i].spec.Path();
   }
   result.telling = best > 0.0;

@@ -65,10 +65,15 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
   return shot.residual - scaled * qr.solve(shot.residual);
 }
 
-// -2 ln of the restricted likelihood (REML), but for a constant: with C = I + L L' the whitened covariance of the rows,
-//   |r|^2_C + ln det C + ln det (J' C^-1 J).
+// -2 ln of the likelihood, but for a constant: with C = I + L L' the covariance of the whitened rows,
+//   |r|^2_C + ln det C,   restricted (REML):   + ln det (J' C^-1 J).
 // Without the last term what the estimated parameters absorb would count as quiet joints.
-double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
+struct Deviance {
+  double likelihood = 0.0;
+  double restricted = 0.0;
+};
+
+Deviance MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
   const CalibrationProblem with = WithRepeatability(problem, sigma);
   const std::vector<int> observations = with.CalibrationObservations();
   const NoiseRoots noise = ObservationNoise(with, observations, kFallbackSigma);
@@ -88,8 +93,9 @@ double MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& p
     log_determinant += 2.0 * Eigen::MatrixXd(inner.llt().matrixL()).diagonal().array().log().sum();
   }
   // (J' C^-1 J)^-1 = W W' with W triangular.
-  log_determinant -= 2.0 * solution.covariance_root.diagonal().array().abs().log().sum();
-  return solution.residual_norm_squared + log_determinant;
+  const double of_parameters = -2.0 * solution.covariance_root.diagonal().array().abs().log().sum();
+  const double likelihood = solution.residual_norm_squared + log_determinant;
+  return {likelihood, likelihood + of_parameters};
 }
 
 // Where the deviance crosses the least + 3.84 (chi-square of one, 95 %) on the way outward from the least: near it a
@@ -200,7 +206,7 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
   std::map<double, double> curve;  // deviance over ln sigma
   const auto at = [&](double x) {
     const auto entry = curve.emplace(x, 0.0);
-    if (entry.second) entry.first->second = MarginalDeviance(problem, parameters, std::exp(x));
+    if (entry.second) entry.first->second = MarginalDeviance(problem, parameters, std::exp(x)).restricted;
     return entry.first->second;
   };
   double step = std::log(kRepeatabilityGrid), place = std::log(kLeastRepeatability);
@@ -222,7 +228,8 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
   }
   RepeatabilityFit fit;
   fit.sigma = std::exp(place);
-  fit.gain = MarginalDeviance(problem, parameters, 0.0) - least;
+  fit.gain = MarginalDeviance(problem, parameters, 0.0).likelihood -
+             MarginalDeviance(problem, parameters, fit.sigma).likelihood;
   fit.low = std::exp(Crossing({curve.rbegin(), curve.rend()}, place, least, -1.0));
   fit.high = std::exp(Crossing({curve.begin(), curve.end()}, place, least, 1.0));
   return fit;

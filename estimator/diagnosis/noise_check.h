@@ -39,9 +39,9 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 // The problem with one common repeatability on every joint, rad.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
-// Repeatability that the marginal likelihood prefers, rad; the gain
-// 2 ln ML over none, and its 95 % interval by the likelihood ratio. Scanned on a
-// grid of sigma, interpolated between.
+// Repeatability that the restricted marginal likelihood prefers, rad, and its 95 % interval by the likelihood ratio,
+// scanned on a grid of sigma and interpolated between; the gain is that of 2 ln of the plain likelihood over none, to
+// compare with what effects gain.
 struct RepeatabilityFit {
   double sigma = 0.0;
   double low = 0.0, high = 0.0;

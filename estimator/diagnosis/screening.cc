@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kIndependent = 1e-5;  // projected norm over norm below which a column says nothing new
 constexpr double kRankTolerance = 1e-6;
+constexpr double kImplausible = 100.0;        // typical sizes
 constexpr double kTypicalPerHoldLimit = 0.1;  // TraitsOf: a direction is held beyond ten typical sizes
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
@@ -188,7 +189,8 @@ std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::Vec
     int worst = -1;
     for (size_t c = 0; c < kept.size(); ++c) {
       const double variance = covariance(c, c);
-      if (variance < 1.0 || value[c] * value[c] > 9.0 * variance) continue;
+      const bool significant = value[c] * value[c] > 9.0 * variance && std::abs(value[c]) < kImplausible;
+      if (variance < 1.0 || significant) continue;
       if (worst < 0 || variance > covariance(worst, worst)) worst = static_cast<int>(c);
     }
     if (worst < 0) break;

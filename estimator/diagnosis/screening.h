@@ -43,8 +43,9 @@ Score ScoreOf(const NormalEquations& normal, long rows, int settings);
 double MarginalGainOf(const NormalEquations& normal, long rows);
 
 // Leaves out, worst first, parameters that would stay unknown to more than a typical size: they would only fit noise.
-// Returns the others. In a refit the left-out ones get a wide prior instead, so that the intervals of the others stay
-// true. typical: size of each, in units of the columns.
+// One that is significant all the same stays, unless its value would be a hundred typical sizes: a column that hardly
+// stands out of the believed ones. Returns the others. In a refit the left-out ones get a wide prior instead, so that
+// the intervals of the others stay true. typical: size of each, in units of the columns.
 std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::VectorXd& typical);
 
 // Believed columns as an orthonormal basis, and the residual.

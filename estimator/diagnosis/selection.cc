@@ -76,19 +76,20 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   return step;
 }
 
-// The best of each effect, over its targets and settings. They all have the same parameters: one that tells fewer of
-// them is not simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's criterion).
+// The best of each effect, over its targets and settings with equally many parameters: one that tells fewer of them is
+// not simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's criterion).
 std::vector<ChosenStep> BestOfEachEffect(const std::vector<ChosenStep>& steps) {
   const auto worth = [](const ChosenStep& step) {
     return step.reduction - 2.0 * step.parameters - 2.0 * std::log(static_cast<double>(step.candidate.settings));
   };
-  std::map<std::string, ChosenStep> best;
+  std::map<std::pair<std::string, size_t>, ChosenStep> best;
   for (const ChosenStep& step : steps) {
-    const auto entry = best.emplace(step.candidate.spec.effect, step);
+    const size_t parameters = step.parameters + step.candidate.vague.size();
+    const auto entry = best.emplace(std::make_pair(step.candidate.spec.effect, parameters), step);
     if (worth(step) > worth(entry.first->second)) entry.first->second = step;
   }
   std::vector<ChosenStep> chosen;
-  for (auto& [effect, step] : best) chosen.push_back(std::move(step));
+  for (auto& [alike, step] : best) chosen.push_back(std::move(step));
   return chosen;
 }
 

@@ -14,7 +14,7 @@ namespace sagitta {
 
 struct SelectionOptions {
   double significance = 0.005;  // of a step, corrected for the whole search
-  int most_steps = 16;
+  int most_steps = 24;
   int refitted = 8;      // best of the screening that are refitted
   double tie = 6.0;      // of the best penalised reduction: ties go to the simpler
   int most_tests = 300;  // what the correlated search acts like at most

@@ -10,6 +10,8 @@
 
 namespace sagitta {
 
+constexpr double kOverlapOfRivals = 0.2;  // of what a step explains; below, another effect explains something else
+
 // All rows, or those of some configurations.
 struct BenchPart {
   std::vector<int> rows;  // of the whole
