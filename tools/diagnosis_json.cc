@@ -130,6 +130,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
         {{"by", share.by}, {"key", share.key}, {"share_of_excess", share.share}, {"words", ShareInWords(share)}});
   }
   json["noise"] = NoiseToJson(d.noise);
+  json["screened"] = d.candidates.size();  // p-values are corrected for them all
   json["candidates"] = Json::array();
   for (size_t i = 0; i < std::min(kListedCandidates, d.candidates.size()); ++i) {
     const ScreenedCandidate& candidate = d.candidates[i];

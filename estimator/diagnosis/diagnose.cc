@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kShareOfNaming = 0.15;     // of the significance; the tail of a search is heavier than its middle
+constexpr double kShareOfNaming = 0.25;     // of the significance; lack of fit and decoys have their own shares
 constexpr double kShareOfLackOfFit = 0.15;  // beside it: the decoys, and the shares of the noise (noise_book.cc)
 constexpr int kMostNoiseRounds = 3;
 constexpr int kManyRows = 3000;
@@ -164,7 +164,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   SelectionOptions selection = SelectionFor(options);
   report("screening " + std::to_string(list.candidates.size()) + " candidates");
   if (!noise.repeatability_is_stated()) {
-    const std::vector<ScreenedCandidate> screened = Screen(model, list.candidates, selection.most_tests);
+    const std::vector<ScreenedCandidate> screened = Screen(model, list.candidates);
     const double effect = screened.empty() ? 0.0 : screened[0].score.penalised;
     noise.AddRepeatability(std::max(effect, DecoyBench(model).Best().penalised), &model);
   }
@@ -180,7 +180,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.where = FindWhere(model);
   JudgeFinal(model, selection, &steps, &diagnosis);
   noise.SetAsideHeldOut(&diagnosis.baseline, &diagnosis.final);
-  diagnosis.candidates = Screen(diagnosis.baseline, list.candidates, selection.most_tests);
+  diagnosis.candidates = Screen(diagnosis.baseline, list.candidates);
   RefitBest(diagnosis.baseline, selection, &diagnosis.candidates);
   report("alternatives and halves");
   FillSteps(steps, list.candidates, selection, &diagnosis);

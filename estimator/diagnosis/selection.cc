@@ -96,7 +96,7 @@ std::vector<ChosenStep> BestOfEachEffect(const std::vector<ChosenStep>& steps) {
 // Refits the best of the screening and picks one; none when nothing is significant.
 std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
                                    const SelectionOptions& options) {
-  const int tests = std::min<int>(options.most_tests, static_cast<int>(screened.size()));
+  const int tests = static_cast<int>(screened.size());
   int refitted = 0;
   while (refitted < std::min(options.refitted, static_cast<int>(screened.size())) &&
          screened[refitted].score.rank > 0) {
@@ -157,7 +157,7 @@ std::optional<StepsAndModel> Swapped(const DiagnosedModel& baseline, const std::
   const DiagnosedModel without = Extend(baseline, CandidatesOf(others), options.joint);
   if (!IsUsable(without.estimate.status)) return std::nullopt;
   if (PenalisedTotal(baseline, without, others) > total) return StepsAndModel{others, without};  // no longer needed
-  const std::optional<ChosenStep> better = PickStep(without, Screen(without, candidates, options.most_tests), options);
+  const std::optional<ChosenStep> better = PickStep(without, Screen(without, candidates), options);
   if (!better || better->candidate.spec.Path() == step.candidate.spec.Path()) return std::nullopt;
   others.insert(others.begin() + dropped, *better);
   if (PenalisedTotal(baseline, without, others) + better->reduction <= total + 1.0) return std::nullopt;
@@ -193,7 +193,7 @@ void Drop(const std::string& path, std::vector<Entry>* entries) {
 std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const SelectionOptions& options,
                                    const StepsAndModel& now, std::vector<Candidate>* open) {
   const double total = PenalisedTotal(baseline, now.model, now.steps);
-  std::vector<ScreenedCandidate> screened = Screen(now.model, *open, options.most_tests);
+  std::vector<ScreenedCandidate> screened = Screen(now.model, *open);
   while (const std::optional<ChosenStep> picked = PickStep(now.model, screened, options)) {
     StepsAndModel next{now.steps, Extend(now.model, {picked->candidate}, options.joint)};
     next.steps.push_back(*picked);
@@ -231,15 +231,14 @@ bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
   return name.rfind(home + "/", 0) == 0;
 }
 
-std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
-                                      int most_tests) {
+std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates) {
   const CalibrationProblem& problem = *model.problem;
   const ParameterSet& parameters = model.estimate.parameters;
   const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
   const CandidateBench bench(problem, parameters, candidates);
   const Screening screening(bench, residual, problem.robot.gravity_compensator.has_value());
   const double left = model.estimate.dof > 0 ? std::max(1.0, model.estimate.chi2 / model.estimate.dof) : 1.0;
-  const int tests = std::min<int>(most_tests, static_cast<int>(candidates.size()));
+  const int tests = static_cast<int>(candidates.size());
   std::vector<ScreenedCandidate> screened;
   for (size_t i = 0; i < candidates.size(); ++i) {
     ScreenedCandidate entry{candidates[i], {}, 1.0, {candidates[i].spec}, {}};

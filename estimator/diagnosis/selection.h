@@ -15,9 +15,8 @@ namespace sagitta {
 struct SelectionOptions {
   double significance = 0.005;  // of a step, corrected for the whole search
   int most_steps = 24;
-  int refitted = 8;      // best of the screening that are refitted
-  double tie = 6.0;      // of the best penalised reduction: ties go to the simpler
-  int most_tests = 300;  // what the correlated search acts like at most
+  int refitted = 8;  // best of the screening that are refitted
+  double tie = 6.0;  // of the best penalised reduction: ties go to the simpler
   // The best decoy on the baseline. Where it alone leaves nothing to explain, three
   // steps that lose to it are a stack that imitates it, and the search ends.
   double decoy_gain = -1e300;
@@ -51,8 +50,7 @@ struct ChosenStep {
 ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie);
 
 // All candidates scored against the model, best penalised first.
-std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates,
-                                      int most_tests);
+std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::vector<Candidate>& candidates);
 
 // The model with these effects more, refitted from its own optimum: parameters, chi-square and degrees of freedom.
 // What is reported of it comes from JudgeFully.

@@ -39,7 +39,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
                                        const SelectionOptions& options) {
   const double chi2 = residual.residual().squaredNorm();
   const std::vector<Candidate>& candidates = bench.candidates.candidates();
-  const int tests = std::min<int>(options.most_tests, static_cast<int>(candidates.size()));
+  const int tests = static_cast<int>(candidates.size());
   const Screening screening(bench.candidates, residual, true);
   std::vector<ChosenStep> steps;
   std::map<std::string, CandidateScore> scores;  // by path

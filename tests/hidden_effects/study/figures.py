@@ -4,8 +4,8 @@ import math
 from . import statistics as st
 
 SIGNIFICANCE = 0.01
-SHARE_OF_GATE = 0.15  # of the significance, for the search over effects
-TESTS = 300          # what the correlated search acts like at most
+SHARE_OF_GATE = 0.25  # of the significance, for the search over effects, divided by the candidates of the case
+TYPICAL_TESTS = 300
 # Parameters per effect: degrees of freedom of its test.
 DOF = {'frozen_geometry': 1, 'joint_compliance': 1, 'compliance_hardening': 1, 'transverse_compliance': 2,
        'gravity_compensator': 4, 'link_gravity': 4, 'self_weight_sag': 3, 'base_compliance': 2, 'payload': 1,
@@ -75,20 +75,21 @@ def pairs(records):
 def power(records):
     """Detection against the power of the chi-square test at the corrected level, by NC."""
     ones = single(records)
-    level = SHARE_OF_GATE * SIGNIFICANCE / TESTS
     rows = []
     edges = [0, 10, 20, 30, 40, 60, 100, 300, 1e99]
     for low, high in zip(edges, edges[1:]):
         chosen = [r for r in ones if low <= r['nc'] < high]
         if not chosen:
             continue
-        predicted = 0.0
+        predicted = levels = 0.0
         for r in chosen:
             dof = DOF[r['kinds'][0]]
+            level = SHARE_OF_GATE * SIGNIFICANCE / (r.get('tests') or TYPICAL_TESTS)
+            levels += level / len(chosen)
             predicted += st.noncentral_survival(st.chi_square_quantile_above(level, dof), dof, min(r['nc'], 1000.0))
-        rows.append({'nc': [low, high if high < 1e98 else None], 'curve': predicted / len(chosen),
+        rows.append({'nc': [low, high if high < 1e98 else None], 'level': levels, 'curve': predicted / len(chosen),
                      'detected': rate(chosen, lambda r: r['detected'])})
-    return {'level': level, 'rows': rows}
+    return {'rows': rows}
 
 
 def nothing_hidden(records):

@@ -55,7 +55,7 @@ def judge(case, sized, answer, diagnosis, separations):
         'one_named_or_listed': any(t in every_name for t in truths),
         'exact': bool(truths) and set(truths) <= set(steps) <= accepted and len(steps) == len(set(steps)),
         'parameters': parameters, 'gap_closed': diagnosis['final'].get('gap_closed'),
-        'lack_of_fit_p': diagnosis['baseline'].get('lack_of_fit_p'), 'best_p': best.get('p_value'),
+        'tests': diagnosis.get('screened'), 'lack_of_fit_p': diagnosis['baseline'].get('lack_of_fit_p'), 'best_p': best.get('p_value'),
         'noise': diagnosis['noise'], 'sealed_noise': {
             'scale': answer['sigma_factor'], 'repeatability_urad': answer['undeclared_repeatability_urad'],
             'outliers': answer['outliers']},

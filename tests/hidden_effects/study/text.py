@@ -50,11 +50,11 @@ def null_lines(f):
 
 
 def power_lines(f):
-    lines = ['level %.2g' % f['level']]
+    lines = []
     for row in f['rows']:
         high = '%g' % row['nc'][1] if row['nc'][1] else 'up'
-        lines.append('NC %4g to %-4s detected %s   curve %s' % (row['nc'][0], high, share(row['detected']),
-                                                              percent(row['curve'])))
+        lines.append('NC %4g to %-4s detected %s   curve %s at level %.2g' % (
+            row['nc'][0], high, share(row['detected']), percent(row['curve']), row['level']))
     return lines
 
 
