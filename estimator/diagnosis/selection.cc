@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "estimator/diagnosis/step_bench.h"
 #include "estimator/distributions.h"
@@ -74,23 +73,6 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   step.penalised = step.reduction - Penalty(model, step.parameters, entry.candidate.settings);
   step.corrected_p = CorrectedP(step.reduction, step.parameters, best, dof, tests);
   return step;
-}
-
-// The best of each effect, over its targets and settings with equally many parameters: one that tells fewer of them is
-// not simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's criterion).
-std::vector<ChosenStep> BestOfEachEffect(const std::vector<ChosenStep>& steps) {
-  const auto worth = [](const ChosenStep& step) {
-    return step.reduction - 2.0 * step.parameters - 2.0 * std::log(static_cast<double>(step.candidate.settings));
-  };
-  std::map<std::pair<std::string, size_t>, ChosenStep> best;
-  for (const ChosenStep& step : steps) {
-    const size_t parameters = step.parameters + step.candidate.vague.size();
-    const auto entry = best.emplace(std::make_pair(step.candidate.spec.effect, parameters), step);
-    if (worth(step) > worth(entry.first->second)) entry.first->second = step;
-  }
-  std::vector<ChosenStep> chosen;
-  for (auto& [alike, step] : best) chosen.push_back(std::move(step));
-  return chosen;
 }
 
 // Refits the best of the screening and picks one; none when nothing is significant.
@@ -213,9 +195,8 @@ std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const Selecti
 }  // namespace
 
 ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
-  const std::vector<ChosenStep> rivals = BestOfEachEffect(steps);
   double best = -1e300;
-  for (const ChosenStep& step : rivals) best = std::max(best, step.penalised);
+  for (const ChosenStep& step : steps) best = std::max(best, step.penalised);
   const auto simpler = [&](const ChosenStep& a, const ChosenStep& b) {
     const bool a_tied = a.penalised >= best - tie, b_tied = b.penalised >= best - tie;
     if (a_tied != b_tied) return a_tied;
@@ -223,7 +204,15 @@ ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
     if (a.candidate.catalogue != b.candidate.catalogue) return a.candidate.catalogue < b.candidate.catalogue;
     return a.penalised > b.penalised;
   };
-  return *std::min_element(rivals.begin(), rivals.end(), simpler);
+  const ChosenStep* picked = &*std::min_element(steps.begin(), steps.end(), simpler);
+  const auto worth = [](const ChosenStep& step) {
+    return step.reduction - 2.0 * step.parameters - 2.0 * std::log(static_cast<double>(step.candidate.settings));
+  };
+  for (const ChosenStep& step : steps) {
+    const bool alike = step.candidate.spec.effect == picked->candidate.spec.effect;
+    if (alike && worth(step) > worth(*picked)) picked = &step;
+  }
+  return *picked;
 }
 
 bool IsParameterOf(const EffectSpec& spec, const std::string& name) {

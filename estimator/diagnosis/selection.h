@@ -45,8 +45,9 @@ struct ChosenStep {
   double corrected_p = 1.0;
 };
 
-// The rule of FORMATS section 6 among significant steps (not empty): of each effect the best target and setting, of
-// those the best penalised, or the simplest that ties with it.
+// The rule of FORMATS section 6 among significant steps (not empty): the best penalised, or the simplest that ties with
+// it. That is the effect. Its targets and settings all have the same parameters: one that tells fewer of them is not
+// simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's criterion).
 ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie);
 
 // All candidates scored against the model, best penalised first.
