@@ -178,6 +178,11 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
     solution.residual_norm_squared = linearization.residual.squaredNorm();
     return solution;
   }
+  if (linearization.num_rows() < n) {  // fewer equations than unknowns
+    solution.full_rank = false;
+    solution.condition = std::numeric_limits<double>::infinity();
+    return solution;
+  }
   Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);

@@ -34,7 +34,9 @@ std::vector<Alternative> FindAlternatives(const StepBench& bench, const ChosenSt
   }
   std::stable_sort(alternatives.begin(), alternatives.end(),
                    [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
-  if (alternatives.size() > kMostListed) alternatives.resize(kMostListed);
+  size_t others = 0;  // tied ones are all listed
+  const auto is_beyond = [&](const Alternative& entry) { return !entry.tied && ++others > kMostListed; };
+  alternatives.erase(std::remove_if(alternatives.begin(), alternatives.end(), is_beyond), alternatives.end());
   return alternatives;
 }
 

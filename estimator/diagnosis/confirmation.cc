@@ -88,12 +88,13 @@ void ReadValues(const StepBench& steps, const BenchPart& half, const ChosenStep&
   result->covariance = solution.covariance(own, own);
 }
 
-double CompatibleP(const HalfResult& a, const HalfResult& b) {
+// In units of the scatter that is left: a model that does not reach the stated sigma cannot use it as yardstick.
+double CompatibleP(const HalfResult& a, const HalfResult& b, double left) {
   if (a.values.size() == 0 || a.values.size() != b.values.size()) return 1.0;
   const Eigen::VectorXd difference = a.values - b.values;
   const Eigen::LLT<Eigen::MatrixXd> joint(a.covariance + b.covariance);
   if (joint.info() != Eigen::Success) return 1.0;
-  return ChiSquareSurvival(difference.dot(joint.solve(difference)), static_cast<double>(difference.size()));
+  return ChiSquareSurvival(difference.dot(joint.solve(difference)) / left, static_cast<double>(difference.size()));
 }
 
 }  // namespace
@@ -119,6 +120,7 @@ HalfResult ConfirmationBench::NameAgain(const BenchPart& half, const ChosenStep&
   if (own > 0.0) result.best = step.candidate.spec.Path();
   const Screening screening(half.candidates, without.residual, without.has_spring);
   for (size_t i = 0; i < half.candidates.candidates().size(); ++i) {
+    if (half.candidates.candidates()[i].spec.Path() == step.candidate.spec.Path()) continue;
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     if (scored.score.rank == 0 || scored.score.penalised <= best) continue;
     if (own > 0.0 && screening.Reproduced(scored, found) < kOverlapOfRivals * found.squaredNorm()) continue;
@@ -135,7 +137,9 @@ Confirmation ConfirmationBench::Confirm(const ChosenStep& step, const Eigen::Vec
                                         double tie) const {
   Confirmation confirmation;
   for (const BenchPart& half : halves_) confirmation.halves.push_back(NameAgain(half, step, neutral_residual, tie));
-  confirmation.compatible_p = CompatibleP(confirmation.halves[0], confirmation.halves[1]);
+  const Estimate& all = steps_.model().estimate;
+  const double left = all.dof > 0 ? all.chi2 / all.dof : 1.0;
+  confirmation.compatible_p = CompatibleP(confirmation.halves[0], confirmation.halves[1], std::max(1.0, left));
   confirmation.folds = kFolds;
   confirmation.cv_before = CrossValidated(Complete(steps_.model().estimate.parameters, steps_.whole().believed,
                                                    steps_.OtherColumns(step), neutral_residual),

@@ -25,10 +25,6 @@ std::string Rounded(const char* format, double value) {
   return text;
 }
 
-std::string Range(const Eigen::VectorXd& x) {
-  return Rounded("%.0f", x.minCoeff() * kDegree) + " to " + Rounded("%.0f", x.maxCoeff() * kDegree) + " deg";
-}
-
 // Gaussian bumps evenly over the range, one standard deviation apart.
 Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, int count) {
   const double low = x.minCoeff(), spacing = (x.maxCoeff() - low) / (count - 1);
@@ -85,14 +81,16 @@ class DecoySearch {
   Decoy Best() {
     const int n = problem_.robot.num_joints();
     for (int k = 0; k < n; ++k) {
-      if (angles_[k].maxCoeff() - angles_[k].minCoeff() < 1e-6) continue;
-      const std::string on = Name(k) + " (" + Range(angles_[k]) + ")";
+      if (!bench_.Moves(k)) continue;
+      const std::string on = Name(k) + " (" + bench_.Range(k, angles_[k].minCoeff(), angles_[k].maxCoeff()) + ")";
       TrySmooth(angles_[k], {Name(k)}, "smooth", on);
       TryPlaces(k);
-      TryHarmonics(k);
+      if (bench_.Turns(k)) TryHarmonics(k);
     }
     for (int a = 0; a < n; ++a) {
-      for (int b = a + 1; b < n; ++b) TryProduct(a, b);
+      for (int b = a + 1; b < n; ++b) {
+        if (bench_.Moves(a) && bench_.Moves(b)) TryProduct(a, b);
+      }
     }
     if (bench_.timed_) {
       TrySmooth(time_, {}, "time", "time");
@@ -162,19 +160,24 @@ class DecoySearch {
     int at = 0;
     const double bump = SingleGains(j, bumps, static_cast<int>(bumps.cols()), &sizes).maxCoeff(&at);
     if (IsBetter(bump)) {
-      const double center = places[at / kWidths] * kDegree, reach = 1.5 * kBumpWidths[at % kWidths] * span * kDegree;
-      const std::string words = "a bump of " + Name(j) + " between " + Rounded("%.0f", center - reach) + " and " +
-                                Rounded("%.0f", center + reach) + " deg, " + Rounded("%.3g", 1e-3 * sizes[at]) +
-                                " mrad high";
+      const double center = places[at / kWidths], reach = 1.5 * kBumpWidths[at % kWidths] * span;
+      const std::string words = "a bump of " + Name(j) + " between " + bench_.Place(j, center - reach) + " and " +
+                                bench_.Place(j, center + reach) + bench_.PlaceUnit(j) + ", " + Size(j, sizes[at]) +
+                                " high";
       Keep("smooth", {Name(j)}, j, words, bump, bumps.col(at));
     }
     if (count < 2) return;
     const double step = SingleGains(j, steps, count - 1, &sizes).maxCoeff(&at);
     if (!IsBetter(step)) return;
-    const double place = 0.5 * (places[at] + places[at + 1]) * kDegree;
-    const std::string words = "a step of " + Name(j) + " by " + Rounded("%.3g", 1e-3 * sizes[at]) + " mrad at " +
-                              Rounded("%.0f", place) + " deg";
+    const double place = 0.5 * (places[at] + places[at + 1]);
+    const std::string words =
+        "a step of " + Name(j) + " by " + Size(j, sizes[at]) + " at " + bench_.Place(j, place) + bench_.PlaceUnit(j);
     Keep("step", {Name(j)}, j, words, step, steps.col(at));
+  }
+
+  // Of a deviation in urad, or um.
+  std::string Size(int j, double value) const {
+    return Rounded("%.3g", 1e-3 * value) + (bench_.Turns(j) ? " mrad" : " mm");
   }
 
   // Distinct values, thinned.
@@ -295,6 +298,18 @@ DecoyBench::DecoyBench(const DiagnosedModel& model)
   for (const std::string& station : problem_.data.stations) shifts_[station] = StationShift(station);
 }
 
+bool DecoyBench::Moves(int joint) const { return angles_[joint].maxCoeff() - angles_[joint].minCoeff() >= 1e-6; }
+
+bool DecoyBench::Turns(int joint) const { return problem_.robot.chain.joints[joint].type == JointType::kRevolute; }
+
+std::string DecoyBench::Place(int joint, double value) const {
+  return Rounded("%.0f", value * (Turns(joint) ? kDegree : 1e3));
+}
+
+std::string DecoyBench::Range(int joint, double low, double high) const {
+  return Place(joint, low) + " to " + Place(joint, high) + PlaceUnit(joint);
+}
+
 Decoy DecoyBench::Best(const ProjectedResidual& residual) const { return DecoySearch(*this, residual).Best(); }
 
 Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
@@ -308,6 +323,7 @@ Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
   } else {
     for (const std::string& driver : decoy.depends_on) {
       const int k = problem_.robot.chain.FindJoint(driver);
+      if (!Moves(k)) continue;
       blocks.push_back(deviations_.col(j).asDiagonal() * OnRows(Bumps(angles_[k], kKindBumps)));
     }
   }

@@ -46,6 +46,12 @@ class DecoyBench {
   Eigen::MatrixXd ColumnsOfKind(const Decoy& decoy) const;
 
  private:
+  bool Moves(int joint) const;
+  bool Turns(int joint) const;
+  // Joint values in words, deg or mm.
+  std::string Place(int joint, double value) const;
+  std::string PlaceUnit(int joint) const { return Turns(joint) ? " deg" : " mm"; }
+  std::string Range(int joint, double low, double high) const;
   // One scalar per shot.
   Eigen::VectorXd PerShot(const std::function<double(const ShotConditions&)>& value) const;
   // Rows of functions of the shot.

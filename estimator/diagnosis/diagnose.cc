@@ -79,6 +79,24 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   }
 }
 
+// What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
+// rate does nothing, whatever its shape.
+ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
+                         const ParameterSet& nominal) {
+  ParameterSet aligned = extended;
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
+  for (int i = 0; i < aligned.num_coordinates(); ++i) {
+    const std::string& name = aligned.coordinates()[i].name;
+    const bool is_shape = name.rfind("compensator/", 0) == 0 && name != "compensator/Kc";
+    const bool is_new = std::any_of(steps.begin(), steps.end(),
+                                    [&](const ChosenStep& step) { return IsParameterOf(step.candidate.spec, name); });
+    if (is_new && !is_shape) delta[i] = -aligned.Value(i);
+  }
+  aligned.Plus(delta);
+  aligned.CopyByName(nominal);
+  return aligned;
+}
+
 bool IsEstimated(const ChosenStep& step, const Estimate& estimate) {
   return std::any_of(estimate.table.begin(), estimate.table.end(), [&](const ParameterEstimate& row) {
     return row.free && IsParameterOf(step.candidate.spec, row.name);
@@ -91,7 +109,8 @@ void JudgeFinal(const DiagnosedModel& baseline, const SelectionOptions& selectio
                 Diagnosis* diagnosis) {
   DiagnosedModel& final = diagnosis->final;
   while (!steps->empty()) {
-    final = JudgeFully(final.problem, final.estimate.parameters, final.problem->parameters, selection.joint);
+    const ParameterSet aligned = AlignedWith(*steps, final.problem->parameters, baseline.estimate.aligned);
+    final = JudgeFully(final.problem, final.estimate.parameters, aligned, selection.joint);
     const bool usable = IsUsable(final.estimate.status);
     const auto idle = std::find_if(steps->begin(), steps->end(),
                                    [&](const ChosenStep& step) { return !IsEstimated(step, final.estimate); });
@@ -115,14 +134,17 @@ void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection
   }
 }
 
-void Decide(const DiagnosisOptions& options, Diagnosis* diagnosis) {
+void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagnosis) {
   const double gate = kShareOfLackOfFit * options.significance;
   diagnosis->final_p = LackOfFit(diagnosis->final.estimate);
   if (!diagnosis->has_unexplained) {
-    diagnosis->unexplained = DecoyBench(diagnosis->final).Best();
-    const bool stands_out = diagnosis->unexplained.penalised > kNoiseEvidence;
-    diagnosis->has_unexplained = diagnosis->final_p < gate || stands_out;
+    const Decoy rest = DecoyBench(diagnosis->final).Best();
+    diagnosis->has_unexplained = rest.penalised > kNoiseEvidence;
+    diagnosis->unexplained = rest.penalised > 0.0 ? rest : Decoy();  // else no driver stands out
   }
+  const bool is_sigma = noise->Close(diagnosis->final.estimate, diagnosis->has_unexplained, gate);
+  diagnosis->noise = noise->finding();
+  diagnosis->has_unexplained |= diagnosis->final_p < gate && !is_sigma;
   const bool noise_is_wrong = diagnosis->noise.is_finding || !diagnosis->noise.outliers.empty();
   if (!diagnosis->steps.empty()) {
     diagnosis->verdict = diagnosis->has_unexplained ? "partly" : "explained";
@@ -184,9 +206,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   RefitBest(diagnosis.baseline, selection, &diagnosis.candidates);
   report("alternatives and halves");
   FillSteps(steps, list.candidates, selection, &diagnosis);
-  noise.Close(diagnosis.final.estimate);
-  diagnosis.noise = noise.finding();
-  Decide(options, &diagnosis);
+  Decide(options, &noise, &diagnosis);
   diagnosis.gap = JudgeGap(diagnosis.baseline, diagnosis.final);
   if (steps.empty()) diagnosis.gap.closed = 0.0;
   return diagnosis;

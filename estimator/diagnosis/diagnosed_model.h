@@ -16,8 +16,8 @@ struct DiagnosedModel {
 // The full estimator from the problem's own starting values.
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options);
 
-// The full estimator from a nearby point: intervals, identifiability, hold-out. aligned: what the model was before
-// anything was fitted, as results compare with it.
+// The full estimator from a nearby point: intervals, identifiability, hold-out. aligned: what results compare with; in
+// the end the model before anything was fitted.
 DiagnosedModel JudgeFully(std::shared_ptr<CalibrationProblem> problem, const ParameterSet& from,
                           const ParameterSet& aligned, const JointOptions& options);
 

@@ -10,8 +10,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kShareOfOutliers = 0.1;  // of the significance; the scale has the same
-constexpr double kShareOfQuiet = 0.25;
-constexpr double kSettled = 0.05;  // of sigma and repeatability
+constexpr double kSettled = 0.05;         // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
 
 }  // namespace
@@ -23,46 +22,42 @@ NoiseBook::NoiseBook(const CalibrationProblem& problem, double significance, con
       sigma_is_stated_(problem.sigma_is_stated()),
       repeatability_is_stated_(!problem.latent.empty()) {}
 
+bool NoiseBook::Replace(const CalibrationProblem& problem, DiagnosedModel* model) const {
+  DiagnosedModel refit = RefitFully(problem, model->estimate, joint_);
+  const bool usable = IsUsable(refit.estimate.status);
+  if (usable) *model = std::move(refit);
+  return usable;
+}
+
 void NoiseBook::Prepare(DiagnosedModel* baseline) {
   if (!sigma_is_stated_) {  // the baseline's own scatter is what is compared with
     CalibrationProblem scattered = *baseline->problem;
     scattered.experiment.noise.sigma = baseline->estimate.sigma.estimated;
-    *baseline = RefitFully(scattered, baseline->estimate, joint_);
+    Replace(scattered, baseline);
   }
-  for (int round = 0; round < kMostOutlierRounds; ++round) {
-    const CalibrationProblem& problem = *baseline->problem;
-    const std::vector<int> outliers =
-        FindOutliers(problem, baseline->estimate.parameters, problem.CalibrationObservations(),
-                     kShareOfOutliers * significance_, false);
-    if (outliers.empty()) break;
-    CalibrationProblem cleaned = problem;
-    for (const int i : outliers) cleaned.data.observations[i].excluded = true;
-    outliers_.insert(outliers_.end(), outliers.begin(), outliers.end());
-    *baseline = RefitFully(cleaned, baseline->estimate, joint_);
+  for (int round = 0; round < kMostOutlierRounds && MoveOutliers(*baseline, baseline); ++round) {
   }
-  if (sigma_is_stated_) applied_ = FindScale(*baseline);
-  if (applied_ == 1.0) return;
-  *baseline = RefitFully(WithScaledSigmas(*baseline->problem, applied_), baseline->estimate, joint_);
+  const double scale = sigma_is_stated_ ? FindScale(*baseline) : 1.0;
+  if (scale != 1.0 && Replace(WithScaledSigmas(*baseline->problem, scale), baseline)) applied_ = scale;
 }
 
 void NoiseBook::AddRepeatability(double rival, DiagnosedModel* baseline) {
   const double found = FindRepeatability(*baseline, rival);
-  if (found <= 0.0) return;
-  *baseline = RefitFully(WithRepeatability(*baseline->problem, found), baseline->estimate, joint_);
+  if (found > 0.0) Replace(WithRepeatability(*baseline->problem, found), baseline);
 }
 
 bool NoiseBook::Follow(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline) {
-  const bool back = BringBackOutliers(extended, baseline);
-  const bool other = FollowNoise(extended, unnamed, baseline);
-  return (back || other) && IsUsable(baseline->estimate.status);
+  const bool moved = MoveOutliers(extended, baseline);
+  return FollowNoise(extended, unnamed, baseline) || moved;
 }
 
 void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final) {
   CalibrationProblem cleaned = *final->problem;
   std::vector<int> removed;
   for (int round = 0; round < kMostOutlierRounds; ++round) {
-    const std::vector<int> outliers = FindOutliers(
-        cleaned, final->estimate.parameters, cleaned.ValidationObservations(), kShareOfOutliers * significance_, true);
+    const std::vector<int> outliers =
+        FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
+                     kShareOfOutliers * significance_, true, removed.size());
     if (outliers.empty()) break;
     for (const int i : outliers) cleaned.data.observations[i].excluded = true;
     removed.insert(removed.end(), outliers.begin(), outliers.end());
@@ -70,21 +65,22 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
   if (removed.empty()) return;
   CalibrationProblem before = *baseline->problem;
   for (const int i : removed) before.data.observations[i].excluded = true;
-  *baseline = RefitFully(before, baseline->estimate, joint_);
-  *final = RefitFully(cleaned, final->estimate, joint_);
+  if (!Replace(before, baseline) || !Replace(cleaned, final)) return;
   outliers_.insert(outliers_.end(), removed.begin(), removed.end());
   finding_.outliers_held_out = static_cast<int>(removed.size());
 }
 
-void NoiseBook::Close(const Estimate& final) {
+bool NoiseBook::Close(const Estimate& final, bool has_structure, double significance) {
   for (const int i : outliers_) finding_.outliers.push_back(stated_.data.SourceOf(stated_.data.observations[i]));
   finding_.is_finding = finding_.repeatability > 0.0 || finding_.scale_differs;
-  if (!sigma_is_stated_ || finding_.scale != 1.0 || final.dof <= 0) return;
-  if (1.0 - ChiSquareSurvival(final.chi2, final.dof) > kShareOfQuiet * significance_) return;
+  if (!sigma_is_stated_ || scale_is_measured_ || has_structure || final.dof <= 0) return false;
   finding_.scale = std::sqrt(final.chi2 / final.dof);
   finding_.low = std::sqrt(final.chi2 / ChiSquareQuantile(0.975, final.dof));
   finding_.high = std::sqrt(final.chi2 / ChiSquareQuantile(0.025, final.dof));
-  finding_.is_finding = true;
+  const double upper = ChiSquareSurvival(final.chi2, final.dof);
+  finding_.scale_differs = std::min(upper, 1.0 - upper) < significance;
+  finding_.is_finding |= finding_.scale_differs;
+  return finding_.scale_differs;
 }
 
 // Scale of the instrument's noise from the markers' rigidity, over what is stated; a
@@ -93,6 +89,7 @@ double NoiseBook::FindScale(const DiagnosedModel& model) {
   const CalibrationProblem stated = WithScaledSigmas(*model.problem, 1.0 / applied_);
   const auto scale = InstrumentNoiseScale(stated, model.estimate.parameters, kShareOfOutliers * significance_);
   if (!scale) return 1.0;
+  scale_is_measured_ = true;
   finding_.scale = scale->scale;
   finding_.low = scale->low;
   finding_.high = scale->high;
@@ -111,17 +108,25 @@ double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least
   return finding_.repeatability;
 }
 
-// Rows that were outliers only to a model that lacked something come back.
-bool NoiseBook::BringBackOutliers(const DiagnosedModel& extended, DiagnosedModel* baseline) {
-  const std::vector<int> explained =
-      ExplainedOutliers(*extended.problem, extended.estimate.parameters, outliers_, kShareOfOutliers * significance_);
-  if (explained.empty()) return false;
+// Rows that are outliers to the model leave the baseline; those that were outliers only to a model that lacked
+// something come back, and stay.
+bool NoiseBook::MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline) {
+  const CalibrationProblem& seen = *model.problem;
+  const ParameterSet& parameters = model.estimate.parameters;
+  const double significance = kShareOfOutliers * significance_;
+  const std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
+  std::vector<int> out =
+      FindOutliers(seen, parameters, seen.CalibrationObservations(), significance, false, outliers_.size());
+  const auto came_back = [&](int i) { return returned_.count(i) > 0; };
+  out.erase(std::remove_if(out.begin(), out.end(), came_back), out.end());
+  if (back.empty() && out.empty()) return false;
   CalibrationProblem problem = *baseline->problem;
-  for (const int i : explained) {
-    problem.data.observations[i].excluded = false;
-    outliers_.erase(std::find(outliers_.begin(), outliers_.end(), i));
-  }
-  *baseline = RefitFully(problem, baseline->estimate, joint_);
+  for (const int i : back) problem.data.observations[i].excluded = false;
+  for (const int i : out) problem.data.observations[i].excluded = true;
+  if (!Replace(problem, baseline)) return false;
+  for (const int i : back) outliers_.erase(std::find(outliers_.begin(), outliers_.end(), i));
+  returned_.insert(back.begin(), back.end());
+  outliers_.insert(outliers_.end(), out.begin(), out.end());
   return true;
 }
 
@@ -129,11 +134,8 @@ bool NoiseBook::FollowNoise(const DiagnosedModel& extended, double unnamed, Diag
   CalibrationProblem problem = *baseline->problem;
   bool changed = false;
   const double scale_now = sigma_is_stated_ ? FindScale(extended) : 1.0;
-  if (std::abs(scale_now / applied_ - 1.0) > kSettled) {
-    problem = WithScaledSigmas(problem, scale_now / applied_);
-    applied_ = scale_now;
-    changed = true;
-  }
+  const bool scales = std::abs(scale_now / applied_ - 1.0) > kSettled;
+  if (scales) problem = WithScaledSigmas(problem, scale_now / applied_);
   if (!sigma_is_stated_) {
     const double scale = std::sqrt(extended.estimate.chi2 / std::max(1, extended.estimate.dof));
     changed = std::abs(scale - 1.0) > kSettled;
@@ -142,13 +144,13 @@ bool NoiseBook::FollowNoise(const DiagnosedModel& extended, double unnamed, Diag
   if (!repeatability_is_stated_) {
     const double before = finding_.repeatability;
     const double now = FindRepeatability(extended, unnamed);
-    if (std::abs(now - before) > kSettled * std::max(now, before)) {
-      problem = WithRepeatability(problem, now);
-      changed = true;
-    }
+    const bool differs = std::abs(now - before) > kSettled * std::max(now, before);
+    if (differs) problem = WithRepeatability(problem, now);
+    changed |= differs;
   }
-  if (changed) *baseline = RefitFully(problem, baseline->estimate, joint_);
-  return changed;
+  if ((!changed && !scales) || !Replace(problem, baseline)) return false;
+  if (scales) applied_ = scale_now;
+  return true;
 }
 
 }  // namespace sagitta

@@ -2,6 +2,7 @@
 // be told beside the effects, and the other way round: it follows the extended model, in rounds.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,21 +40,26 @@ class NoiseBook {
   // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
   // hold-out figure counts them. A single marker that is off could as well be the model's error, and counts.
   void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
-  // Last: where no rigid body of markers tells the instrument's noise, scatter that is too small for it does.
-  void Close(const Estimate& final);
+  // Last: where no rigid body of markers tells the instrument's noise, and nothing has structure, the scatter does. True
+  // where that shows that sigma is not what is stated.
+  bool Close(const Estimate& final, bool has_structure, double significance);
 
  private:
+  // Refits a model whose problem has changed; it stays what it was where that fails (false).
+  bool Replace(const CalibrationProblem& problem, DiagnosedModel* model) const;
   double FindScale(const DiagnosedModel& model);
   double FindRepeatability(const DiagnosedModel& model, double at_least);
-  bool BringBackOutliers(const DiagnosedModel& extended, DiagnosedModel* baseline);
+  bool MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline);
   bool FollowNoise(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
 
   const CalibrationProblem& stated_;
   double significance_;
   JointOptions joint_;
   bool sigma_is_stated_, repeatability_is_stated_;
-  double applied_ = 1.0;       // scale that is in the baseline's sigmas already
-  std::vector<int> outliers_;  // that are fitted no longer
+  double applied_ = 1.0;            // scale that is in the baseline's sigmas already
+  bool scale_is_measured_ = false;  // by rigid bodies
+  std::vector<int> outliers_;       // that are fitted no longer
+  std::set<int> returned_;          // that were some once
   NoiseFinding finding_;
 };
 

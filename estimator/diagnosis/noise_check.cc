@@ -32,8 +32,11 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
                                           const std::vector<int>& all) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
   const NoiseRoots noise = ObservationNoise(problem, all, kFallbackSigma);
-  std::map<int, std::vector<size_t>> members;
-  for (size_t k = 0; k < all.size(); ++k) members[problem.data.observations[all[k]].shot].push_back(k);
+  std::map<std::pair<int, int>, std::vector<size_t>> members;  // of each shot and body
+  for (size_t k = 0; k < all.size(); ++k) {
+    const Observation& observation = problem.data.observations[all[k]];
+    members[{observation.shot, problem.marker_frames[observation.marker]}].push_back(k);
+  }
   std::vector<ShotResidual> shots;
   for (const auto& [shot, ks] : members) {
     ShotResidual result;
@@ -78,7 +81,9 @@ Deviance MarginalDeviance(const CalibrationProblem& problem, const ParameterSet&
   const std::vector<int> observations = with.CalibrationObservations();
   const NoiseRoots noise = ObservationNoise(with, observations, kFallbackSigma);
   const std::vector<int> columns = parameters.EstimatedCoordinates();
-  const LinearSolution solution = SolveLinearization(Linearize(with, parameters, observations, columns, noise));
+  Linearization here = Linearize(with, parameters, observations, columns, noise);
+  AppendPriors(parameters, &here);
+  const LinearSolution solution = SolveLinearization(here);
   const Linearization raw = Linearize(with, parameters, observations, {}, noise, LatentTreatment::kIgnore);
   std::map<int, std::vector<int>> rows;
   for (size_t k = 0; k < observations.size(); ++k) {
@@ -92,7 +97,7 @@ Deviance MarginalDeviance(const CalibrationProblem& problem, const ParameterSet&
     const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(l.cols(), l.cols()) + l.transpose() * l;
     log_determinant += 2.0 * Eigen::MatrixXd(inner.llt().matrixL()).diagonal().array().log().sum();
   }
-  // (J' C^-1 J)^-1 = W W' with W triangular.
+  // (J' C^-1 J)^-1 = W W' with W triangular; none where the parameters cannot be told, whatever sigma.
   const double of_parameters = -2.0 * solution.covariance_root.diagonal().array().abs().log().sum();
   const double likelihood = solution.residual_norm_squared + log_determinant;
   return {likelihood, likelihood + of_parameters};
@@ -115,6 +120,15 @@ double Crossing(const std::vector<std::pair<double, double>>& curve, double plac
 
 }  // namespace
 
+// What the shapes of the bodies cost, their marker points being estimated: 3 m - 6 each, one distance where m is 2.
+int ShapeCost(const CalibrationProblem& problem) {
+  std::map<int, int> markers;
+  for (const int frame : problem.marker_frames) ++markers[frame];
+  int cost = 0;
+  for (const auto& [frame, m] : markers) cost += m == 2 ? 1 : std::max(0, 3 * m - 6);
+  return cost;
+}
+
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
                                                double significance) {
   NoiseScale noise;
@@ -124,8 +138,7 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
     sum += WithoutRigidMotion(shot, &dof).squaredNorm();
     noise.dof += dof;
   }
-  // The marker points are estimated: the shape of the tool costs 3 m - 6.
-  noise.dof -= std::max(0, 3 * static_cast<int>(problem.data.markers.size()) - 6);
+  noise.dof -= ShapeCost(problem);
   if (noise.dof < 20) return std::nullopt;
   noise.scale = std::sqrt(sum / noise.dof);
   noise.low = std::sqrt(sum / ChiSquareQuantile(0.975, noise.dof));
@@ -136,18 +149,23 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 }
 
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                              const std::vector<int>& observations, double significance, bool held_out) {
+                              const std::vector<int>& observations, double significance, bool held_out,
+                              size_t removed) {
   struct Entry {
     int observation;
     double squared;  // whitened, 3 degrees of freedom
-    double others;   // mean of the shot's other markers; 0: there are none
+    double others;   // mean of the other markers on the body; 0: there are none
+    double rigid;    // what the body's best motion leaves of all of them
   };
   std::vector<Entry> entries;
   for (const ShotResidual& shot : ResidualsByShot(problem, parameters, observations)) {
     const int n = static_cast<int>(shot.observations.size());
+    int dof = 0;
+    const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm();
     for (int i = 0; i < n; ++i) {
       const double own = shot.residual.segment<3>(3 * i).squaredNorm();
-      entries.push_back({shot.observations[i], own, n > 1 ? (shot.residual.squaredNorm() - own) / (n - 1) : 0.0});
+      const double others = n > 1 ? (shot.residual.squaredNorm() - own) / (n - 1) : 0.0;
+      entries.push_back({shot.observations[i], own, others, dof > 0 ? rigid : 0.0});
     }
   }
   if (entries.size() < 20) return {};
@@ -162,11 +180,13 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   std::vector<int> outliers;
   for (const Entry& entry : entries) {
     const bool alone =
-        entry.others > 0.0 ? entry.squared > kAlone * entry.others : !held_out && entry.squared > kSingleMarker * limit;
-    if (entry.squared > floor && alone) outliers.push_back(entry.observation);
+        entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
+    const bool tells = !held_out || entry.rigid > limit;
+    if (entry.squared > floor && alone && tells) outliers.push_back(entry.observation);
   }
   // What happens to many points is no outlier but something to explain.
-  if (static_cast<double>(outliers.size()) > kMostOutliers * static_cast<double>(entries.size())) return {};
+  const auto all = static_cast<double>(outliers.size() + removed);
+  if (all > kMostOutliers * static_cast<double>(entries.size() + removed)) return {};
   return outliers;
 }
 
@@ -197,7 +217,9 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
   CalibrationProblem with = problem;
   with.experiment.repeatability = RepeatabilitySpec();
-  if (sigma > 0.0) with.experiment.repeatability.common = sigma;
+  for (const Joint& joint : with.robot.chain.joints) {
+    if (sigma > 0.0 && joint.type == JointType::kRevolute) with.experiment.repeatability.per_joint[joint.name] = sigma;
+  }
   with.latent = MakeLatentModel(with.robot.chain, with.data, with.experiment);
   return with;
 }

@@ -1,7 +1,7 @@
-// Is the stated noise right? Markers of one shot ride on a rigid flange: what is
-// left after the best rigid motion of each shot's residuals is the instrument's
+// Is the stated noise right? Markers of one shot on one body (mostly the flange) move together: what is
+// left after the best rigid motion of their residuals is the instrument's
 // noise alone, whatever the robot does. n markers leave 3 n - 6 degrees of
-// freedom (one or two markers: none).
+// freedom (two: one; one: none).
 #pragma once
 
 #include <optional>
@@ -21,12 +21,12 @@ struct NoiseScale {
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
                                                double significance);
 
-// Those of `observations` far outside the robust scatter (median) and alone so in their
-// shot, the worst first: indices into Measurements::observations. None where so
-// many points are off that it is something to explain. held_out: the model has not seen these rows; where no other
-// marker of the shot tells, what is off could be the model's error, and is no outlier.
+// Those of `observations` far outside the robust scatter (median) and alone so among the markers of their shot and
+// body, the worst first: indices into Measurements::observations. None where so many points are off, those `removed`
+// before counted, that it is something to explain. held_out: the model has not seen these rows; what no rigid body
+// gives away could as well be the model's error, and is no outlier.
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
-                              const std::vector<int>& observations, double significance, bool held_out);
+                              const std::vector<int>& observations, double significance, bool held_out, size_t removed);
 
 // Those of `outliers` (excluded from the fit) that this model predicts within the
 // noise: they were none.
@@ -36,7 +36,7 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
 
-// The problem with one common repeatability on every joint, rad.
+// The problem with one common repeatability on every revolute joint, rad.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
 // Repeatability that the restricted marginal likelihood prefers, rad, and its 95 % interval by the likelihood ratio,

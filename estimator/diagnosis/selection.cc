@@ -39,7 +39,10 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       coordinate.prior_sigma = kPriorPerHoldLimit * TraitsOf(coordinate.quantity).hold_limit;
     }
   }
-  BoundCompensatorShape(&problem.parameters);
+  const bool adds_spring = std::any_of(added.begin(), added.end(), [](const Candidate& candidate) {
+    return candidate.spec.effect == "gravity_compensator";
+  });
+  if (adds_spring) BoundCompensatorShape(&problem.parameters);
   return problem;
 }
 
@@ -110,6 +113,9 @@ void TakeStarts(const std::vector<CompensatorShape>& shapes, ScreenedCandidate* 
   if (!shapes.empty()) entry->candidate.spec = shapes[0].start;
 }
 
+std::string PathOf(const Candidate& candidate) { return candidate.spec.Path(); }
+std::string PathOf(const ScreenedCandidate& screened) { return screened.candidate.spec.Path(); }
+
 // Whether, to first order, a step is hardly needed or another candidate comes near it.
 bool HasRival(const StepBench& bench, const ChosenStep& step, double tie) {
   const WithoutStep without = bench.Without(step, bench.NeutralResidual(step), bench.whole());
@@ -118,6 +124,7 @@ bool HasRival(const StepBench& bench, const ChosenStep& step, double tie) {
   const Screening screening(bench.whole().candidates, without.residual, without.has_spring);
   const std::vector<Candidate>& candidates = bench.whole().candidates.candidates();
   for (size_t i = 0; i < candidates.size(); ++i) {
+    if (PathOf(candidates[i]) == step.candidate.spec.Path()) continue;
     const Score score = screening.Of(static_cast<int>(i)).score;
     if (score.rank > 0 && score.penalised > own - tie) return true;
   }
@@ -161,9 +168,6 @@ bool SwapOne(const DiagnosedModel& baseline, const std::vector<Candidate>& candi
   if (better) *now = std::move(*better);
   return better.has_value();
 }
-
-std::string PathOf(const Candidate& candidate) { return candidate.spec.Path(); }
-std::string PathOf(const ScreenedCandidate& screened) { return screened.candidate.spec.Path(); }
 
 template <typename Entry>
 void Drop(const std::string& path, std::vector<Entry>* entries) {
