@@ -16,6 +16,7 @@ constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of fre
 constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
+constexpr double kNotRigid = 0.1;        // share of the point's residual that no motion of its body explains
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 constexpr double kMostOutliers = 0.06;
 constexpr double kLeastRepeatability = 1e-6, kMostRepeatability = 2e-3;  // rad
@@ -155,6 +156,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     int observation;
     double squared;  // whitened, 3 degrees of freedom
     double others;   // mean of the other markers on the body; 0: there are none
+    double least;    // of them
     double rigid;    // what the body's best motion leaves of all of them
   };
   std::vector<Entry> entries;
@@ -165,7 +167,11 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     for (int i = 0; i < n; ++i) {
       const double own = shot.residual.segment<3>(3 * i).squaredNorm();
       const double others = n > 1 ? (shot.residual.squaredNorm() - own) / (n - 1) : 0.0;
-      entries.push_back({shot.observations[i], own, others, dof > 0 ? rigid : 0.0});
+      double least = others;
+      for (int k = 0; k < n; ++k) {
+        if (k != i) least = std::min(least, shot.residual.segment<3>(3 * k).squaredNorm());
+      }
+      entries.push_back({shot.observations[i], own, others, least, dof > 0 ? rigid : 0.0});
     }
   }
   if (entries.size() < 20) return {};
@@ -181,8 +187,10 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
   for (const Entry& entry : entries) {
     const bool alone =
         entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
+    // Two in one shot hide each other, but not that the body does not move like this.
+    const bool not_rigid = entry.squared > kAlone * entry.least && entry.rigid > kNotRigid * entry.squared;
     const bool tells = !held_out || entry.rigid > limit;
-    if (entry.squared > floor && alone && tells) outliers.push_back(entry.observation);
+    if (entry.squared > floor && (alone || not_rigid) && tells) outliers.push_back(entry.observation);
   }
   // What happens to many points is no outlier but something to explain.
   const auto all = static_cast<double>(outliers.size() + removed);

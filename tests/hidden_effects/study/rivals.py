@@ -108,6 +108,13 @@ def candidate_rivals(diagnosis, truths):
     return rivals[:MOST_RIVALS]
 
 
+def left_by_steps(programs, answer_folder, diagnosis):
+    """Chi-square of the noise-free rows that the model with the diagnosed steps leaves: near zero, the catalogue holds
+    what was hidden, whatever the generator calls it (a neighbour's harmonic is an axis wobble)."""
+    fit = fit_with(programs, answer_folder, [as_effect(step, 'effect') for step in diagnosis['steps']])
+    return None if fit is None else fit[0]
+
+
 def separation(programs, answer_folder, hidden, number, diagnosis):
     """{'sep', 'penalised_lead', 'best_rival', 'left'}: leads, over whom, the chi-square that the truth itself leaves.
 

@@ -63,6 +63,8 @@ def run_case(programs, case, folders, with_separation):
             separations = [rivals.separation(programs, answer_folder, answer['hidden'], i, diagnosis)
                            for i in range(len(answer['hidden']))]
         record = judgement.judge(case, sized, answer, diagnosis, separations)
+        if with_separation and case['expects'] == 'outside' and diagnosis['steps']:
+            record['left'] = rivals.left_by_steps(programs, answer_folder, diagnosis)
     record.update(program=fingerprint, seconds=round(seconds, 2), folder=str(folders.of('cases', index)))
     write_json(record_path, record)
     return record
