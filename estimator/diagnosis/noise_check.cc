@@ -66,7 +66,9 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
   qr.setThreshold(1e-9);
   *dof = static_cast<int>(shot.residual.size() - qr.rank());
-  return shot.residual - scaled * qr.solve(shot.residual);
+  // By an orthonormal basis: solving would divide by the pivots beyond the rank, which are rounding alone.
+  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(scaled.rows(), qr.rank());
+  return shot.residual - basis * (basis.transpose() * shot.residual);
 }
 
 // -2 ln of the likelihood, but for a constant: with C = I + L L' the covariance of the whitened rows,

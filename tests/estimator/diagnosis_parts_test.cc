@@ -1,0 +1,167 @@
+// Parts of the diagnosis alone: what counts as an outlier, the rule of choosing, decoys beside a joint that stands
+// still, searches on several threads.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/diagnosis/decoys.h"
+#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/selection.h"
+#include "estimator/linearization.h"
+#include "estimator/parallel.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSigma = 2e-5;         // m
+constexpr double kSignificance = 1e-3;  // of outliers
+
+// 40 configurations, three markers on the flange, a quarter held out; joint 6 stands still where asked.
+DiagnosedModel Healthy(std::uint64_t seed, bool parked = false) {
+  test::Kr270Design design;
+  design.configurations = 40;
+  design.stations = 1;
+  design.sigma = kSigma;
+  design.seed = seed;
+  Measurements data = test::DesignMeasurements(design);
+  for (Configuration& configuration : data.configurations) {
+    if (parked) configuration.q[5] = 0.5;
+  }
+  test::MeasureKr270(test::Kr270Truth(), kSigma, 300 + seed, &data);
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.25;
+  return FitFully(MakeCalibrationProblem(robot, data, experiment), JointOptions());
+}
+
+std::vector<int> Outliers(const DiagnosedModel& model, bool held_out) {
+  const CalibrationProblem& problem = *model.problem;
+  std::vector<int> found = FindOutliers(problem, model.estimate.parameters,
+                                        held_out ? problem.ValidationObservations() : problem.CalibrationObservations(),
+                                        kSignificance, held_out, 0);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// 40 sigma: far beyond the limit of about 5.
+void Spoil(DiagnosedModel* model, const std::vector<int>& observations) {
+  CalibrationProblem problem = *model->problem;
+  double sign = 1.0;
+  for (const int i : observations) {
+    problem.data.observations[i].point_in_station += sign * Vector3<double>(40 * kSigma, 0.0, 0.0);
+    sign = -sign;
+  }
+  model->problem = std::make_shared<CalibrationProblem>(problem);
+}
+
+TEST(DiagnosisOutliers, NoneInHealthyRows) {
+  const DiagnosedModel model = Healthy(1);
+  EXPECT_TRUE(Outliers(model, false).empty());
+  EXPECT_TRUE(Outliers(model, true).empty());
+}
+
+TEST(DiagnosisOutliers, TwoInOneShotDoNotHideEachOther) {
+  DiagnosedModel model = Healthy(1);
+  const std::vector<int>& shot =
+      model.problem->data.shots[model.problem->data.observations[model.problem->CalibrationObservations()[0]].shot]
+          .observations;
+  ASSERT_EQ(shot.size(), 3u);
+  const std::vector<int> spoilt = {shot[0], shot[2]};
+  Spoil(&model, spoilt);
+  EXPECT_EQ(Outliers(model, false), spoilt);
+}
+
+TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBodyAlone) {
+  DiagnosedModel model = Healthy(1);
+  const std::vector<int> held_out = model.problem->ValidationObservations();
+  Spoil(&model, {held_out[4]});
+  EXPECT_EQ(Outliers(model, true), std::vector<int>{held_out[4]});
+  // All three markers of a shot off alike: the model's error, not theirs.
+  DiagnosedModel moved = Healthy(1);
+  CalibrationProblem problem = *moved.problem;
+  const Shot& shot = problem.data.shots[problem.data.observations[held_out[0]].shot];
+  for (const int i : shot.observations) problem.data.observations[i].point_in_station.x() += 40 * kSigma;
+  moved.problem = std::make_shared<CalibrationProblem>(problem);
+  EXPECT_TRUE(Outliers(moved, true).empty());
+}
+
+// Markers of one shot on two bodies: that one moves against the other is no noise. Two markers keep one distance, so of
+// 30 fitted configurations 30 - 1 degrees of freedom are left.
+TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
+  DiagnosedModel model = Healthy(2);
+  CalibrationProblem problem = *model.problem;
+  for (Observation& observation : problem.data.observations) {
+    if (observation.marker == 2) observation.point_in_station.y() += 3e-3 * std::sin(observation.shot);
+  }
+  const auto together = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);
+  ASSERT_TRUE(together);
+  EXPECT_GT(together->scale, 10.0);
+  problem.marker_frames[2] = problem.marker_frames[0] - 1;  // as if on the link before
+  const auto apart = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);
+  ASSERT_TRUE(apart);
+  EXPECT_EQ(apart->dof, 29);
+  EXPECT_LT(apart->low, 1.0);
+  EXPECT_GT(apart->high, 1.0);
+}
+
+ChosenStep Step(const std::string& effect, const std::string& target, int parameters, double reduction,
+                double penalised, int catalogue) {
+  ChosenStep step;
+  step.candidate.spec = {effect, target, {}, {}};
+  step.candidate.catalogue = catalogue;
+  step.parameters = parameters;
+  step.reduction = reduction;
+  step.penalised = penalised;
+  return step;
+}
+
+TEST(DiagnosisRule, TiesGoToTheFewestParametersThenTheCatalogue) {
+  const std::vector<ChosenStep> steps = {Step("axis_wobble", "A2", 4, 130, 102, 1),
+                                         Step("encoder_gain", "A2", 1, 104, 97, 2),
+                                         Step("backlash", "A3", 1, 104, 97.5, 3), Step("payload", "V1", 1, 90, 83, 0)};
+  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.effect, "encoder_gain");
+  EXPECT_EQ(PickByRule(steps, 1.0).candidate.spec.effect, "axis_wobble");
+}
+
+// Of one effect the better fit, not the target of which the data tell fewer parameters.
+TEST(DiagnosisRule, TargetsOfOneEffectAreChosenByTheirFit) {
+  const std::vector<ChosenStep> steps = {Step("link_gravity", "A3", 3, 91.8, 70.8, 1),
+                                         Step("link_gravity", "A6", 4, 98.2, 70.2, 1)};
+  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "A6");
+}
+
+TEST(DiagnosisDecoys, AJointThatStandsStillDrivesNothing) {
+  const DiagnosedModel model = Healthy(3, true);
+  const DecoyBench bench(model);
+  const Decoy decoy = bench.Best();
+  EXPECT_EQ(std::count(decoy.depends_on.begin(), decoy.depends_on.end(), "A6"), 0);
+  Decoy parked = decoy;
+  parked.kind = "other";
+  parked.acts_on = "A2";
+  parked.depends_on = {"A3", "A6"};
+  EXPECT_TRUE(bench.ColumnsOfKind(parked).allFinite());
+}
+
+TEST(SolveLinearization, FewerRowsThanColumnsIsNotOfFullRank) {
+  Linearization few;
+  few.jacobian = Eigen::MatrixXd::Random(2, 3);
+  few.residual = Eigen::VectorXd::Ones(2);
+  EXPECT_FALSE(SolveLinearization(few).full_rank);
+}
+
+TEST(FirstFound, IsTheSmallestWhateverTheThreads) {
+  for (const int threads : {1, 2, 3, 8}) {
+    const auto found =
+        FirstFound<int>(10, threads, [](int i) { return i >= 4 ? std::optional<int>(i) : std::nullopt; });
+    ASSERT_TRUE(found);
+    EXPECT_EQ(*found, 4);
+    EXPECT_FALSE(FirstFound<int>(4, threads, [](int) { return std::optional<int>(); }));
+  }
+}
+
+}  // namespace
+}  // namespace sagitta
