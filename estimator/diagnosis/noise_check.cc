@@ -16,7 +16,6 @@ constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of fre
 constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
-constexpr double kNotRigid = 0.1;        // share of the point's residual that no motion of its body explains
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 constexpr double kMostOutliers = 0.06;
 constexpr double kLeastRepeatability = 1e-6, kMostRepeatability = 2e-3;  // rad
@@ -190,7 +189,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const bool alone =
         entry.others > 0.0 ? entry.squared > kAlone * entry.others : entry.squared > kSingleMarker * limit;
     // Two in one shot hide each other, but not that the body does not move like this.
-    const bool not_rigid = entry.squared > kAlone * entry.least && entry.rigid > kNotRigid * entry.squared;
+    const bool not_rigid = entry.squared > kAlone * entry.least && entry.rigid > limit;
     const bool tells = !held_out || entry.rigid > limit;
     if (entry.squared > floor && (alone || not_rigid) && tells) outliers.push_back(entry.observation);
   }
