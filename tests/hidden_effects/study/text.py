@@ -86,7 +86,7 @@ def summary(figures):
     two = figures['pairs']
     if two['n']:
         lines += block('Two effects at once', ['%-24s %s' % (k.replace('_', ' '), share(two[k])) for k in two if k != 'n'])
-    if len(figures['outside']) > 1:
+    if any(f['unknown']['n'] for f in figures['outside'].values()):
         lines += block('Outside the catalogue', ['%-26s %s' % (
             g, ', '.join('%s %s' % (k.replace('_', ' '), share(v)) for k, v in f.items()))
             for g, f in figures['outside'].items()])
