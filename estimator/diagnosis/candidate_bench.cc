@@ -6,6 +6,21 @@
 #include "estimator/distributions.h"
 
 namespace sagitta {
+namespace {
+
+// Of the best shape; the shape counts as parameters.
+Score ScoreOfShapes(const std::vector<CompensatorShape>& shapes, long rows) {
+  Score score;
+  if (shapes.empty()) return score;
+  score.reduction = shapes[0].reduction;
+  score.rank = kCompensatorParameters;
+  score.p_value = ChiSquareSurvival(score.reduction, score.rank);
+  score.penalised = score.reduction - score.rank * std::log(static_cast<double>(rows));
+  return score;
+}
+
+}  // namespace
+
 CandidateBench::CandidateBench(const CalibrationProblem& problem, const ParameterSet& parameters,
                                std::vector<Candidate> candidates)
     : candidates_(std::move(candidates)), columns_(ColumnsOf(problem, parameters, SpecsOf(candidates_))) {
@@ -75,16 +90,6 @@ double Screening::Reproduced(const CandidateScore& scored, const Eigen::VectorXd
   NormalEquations normal = residual_.ReduceBlock(columns, on_believed_(Eigen::all, scored.informed));
   normal.gradient = columns.transpose() * target;
   return ScoreOf(normal, target.size(), 1).reduction;
-}
-
-Score ScoreOfShapes(const std::vector<CompensatorShape>& shapes, long rows) {
-  Score score;
-  if (shapes.empty()) return score;
-  score.reduction = shapes[0].reduction;
-  score.rank = kCompensatorParameters;
-  score.p_value = ChiSquareSurvival(score.reduction, score.rank);
-  score.penalised = score.reduction - score.rank * std::log(static_cast<double>(rows));
-  return score;
 }
 
 }  // namespace sagitta

@@ -54,7 +54,4 @@ class Screening {
   bool has_spring_;
 };
 
-// Score of the best shape of a compensator.
-Score ScoreOfShapes(const std::vector<CompensatorShape>& shapes, long rows);
-
 }  // namespace sagitta

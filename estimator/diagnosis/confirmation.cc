@@ -74,18 +74,15 @@ Linearization Complete(const ParameterSet& parameters, const Linearization& beli
 }
 
 // Values and covariance of the step's parameters on one half, without those that only a prior holds.
-void ReadValues(const StepBench& steps, const BenchPart& half, const ChosenStep& step, HalfResult* result) {
+void ReadValues(const StepBench& steps, const LinearSolution& half, const ChosenStep& step, HalfResult* result) {
+  if (!half.full_rank) return;
   const ParameterSet& parameters = steps.model().estimate.parameters;
-  Linearization complete = half.believed;
-  AppendPriors(parameters, &complete);
-  const LinearSolution solution = SolveLinearization(complete);
-  if (!solution.full_rank) return;
   const std::vector<int> own = steps.OwnColumns(step);
   result->values.resize(own.size());
   for (size_t i = 0; i < own.size(); ++i) {
-    result->values[i] = parameters.Value(complete.columns[own[i]]) + solution.step[own[i]];
+    result->values[i] = parameters.Value(steps.whole().believed.columns[own[i]]) + half.step[own[i]];
   }
-  result->covariance = solution.covariance(own, own);
+  result->covariance = half.covariance(own, own);
 }
 
 // In units of the scatter that is left: a model that does not reach the stated sigma cannot use it as yardstick.
@@ -100,14 +97,19 @@ double CompatibleP(const HalfResult& a, const HalfResult& b, double left) {
 }  // namespace
 
 ConfirmationBench::ConfirmationBench(const StepBench& steps) : steps_(steps) {
+  const auto with_priors = [&](Linearization complete) {
+    AppendPriors(steps.model().estimate.parameters, &complete);
+    return complete;
+  };
   const Linearization& all = steps.whole().believed;
   const CalibrationProblem& problem = *steps.model().problem;
   const std::vector<int> half_of_row = PartOfRow(problem, all, 2);
-  for (int half = 0; half < 2; ++half) halves_.push_back(steps.PartOfRows(RowsOf(half_of_row, half)));
+  for (int half = 0; half < 2; ++half) {
+    halves_.push_back(steps.PartOfRows(RowsOf(half_of_row, half)));
+    solutions_.push_back(SolveLinearization(with_priors(halves_.back().believed)));
+  }
   fold_of_row_ = PartOfRow(problem, all, kFolds);
-  Linearization complete = all;
-  AppendPriors(steps.model().estimate.parameters, &complete);
-  cv_with_ = CrossValidated(complete, fold_of_row_);
+  cv_with_ = CrossValidated(with_priors(all), fold_of_row_);
 }
 
 HalfResult ConfirmationBench::NameAgain(const BenchPart& half, const ChosenStep& step,
@@ -129,14 +131,16 @@ HalfResult ConfirmationBench::NameAgain(const BenchPart& half, const ChosenStep&
   }
   result.telling = best > 0.0;
   result.named = own > 0.0 && own > best - tie;
-  ReadValues(steps_, half, step, &result);
   return result;
 }
 
 Confirmation ConfirmationBench::Confirm(const ChosenStep& step, const Eigen::VectorXd& neutral_residual,
                                         double tie) const {
   Confirmation confirmation;
-  for (const BenchPart& half : halves_) confirmation.halves.push_back(NameAgain(half, step, neutral_residual, tie));
+  for (size_t half = 0; half < halves_.size(); ++half) {
+    confirmation.halves.push_back(NameAgain(halves_[half], step, neutral_residual, tie));
+    ReadValues(steps_, solutions_[half], step, &confirmation.halves.back());
+  }
   const Estimate& all = steps_.model().estimate;
   const double left = all.dof > 0 ? all.chi2 / all.dof : 1.0;
   confirmation.compatible_p = CompatibleP(confirmation.halves[0], confirmation.halves[1], std::max(1.0, left));

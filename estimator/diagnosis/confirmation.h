@@ -39,8 +39,9 @@ class ConfirmationBench {
 
   const StepBench& steps_;
   std::vector<BenchPart> halves_;
-  std::vector<int> fold_of_row_;  // of the cross-validation
-  double cv_with_ = 0.0;          // predicted chi-square per row of the whole model
+  std::vector<LinearSolution> solutions_;  // of the halves, whatever the step
+  std::vector<int> fold_of_row_;           // of the cross-validation
+  double cv_with_ = 0.0;                   // predicted chi-square per row of the whole model
 };
 
 }  // namespace sagitta

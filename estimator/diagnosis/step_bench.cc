@@ -1,5 +1,4 @@
 #include "estimator/diagnosis/step_bench.h"
-#include "estimator/linearization.h"
 
 #include <algorithm>
 #include <numeric>
