@@ -134,7 +134,7 @@ std::string Missing(const CalibrationProblem& problem, const EffectDefinition& d
 
 // The compensator's home is the robot; its place in the list of effects is after
 // the transverse compliance.
-void AppendCompensators(const CalibrationProblem& problem, int place, CandidateList* list) {
+void AppendCompensators(const CalibrationProblem& problem, CandidateList* list) {
   if (problem.robot.gravity_compensator) return;
   std::set<std::string> compliant;
   for (const JointCompliance& compliance : problem.robot.compliances) {
@@ -145,7 +145,7 @@ void AppendCompensators(const CalibrationProblem& problem, int place, CandidateL
     if (compliant.count(joint.name) == 0) {
       list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance (loaded rows)"});
     } else {
-      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, place, {}});
+      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, 0, {}});
     }
   }
 }
@@ -162,11 +162,9 @@ CandidateList ListCandidates(const CalibrationProblem& problem) {
   CandidateList list;
   const bool loaded = AnyLoad(problem);
   const bool elastic = !problem.robot.compliances.empty();
-  const std::vector<const EffectDefinition*> definitions = EffectsOf(problem.robot);
-  for (size_t c = 0; c < definitions.size(); ++c) {
-    const EffectDefinition& definition = *definitions[c];
-    const int place = static_cast<int>(2 * c);
-    if (definition.name == "link_gravity") AppendCompensators(problem, place - 1, &list);
+  for (const EffectDefinition* known : EffectsOf(problem.robot)) {
+    const EffectDefinition& definition = *known;
+    if (definition.name == "link_gravity") AppendCompensators(problem, &list);
     // Sag with unknown compliance stands for link weights where no load tells.
     if (definition.name == "self_weight_sag" && elastic) continue;
     for (const std::string& target : Targets(definition, problem)) {
@@ -200,10 +198,11 @@ CandidateList ListCandidates(const CalibrationProblem& problem) {
       }
       if (!missing.empty()) list.not_testable.push_back({definition.name, target, missing});
       for (const EffectSpec& variant : testable) {
-        list.candidates.push_back({variant, static_cast<int>(testable.size()), place, {}});
+        list.candidates.push_back({variant, static_cast<int>(testable.size()), 0, {}});
       }
     }
   }
+  for (size_t i = 0; i < list.candidates.size(); ++i) list.candidates[i].place = static_cast<int>(i);
   return list;
 }
 

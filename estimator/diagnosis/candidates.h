@@ -13,7 +13,7 @@ namespace sagitta {
 struct Candidate {
   EffectSpec spec;                 // values empty: neutral
   int settings = 1;                // how many settings of this effect and target were scanned
-  int catalogue = 0;               // place in the catalogue: ties go to the earlier
+  int place = 0;                   // in the list, which is in catalogue order: ties go to the earlier
   std::vector<std::string> vague;  // parameters that the data cannot tell: a prior of three typical sizes
 };
 

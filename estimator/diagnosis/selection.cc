@@ -14,6 +14,7 @@ namespace {
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
 constexpr size_t kShapesRefitted = 5;
+constexpr double kTwins = 0.1;             // of chi-square: no data tell them apart
 constexpr double kFirstOrderMargin = 2.0;  // of chi-square, before a refit says
 
 double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
@@ -205,18 +206,21 @@ ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
     const bool a_tied = a.penalised >= best - tie, b_tied = b.penalised >= best - tie;
     if (a_tied != b_tied) return a_tied;
     if (a.parameters != b.parameters) return a.parameters < b.parameters;
-    if (a.candidate.catalogue != b.candidate.catalogue) return a.candidate.catalogue < b.candidate.catalogue;
-    return a.penalised > b.penalised;
+    return a.candidate.place < b.candidate.place;
   };
-  const ChosenStep* picked = &*std::min_element(steps.begin(), steps.end(), simpler);
-  const auto worth = [](const ChosenStep& step) {
+  const std::string effect = std::min_element(steps.begin(), steps.end(), simpler)->candidate.spec.effect;
+  const auto worth = [&](const ChosenStep& step) {
+    if (step.candidate.spec.effect != effect) return -std::numeric_limits<double>::infinity();
     return step.reduction - 2.0 * step.parameters - 2.0 * std::log(static_cast<double>(step.candidate.settings));
   };
-  for (const ChosenStep& step : steps) {
-    const bool alike = step.candidate.spec.effect == picked->candidate.spec.effect;
-    if (alike && worth(step) > worth(*picked)) picked = &step;
-  }
-  return *picked;
+  double best_worth = worth(steps[0]);
+  for (const ChosenStep& step : steps) best_worth = std::max(best_worth, worth(step));
+  const auto nearer = [&](const ChosenStep& a, const ChosenStep& b) {
+    const bool a_best = worth(a) >= best_worth - kTwins, b_best = worth(b) >= best_worth - kTwins;
+    if (a_best != b_best) return a_best;
+    return a.candidate.place < b.candidate.place;
+  };
+  return *std::min_element(steps.begin(), steps.end(), nearer);
 }
 
 bool IsParameterOf(const EffectSpec& spec, const std::string& name) {

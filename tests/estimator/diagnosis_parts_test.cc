@@ -109,10 +109,10 @@ TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
 }
 
 ChosenStep Step(const std::string& effect, const std::string& target, int parameters, double reduction,
-                double penalised, int catalogue) {
+                double penalised, int place) {
   ChosenStep step;
   step.candidate.spec = {effect, target, {}, {}};
-  step.candidate.catalogue = catalogue;
+  step.candidate.place = place;
   step.parameters = parameters;
   step.reduction = reduction;
   step.penalised = penalised;
@@ -132,6 +132,14 @@ TEST(DiagnosisRule, TargetsOfOneEffectAreChosenByTheirFit) {
   const std::vector<ChosenStep> steps = {Step("link_gravity", "A3", 3, 91.8, 70.8, 1),
                                          Step("link_gravity", "A6", 4, 98.2, 70.2, 1)};
   EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "A6");
+}
+
+// Rounding does not decide which of two that no data tell apart is named.
+TEST(DiagnosisRule, OfTwinsTheFirstInTheList) {
+  const std::vector<ChosenStep> steps = {Step("station_scale", "S2", 1, 50.0004, 43.0004, 2),
+                                         Step("station_scale", "S1", 1, 50, 43, 1),
+                                         Step("station_scale", "S3", 1, 49, 42, 0)};
+  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "S1");
 }
 
 TEST(DiagnosisDecoys, AJointThatStandsStillDrivesNothing) {

@@ -60,6 +60,28 @@ def judged(steps, verdict='explained'):
     return dict(record, seconds=1.0, folder='f')
 
 
+def apart(parameters, rivals_):
+    return {'parameters': parameters, 'log_rows': 7.0, 'rivals': [
+        {'effect': e, 'name': e, 'lead': lead, 'parameters': p} for e, lead, p in rivals_]}
+
+
+class RuleOfChoosing(unittest.TestCase):
+    def test_more_parameters_must_pay_for_themselves(self):
+        chance = figures.rule_chance(apart(4, [('encoder_gain', 36.0, 1)]), 'gravity_compensator')
+        self.assertAlmostEqual(chance, st.normal_cdf((36.0 - 3 * 7.0 - 6.0) / 12.0))
+        chance = figures.rule_chance(apart(1, [('gravity_compensator', 4.0, 4)]), 'encoder_gain')
+        self.assertAlmostEqual(chance, st.normal_cdf((4.0 + 21.0 + 6.0) / 4.0))
+
+    def test_a_tie_goes_to_the_earlier_in_the_catalogue(self):
+        chance = figures.rule_chance(apart(1, [('encoder_gain', 9.0, 1)]), 'joint_coupling')
+        self.assertAlmostEqual(chance, st.normal_cdf((9.0 - 6.0) / 6.0))
+        chance = figures.rule_chance(apart(1, [('joint_coupling', 9.0, 1)]), 'encoder_gain')
+        self.assertAlmostEqual(chance, st.normal_cdf((9.0 + 6.0) / 6.0))
+
+    def test_of_twins_one_in_two(self):
+        self.assertEqual(figures.rule_chance(apart(1, [('station_scale', -1e-7, 1)]), 'station_scale'), 0.5)
+
+
 class Judgement(unittest.TestCase):
     def test_the_truth_alone_is_exact(self):
         record = judged([step(2)])

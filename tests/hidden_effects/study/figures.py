@@ -7,7 +7,8 @@ SIGNIFICANCE = 0.01
 SHARE_OF_GATE = 0.25  # of the significance, for the search over effects, divided by the candidates of the case
 TYPICAL_TESTS = 300
 REPRODUCED = 25.0    # noise-free chi-square left; less is seldom detected
-# Parameters per effect: degrees of freedom of its test.
+TIE = 6.0            # of the best penalised chi-square: the rule takes the simpler
+# Parameters per effect: degrees of freedom of its test. In catalogue order.
 DOF = {'frozen_geometry': 1, 'joint_compliance': 1, 'compliance_hardening': 1, 'transverse_compliance': 2,
        'gravity_compensator': 4, 'link_gravity': 4, 'self_weight_sag': 3, 'base_compliance': 2, 'payload': 1,
        'joint_harmonic': 2, 'axis_wobble': 4, 'encoder_gain': 1, 'joint_coupling': 1, 'backlash': 1, 'joint_slip': 1,
@@ -40,6 +41,34 @@ def naming_limit(records):
     return sum(st.normal_cdf(0.5 * math.sqrt(s)) for s in seps) / len(seps) if seps else None
 
 
+def rule_handicap(separation, effect, rival):
+    """Chi-square by which the truth must lead a rival to be named: penalised p ln(n), within 6 the simpler, then the
+    earlier in the catalogue; among targets of one effect the better by Akaike's criterion. Settings are left out."""
+    extra = separation['parameters'] - rival['parameters']
+    if rival['effect'] == effect:
+        return 2.0 * extra
+    order = list(DOF)
+    rival_is_simpler = extra > 0 or (extra == 0 and order.index(rival['effect']) < order.index(effect))
+    return extra * separation['log_rows'] + (TIE if rival_is_simpler else -TIE)
+
+
+def rule_chance(separation, effect):
+    """How often the rule names the truth: against its worst rival, whose lead in noise is N(lead, 4 lead)."""
+    chances = [1.0]
+    for rival in separation['rivals']:
+        lead = max(1e-9, rival['lead'])
+        margin = lead - rule_handicap(separation, effect, rival)
+        twins = rival['lead'] < 1e-2 and rival['effect'] == effect
+        chances.append(0.5 if twins else st.normal_cdf(0.5 * margin / math.sqrt(lead)))
+    return min(chances)
+
+
+def rule_limit(records):
+    """mean of rule_chance: what the rule of choosing allows, in data of this sep."""
+    known = [r for r in records if sep_of(r) is not None and 'rivals' in r['separations'][0]]
+    return sum(rule_chance(r['separations'][0], r['kinds'][0]) for r in known) / len(known) if known else None
+
+
 def naming(records):
     """By NC and by sep, of single effects of the catalogue."""
     ones = single(records)
@@ -47,7 +76,7 @@ def naming(records):
     for label, low, high in (('NC < 20', 0, 20), ('NC 20-40', 20, 40), ('NC 40-100', 40, 100), ('NC >= 100', 100, 1e99),
                              ('NC >= 40', 40, 1e99)):
         chosen = [r for r in ones if low <= r['nc'] < high]
-        out['by_nc'][label] = dict(rates_of(chosen), limit=naming_limit(chosen))
+        out['by_nc'][label] = dict(rates_of(chosen), limit=naming_limit(chosen), rule=rule_limit(chosen))
     for label, low, high in (('sep < 3', -1e99, 3), ('sep 3-10', 3, 10), ('sep 10-20', 10, 20), ('sep >= 20', 20, 1e99)):
         chosen = [r for r in ones if r['nc'] >= 40 and sep_of(r) is not None and low <= sep_of(r) < high]
         out['by_sep'][label] = rates_of(chosen)

@@ -2,7 +2,7 @@
 
 The believed model of the noise-free rows is extended by the truth, and by each of the rivals that the
 diagnosis itself put forward, and calibrated; sep is the smallest chi-square with a rival minus that with the truth.
-The penalised lead counts p ln(n) for the free parameters too, as the rule of choosing does.
+Every rival's lead is kept, with its number of parameters: the rule of choosing has a limit of its own (figures.py).
 """
 import math
 import pathlib
@@ -66,21 +66,24 @@ def extend(answer, out, effects):
         else:
             entries.append(yaml_entry(effect, target, settings, joints))
     if entries:
-        robot += 'effects:\n' + '\n'.join(entries) + '\n'
+        if '\neffects:\n' not in robot:
+            robot += 'effects:\n'
+        robot = robot.replace('\neffects:\n', '\neffects:\n' + '\n'.join(entries) + '\n')
     (out / 'robot.yaml').write_text(robot)
     (out / 'experiment.yaml').write_text(experiment)
 
 
 def fit_with(programs, answer, effects):
-    """(chi-square, the same with p ln n) of the noise-free rows; None: no estimate."""
+    """The fit of the noise-free rows (`fit` of estimate.json) with these effects; None: no estimate."""
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         extend(answer, scratch / 'case', effects)
         estimate = programs.calibrated(scratch / 'case' / 'experiment.yaml', scratch / 'estimate')
-    if estimate is None:
-        return None
-    fit = estimate['fit']
-    return fit['chi2'], fit['chi2'] + fit['free_parameters'] * math.log(3 * fit['observations'])
+    return None if estimate is None else estimate['fit']
+
+
+def log_rows(fit):
+    return math.log(3 * fit['observations'])
 
 
 def as_effect(entry, key):
@@ -112,11 +115,19 @@ def left_by_steps(programs, answer_folder, diagnosis):
     """Chi-square of the noise-free rows that the model with the diagnosed steps leaves: near zero, the catalogue holds
     what was hidden, whatever the generator calls it (a neighbour's harmonic is an axis wobble)."""
     fit = fit_with(programs, answer_folder, [as_effect(step, 'effect') for step in diagnosis['steps']])
-    return None if fit is None else fit[0]
+    return None if fit is None else fit['chi2']
+
+
+def own_parameters(effect, fit, without):
+    """How many parameters of an effect the data tell; a compensator's shape is searched, so that all four count."""
+    if effect == 'gravity_compensator':
+        return 4
+    return max(1, fit['free_parameters'] - without['free_parameters']) if without else 1
 
 
 def separation(programs, answer_folder, hidden, number, diagnosis):
-    """{'sep', 'penalised_lead', 'best_rival', 'left'}: leads, over whom, the chi-square that the truth itself leaves.
+    """{'sep', 'best_rival', 'left', 'log_rows', 'parameters', 'rivals': [{'effect', 'name', 'lead', 'parameters'}]}:
+    the smallest lead, over whom, the chi-square that the truth itself leaves, and what the rule of choosing needs.
 
     The model without any of them is a rival too.
     """
@@ -124,19 +135,21 @@ def separation(programs, answer_folder, hidden, number, diagnosis):
     others = [as_effect(h, 'kind') for i, h in enumerate(hidden) if i != number]
     true = fit_with(programs, answer_folder, others + [as_effect(hidden[number], 'kind')])
     if true is None:
-        return {'sep': None, 'penalised_lead': None, 'best_rival': None, 'left': None}
+        return {'sep': None, 'best_rival': None, 'left': None, 'rivals': []}
     skip = set(truths)
     for h in hidden:
         skip |= naming.accepted_besides(h)
     without = fit_with(programs, answer_folder, others)
-    fits = [] if without is None else [(without, 'nothing')]
+    rivals = []
     for rival in candidate_rivals(diagnosis, skip):
         fit = fit_with(programs, answer_folder, others + [rival])
         if fit is not None:
             name = naming.identity({'effect': rival[0], 'target': rival[1], 'settings': rival[2]})
-            fits.append((fit, naming.words(name)))
-    if not fits:
-        return {'sep': None, 'penalised_lead': None, 'best_rival': None, 'left': true[0]}
-    best, who = min(fits)
-    return {'sep': best[0] - true[0], 'penalised_lead': min(f[1] for f, _ in fits) - true[1], 'best_rival': who,
-            'left': true[0]}
+            rivals.append({'effect': rival[0], 'name': naming.words(name), 'lead': fit['chi2'] - true['chi2'],
+                           'parameters': own_parameters(rival[0], fit, without)})
+    leads = [(r['lead'], r['name']) for r in rivals]
+    if without is not None:
+        leads.append((without['chi2'] - true['chi2'], 'nothing'))
+    sep, who = min(leads, default=(None, None))
+    return {'sep': sep, 'best_rival': who, 'left': true['chi2'], 'log_rows': log_rows(true),
+            'parameters': own_parameters(hidden[number]['kind'], true, without), 'rivals': rivals}

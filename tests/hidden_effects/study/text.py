@@ -22,6 +22,7 @@ def naming_lines(table):
         if not rates['detected']['n']:
             continue
         limit = '  limit of the data %s' % percent(rates['limit']) if rates.get('limit') is not None else ''
+        limit += ', of the rule %s' % percent(rates['rule']) if rates.get('rule') is not None else ''
         lines.append('%-22s first %s%s' % (label, share(rates['named_first']), limit))
         lines.append('%22s named or listed %s, exactly %s, unknown %s' % (
             '', share(rates['named_or_listed']), share(rates['exact']), share(rates['called_unknown'])))
