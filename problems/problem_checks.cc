@@ -67,7 +67,7 @@ void CheckEffectColumns(const CalibrationProblem& problem) {
   for (const EffectSpec& spec : problem.robot.effects) {
     for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
       const EffectContext context{&problem.robot, &spec, &problem.shot_inputs[s].conditions, &problem.data.markers, 0};
-      const std::string column = FindEffect(problem.robot, spec.effect)->missing(context);
+      const std::string column = MissingColumn(*FindEffect(problem.robot, spec.effect), context);
       if (column.empty()) continue;
       const Observation& first = problem.data.observations[problem.data.shots[s].observations.front()];
       const MeasurementFile& file = problem.data.files[first.file];

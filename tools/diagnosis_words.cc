@@ -58,7 +58,8 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
   words += " hold-out RMS " + Significant(1e3 * step.holdout_before, 3) + " -> " +
            Significant(1e3 * step.holdout_after, 3) + " mm.";
-  if (step.chosen.candidate.spec.effect == "backlash") words += " Friction wind-up has the same signature.";
+  const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
+  if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
   return words;
 }
 
@@ -68,19 +69,12 @@ std::string AlternativeInWords(const Robot& robot, const Alternative& alternativ
 }
 
 std::string SeparateBy(const Robot& robot, const EffectSpec& spec) {
-  if (spec.effect == "gravity_compensator" || spec.effect == "link_gravity" || spec.effect == "self_weight_sag") {
-    return "poses with " + spec.target +
-           " over its whole range, loaded and unloaded, and with the links beyond it folded and stretched";
-  }
-  if (spec.effect == "joint_harmonic" || spec.effect == "encoder_gain" || spec.effect == "axis_wobble") {
-    return "poses with " + spec.target + " evenly over its whole range, the other joints independent of it";
-  }
-  if (FindEffect(robot, spec.effect)->target == EffectTarget::kStation || spec.effect == "joint_slip" ||
-      spec.effect == "marker_shift") {
-    return "the first poses repeated at the end, time columns";
-  }
-  if (spec.effect == "backlash") return "the same poses approached from both sides";
-  return "loads in other directions: sideways pulls and other load points";
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  // The compensator, whose home is the robot: as a weight.
+  std::string words = definition == nullptr ? kSeparateByWeight : definition->separate_by;
+  const std::string place = "{target}";
+  const size_t at = words.find(place);
+  return at == std::string::npos ? words : words.replace(at, place.size(), spec.target);
 }
 
 std::string HalvesInWords(const Confirmation& confirmation) {

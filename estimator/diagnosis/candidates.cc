@@ -12,18 +12,11 @@ namespace {
 constexpr int kHarmonicOrders = 6;        // scanned with few configurations
 constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
 constexpr int kConfigurationsPerOrder = 20;
-constexpr int kWobbleOrders = 2;
 constexpr int kMostChangePoints = 80;
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
                      [](const ShotInput& shot) { return !shot.wrenches.empty(); });
-}
-
-// Elastic parts can only answer to torques.
-bool NeedsLoad(const std::string& effect) {
-  return effect == "joint_compliance" || effect == "compliance_hardening" || effect == "transverse_compliance" ||
-         effect == "base_compliance" || effect == "payload";
 }
 
 std::vector<std::string> Targets(const EffectDefinition& definition, const CalibrationProblem& problem) {
@@ -81,21 +74,20 @@ std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
 }
 
 // As many orders as the configurations can resolve.
-int HarmonicOrders(const CalibrationProblem& problem) {
+int ResolvedOrders(const CalibrationProblem& problem) {
   const auto& configurations = problem.data.configurations;
   const auto fitted = std::count_if(configurations.begin(), configurations.end(),
                                     [](const Configuration& c) { return !c.is_validation; });
   return std::min(kMostHarmonicOrders, std::max(kHarmonicOrders, static_cast<int>(fitted) / kConfigurationsPerOrder));
 }
 
-std::vector<std::string> Choices(const SettingDefinition& setting, const EffectDefinition& definition,
-                                 const std::string& target, const CalibrationProblem& problem) {
+std::vector<std::string> Choices(const SettingDefinition& setting, const std::string& target,
+                                 const CalibrationProblem& problem) {
   std::vector<std::string> choices;
+  const int orders = setting.most_scanned > 0 ? setting.most_scanned : ResolvedOrders(problem);
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger:
-      for (int n = 1; n <= (definition.name == "axis_wobble" ? kWobbleOrders : HarmonicOrders(problem)); ++n) {
-        choices.push_back(std::to_string(n));
-      }
+      for (int n = 1; n <= orders; ++n) choices.push_back(std::to_string(n));
       break;
     case SettingDefinition::Kind::kNumber:
       choices = ChangePoints(problem);
@@ -126,7 +118,7 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
 std::string Missing(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
   for (const ShotInput& shot : problem.shot_inputs) {
     const EffectContext context{&problem.robot, &spec, &shot.conditions, &problem.data.markers, 0};
-    const std::string column = definition.missing(context);
+    const std::string column = MissingColumn(definition, context);
     if (!column.empty()) return column;
   }
   return "";
@@ -150,6 +142,53 @@ void AppendCompensators(const CalibrationProblem& problem, CandidateList* list) 
   }
 }
 
+// What elastic effects answer to.
+struct Knowledge {
+  bool loads, compliances;
+};
+
+// "" or what the data or the model lack. Sag with unknown compliance (kNoCompliances) stands for link weights where no
+// load tells; where loads do it is no candidate.
+std::string UnmetNeed(EffectNeeds needs, const Knowledge& known) {
+  if (needs == EffectNeeds::kLoads && !known.loads) return "loaded rows";
+  if (needs == EffectNeeds::kCompliances && !known.compliances) return "joint compliances (loaded rows)";
+  return "";
+}
+
+// One effect on one target with every combination of its settings.
+std::vector<EffectSpec> Variants(const CalibrationProblem& problem, const EffectDefinition& definition,
+                                 const std::string& target) {
+  std::vector<EffectSpec> variants = {{definition.name, target, {}, {}}};
+  for (const SettingDefinition& setting : definition.settings) {
+    std::vector<EffectSpec> grown;
+    for (const std::string& choice : Choices(setting, target, problem)) {
+      for (EffectSpec variant : variants) {
+        variant.settings[setting.name] = choice;
+        grown.push_back(std::move(variant));
+      }
+    }
+    variants = std::move(grown);
+  }
+  return variants;
+}
+
+void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target,
+                    const Knowledge& known, CandidateList* list) {
+  const std::vector<EffectSpec> variants = Variants(problem, definition, target);
+  std::string missing = variants.empty() ? Missing(problem, definition, {definition.name, target, {}, {}}) : "";
+  std::vector<EffectSpec> testable;
+  for (const EffectSpec& variant : variants) {
+    const std::string column = Missing(problem, definition, variant);
+    if (!column.empty()) missing = column;
+    const bool needs_torque = variant.TextSetting("by", "") == "torque" && !known.loads;
+    if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
+  }
+  if (!missing.empty()) list->not_testable.push_back({definition.name, target, missing});
+  for (EffectSpec& variant : testable) {
+    list->candidates.push_back({std::move(variant), static_cast<int>(testable.size()), 0, {}});
+  }
+}
+
 }  // namespace
 
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
@@ -160,45 +199,16 @@ std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
 
 CandidateList ListCandidates(const CalibrationProblem& problem) {
   CandidateList list;
-  const bool loaded = AnyLoad(problem);
-  const bool elastic = !problem.robot.compliances.empty();
-  for (const EffectDefinition* known : EffectsOf(problem.robot)) {
-    const EffectDefinition& definition = *known;
-    if (definition.name == "link_gravity") AppendCompensators(problem, &list);
-    // Sag with unknown compliance stands for link weights where no load tells.
-    if (definition.name == "self_weight_sag" && elastic) continue;
-    for (const std::string& target : Targets(definition, problem)) {
-      EffectSpec spec{definition.name, target, {}, {}};
-      if (NeedsLoad(definition.name) && !loaded) {
-        list.not_testable.push_back({definition.name, target, "loaded rows"});
-        continue;
-      }
-      if (definition.name == "link_gravity" && !elastic) {
-        list.not_testable.push_back({definition.name, target, "joint compliances (loaded rows)"});
-        continue;
-      }
-      std::vector<EffectSpec> variants = {spec};
-      for (const SettingDefinition& setting : definition.settings) {
-        std::vector<EffectSpec> grown;
-        for (const std::string& choice : Choices(setting, definition, target, problem)) {
-          for (EffectSpec variant : variants) {
-            variant.settings[setting.name] = choice;
-            grown.push_back(variant);
-          }
-        }
-        variants = std::move(grown);
-      }
-      std::string missing = variants.empty() ? Missing(problem, definition, spec) : "";
-      std::vector<EffectSpec> testable;
-      for (const EffectSpec& variant : variants) {
-        const std::string column = Missing(problem, definition, variant);
-        if (!column.empty()) missing = column;
-        const bool needs_torque = variant.TextSetting("by", "") == "torque" && !loaded;
-        if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
-      }
-      if (!missing.empty()) list.not_testable.push_back({definition.name, target, missing});
-      for (const EffectSpec& variant : testable) {
-        list.candidates.push_back({variant, static_cast<int>(testable.size()), 0, {}});
+  const Knowledge known{AnyLoad(problem), !problem.robot.compliances.empty()};
+  for (const EffectDefinition* definition : EffectsOf(problem.robot)) {
+    if (definition->name == "link_gravity") AppendCompensators(problem, &list);
+    if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;
+    const std::string need = UnmetNeed(definition->needs, known);
+    for (const std::string& target : Targets(*definition, problem)) {
+      if (need.empty()) {
+        AppendVariants(problem, *definition, target, known, &list);
+      } else {
+        list.not_testable.push_back({definition->name, target, need});
       }
     }
   }

@@ -25,18 +25,24 @@ Driver AngleOf(const Chain& chain, const std::string& joint) {
           [j, scale](const Shot&, const ShotConditions& conditions) { return scale * conditions.q[j]; }};
 }
 
+// The joint that a setting names, or else the target.
+std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& spec) {
+  for (const SettingDefinition& setting : definition.settings) {
+    if (setting.kind == SettingDefinition::Kind::kJoint) return spec.TextSetting(setting.name, spec.target);
+  }
+  return spec.target;
+}
+
 Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
   const Chain& chain = problem.robot.chain;
-  const ShotConditions& first = problem.shot_inputs.front().conditions;
-  if (spec.effect == "joint_coupling") return AngleOf(chain, spec.TextSetting("driver", spec.target));
-  if (spec.effect == "thermal_growth" && first.has_temperature) {
+  const EffectDefinition* definition = FindEffect(problem.robot, spec.effect);  // none of the compensator
+  const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->driven_by;
+  if (by == EffectDriver::kTemperature) {
     return {"temperature above its mean", "K", [](const Shot&, const ShotConditions& c) { return c.temperature; }};
   }
-  const bool by_time = spec.effect == "joint_slip" || spec.effect == "station_drift" || spec.effect == "marker_shift";
-  if (by_time && first.has_time) {
-    return {"time", "s", [](const Shot&, const ShotConditions& c) { return c.time; }};
-  }
-  if (chain.FindJoint(spec.target) >= 0) return AngleOf(chain, spec.target);
+  if (by == EffectDriver::kTime) return {"time", "s", [](const Shot&, const ShotConditions& c) { return c.time; }};
+  const std::string joint = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
+  if (chain.FindJoint(joint) >= 0) return AngleOf(chain, joint);
   return {"configuration", "", [](const Shot& shot, const ShotConditions&) { return 1.0 + shot.configuration; }};
 }
 

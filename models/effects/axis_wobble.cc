@@ -24,15 +24,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& AxisWobble() {
-  static const EffectDefinition definition = {"axis_wobble",
-                                              "axis wobble",
-                                              "bearing run-out",
-                                              EffectTarget::kJoint,
-                                              {{"order", SettingDefinition::Kind::kInteger, "1", {}}},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              true};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"axis_wobble", "axis wobble", "bearing run-out", EffectTarget::kJoint, Parameters, Apply};
+    effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}, 2}};
+    effect.tilts = true;
+    effect.separate_by = kSeparateByRange;
+    return effect;
+  }();
   return definition;
 }
 

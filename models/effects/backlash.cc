@@ -27,16 +27,15 @@ std::string Missing(const EffectContext& context) {
 }  // namespace
 
 const EffectDefinition& Backlash() {
-  static const EffectDefinition definition = {
-      "backlash",
-      "backlash (or friction wind-up)",
-      "play of a gear",
-      EffectTarget::kJoint,
-      {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}}},
-      Parameters,
-      Apply,
-      Missing,
-      false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{
+        "backlash", "backlash (or friction wind-up)", "play of a gear", EffectTarget::kJoint, Parameters, Apply};
+    effect.settings = {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}}};
+    effect.missing = Missing;
+    effect.separate_by = "the same poses approached from both sides";
+    effect.note = "Friction wind-up has the same signature.";
+    return effect;
+  }();
   return definition;
 }
 

@@ -18,15 +18,18 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& BaseCompliance() {
-  static const EffectDefinition definition = {"base_compliance",
-                                              "tilting of the foot under load",
-                                              "compliance of foundation or pedestal",
-                                              EffectTarget::kBase,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              true};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"base_compliance",
+                            "tilting of the foot under load",
+                            "compliance of foundation or pedestal",
+                            EffectTarget::kBase,
+                            Parameters,
+                            Apply};
+    effect.tilts = true;
+    effect.needs = EffectNeeds::kLoads;
+    effect.separate_by = kSeparateByLoads;
+    return effect;
+  }();
   return definition;
 }
 

@@ -2,9 +2,11 @@
 
 namespace sagitta {
 
-std::string NothingMissing(const EffectContext&) { return ""; }
-
-std::string TimeMissing(const EffectContext& context) { return context.shot->has_time ? "" : "time_s"; }
+std::string MissingColumn(const EffectDefinition& definition, const EffectContext& context) {
+  if (definition.driven_by == EffectDriver::kTime && !context.shot->has_time) return "time_s";
+  if (definition.driven_by == EffectDriver::kTemperature && !context.shot->has_temperature) return "temperature_degC";
+  return definition.missing == nullptr ? "" : definition.missing(context);
+}
 
 const std::vector<const EffectDefinition*>& EffectCatalogue() {
   static const std::vector<const EffectDefinition*> catalogue = {

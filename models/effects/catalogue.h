@@ -30,9 +30,16 @@ const EffectDefinition& StationDrift();
 const EffectDefinition& StationScale();
 const EffectDefinition& MarkerShift();
 
-// EffectDefinition::missing of effects that need no column, or time.
-std::string NothingMissing(const EffectContext& context);
-std::string TimeMissing(const EffectContext& context);
+// EffectDefinition::separate_by of several effects.
+constexpr char kSeparateByRange[] =
+    "poses with {target} evenly over its whole range, the other joints independent of it";
+constexpr char kSeparateByWeight[] =
+    "poses with {target} over its whole range, loaded and unloaded, and with the links beyond it folded and stretched";
+constexpr char kSeparateByLoads[] = "loads in other directions: sideways pulls and other load points";
+constexpr char kSeparateByReturn[] = "the first poses repeated at the end";
+
+// "" or the column that this shot lacks for the effect: what drives it, or another that it asks for.
+std::string MissingColumn(const EffectDefinition& definition, const EffectContext& context);
 
 const std::vector<const EffectDefinition*>& EffectCatalogue();
 

@@ -13,15 +13,17 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& ComplianceHardening() {
-  static const EffectDefinition definition = {"compliance_hardening",
-                                              "compliance that depends on the load",
-                                              "progressive stiffness of gears and bearings",
-                                              EffectTarget::kJoint,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"compliance_hardening",
+                            "compliance that depends on the load",
+                            "progressive stiffness of gears and bearings",
+                            EffectTarget::kJoint,
+                            Parameters,
+                            Apply};
+    effect.needs = EffectNeeds::kLoads;
+    effect.separate_by = "the same poses under several loads, from light to heavy";
+    return effect;
+  }();
   return definition;
 }
 

@@ -115,7 +115,15 @@ struct SettingDefinition {
   Kind kind = Kind::kInteger;
   std::string fallback;              // "" : required
   std::vector<std::string> choices;  // of kChoice
+  int most_scanned = 0;              // of kInteger, by the diagnosis; 0: as many as the configurations resolve
 };
+
+// What must be among the data or in the model before an effect can be told.
+enum class EffectNeeds { kNothing, kLoads, kCompliances, kNoCompliances };
+
+// What drives it, for plots: the angle of its joint (or of the joint that a setting names), time or temperature. The
+// latter two must be among the columns.
+enum class EffectDriver { kJoint, kTime, kTemperature };
 
 // What Apply is given: the model's chain (with tilt slots), the targets by
 // index, and where this use's parameters start.
@@ -133,17 +141,23 @@ struct EffectContext {
   double joint_sign() const { return chain().transforms[joint_slot()].sign; }
 };
 
+// All that anybody asks about an effect: the models, the files, the diagnosis and its words.
 struct EffectDefinition {
   std::string name;
   std::string title;      // for reports
   std::string reference;  // equation or source
-  EffectTarget target = EffectTarget::kJoint;
-  std::vector<SettingDefinition> settings;
-  std::vector<EffectParameter> (*parameters)(const Robot& robot, const EffectSpec& spec) = nullptr;
-  void (*apply)(const EffectContext& context, ShotTerms* terms) = nullptr;
-  // "" or the column that this shot lacks, e.g. "approach3".
-  std::string (*missing)(const EffectContext& context) = nullptr;
+  EffectTarget target;
+  std::vector<EffectParameter> (*parameters)(const Robot& robot, const EffectSpec& spec);
+  void (*apply)(const EffectContext& context, ShotTerms* terms);
+
+  std::vector<SettingDefinition> settings = {};
   bool tilts = false;  // needs the tilt slots of its joint, or of the foot
+  EffectNeeds needs = EffectNeeds::kNothing;
+  EffectDriver driven_by = EffectDriver::kJoint;
+  // "" or the column that this shot lacks, e.g. "approach3"; null: none but what drives it.
+  std::string (*missing)(const EffectContext& context) = nullptr;
+  std::string separate_by = {};  // which data tell it from its rivals; {target} is replaced
+  std::string note = {};         // what to bear in mind where it is named
 };
 
 // Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).

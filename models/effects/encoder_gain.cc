@@ -16,15 +16,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& EncoderGain() {
-  static const EffectDefinition definition = {"encoder_gain",
-                                              "encoder gain",
-                                              "scale error of the joint sensor or gear ratio",
-                                              EffectTarget::kJoint,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"encoder_gain",       "encoder gain", "scale error of the joint sensor or gear ratio",
+                            EffectTarget::kJoint, Parameters,     Apply};
+    effect.separate_by = kSeparateByRange;
+    return effect;
+  }();
   return definition;
 }
 

@@ -17,15 +17,16 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& FrozenGeometry() {
-  static const EffectDefinition definition = {"frozen_geometry",
-                                              "frozen geometric error",
-                                              "identification Jacobian, paper 002",
-                                              EffectTarget::kError,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"frozen_geometry",
+                            "frozen geometric error",
+                            "identification Jacobian, paper 002",
+                            EffectTarget::kError,
+                            Parameters,
+                            Apply};
+    effect.separate_by = "unloaded poses that turn every joint over its whole range, markers apart from each other";
+    return effect;
+  }();
   return definition;
 }
 

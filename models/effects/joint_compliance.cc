@@ -13,15 +13,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& JointComplianceEffect() {
-  static const EffectDefinition definition = {"joint_compliance",
-                                              "joint compliance",
-                                              "paper 000, eq. (2)",
-                                              EffectTarget::kJoint,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"joint_compliance",   "joint compliance", "paper 000, eq. (2)",
+                            EffectTarget::kJoint, Parameters,         Apply};
+    effect.needs = EffectNeeds::kLoads;
+    effect.separate_by = kSeparateByLoads;
+    return effect;
+  }();
   return definition;
 }
 

@@ -15,15 +15,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& JointCoupling() {
-  static const EffectDefinition definition = {"joint_coupling",
-                                              "coupling between joints",
-                                              "wrist gear coupling",
-                                              EffectTarget::kJoint,
-                                              {{"driver", SettingDefinition::Kind::kJoint, "", {}}},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{
+        "joint_coupling", "coupling between joints", "wrist gear coupling", EffectTarget::kJoint, Parameters, Apply};
+    effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}}};
+    effect.separate_by = "poses with {target} and its driver over their whole ranges, each independent of the other";
+    return effect;
+  }();
   return definition;
 }
 

@@ -19,15 +19,17 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& JointHarmonic() {
-  static const EffectDefinition definition = {"joint_harmonic",
-                                              "periodic joint error",
-                                              "encoder eccentricity, gear transmission error",
-                                              EffectTarget::kJoint,
-                                              {{"order", SettingDefinition::Kind::kInteger, "1", {}}},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"joint_harmonic",
+                            "periodic joint error",
+                            "encoder eccentricity, gear transmission error",
+                            EffectTarget::kJoint,
+                            Parameters,
+                            Apply};
+    effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}}};
+    effect.separate_by = kSeparateByRange;
+    return effect;
+  }();
   return definition;
 }
 

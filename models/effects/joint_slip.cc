@@ -14,15 +14,15 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& JointSlip() {
-  static const EffectDefinition definition = {"joint_slip",
-                                              "zero shift of a joint",
-                                              "slipped coupling, lost mastering",
-                                              EffectTarget::kJoint,
-                                              {{"after_s", SettingDefinition::Kind::kNumber, "", {}}},
-                                              Parameters,
-                                              Apply,
-                                              TimeMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{
+        "joint_slip", "zero shift of a joint", "slipped coupling, lost mastering", EffectTarget::kJoint, Parameters,
+        Apply};
+    effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
+    effect.driven_by = EffectDriver::kTime;
+    effect.separate_by = kSeparateByReturn;
+    return effect;
+  }();
   return definition;
 }
 

@@ -30,15 +30,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& LinkGravity() {
-  static const EffectDefinition definition = {"link_gravity",
-                                              "weight of a link",
-                                              "statics of the links",
-                                              EffectTarget::kJoint,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"link_gravity",       "weight of a link", "statics of the links",
+                            EffectTarget::kJoint, Parameters,         Apply};
+    effect.needs = EffectNeeds::kCompliances;
+    effect.separate_by = kSeparateByWeight;
+    return effect;
+  }();
   return definition;
 }
 

@@ -21,15 +21,14 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& MarkerShift() {
-  static const EffectDefinition definition = {"marker_shift",
-                                              "reseated marker",
-                                              "reflector moved in its nest",
-                                              EffectTarget::kMarker,
-                                              {{"after_s", SettingDefinition::Kind::kNumber, "", {}}},
-                                              Parameters,
-                                              Apply,
-                                              TimeMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"marker_shift",        "reseated marker", "reflector moved in its nest",
+                            EffectTarget::kMarker, Parameters,        Apply};
+    effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
+    effect.driven_by = EffectDriver::kTime;
+    effect.separate_by = kSeparateByReturn;
+    return effect;
+  }();
   return definition;
 }
 

@@ -19,15 +19,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& Payload() {
-  static const EffectDefinition definition = {"payload",
-                                              "load heavier than stated",
-                                              "weighing error",
-                                              EffectTarget::kLoad,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"payload", "load heavier than stated", "weighing error", EffectTarget::kLoad, Parameters,
+                            Apply};
+    effect.needs = EffectNeeds::kLoads;
+    effect.separate_by = "the load weighed, or the same poses under another load";
+    return effect;
+  }();
   return definition;
 }
 

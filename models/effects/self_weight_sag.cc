@@ -42,15 +42,19 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& SelfWeightSag() {
-  static const EffectDefinition definition = {"self_weight_sag",
-                                              "sag under the own weight",
-                                              "statics of the links, compliance unknown",
-                                              EffectTarget::kJoint,
-                                              {{"about", SettingDefinition::Kind::kChoice, "axis", {"axis", "u", "v"}}},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              true};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"self_weight_sag",
+                            "sag under the own weight",
+                            "statics of the links, compliance unknown",
+                            EffectTarget::kJoint,
+                            Parameters,
+                            Apply};
+    effect.settings = {{"about", SettingDefinition::Kind::kChoice, "axis", {"axis", "u", "v"}}};
+    effect.tilts = true;
+    effect.needs = EffectNeeds::kNoCompliances;
+    effect.separate_by = kSeparateByWeight;
+    return effect;
+  }();
   return definition;
 }
 

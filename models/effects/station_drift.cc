@@ -22,15 +22,17 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& StationDrift() {
-  static const EffectDefinition definition = {"station_drift",
-                                              "drift of the station",
-                                              "stand or foundation moves",
-                                              EffectTarget::kStation,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              TimeMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"station_drift",
+                            "drift of the station",
+                            "stand or foundation moves",
+                            EffectTarget::kStation,
+                            Parameters,
+                            Apply};
+    effect.driven_by = EffectDriver::kTime;
+    effect.separate_by = kSeparateByReturn;
+    return effect;
+  }();
   return definition;
 }
 

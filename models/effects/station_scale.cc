@@ -15,15 +15,16 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& StationScale() {
-  static const EffectDefinition definition = {"station_scale",
-                                              "scale of the instrument",
-                                              "refraction, wavelength",
-                                              EffectTarget::kStation,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"station_scale",
+                            "scale of the instrument",
+                            "refraction, wavelength",
+                            EffectTarget::kStation,
+                            Parameters,
+                            Apply};
+    effect.separate_by = "a calibrated length in view of the station, or the same points from another one";
+    return effect;
+  }();
   return definition;
 }
 

@@ -7,23 +7,20 @@ namespace {
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"growth", Quantity::kGrowth}}; }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
-  if (context.shot->has_temperature) terms->base.push_back({context.first_parameter, context.shot->temperature});
+  terms->base.push_back({context.first_parameter, context.shot->temperature});
 }
-
-std::string Missing(const EffectContext& context) { return context.shot->has_temperature ? "" : "temperature_degC"; }
 
 }  // namespace
 
 const EffectDefinition& ThermalGrowth() {
-  static const EffectDefinition definition = {"thermal_growth",
-                                              "thermal growth of the arm",
-                                              "linear expansion",
-                                              EffectTarget::kRobot,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              Missing,
-                                              false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{
+        "thermal_growth", "thermal growth of the arm", "linear expansion", EffectTarget::kRobot, Parameters, Apply};
+    effect.driven_by = EffectDriver::kTemperature;
+    effect.separate_by = "the same poses at other temperatures, in an order that is not that of time";
+    effect.note = "Links that lag behind the thermometer bias the value beyond its interval.";
+    return effect;
+  }();
   return definition;
 }
 

@@ -20,15 +20,18 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }  // namespace
 
 const EffectDefinition& TransverseCompliance() {
-  static const EffectDefinition definition = {"transverse_compliance",
-                                              "tilting of a joint under load",
-                                              "bearing and housing compliance",
-                                              EffectTarget::kJoint,
-                                              {},
-                                              Parameters,
-                                              Apply,
-                                              NothingMissing,
-                                              true};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"transverse_compliance",
+                            "tilting of a joint under load",
+                            "bearing and housing compliance",
+                            EffectTarget::kJoint,
+                            Parameters,
+                            Apply};
+    effect.tilts = true;
+    effect.needs = EffectNeeds::kLoads;
+    effect.separate_by = kSeparateByLoads;
+    return effect;
+  }();
   return definition;
 }
 

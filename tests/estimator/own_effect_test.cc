@@ -27,16 +27,15 @@ void ApplyDriven(const EffectContext& context, ShotTerms* terms) {
 }
 
 const EffectDefinition& DrivenHarmonic() {
-  static const EffectDefinition definition = {
-      "driven_harmonic",
-      "periodic error driven by another joint",
-      "this test",
-      EffectTarget::kJoint,
-      {{"driver", SettingDefinition::Kind::kJoint, "", {}}, {"order", SettingDefinition::Kind::kInteger, "1", {}}},
-      DrivenParameters,
-      ApplyDriven,
-      NothingMissing,
-      false};
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"driven_harmonic", "periodic error driven by another joint",
+                            "this test",       EffectTarget::kJoint,
+                            DrivenParameters,  ApplyDriven};
+    effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}},
+                       {"order", SettingDefinition::Kind::kInteger, "1", {}}};
+    effect.separate_by = "poses with {target} and its driver over their whole ranges";
+    return effect;
+  }();
   return definition;
 }
 

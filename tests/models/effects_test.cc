@@ -26,14 +26,23 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
   EXPECT_EQ(EffectNames(), expected);
 }
 
+TEST(EffectCatalogue, SaysInWordsWhatItIsAndWhatTellsItApart) {
+  for (const EffectDefinition* effect : EffectCatalogue()) {
+    EXPECT_FALSE(effect->title.empty() || effect->reference.empty() || effect->separate_by.empty()) << effect->name;
+    if (effect->target == EffectTarget::kJoint) continue;
+    EXPECT_EQ(effect->separate_by.find("{target}"), std::string::npos) << effect->name << " has no joint to speak of";
+  }
+}
+
 TEST(EffectCatalogue, SaysWhichColumnIsMissing) {
   const Robot robot = test::ContractArm();
   ShotConditions nothing;
   nothing.q = Eigen::VectorXd::Zero(6);
   EffectSpec spec{"backlash", "A3", {{"by", "approach"}}, {}};
-  EXPECT_EQ(FindEffect("backlash")->missing({&robot, &spec, &nothing, &test::ContractMarkers(), 0}), "approach3");
+  EXPECT_EQ(MissingColumn(*FindEffect("backlash"), {&robot, &spec, &nothing, &test::ContractMarkers(), 0}),
+            "approach3");
   spec = {"thermal_growth", "robot", {}, {}};
-  EXPECT_EQ(FindEffect("thermal_growth")->missing({&robot, &spec, &nothing, &test::ContractMarkers(), 0}),
+  EXPECT_EQ(MissingColumn(*FindEffect("thermal_growth"), {&robot, &spec, &nothing, &test::ContractMarkers(), 0}),
             "temperature_degC");
 }
 
