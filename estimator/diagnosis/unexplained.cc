@@ -15,6 +15,7 @@ namespace {
 constexpr size_t kMostDecoys = 4;
 constexpr int kManyParameters = 3;
 constexpr double kContained = 0.95;  // share of the decoy's contribution
+constexpr double kOfKind = 0.8;      // share of a step's: as the overlap of alternatives
 
 // What candidates and decoys do at one model, to first order.
 struct Bench {
@@ -68,20 +69,21 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   return picked;
 }
 
-// Steps chosen beside decoys whose kinds are believed, and what is left after each.
+// Steps chosen beside what `left[0]` believes, and what is left after each.
 struct Beside {
   std::vector<ChosenStep> steps;
-  std::vector<ProjectedResidual> left;  // one more than steps: before the first
+  std::vector<Eigen::MatrixXd> columns;  // of each step
+  std::vector<ProjectedResidual> left;   // one more than steps: before the first
 };
 
-Beside SelectBeside(const Bench& bench, const std::vector<Decoy>& decoys, const SelectionOptions& options) {
-  Beside beside{{}, {bench.decoys.residual()}};
-  for (const Decoy& decoy : decoys) beside.left[0] = beside.left[0].With(bench.decoys.ColumnsOfKind(decoy));
+Beside SelectBeside(const Bench& bench, const ProjectedResidual& residual, const SelectionOptions& options) {
+  Beside beside{{}, {}, {residual}};
   while (static_cast<int>(beside.steps.size()) < options.most_steps / 2) {
-    const std::optional<PickedBeside> picked = PickBeside(bench, beside.left.back(), options);
+    std::optional<PickedBeside> picked = PickBeside(bench, beside.left.back(), options);
     if (!picked) break;
-    beside.steps.push_back(picked->step);
+    beside.steps.push_back(std::move(picked->step));
     beside.left.push_back(beside.left.back().With(picked->columns));
+    beside.columns.push_back(std::move(picked->columns));
   }
   return beside;
 }
@@ -94,16 +96,6 @@ double Sum(const std::vector<ChosenStep>& steps, size_t count) {
 
 // One cause instead of several is the simpler answer; one instead of one is a tie.
 double Margin(size_t steps_replaced) { return steps_replaced > 1 ? 0.0 : kUnknownMargin; }
-
-// Whether the decoy's contribution is something that the effect can do too: then it leads by its fewer parameters only,
-// and is no sign of another cause.
-bool Contains(const DiagnosedModel& without, const DecoyBench& bench, const ChosenStep& step, const Decoy& decoy) {
-  const ProjectedResidual& residual = bench.residual();
-  const Eigen::VectorXd fitted = residual.Reproduce(decoy.columns, residual.residual());
-  const Eigen::MatrixXd own = ColumnsOf(*without.problem, without.estimate.parameters, {step.candidate.spec}).columns;
-  if (own.cols() <= decoy.columns.cols()) return false;
-  return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
-}
 
 // Effects of many parameters lose much by p ln(n), decoys of many columns by
 // their marginal likelihood only: what a step gains when it is scored like them.
@@ -128,25 +120,114 @@ double MarginalBonus(const DiagnosedModel& baseline, const std::vector<ChosenSte
   return bonus;
 }
 
-// A decoy that does better than the steps from the (kept + 1)th on.
-struct Beaten {
+// The first steps hold, and what they leave has no name.
+struct Partial {
+  std::vector<ChosenStep> held;
+  DiagnosedModel model;
   Decoy decoy;
-  std::vector<ChosenStep> held;  // the steps before
-  DiagnosedModel partial;        // and their model
+  double gain = 0.0;  // penalised, of the steps and the decoy together
 };
 
-std::optional<Beaten> DecoyBeats(const DiagnosedModel& baseline, const SelectionOptions& options,
-                                 const std::vector<ChosenStep>& steps, int kept, double total) {
-  Beaten beaten{{}, {steps.begin(), steps.begin() + kept}, baseline};
-  if (kept > 0) beaten.partial = Extend(baseline, CandidatesOf(beaten.held), options.joint);
-  if (!IsUsable(beaten.partial.estimate.status)) return std::nullopt;
-  const DecoyBench bench(beaten.partial);
-  beaten.decoy = bench.Best();
-  const double gain = PenalisedTotal(baseline, beaten.partial, beaten.held) + beaten.decoy.penalised;
-  const size_t replaced = steps.size() - kept;
-  if (gain <= total + Margin(replaced)) return std::nullopt;
-  if (replaced == 1 && Contains(beaten.partial, bench, steps.back(), beaten.decoy)) return std::nullopt;
+std::optional<Partial> WithDecoy(const DiagnosedModel& baseline, const SelectionOptions& options,
+                                 const std::vector<ChosenStep>& steps, int kept) {
+  Partial partial{{steps.begin(), steps.begin() + kept}, baseline, {}, 0.0};
+  if (kept > 0) partial.model = Extend(baseline, CandidatesOf(partial.held), options.joint);
+  if (!IsUsable(partial.model.estimate.status)) return std::nullopt;
+  partial.decoy = DecoyBench(partial.model).Best();
+  partial.gain = PenalisedTotal(baseline, partial.model, partial.held) + partial.decoy.penalised;
+  return partial;
+}
+
+// Whether the decoy's contribution is something that the effect can do too: then it leads by its fewer parameters only,
+// and is no sign of another cause.
+bool Contains(const Partial& without, const ChosenStep& step) {
+  const CalibrationProblem& problem = *without.model.problem;
+  const ParameterSet& parameters = without.model.estimate.parameters;
+  const Eigen::MatrixXd own = ColumnsOf(problem, parameters, {step.candidate.spec}).columns;
+  if (own.cols() <= without.decoy.columns.cols()) return false;
+  const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
+  const Eigen::VectorXd fitted = residual.Reproduce(without.decoy.columns, residual.residual());
+  return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
+}
+
+// Whether everything of the decoy's kind can do what these columns fit.
+bool IsOfKind(const ProjectedResidual& residual, const DecoyBench& bench, const Decoy& decoy,
+              const Eigen::MatrixXd& columns) {
+  const Eigen::VectorXd fitted = residual.Reproduce(columns, residual.residual());
+  const Eigen::VectorXd alike = residual.Reproduce(bench.ColumnsOfKind(decoy), fitted);
+  return (fitted - alike).squaredNorm() <= (1.0 - kOfKind) * fitted.squaredNorm();
+}
+
+bool IsOfKind(const Partial& partial, const ChosenStep& step) {
+  const DecoyBench bench(partial.model);
+  const Eigen::MatrixXd columns =
+      ColumnsOf(*partial.model.problem, partial.model.estimate.parameters, {step.candidate.spec}).columns;
+  return IsOfKind(bench.residual(), bench, partial.decoy, columns);
+}
+
+// The least number of steps beside which a decoy does better than all of them (`total`); none where they hold. Further
+// steps that gain beside a decoy of another kind hold too: a cause with a name, and one without.
+std::optional<Partial> BeatenByDecoy(const DiagnosedModel& baseline, const SelectionOptions& options,
+                                     const std::vector<ChosenStep>& steps, double total) {
+  const int count = static_cast<int>(steps.size());
+  std::optional<Partial> beaten = FirstFound<Partial>(count, options.num_threads, [&](int kept) {
+    std::optional<Partial> partial = WithDecoy(baseline, options, steps, kept);
+    const bool beats = partial && partial->gain > total + Margin(count - kept);
+    if (!beats || (kept + 1 == count && Contains(*partial, steps.back()))) partial.reset();
+    return partial;
+  });
+  if (!beaten) return beaten;
+  for (int kept = static_cast<int>(beaten->held.size()) + 1; kept < count; ++kept) {
+    if (IsOfKind(*beaten, steps[kept - 1])) break;
+    std::optional<Partial> more = WithDecoy(baseline, options, steps, kept);
+    if (!more || more->gain <= beaten->gain + kUnknownMargin) break;
+    beaten = std::move(more);
+  }
   return beaten;
+}
+
+// The same among steps to first order: how many hold, and the decoy beside them.
+struct Cut {
+  size_t kept;
+  Decoy decoy;
+  double gain;
+};
+
+std::optional<Cut> CutByDecoy(const Bench& bench, const Beside& beside) {
+  const size_t count = beside.steps.size();
+  const double total = Sum(beside.steps, count);
+  const auto with_decoy = [&](size_t kept) {
+    Decoy decoy = bench.decoys.Best(beside.left[kept]);
+    const double gain = Sum(beside.steps, kept) + decoy.penalised;
+    return Cut{kept, std::move(decoy), gain};
+  };
+  std::optional<Cut> cut;
+  for (size_t kept = 0; kept < count && !cut; ++kept) {
+    Cut here = with_decoy(kept);
+    if (here.gain > total + Margin(count - kept)) cut = std::move(here);
+  }
+  while (cut && cut->kept + 1 < count) {
+    if (IsOfKind(beside.left[cut->kept], bench.decoys, cut->decoy, beside.columns[cut->kept])) break;
+    Cut more = with_decoy(cut->kept + 1);
+    if (more.gain <= cut->gain + kUnknownMargin) break;
+    cut = std::move(more);
+  }
+  return cut;
+}
+
+// What has a name beside a decoy: the same question again beside everything of its kind, until the steps hold.
+std::vector<ChosenStep> StepsBeside(const Bench& bench, const Decoy& first, const SelectionOptions& options) {
+  std::vector<ChosenStep> held;
+  ProjectedResidual residual = bench.decoys.residual().With(bench.decoys.ColumnsOfKind(first));
+  for (size_t decoys = 1;; ++decoys) {
+    const Beside beside = SelectBeside(bench, residual, options);
+    std::optional<Cut> cut;
+    if (decoys < kMostDecoys) cut = CutByDecoy(bench, beside);
+    const size_t kept = cut ? cut->kept : beside.steps.size();
+    held.insert(held.end(), beside.steps.begin(), beside.steps.begin() + static_cast<long>(kept));
+    if (!cut) return held;
+    residual = beside.left[kept].With(bench.decoys.ColumnsOfKind(cut->decoy));
+  }
 }
 
 }  // namespace
@@ -155,34 +236,15 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
                           const SelectionOptions& options, std::vector<ChosenStep>* steps, DiagnosedModel* model) {
   Unexplained rest;
   const double total = PenalisedTotal(baseline, *model, *steps) + MarginalBonus(baseline, *steps, options);
-  const std::optional<Beaten> beaten =
-      FirstFound<Beaten>(static_cast<int>(steps->size()), options.num_threads,
-                         [&](int kept) { return DecoyBeats(baseline, options, *steps, kept, total); });
+  const std::optional<Partial> beaten = BeatenByDecoy(baseline, options, *steps, total);
   if (!beaten) return rest;
-  const DiagnosedModel& partial = beaten->partial;
-  const std::vector<ChosenStep>& held = beaten->held;
-  std::vector<Decoy> decoys = {beaten->decoy};
   rest.found = true;
-  rest.decoy = decoys[0];
-  // The steps before it hold. Beside what has no name the same question again,
-  // until the further steps hold.
-  const Bench bench(partial, candidates);
-  std::vector<ChosenStep> further;
-  for (bool holds = false; !holds;) {
-    const Beside beside = SelectBeside(bench, decoys, options);
-    further = beside.steps;
-    const double sum = Sum(further, further.size());
-    holds = true;
-    for (size_t kept = 0; kept < further.size() && holds && decoys.size() < kMostDecoys; ++kept) {
-      const Decoy decoy = bench.decoys.Best(beside.left[kept]);
-      holds = Sum(further, kept) + decoy.penalised <= sum + Margin(further.size() - kept);
-      if (!holds) decoys.push_back(decoy);
-    }
-  }
-  *steps = held;
-  *model = partial;
+  rest.decoy = beaten->decoy;
+  *steps = beaten->held;
+  *model = beaten->model;
+  const std::vector<ChosenStep> further = StepsBeside(Bench(*model, candidates), rest.decoy, options);
   if (!further.empty()) {
-    DiagnosedModel extended = Extend(partial, CandidatesOf(further), options.joint);
+    DiagnosedModel extended = Extend(*model, CandidatesOf(further), options.joint);
     if (IsUsable(extended.estimate.status)) {
       *model = std::move(extended);
       steps->insert(steps->end(), further.begin(), further.end());
