@@ -150,19 +150,47 @@ bool Contains(const Partial& without, const ChosenStep& step) {
   return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
 }
 
-// Whether everything of the decoy's kind can do what these columns fit.
-bool IsOfKind(const ProjectedResidual& residual, const DecoyBench& bench, const Decoy& decoy,
-              const Eigen::MatrixXd& columns) {
+// Whether everything of a decoy's kind can do what these columns fit.
+bool IsOfKind(const ProjectedResidual& residual, const Eigen::MatrixXd& kind, const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd fitted = residual.Reproduce(columns, residual.residual());
-  const Eigen::VectorXd alike = residual.Reproduce(bench.ColumnsOfKind(decoy), fitted);
+  const Eigen::VectorXd alike = residual.Reproduce(kind, fitted);
   return (fitted - alike).squaredNorm() <= (1.0 - kOfKind) * fitted.squaredNorm();
 }
 
-bool IsOfKind(const Partial& partial, const ChosenStep& step) {
+// The steps that a decoy would replace are those of its kind; the others hold beside it.
+struct Replacement {
+  std::vector<bool> is_replaced;  // of each step beside the decoy
+  size_t replaced = 0;
+  double gain = 0.0;  // penalised, of what holds
+
+  bool Beats(double total) const { return replaced > 0 && gain > total + Margin(replaced); }
+};
+
+// `columns` of the steps that the decoy competes with, the last ones; `gain` of the steps before and the decoy.
+Replacement Replace(const ProjectedResidual& residual, const Eigen::MatrixXd& kind,
+                    const std::vector<ChosenStep>& steps, const std::vector<Eigen::MatrixXd>& columns, double gain) {
+  Replacement replacement;
+  replacement.gain = gain;
+  const size_t before = steps.size() - columns.size();
+  for (size_t i = 0; i < columns.size(); ++i) {
+    replacement.is_replaced.push_back(IsOfKind(residual, kind, columns[i]));
+    if (replacement.is_replaced.back()) {
+      ++replacement.replaced;
+    } else {
+      replacement.gain += std::max(0.0, steps[before + i].penalised);
+    }
+  }
+  return replacement;
+}
+
+Replacement Replace(const Partial& partial, const std::vector<ChosenStep>& steps) {
   const DecoyBench bench(partial.model);
-  const Eigen::MatrixXd columns =
-      ColumnsOf(*partial.model.problem, partial.model.estimate.parameters, {step.candidate.spec}).columns;
-  return IsOfKind(bench.residual(), bench, partial.decoy, columns);
+  std::vector<Eigen::MatrixXd> columns;
+  for (size_t i = partial.held.size(); i < steps.size(); ++i) {
+    const ParameterSet& parameters = partial.model.estimate.parameters;
+    columns.push_back(ColumnsOf(*partial.model.problem, parameters, {steps[i].candidate.spec}).columns);
+  }
+  return Replace(bench.residual(), bench.ColumnsOfKind(partial.decoy), steps, columns, partial.gain);
 }
 
 // The least number of steps beside which a decoy does better than all of them (`total`); none where they hold. Further
@@ -172,14 +200,13 @@ std::optional<Partial> BeatenByDecoy(const DiagnosedModel& baseline, const Selec
   const int count = static_cast<int>(steps.size());
   std::optional<Partial> beaten = FirstFound<Partial>(count, options.num_threads, [&](int kept) {
     std::optional<Partial> partial = WithDecoy(baseline, options, steps, kept);
-    const bool beats = partial && partial->gain > total + Margin(count - kept);
-    if (!beats || (kept + 1 == count && Contains(*partial, steps.back()))) partial.reset();
+    if (!partial || !Replace(*partial, steps).Beats(total)) return std::optional<Partial>();
+    if (kept + 1 == count && Contains(*partial, steps.back())) partial.reset();
     return partial;
   });
-  if (!beaten) return beaten;
-  for (int kept = static_cast<int>(beaten->held.size()) + 1; kept < count; ++kept) {
-    if (IsOfKind(*beaten, steps[kept - 1])) break;
-    std::optional<Partial> more = WithDecoy(baseline, options, steps, kept);
+  while (beaten && static_cast<int>(beaten->held.size()) < count) {
+    if (Replace(*beaten, steps).is_replaced[0]) break;
+    std::optional<Partial> more = WithDecoy(baseline, options, steps, static_cast<int>(beaten->held.size()) + 1);
     if (!more || more->gain <= beaten->gain + kUnknownMargin) break;
     beaten = std::move(more);
   }
@@ -191,24 +218,28 @@ struct Cut {
   size_t kept;
   Decoy decoy;
   double gain;
+  Replacement replacement;
 };
+
+Cut CutAt(const Bench& bench, const Beside& beside, size_t kept) {
+  const ProjectedResidual& residual = beside.left[kept];
+  Decoy decoy = bench.decoys.Best(residual);
+  const double gain = Sum(beside.steps, kept) + decoy.penalised;
+  const std::vector<Eigen::MatrixXd> columns(beside.columns.begin() + static_cast<long>(kept), beside.columns.end());
+  Replacement replacement = Replace(residual, bench.decoys.ColumnsOfKind(decoy), beside.steps, columns, gain);
+  return {kept, std::move(decoy), gain, std::move(replacement)};
+}
 
 std::optional<Cut> CutByDecoy(const Bench& bench, const Beside& beside) {
   const size_t count = beside.steps.size();
   const double total = Sum(beside.steps, count);
-  const auto with_decoy = [&](size_t kept) {
-    Decoy decoy = bench.decoys.Best(beside.left[kept]);
-    const double gain = Sum(beside.steps, kept) + decoy.penalised;
-    return Cut{kept, std::move(decoy), gain};
-  };
   std::optional<Cut> cut;
   for (size_t kept = 0; kept < count && !cut; ++kept) {
-    Cut here = with_decoy(kept);
-    if (here.gain > total + Margin(count - kept)) cut = std::move(here);
+    Cut here = CutAt(bench, beside, kept);
+    if (here.replacement.Beats(total)) cut = std::move(here);
   }
-  while (cut && cut->kept + 1 < count) {
-    if (IsOfKind(beside.left[cut->kept], bench.decoys, cut->decoy, beside.columns[cut->kept])) break;
-    Cut more = with_decoy(cut->kept + 1);
+  while (cut && cut->kept < count && !cut->replacement.is_replaced[0]) {
+    Cut more = CutAt(bench, beside, cut->kept + 1);
     if (more.gain <= cut->gain + kUnknownMargin) break;
     cut = std::move(more);
   }

@@ -216,5 +216,21 @@ TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
   EXPECT_EQ(diagnosis.unexplained.depends_on, std::vector<std::string>{"A3"});
 }
 
+// A cause with a name on joint 5, with a ripple that has none, beside a larger one without a name on joint 1: the
+// ripple makes a smooth function of joint 5 fit better than the gain alone, which holds all the same.
+TEST(Diagnosis, NamedCauseHoldsBesideOneWithoutAName) {
+  const auto bump = [](double q) { return 300e-6 * std::exp(-0.5 * std::pow((q - 0.3) / 0.15, 2)); };
+  const auto gain = [](double q) { return 90e-6 * q + 25e-6 * std::sin(9.0 * q) * std::exp(-q * q); };
+  const CalibrationProblem problem = Moved(6, [&](Eigen::VectorXd* q) {
+    (*q)[0] += bump((*q)[0]);
+    (*q)[4] += gain((*q)[4]);
+  });
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, "partly");
+  ASSERT_FALSE(diagnosis.steps.empty());
+  EXPECT_EQ(diagnosis.steps[0].chosen.candidate.spec.Path(), "effect/encoder_gain/A5");
+  for (const DiagnosisStep& step : diagnosis.steps) EXPECT_NE(step.chosen.candidate.spec.target, "A1");
+}
+
 }  // namespace
 }  // namespace sagitta
