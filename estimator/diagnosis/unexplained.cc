@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kMostDecoys = 4;
 constexpr int kManyParameters = 3;
 constexpr double kContained = 0.95;  // share of the decoy's contribution
-constexpr double kOfKind = 0.8;      // share of a step's: as the overlap of alternatives
+constexpr double kOwnCause = 0.5;    // of a step's gain that is left beside everything of a decoy's kind
 
 // What candidates and decoys do at one model, to first order.
 struct Bench {
@@ -150,34 +150,32 @@ bool Contains(const Partial& without, const ChosenStep& step) {
   return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
 }
 
-// Whether everything of a decoy's kind can do what these columns fit.
-bool IsOfKind(const ProjectedResidual& residual, const Eigen::MatrixXd& kind, const Eigen::MatrixXd& columns) {
-  const Eigen::VectorXd fitted = residual.Reproduce(columns, residual.residual());
-  const Eigen::VectorXd alike = residual.Reproduce(kind, fitted);
-  return (fitted - alike).squaredNorm() <= (1.0 - kOfKind) * fitted.squaredNorm();
-}
-
-// The steps that a decoy would replace are those of its kind; the others hold beside it.
+// Of the steps that a decoy competes with, those whose gain vanishes beside everything of its kind are replaced: they
+// only imitated the same. The others are causes of their own.
 struct Replacement {
-  std::vector<bool> is_replaced;  // of each step beside the decoy
+  std::vector<bool> is_replaced;
   size_t replaced = 0;
-  double gain = 0.0;  // penalised, of what holds
+  double gain = 0.0;  // penalised, of all that holds and the decoy
 
   bool Beats(double total) const { return replaced > 0 && gain > total + Margin(replaced); }
 };
 
-// `columns` of the steps that the decoy competes with, the last ones; `gain` of the steps before and the decoy.
+// `columns` of those steps, the last ones; `gain` of the steps before and the decoy.
 Replacement Replace(const ProjectedResidual& residual, const Eigen::MatrixXd& kind,
                     const std::vector<ChosenStep>& steps, const std::vector<Eigen::MatrixXd>& columns, double gain) {
   Replacement replacement;
   replacement.gain = gain;
+  ProjectedResidual left = residual.With(kind);
   const size_t before = steps.size() - columns.size();
   for (size_t i = 0; i < columns.size(); ++i) {
-    replacement.is_replaced.push_back(IsOfKind(residual, kind, columns[i]));
+    const ChosenStep& step = steps[before + i];
+    const double own = left.Test(columns[i], step.candidate.settings).penalised;
+    replacement.is_replaced.push_back(own < kOwnCause * step.penalised);
     if (replacement.is_replaced.back()) {
       ++replacement.replaced;
     } else {
-      replacement.gain += std::max(0.0, steps[before + i].penalised);
+      replacement.gain += std::min(own, step.penalised);
+      left = left.With(columns[i]);
     }
   }
   return replacement;
