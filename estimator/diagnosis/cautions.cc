@@ -111,8 +111,9 @@ std::vector<std::string> FindCautions(const DiagnosedModel& believed) {
         "hold-out figures are too good by their share. Hold out whole configurations.");
   }
   if (counts.held_out > 0 && counts.held_out < kFewHeldOut) {
-    cautions.push_back("Only " + std::to_string(counts.held_out) +
-                       " configurations are held out: the gap figures are hardly more than an example.");
+    const std::string held_out =
+        counts.held_out == 1 ? "1 configuration is" : std::to_string(counts.held_out) + " configurations are";
+    cautions.push_back("Only " + held_out + " held out: the gap figures are hardly more than an example.");
   }
   return cautions;
 }

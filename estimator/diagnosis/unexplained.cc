@@ -120,125 +120,122 @@ double MarginalBonus(const DiagnosedModel& baseline, const std::vector<ChosenSte
   return bonus;
 }
 
-// The first steps hold, and what they leave has no name.
-struct Partial {
-  std::vector<ChosenStep> held;
-  DiagnosedModel model;
-  Decoy decoy;
-  double gain = 0.0;  // penalised, of the steps and the decoy together
-};
-
-std::optional<Partial> WithDecoy(const DiagnosedModel& baseline, const SelectionOptions& options,
-                                 const std::vector<ChosenStep>& steps, int kept) {
-  Partial partial{{steps.begin(), steps.begin() + kept}, baseline, {}, 0.0};
-  if (kept > 0) partial.model = Extend(baseline, CandidatesOf(partial.held), options.joint);
-  if (!IsUsable(partial.model.estimate.status)) return std::nullopt;
-  partial.decoy = DecoyBench(partial.model).Best();
-  partial.gain = PenalisedTotal(baseline, partial.model, partial.held) + partial.decoy.penalised;
-  return partial;
-}
-
-// Whether the decoy's contribution is something that the effect can do too: then it leads by its fewer parameters only,
-// and is no sign of another cause.
-bool Contains(const Partial& without, const ChosenStep& step) {
-  const CalibrationProblem& problem = *without.model.problem;
-  const ParameterSet& parameters = without.model.estimate.parameters;
-  const Eigen::MatrixXd own = ColumnsOf(problem, parameters, {step.candidate.spec}).columns;
-  if (own.cols() <= without.decoy.columns.cols()) return false;
-  const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
-  const Eigen::VectorXd fitted = residual.Reproduce(without.decoy.columns, residual.residual());
-  return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
-}
-
 // Of the steps that a decoy competes with, those whose gain vanishes beside everything of its kind are replaced: they
 // only imitated the same. The others are causes of their own.
 struct Replacement {
   std::vector<bool> is_replaced;
   size_t replaced = 0;
-  double gain = 0.0;  // penalised, of all that holds and the decoy
-
-  bool Beats(double total) const { return replaced > 0 && gain > total + Margin(replaced); }
+  double gain = 0.0;  // penalised, of the others
 };
 
-// `columns` of those steps, the last ones; `gain` of the steps before and the decoy.
 Replacement Replace(const ProjectedResidual& residual, const Eigen::MatrixXd& kind,
-                    const std::vector<ChosenStep>& steps, const std::vector<Eigen::MatrixXd>& columns, double gain) {
+                    const std::vector<ChosenStep>& competing, const std::vector<Eigen::MatrixXd>& columns) {
   Replacement replacement;
-  replacement.gain = gain;
   ProjectedResidual left = residual.With(kind);
-  const size_t before = steps.size() - columns.size();
-  for (size_t i = 0; i < columns.size(); ++i) {
-    const ChosenStep& step = steps[before + i];
-    const double own = left.Test(columns[i], step.candidate.settings).penalised;
-    replacement.is_replaced.push_back(own < kOwnCause * step.penalised);
+  for (size_t i = 0; i < competing.size(); ++i) {
+    const double own = left.Test(columns[i], competing[i].candidate.settings).penalised;
+    replacement.is_replaced.push_back(own < kOwnCause * competing[i].penalised);
     if (replacement.is_replaced.back()) {
       ++replacement.replaced;
     } else {
-      replacement.gain += std::min(own, step.penalised);
+      replacement.gain += std::min(own, competing[i].penalised);
       left = left.With(columns[i]);
     }
   }
   return replacement;
 }
 
-Replacement Replace(const Partial& partial, const std::vector<ChosenStep>& steps) {
-  const DecoyBench bench(partial.model);
+// The first steps hold, and a decoy does what the others only imitate.
+struct Cut {
+  size_t kept = 0;
+  Decoy decoy;
+  double gain = 0.0;  // penalised, of the steps that are kept and the decoy
+  Replacement others;
+
+  // Whether that is better than all steps.
+  bool Beats(double total) const { return others.replaced > 0 && gain + others.gain > total + Margin(others.replaced); }
+  // Whether the next step is a cause of its own, and gains where it is kept too.
+  bool GrowsTo(const Cut& next) const { return next.gain > gain + kUnknownMargin; }
+  bool MayGrow() const { return !others.is_replaced.empty() && !others.is_replaced[0]; }
+};
+
+Cut CutAt(const DecoyBench& bench, const ProjectedResidual& residual, double gain_of_kept,
+          const std::vector<ChosenStep>& steps, size_t kept, const std::vector<Eigen::MatrixXd>& columns) {
+  Cut cut{kept, bench.Best(residual), 0.0, {}};
+  cut.gain = gain_of_kept + cut.decoy.penalised;
+  const std::vector<ChosenStep> competing(steps.begin() + static_cast<long>(kept), steps.end());
+  cut.others = Replace(residual, bench.ColumnsOfKind(cut.decoy), competing, columns);
+  return cut;
+}
+
+// Whether the decoy's contribution is something that the effect can do too: then it leads by its fewer parameters only,
+// and is no sign of another cause.
+bool Contains(const ProjectedResidual& residual, const Eigen::MatrixXd& own, const Decoy& decoy) {
+  if (own.cols() <= decoy.columns.cols()) return false;
+  const Eigen::VectorXd fitted = residual.Reproduce(decoy.columns, residual.residual());
+  return (fitted - residual.Reproduce(own, fitted)).squaredNorm() < (1.0 - kContained) * fitted.squaredNorm();
+}
+
+// A cut at the model that the kept steps make.
+struct Partial {
+  Cut cut;
+  DiagnosedModel model;
+  bool contained = false;  // the decoy, in the only step that it competes with
+};
+
+std::optional<Partial> CutAt(const DiagnosedModel& baseline, const SelectionOptions& options,
+                             const std::vector<ChosenStep>& steps, size_t kept) {
+  const std::vector<ChosenStep> held(steps.begin(), steps.begin() + static_cast<long>(kept));
+  Partial partial{{}, kept > 0 ? Extend(baseline, CandidatesOf(held), options.joint) : baseline, false};
+  const DiagnosedModel& model = partial.model;
+  if (!IsUsable(model.estimate.status)) return std::nullopt;
+  std::vector<EffectSpec> specs;
+  for (size_t i = kept; i < steps.size(); ++i) specs.push_back(steps[i].candidate.spec);
+  const CandidateColumns all = ColumnsOf(*model.problem, model.estimate.parameters, specs);
   std::vector<Eigen::MatrixXd> columns;
-  for (size_t i = partial.held.size(); i < steps.size(); ++i) {
-    const ParameterSet& parameters = partial.model.estimate.parameters;
-    columns.push_back(ColumnsOf(*partial.model.problem, parameters, {steps[i].candidate.spec}).columns);
+  for (int i = 0; i < static_cast<int>(specs.size()); ++i) {
+    columns.push_back(all.columns.middleCols(all.first[i], all.count(i)));
   }
-  return Replace(bench.residual(), bench.ColumnsOfKind(partial.decoy), steps, columns, partial.gain);
+  const DecoyBench bench(model);
+  partial.cut = CutAt(bench, bench.residual(), PenalisedTotal(baseline, model, held), steps, kept, columns);
+  partial.contained = kept + 1 == steps.size() && Contains(bench.residual(), columns.back(), partial.cut.decoy);
+  return partial;
 }
 
 // The least number of steps beside which a decoy does better than all of them (`total`); none where they hold. Further
-// steps that gain beside a decoy of another kind hold too: a cause with a name, and one without.
+// steps that gain beside it and are causes of their own hold too: a cause with a name, and one without.
 std::optional<Partial> BeatenByDecoy(const DiagnosedModel& baseline, const SelectionOptions& options,
                                      const std::vector<ChosenStep>& steps, double total) {
-  const int count = static_cast<int>(steps.size());
-  std::optional<Partial> beaten = FirstFound<Partial>(count, options.num_threads, [&](int kept) {
-    std::optional<Partial> partial = WithDecoy(baseline, options, steps, kept);
-    if (!partial || !Replace(*partial, steps).Beats(total)) return std::optional<Partial>();
-    if (kept + 1 == count && Contains(*partial, steps.back())) partial.reset();
-    return partial;
-  });
-  while (beaten && static_cast<int>(beaten->held.size()) < count) {
-    if (Replace(*beaten, steps).is_replaced[0]) break;
-    std::optional<Partial> more = WithDecoy(baseline, options, steps, static_cast<int>(beaten->held.size()) + 1);
-    if (!more || more->gain <= beaten->gain + kUnknownMargin) break;
+  std::optional<Partial> beaten =
+      FirstFound<Partial>(static_cast<int>(steps.size()), options.num_threads, [&](int kept) {
+        std::optional<Partial> partial = CutAt(baseline, options, steps, kept);
+        if (partial && (!partial->cut.Beats(total) || partial->contained)) partial.reset();
+        return partial;
+      });
+  while (beaten && beaten->cut.MayGrow()) {
+    std::optional<Partial> more = CutAt(baseline, options, steps, beaten->cut.kept + 1);
+    if (!more || !beaten->cut.GrowsTo(more->cut)) break;
     beaten = std::move(more);
   }
   return beaten;
 }
 
-// The same among steps to first order: how many hold, and the decoy beside them.
-struct Cut {
-  size_t kept;
-  Decoy decoy;
-  double gain;
-  Replacement replacement;
-};
-
-Cut CutAt(const Bench& bench, const Beside& beside, size_t kept) {
-  const ProjectedResidual& residual = beside.left[kept];
-  Decoy decoy = bench.decoys.Best(residual);
-  const double gain = Sum(beside.steps, kept) + decoy.penalised;
-  const std::vector<Eigen::MatrixXd> columns(beside.columns.begin() + static_cast<long>(kept), beside.columns.end());
-  Replacement replacement = Replace(residual, bench.decoys.ColumnsOfKind(decoy), beside.steps, columns, gain);
-  return {kept, std::move(decoy), gain, std::move(replacement)};
-}
-
+// The same among steps to first order.
 std::optional<Cut> CutByDecoy(const Bench& bench, const Beside& beside) {
   const size_t count = beside.steps.size();
   const double total = Sum(beside.steps, count);
+  const auto cut_at = [&](size_t kept) {
+    const std::vector<Eigen::MatrixXd> columns(beside.columns.begin() + static_cast<long>(kept), beside.columns.end());
+    return CutAt(bench.decoys, beside.left[kept], Sum(beside.steps, kept), beside.steps, kept, columns);
+  };
   std::optional<Cut> cut;
   for (size_t kept = 0; kept < count && !cut; ++kept) {
-    Cut here = CutAt(bench, beside, kept);
-    if (here.replacement.Beats(total)) cut = std::move(here);
+    Cut here = cut_at(kept);
+    if (here.Beats(total)) cut = std::move(here);
   }
-  while (cut && cut->kept < count && !cut->replacement.is_replaced[0]) {
-    Cut more = CutAt(bench, beside, cut->kept + 1);
-    if (more.gain <= cut->gain + kUnknownMargin) break;
+  while (cut && cut->MayGrow()) {
+    Cut more = cut_at(cut->kept + 1);
+    if (!cut->GrowsTo(more)) break;
     cut = std::move(more);
   }
   return cut;
@@ -268,8 +265,8 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
   const std::optional<Partial> beaten = BeatenByDecoy(baseline, options, *steps, total);
   if (!beaten) return rest;
   rest.found = true;
-  rest.decoy = beaten->decoy;
-  *steps = beaten->held;
+  rest.decoy = beaten->cut.decoy;
+  steps->resize(beaten->cut.kept);
   *model = beaten->model;
   const std::vector<ChosenStep> further = StepsBeside(Bench(*model, candidates), rest.decoy, options);
   if (!further.empty()) {
