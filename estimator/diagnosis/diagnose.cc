@@ -139,7 +139,7 @@ void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagno
   diagnosis->final_p = LackOfFit(diagnosis->final.estimate);
   if (!diagnosis->has_unexplained) {
     const Decoy rest = DecoyBench(diagnosis->final).Best();
-    diagnosis->has_unexplained = rest.penalised > kNoiseEvidence;
+    diagnosis->has_unexplained = rest.penalised > EvidenceNeeded(options.significance);
     diagnosis->unexplained = rest.penalised > 0.0 ? rest : Decoy();  // else no driver stands out
   }
   const bool is_sigma = noise->Close(diagnosis->final.estimate, diagnosis->has_unexplained, gate);

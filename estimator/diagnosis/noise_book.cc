@@ -15,6 +15,8 @@ constexpr int kMostOutlierRounds = 12;
 
 }  // namespace
 
+double EvidenceNeeded(double significance) { return 10.0 + 2.0 * std::log(0.01 / significance); }
+
 NoiseBook::NoiseBook(const CalibrationProblem& problem, double significance, const JointOptions& joint)
     : stated_(problem),
       significance_(significance),
@@ -101,7 +103,7 @@ double NoiseBook::FindScale(const DiagnosedModel& model) {
 double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least) {
   const RepeatabilityFit fit = FitRepeatability(*model.problem, model.estimate.parameters);
   const double penalised = fit.gain - std::log(static_cast<double>(model.estimate.rows));
-  const bool found = penalised > std::max(kNoiseEvidence, at_least);
+  const bool found = penalised > std::max(EvidenceNeeded(significance_), at_least);
   finding_.repeatability = found ? fit.sigma : 0.0;
   finding_.repeatability_low = found ? fit.low : 0.0;
   finding_.repeatability_high = found ? fit.high : 0.0;

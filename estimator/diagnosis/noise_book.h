@@ -10,7 +10,8 @@
 
 namespace sagitta {
 
-constexpr double kNoiseEvidence = 10.0;  // penalised gain of what is no effect before it counts
+// Penalised gain of what is no effect before it counts. Gains are twice a log odds: 10 at the level 0.01, and with it.
+double EvidenceNeeded(double significance);
 
 struct NoiseFinding {
   double scale = 1.0, low = 1.0, high = 1.0;  // of the instrument's sigma over the stated one

@@ -54,6 +54,17 @@ TEST(Diagnosis, NothingHiddenIsConsistent) {
   EXPECT_TRUE(diagnosis.steps.empty());
 }
 
+// Decoys, lack of fit and noise have shares of the level as the effects do: nothing passes one that is out of reach.
+TEST(Diagnosis, EveryGateFollowsTheLevel) {
+  const CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q); });
+  DiagnosisOptions options;
+  EXPECT_EQ(Diagnose(problem, options).verdict, "explained");
+  options.significance = 1e-300;
+  const Diagnosis diagnosis = Diagnose(problem, options);
+  EXPECT_EQ(diagnosis.verdict, "consistent");
+  EXPECT_EQ(diagnosis.noise.repeatability, 0.0);
+}
+
 TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
   const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());

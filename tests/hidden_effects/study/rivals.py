@@ -136,12 +136,9 @@ def separation(programs, answer_folder, hidden, number, diagnosis):
     true = fit_with(programs, answer_folder, others + [as_effect(hidden[number], 'kind')])
     if true is None:
         return {'sep': None, 'best_rival': None, 'left': None, 'rivals': []}
-    skip = set(truths)
-    for h in hidden:
-        skip |= naming.accepted_besides(h)
     without = fit_with(programs, answer_folder, others)
     rivals = []
-    for rival in candidate_rivals(diagnosis, skip):
+    for rival in candidate_rivals(diagnosis, truths):
         fit = fit_with(programs, answer_folder, others + [rival])
         if fit is not None:
             name = naming.identity({'effect': rival[0], 'target': rival[1], 'settings': rival[2]})
