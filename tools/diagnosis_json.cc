@@ -15,6 +15,11 @@ constexpr size_t kListedCandidates = 40;
 
 Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+// mm; null without a hold-out.
+Json HeldOut(const Estimate& estimate, double metres) {
+  return estimate.validation.observations > 0 ? Json(1e3 * metres) : Json(nullptr);
+}
+
 Json SettingsToJson(const EffectSpec& spec) {
   Json json = Json::object();
   for (const auto& [name, text] : spec.settings) {
@@ -55,16 +60,17 @@ Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
     json["parameters"].push_back({{"name", ParameterKey(name, row.quantity)},
                                   {"value", row.value / unit},
                                   {"sigma", row.sigma / unit},
-                                  {"ci95", {row.ci95.low / unit, row.ci95.high / unit}}});
+                                  {"ci95", {row.ci95.low / unit, row.ci95.high / unit}},
+                                  {"identifiable", IsTold(step, row)}});
   }
-  json["holdout_rms_before_mm"] = 1e3 * step.holdout_before;
-  json["holdout_rms_after_mm"] = 1e3 * step.holdout_after;
-  json["reduced_chi2_after"] = step.reduced_chi2_after;
+  json["holdout_rms_before_mm"] = Finite(1e3 * step.holdout_before);
+  json["holdout_rms_after_mm"] = Finite(1e3 * step.holdout_after);
+  json["reduced_chi2_after"] = Finite(step.reduced_chi2_after);
   json["cross_validation"] = {{"folds", step.confirmation.folds},
                               {"chi2_per_row_before", Finite(step.confirmation.cv_before)},
                               {"chi2_per_row_after", Finite(step.confirmation.cv_after)}};
   json["halves"] = HalvesToJson(step.confirmation);
-  json["physical"] = {{"plausible", IsPlausible(step)}, {"words", PhysicalInWords(step)}};
+  json["physical"] = {{"plausible", IsPlausible(robot, step)}, {"words", PhysicalInWords(robot, step)}};
   json["alternatives"] = Json::array();
   for (const Alternative& alternative : step.alternatives) {
     Json entry = SpecToJson(alternative.spec);
@@ -85,6 +91,39 @@ Json NoiseToJson(const NoiseFinding& noise) {
   }
   json["outliers"] = noise.outliers;
   json["words"] = NoiseInWords(noise);
+  return json;
+}
+
+Json CandidatesToJson(const Diagnosis& d) {
+  Json json = Json::array();
+  for (size_t i = 0; i < std::min(kListedCandidates, d.candidates.size()); ++i) {
+    const ScreenedCandidate& candidate = d.candidates[i];
+    if (candidate.score.rank == 0) continue;
+    Json entry = SpecToJson(candidate.candidate.spec);
+    entry["score"] = candidate.score.reduction;
+    entry["p_value"] = candidate.corrected_p;
+    entry["penalised"] = candidate.score.penalised;
+    entry["holdout_rms_mm"] = candidate.holdout_rms ? Json(1e3 * *candidate.holdout_rms) : Json(nullptr);
+    json.push_back(entry);
+  }
+  return json;
+}
+
+Json FinalToJson(const Diagnosis& d) {
+  const Estimate& after = d.final.estimate;
+  Json json = {{"reduced_chi2", after.chi2 / std::max(1, after.dof)},
+               {"lack_of_fit_p", Finite(d.final_p)},
+               {"rms_mm", 1e3 * after.fit.rms},
+               {"holdout_rms_mm", HeldOut(after, after.validation.rms)},
+               {"holdout_distance_rms_mm", HeldOut(after, after.validation.distance_rms)},
+               {"noise_floor_mm", HeldOut(after, after.noise_floor)},
+               {"gap_before_mm", Finite(1e3 * d.gap.before)},
+               {"gap_after_mm", Finite(1e3 * d.gap.after)},
+               {"gap_closed", Finite(d.gap.closed)},
+               {"gap_closed_ci95", nullptr}};
+  if (std::isfinite(d.gap.closed_ci95.low)) {
+    json["gap_closed_ci95"] = {d.gap.closed_ci95.low, d.gap.closed_ci95.high};
+  }
   return json;
 }
 
@@ -115,15 +154,14 @@ Robot ExtendedRobot(const Diagnosis& diagnosis) {
 
 Json DiagnosisToJson(const Diagnosis& d, double significance) {
   const Estimate& before = d.baseline.estimate;
-  const Estimate& after = d.final.estimate;
   Json json = {{"schema", "sagitta/diagnosis/1"}, {"verdict", d.verdict}, {"significance", significance}};
   json["words"] = VerdictInWords(d);
   if (!d.cautions.empty()) json["cautions"] = d.cautions;
   json["baseline"] = {{"reduced_chi2", before.chi2 / std::max(1, before.dof)},
                       {"lack_of_fit_p", Finite(d.baseline_p)},
                       {"rms_mm", 1e3 * before.fit.rms},
-                      {"holdout_rms_mm", 1e3 * before.validation.rms},
-                      {"holdout_distance_rms_mm", 1e3 * before.validation.distance_rms}};
+                      {"holdout_rms_mm", HeldOut(before, before.validation.rms)},
+                      {"holdout_distance_rms_mm", HeldOut(before, before.validation.distance_rms)}};
   json["where"] = Json::array();
   for (const WhereShare& share : d.where) {
     json["where"].push_back(
@@ -131,33 +169,14 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   }
   json["noise"] = NoiseToJson(d.noise);
   json["screened"] = d.candidates.size();  // p-values are corrected for them all
-  json["candidates"] = Json::array();
-  for (size_t i = 0; i < std::min(kListedCandidates, d.candidates.size()); ++i) {
-    const ScreenedCandidate& candidate = d.candidates[i];
-    if (candidate.score.rank == 0) continue;
-    Json entry = SpecToJson(candidate.candidate.spec);
-    entry["score"] = candidate.score.reduction;
-    entry["p_value"] = candidate.corrected_p;
-    entry["penalised"] = candidate.score.penalised;
-    entry["holdout_rms_mm"] = candidate.holdout_rms ? Json(1e3 * *candidate.holdout_rms) : Json(nullptr);
-    json["candidates"].push_back(entry);
-  }
+  json["candidates"] = CandidatesToJson(d);
   json["not_testable"] = Json::array();
   for (const NotTestable& entry : d.not_testable) {
     json["not_testable"].push_back({{"effect", entry.effect}, {"target", entry.target}, {"needs", entry.needs}});
   }
   json["steps"] = Json::array();
   for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(d.final.problem->robot, step));
-  json["final"] = {{"reduced_chi2", after.chi2 / std::max(1, after.dof)},
-                   {"lack_of_fit_p", Finite(d.final_p)},
-                   {"rms_mm", 1e3 * after.fit.rms},
-                   {"holdout_rms_mm", 1e3 * after.validation.rms},
-                   {"holdout_distance_rms_mm", 1e3 * after.validation.distance_rms},
-                   {"noise_floor_mm", 1e3 * after.noise_floor},
-                   {"gap_before_mm", 1e3 * d.gap.before},
-                   {"gap_after_mm", 1e3 * d.gap.after},
-                   {"gap_closed", d.gap.closed},
-                   {"gap_closed_ci95", {d.gap.closed_ci95.low, d.gap.closed_ci95.high}}};
+  json["final"] = FinalToJson(d);
   json["unexplained"] = nullptr;
   if (d.verdict == "unknown" || d.verdict == "partly") {
     const Json depends = d.unexplained.depends_on;

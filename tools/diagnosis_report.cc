@@ -1,5 +1,6 @@
 #include "tools/diagnosis_report.h"
 
+#include <algorithm>
 #include <map>
 
 #include "tools/charts.h"
@@ -11,6 +12,8 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kBarsPerMap = 8;
+
+std::string Probability(double p) { return p > 0.0 ? Significant(p, 2) : "below 1e-300"; }
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 
@@ -41,16 +44,14 @@ Section GapSection(const Diagnosis& d) {
   section.header = {"", "before", "after", "unit"};
   section.rows = {
       {"reduced chi-square of the fit", reduced(before), reduced(after), ""},
-      {"lack of fit, p", Significant(d.baseline_p, 2), Significant(d.final_p, 2), ""},
+      {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""},
       {"hold-out RMS per coordinate", Millimetres(before.validation.rms), Millimetres(after.validation.rms), "mm"},
       {"hold-out RMS distance", Millimetres(before.validation.distance_rms), Millimetres(after.validation.distance_rms),
        "mm"},
       {"gap beyond the noise floor", Millimetres(d.gap.before), Millimetres(d.gap.after), "mm"}};
   section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
-                        Millimetres(after.noise_floor) +
-                        " mm per coordinate. Closed: " + Significant(100 * d.gap.closed, 3) +
-                        " % of the squared gap (95 %: " + Significant(100 * d.gap.closed_ci95.low, 3) + " to " +
-                        Significant(100 * d.gap.closed_ci95.high, 3) + ")."};
+                        Millimetres(after.noise_floor) + " mm per coordinate" +
+                        (d.steps.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
   if (d.baseline.estimate.validation.observations > 0) section.figure = Waterfall(d);
   return section;
 }
@@ -58,18 +59,19 @@ Section GapSection(const Diagnosis& d) {
 Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number) {
   Section section;
   section.title = "Step " + std::to_string(number) + ": " + Title(robot, step.chosen.candidate.spec);
-  section.header = {"parameter", "value", "95 % from", "to", "unit"};
+  section.header = {"parameter", "value", "95 % from", "to", "unit", ""};
   for (const ParameterEstimate& row : step.parameters) {
     const QuantityTraits& traits = TraitsOf(row.quantity);
     section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
                             Significant(row.ci95.low / traits.si_per_unit, 4),
-                            Significant(row.ci95.high / traits.si_per_unit, 4), traits.unit});
+                            Significant(row.ci95.high / traits.si_per_unit, 4), traits.unit,
+                            IsTold(step, row) ? "" : "not told by these data"});
   }
   section.paragraphs = {StepInWords(robot, step), HalvesInWords(step.confirmation),
                         "Cross-validated chi-square per row: " + Significant(step.confirmation.cv_before, 4) + " -> " +
                             Significant(step.confirmation.cv_after, 4) + " (" +
                             std::to_string(step.confirmation.folds) + " folds of configurations).",
-                        "Physical bounds: " + PhysicalInWords(step) + "."};
+                        "Physical bounds: " + PhysicalInWords(robot, step) + "."};
   for (const Alternative& alternative : step.alternatives) {
     section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
                                  ". To separate them: " + SeparateBy(robot, alternative.spec) + ".");
@@ -89,7 +91,7 @@ Section CandidateSection(const Diagnosis& d) {
     const ScreenedCandidate& entry = d.candidates[i];
     if (entry.score.rank == 0) break;
     section.rows.push_back({Title(d.final.problem->robot, entry.candidate.spec), Fixed(entry.score.reduction, 1),
-                            std::to_string(entry.score.rank), Significant(entry.corrected_p, 2),
+                            std::to_string(entry.score.rank), Probability(entry.corrected_p),
                             entry.holdout_rms ? Millimetres(*entry.holdout_rms) : ""});
   }
   section.paragraphs = {std::to_string(d.candidates.size()) +
@@ -116,17 +118,32 @@ Section WhereSection(const Diagnosis& d) {
   return section;
 }
 
+// The verdict, and the steps in a table.
+Section VerdictSection(const Diagnosis& d) {
+  Section section;
+  section.title = "Diagnosis: " + d.verdict;
+  section.paragraphs = {VerdictInWords(d), "Noise: " + NoiseInWords(d.noise)};
+  if (d.has_unexplained && !d.unexplained.words.empty()) {
+    section.paragraphs.push_back("Without a name: " + d.unexplained.words + ".");
+  }
+  for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
+  if (d.steps.empty()) return section;
+  section.header = {"step", "named", "hold-out RMS, mm", "on two halves", "a machine shows that"};
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    const DiagnosisStep& step = d.steps[i];
+    const auto& halves = step.confirmation.halves;
+    const auto named = std::count_if(halves.begin(), halves.end(), [](const HalfResult& half) { return half.named; });
+    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot, step.chosen.candidate.spec),
+                            Millimetres(step.holdout_after), "named in " + std::to_string(named),
+                            IsPlausible(d.final.problem->robot, step) ? "yes" : "no: a description"});
+  }
+  return section;
+}
+
 }  // namespace
 
 std::string DiagnosisToHtml(const Diagnosis& d, const Provenance& provenance) {
-  std::vector<Section> sections(1);
-  sections[0].title = "Diagnosis: " + d.verdict;
-  sections[0].paragraphs = {VerdictInWords(d), NoiseInWords(d.noise)};
-  if (d.has_unexplained && !d.unexplained.words.empty()) {
-    sections[0].paragraphs.push_back("Without a name: " + d.unexplained.words + ".");
-  }
-  for (const std::string& caution : d.cautions) sections[0].paragraphs.push_back("Caution: " + caution);
-  sections.push_back(GapSection(d));
+  std::vector<Section> sections = {VerdictSection(d), GapSection(d)};
   if (d.verdict != "consistent") sections.push_back(WhereSection(d));
   for (size_t i = 0; i < d.steps.size(); ++i) {
     sections.push_back(StepSection(d.final.problem->robot, d.steps[i], i + 1));

@@ -45,11 +45,16 @@ std::string VerdictInWords(const Diagnosis& d) {
   return "There is a significant gap that no effect of the catalogue explains well.";
 }
 
+bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row) {
+  const std::vector<std::string>& vague = step.chosen.candidate.vague;
+  return std::find(vague.begin(), vague.end(), row.name) == vague.end();
+}
+
 std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   std::string words = Title(robot, step.chosen.candidate.spec) + ":";
   const std::vector<std::string>& vague = step.chosen.candidate.vague;
   for (const ParameterEstimate& row : step.parameters) {
-    if (std::find(vague.begin(), vague.end(), row.name) != vague.end()) continue;
+    if (!IsTold(step, row)) continue;
     const double unit = TraitsOf(row.quantity).si_per_unit;
     words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + Significant(row.value / unit, 3) + " ± " +
              Significant(0.5 * (row.ci95.high - row.ci95.low) / unit, 3) + " " + TraitsOf(row.quantity).unit + ",";
@@ -87,7 +92,7 @@ std::string HalvesInWords(const Confirmation& confirmation) {
   if (telling == 0) return words + "neither is large enough to name anything.";
   words += named == 2 ? "named in both" : named == 1 ? "named in one" : "named in neither";
   if (telling < 2) words += " (the other is too small to name anything)";
-  if (confirmation.halves[0].values.size() == 0 || confirmation.halves[1].values.size() == 0) return words + ".";
+  if (std::isnan(confirmation.compatible_p)) return words + ".";
   return words +
          (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
          " (p " + Significant(confirmation.compatible_p, 3) + ").";
@@ -95,7 +100,7 @@ std::string HalvesInWords(const Confirmation& confirmation) {
 
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
-  if (noise.is_finding && std::abs(noise.scale - 1.0) > 0.02 && (noise.low > 1.0 || noise.high < 1.0)) {
+  if (noise.scale_differs) {
     words += "The instrument's noise is " + Significant(noise.scale, 3) +
              " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
   }
@@ -107,7 +112,8 @@ std::string NoiseInWords(const NoiseFinding& noise) {
   if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out";
   if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
   if (!noise.outliers.empty()) words += ". ";
-  return words.empty() ? "The noise is as stated." : words;
+  if (!words.empty()) return words;
+  return noise.is_stated ? "The noise is as stated." : "None is stated: it is the scatter about the extended model.";
 }
 
 std::string ShareInWords(const WhereShare& share) {
@@ -124,22 +130,42 @@ bool IsPlausibleSpring(const DiagnosisStep& step) {
   return true;
 }
 
-// Largest size that a healthy machine could show, in units of results.
-bool IsPlausible(const DiagnosisStep& step) {
-  if (step.chosen.candidate.spec.effect == "gravity_compensator") return IsPlausibleSpring(step);
+// Whether a machine could show it: sign, and size within what its definition allows.
+bool IsPlausible(const Robot& robot, const DiagnosisStep& step) {
+  const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
+  if (definition == nullptr) return IsPlausibleSpring(step);
   for (const ParameterEstimate& row : step.parameters) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
     if (is_compliance && row.ci95.high < 0.0) return false;
-    if (std::abs(row.value) > 5.0 * TraitsOf(row.quantity).hold_limit) return false;
+    if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
     if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity")
       return false;
   }
   return true;
 }
 
-std::string PhysicalInWords(const DiagnosisStep& step) {
-  return IsPlausible(step) ? "the size is one that machines show"
-                           : "sign or size is not physical: take it as a description, not as a cause";
+std::string PhysicalInWords(const Robot& robot, const DiagnosisStep& step) {
+  return IsPlausible(robot, step) ? "the size is one that machines show"
+                                  : "sign or size is not physical: take it as a description, not as a cause";
+}
+
+std::string ClosedInWords(const GapReport& gap) {
+  const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
+  if (std::isnan(gap.closed_ci95.low)) return words;
+  return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +
+         Significant(100 * gap.closed_ci95.high, 3) + ")";
+}
+
+std::string GapInWords(const Diagnosis& d) {
+  const std::string words =
+      "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
+  if (d.steps.empty()) return words + " mm\n";
+  return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
+}
+
+std::string HoldoutInWords(const Estimate& estimate) {
+  if (estimate.validation.observations == 0) return "no hold-out";
+  return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
 }
 
 std::string DiagnosisToText(const Diagnosis& d) {
@@ -148,22 +174,22 @@ std::string DiagnosisToText(const Diagnosis& d) {
   const Estimate& before = d.baseline.estimate;
   const Estimate& after = d.final.estimate;
   text << "Verdict: " << d.verdict << ". " << VerdictInWords(d) << "\n\n";
-  text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", hold-out RMS "
-       << Significant(1e3 * before.validation.rms, 3) << " mm\n";
+  text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", "
+       << HoldoutInWords(before) << "\n";
   for (size_t i = 0; i < d.steps.size(); ++i) {
     text << "Step " << i + 1 << ": " << StepInWords(robot, d.steps[i]) << "\n";
     text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
-    if (!IsPlausible(d.steps[i])) text << "    " << PhysicalInWords(d.steps[i]) << "\n";
+    if (!IsPlausible(robot, d.steps[i])) text << "    " << PhysicalInWords(robot, d.steps[i]) << "\n";
     for (const Alternative& alternative : d.steps[i].alternatives) {
       text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3)
            << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
     }
   }
-  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", hold-out RMS "
-       << Significant(1e3 * after.validation.rms, 3) << " mm, noise floor " << Significant(1e3 * after.noise_floor, 3)
-       << " mm\n";
-  text << "Gap on untouched configurations: " << Significant(1e3 * d.gap.before, 3) << " -> "
-       << Significant(1e3 * d.gap.after, 3) << " mm, closed " << Significant(100 * d.gap.closed, 3) << " %\n";
+  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
+       << HoldoutInWords(after);
+  if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * after.noise_floor, 3) << " mm";
+  text << "\n";
+  if (!std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << d.unexplained.words << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";

@@ -18,9 +18,13 @@ std::string HalvesInWords(const Confirmation& confirmation);
 std::string NoiseInWords(const NoiseFinding& noise);
 std::string ShareInWords(const WhereShare& share);
 
-// Whether a healthy machine could show sign and size.
-bool IsPlausible(const DiagnosisStep& step);
-std::string PhysicalInWords(const DiagnosisStep& step);
+std::string ClosedInWords(const GapReport& gap);
+
+// Whether a machine could show sign and size.
+bool IsPlausible(const Robot& robot, const DiagnosisStep& step);
+std::string PhysicalInWords(const Robot& robot, const DiagnosisStep& step);
+// Whether the data tell this parameter of the step; the others are held near neutral.
+bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row);
 
 std::string DiagnosisToText(const Diagnosis& diagnosis);
 

@@ -198,6 +198,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["version"] = SAGITTA_VERSION;
   json["command"] = provenance.command;
   json["method"] = provenance.method;
+  if (!provenance.simulation.empty()) json["simulation"] = provenance.simulation;
   json["inputs"] = Json::array();
   for (const InputFile& input : provenance.inputs) {
     json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});

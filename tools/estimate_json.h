@@ -19,6 +19,7 @@ struct Provenance {
   std::string command;
   std::string method = "joint";
   std::vector<InputFile> inputs;
+  std::string simulation = "";  // "columns": the estimate corrects somebody else's simulation and predicts no points
 };
 
 nlohmann::ordered_json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,

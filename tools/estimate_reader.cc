@@ -57,6 +57,10 @@ class EstimateReader {
       Fail("schema", schema.is_null() ? "this key is missing: not an estimate" : schema.dump() + " cannot be read here",
            "expected: sagitta/estimate/1, as 'sagitta calibrate' writes it");
     }
+    if (json.contains("simulation")) {
+      Fail("simulation", "this estimate corrects another simulation's points and predicts none of its own",
+           "give the estimate.json of 'sagitta calibrate', or of 'sagitta diagnose' without --simulation=columns");
+    }
     return json;
   }
 

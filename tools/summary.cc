@@ -272,12 +272,14 @@ std::string Wrapped(const std::string& paragraph) {
 }  // namespace
 
 std::string Fixed(double value, int decimals) {
+  if (std::isnan(value)) return "-";
   char buffer[400];
   std::snprintf(buffer, sizeof(buffer), "%.*f", decimals, value);
   return buffer;
 }
 
 std::string Significant(double value, int digits) {
+  if (std::isnan(value)) return "-";
   char buffer[64];
   std::snprintf(buffer, sizeof(buffer), "%.*g", digits, value);
   return buffer;

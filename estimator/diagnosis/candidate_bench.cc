@@ -14,7 +14,6 @@ Score ScoreOfShapes(const std::vector<CompensatorShape>& shapes, long rows) {
   if (shapes.empty()) return score;
   score.reduction = shapes[0].reduction;
   score.rank = kCompensatorParameters;
-  score.p_value = ChiSquareSurvival(score.reduction, score.rank);
   score.penalised = score.reduction - score.rank * std::log(static_cast<double>(rows));
   return score;
 }

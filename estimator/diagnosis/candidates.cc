@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "estimator/diagnosis/compensator_search.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 
@@ -12,7 +13,7 @@ namespace {
 constexpr int kHarmonicOrders = 6;        // scanned with few configurations
 constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
 constexpr int kConfigurationsPerOrder = 20;
-constexpr int kMostChangePoints = 80;
+constexpr int kChangePoints = 80;  // at least, and less than twice as many, where the visits allow
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
@@ -23,9 +24,7 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
   std::vector<std::string> targets;
   switch (definition.target) {
     case EffectTarget::kJoint:
-      for (const Joint& joint : problem.robot.chain.joints) {
-        if (joint.type == JointType::kRevolute) targets.push_back(joint.name);
-      }
+      for (const Joint& joint : problem.robot.chain.joints) targets.push_back(joint.name);
       break;
     case EffectTarget::kError:
       for (const Coordinate& coordinate : problem.parameters.coordinates()) {
@@ -66,7 +65,7 @@ std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
   }
   const std::vector<double> sorted(times.begin(), times.end());
   std::vector<std::string> points;
-  const size_t stride = std::max<size_t>(1, sorted.size() / kMostChangePoints);
+  const size_t stride = std::max<size_t>(1, sorted.size() / kChangePoints);
   for (size_t i = stride; i + 1 < sorted.size(); i += stride) {
     points.push_back(std::to_string(0.5 * (sorted[i - 1] + sorted[i])));
   }
@@ -109,10 +108,20 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
     if (own.Path() == spec.Path()) return true;
   }
   if (spec.effect != "joint_compliance") return false;
-  for (const int i : problem.parameters.Match("compliance/" + spec.target)) {
+  for (const int i : ComplianceCoordinates(problem.parameters, spec.target)) {
     if (problem.parameters.coordinates()[i].estimated()) return true;
   }
   return false;
+}
+
+// Whether what drives the effect is more than one value.
+bool Varies(const CalibrationProblem& problem, EffectDriver driver) {
+  const auto value = [driver](const ShotConditions& shot) {
+    return driver == EffectDriver::kTime ? shot.time : shot.temperature;
+  };
+  return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(), [&](const ShotInput& shot) {
+    return value(shot.conditions) != value(problem.shot_inputs[0].conditions);
+  });
 }
 
 std::string Missing(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
@@ -121,21 +130,29 @@ std::string Missing(const CalibrationProblem& problem, const EffectDefinition& d
     const std::string column = MissingColumn(definition, context);
     if (!column.empty()) return column;
   }
-  return "";
+  if (definition.driven_by == EffectDriver::kJoint || Varies(problem, definition.driven_by)) return "";
+  return definition.driven_by == EffectDriver::kTime ? "time_s that varies" : "temperature_degC that varies";
+}
+
+// Joints that give way: what acts through a compliance of zero does nothing.
+std::set<std::string> CompliantJoints(const CalibrationProblem& problem, const ParameterSet& estimated) {
+  std::set<std::string> joints;
+  for (const JointCompliance& compliance : problem.robot.compliances) {
+    const std::string& joint = problem.robot.chain.joints[compliance.joint].name;
+    if (ComplianceOf(estimated, joint) > 0.0) joints.insert(joint);
+  }
+  return joints;
 }
 
 // The compensator's home is the robot; its place in the list of effects is after
 // the transverse compliance.
-void AppendCompensators(const CalibrationProblem& problem, CandidateList* list) {
+void AppendCompensators(const CalibrationProblem& problem, const std::set<std::string>& compliant,
+                        CandidateList* list) {
   if (problem.robot.gravity_compensator) return;
-  std::set<std::string> compliant;
-  for (const JointCompliance& compliance : problem.robot.compliances) {
-    compliant.insert(problem.robot.chain.joints[compliance.joint].name);
-  }
   for (const Joint& joint : problem.robot.chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
     if (compliant.count(joint.name) == 0) {
-      list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance (loaded rows)"});
+      list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance above 0 (loaded rows)"});
     } else {
       list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, 0, {}});
     }
@@ -147,11 +164,17 @@ struct Knowledge {
   bool loads, compliances;
 };
 
+// Whether it is a joint that slides, for which the effect says nothing.
+bool SlidesInstead(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target) {
+  if (definition.target != EffectTarget::kJoint || definition.on_prismatic) return false;
+  return problem.robot.chain.joints[problem.robot.chain.FindJoint(target)].type != JointType::kRevolute;
+}
+
 // "" or what the data or the model lack. Sag with unknown compliance (kNoCompliances) stands for link weights where no
 // load tells; where loads do it is no candidate.
 std::string UnmetNeed(EffectNeeds needs, const Knowledge& known) {
   if (needs == EffectNeeds::kLoads && !known.loads) return "loaded rows";
-  if (needs == EffectNeeds::kCompliances && !known.compliances) return "joint compliances (loaded rows)";
+  if (needs == EffectNeeds::kCompliances && !known.compliances) return "joint compliances above 0 (loaded rows)";
   return "";
 }
 
@@ -197,14 +220,16 @@ std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
   return specs;
 }
 
-CandidateList ListCandidates(const CalibrationProblem& problem) {
+CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated) {
   CandidateList list;
-  const Knowledge known{AnyLoad(problem), !problem.robot.compliances.empty()};
+  const std::set<std::string> compliant = CompliantJoints(problem, estimated);
+  const Knowledge known{AnyLoad(problem), !compliant.empty()};
   for (const EffectDefinition* definition : EffectsOf(problem.robot)) {
-    if (definition->name == "link_gravity") AppendCompensators(problem, &list);
+    if (definition->name == "link_gravity") AppendCompensators(problem, compliant, &list);
     if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;
-    const std::string need = UnmetNeed(definition->needs, known);
+    const std::string unmet = UnmetNeed(definition->needs, known);
     for (const std::string& target : Targets(*definition, problem)) {
+      const std::string need = SlidesInstead(problem, *definition, target) ? "a revolute joint" : unmet;
       if (need.empty()) {
         AppendVariants(problem, *definition, target, known, &list);
       } else {

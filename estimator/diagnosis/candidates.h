@@ -30,6 +30,6 @@ struct CandidateList {
 
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 
-CandidateList ListCandidates(const CalibrationProblem& problem);
+CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated);
 
 }  // namespace sagitta

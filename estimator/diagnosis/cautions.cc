@@ -1,6 +1,8 @@
 #include "estimator/diagnosis/cautions.h"
 
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <set>
 
 #include "problems/loads.h"
@@ -15,6 +17,7 @@ constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr int kFewHeldOut = 3;
 constexpr size_t kNamesListed = 6;
+constexpr double kFarAboveFloor = 1.5;
 
 // Configurations with equal joint values count once.
 struct Counts {
@@ -59,63 +62,105 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
 }
 
 bool HasRepeats(const Measurements& data) {
-  std::set<std::vector<int>> seen;
+  std::set<std::pair<std::vector<int>, std::string>> seen;
   for (const Observation& observation : data.observations) {
     const Shot& shot = data.shots[observation.shot];
-    if (!seen.insert({shot.configuration, shot.station, observation.marker, IsLoaded(shot) ? 1 : 0}).second)
-      return true;
+    if (!seen.insert({{shot.configuration, shot.station, observation.marker}, shot.load}).second) return true;
   }
   return false;
+}
+
+void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+  if (problem.sigma_is_stated()) return;
+  cautions->push_back(
+      std::string("No noise is stated") + (HasRepeats(problem.data) ? "" : " and nothing was measured twice") +
+      ": the scatter that the model leaves is taken as noise. Structure in it is found, a gap without structure is "
+      "not, and 'consistent' means no more than that. State sigma_mm, or measure some poses again.");
+}
+
+// The search compares chi-squares of one least-squares model: other ways to weigh the rows are not taken.
+void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautions) {
+  std::vector<std::string> keys;
+  if (experiment.loss != "none") keys.push_back("loss: " + experiment.loss);
+  if (experiment.weights != "sigma") keys.push_back("weights: " + experiment.weights);
+  if (experiment.covariance != "model") keys.push_back("covariance: " + experiment.covariance);
+  if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
+  if (experiment.noise.from == NoiseSpec::From::kVarianceComponents) keys.push_back("noise from variance-components");
+  if (keys.empty()) return;
+  cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " + Listed(keys) +
+                      ".");
+}
+
+void AppendFew(const CalibrationProblem& problem, const Counts& counts, std::vector<std::string>* cautions) {
+  const int unknowns = static_cast<int>(problem.parameters.EstimatedCoordinates().size());
+  const int rows = 3 * static_cast<int>(problem.CalibrationObservations().size());
+  if (counts.fitted >= kFewConfigurations && rows >= 2 * unknowns) return;
+  cautions->push_back("Only " + std::to_string(counts.fitted) + " different configurations (" + std::to_string(rows) +
+                      " coordinates) are fitted, for " + std::to_string(unknowns) +
+                      " unknowns and the whole catalogue: most effects cannot be seen in them, and what is named may "
+                      "stand for something else. 40 configurations and more carry the search.");
+}
+
+void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+  const std::vector<std::string> standing = StandingJoints(problem);
+  if (standing.empty()) return;
+  const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
+  cautions->push_back(
+      (all ? std::string("All configurations are alike: no joint moves") : Listed(standing) + " hardly move") +
+      " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
+      (all ? ", and the verdict holds for this one pose." : "."));
+}
+
+void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
+  if (estimate.identifiability.unidentifiable.empty()) return;
+  std::vector<std::string> held;
+  for (const Coordinate& coordinate : estimate.parameters.coordinates()) {
+    if (coordinate.held) held.push_back(coordinate.name);
+  }
+  cautions->push_back("The believed model already has what these data cannot tell (held: " + Listed(held) +
+                      "): an effect that moves the markers like these cannot be told from them.");
+}
+
+void AppendHoldout(const Counts& counts, std::vector<std::string>* cautions) {
+  if (counts.in_both > 0) {
+    cautions->push_back(
+        (counts.in_both == 1 ? "1 configuration is" : std::to_string(counts.in_both) + " configurations are") +
+        " fitted and held out at once (equal joint values under different names): the "
+        "hold-out figures are too good by their share. Hold out whole configurations.");
+  }
+  if (counts.held_out == 0) {
+    cautions->push_back("Nothing is held out: whether the gap shrinks on data that took no part is not known.");
+  } else if (counts.held_out < kFewHeldOut) {
+    const std::string held_out =
+        counts.held_out == 1 ? "1 configuration is" : std::to_string(counts.held_out) + " configurations are";
+    cautions->push_back("Only " + held_out + " held out: the gap figures are hardly more than an example.");
+  }
 }
 
 }  // namespace
 
 std::vector<std::string> FindCautions(const DiagnosedModel& believed) {
   const CalibrationProblem& problem = *believed.problem;
-  std::vector<std::string> cautions;
-  if (!problem.sigma_is_stated()) {
-    cautions.push_back(
-        std::string("No noise is stated") + (HasRepeats(problem.data) ? "" : " and nothing was measured twice") +
-        ": the scatter that the model leaves is taken as noise. Structure in it is found, a gap without structure is "
-        "not, and 'consistent' means no more than that. State sigma_mm, or measure some poses again.");
-  }
   const Counts counts = CountConfigurations(problem.data);
-  const int unknowns = static_cast<int>(problem.parameters.EstimatedCoordinates().size());
-  const int rows = 3 * static_cast<int>(problem.CalibrationObservations().size());
-  if (counts.fitted < kFewConfigurations || rows < 2 * unknowns) {
-    cautions.push_back("Only " + std::to_string(counts.fitted) + " different configurations (" + std::to_string(rows) +
-                       " coordinates) are fitted, for " + std::to_string(unknowns) +
-                       " unknowns and the whole catalogue: most effects cannot be seen in them, and what is named may "
-                       "stand for something else. 40 configurations and more carry the search.");
-  }
-  const std::vector<std::string> standing = StandingJoints(problem);
-  if (!standing.empty()) {
-    const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
-    cautions.push_back(
-        (all ? std::string("All configurations are alike: no joint moves") : Listed(standing) + " hardly move") +
-        " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
-        (all ? ", and the verdict holds for this one pose." : "."));
-  }
-  if (!believed.estimate.identifiability.unidentifiable.empty()) {
-    std::vector<std::string> held;
-    for (const Coordinate& coordinate : believed.estimate.parameters.coordinates()) {
-      if (coordinate.held) held.push_back(coordinate.name);
-    }
-    cautions.push_back("The believed model already has what these data cannot tell (held: " + Listed(held) +
-                       "): an effect that moves the markers like these cannot be told from them.");
-  }
-  if (counts.in_both > 0) {
-    cautions.push_back(
-        std::to_string(counts.in_both) +
-        " configurations are fitted and held out at once (equal joint values under different names): the "
-        "hold-out figures are too good by their share. Hold out whole configurations.");
-  }
-  if (counts.held_out > 0 && counts.held_out < kFewHeldOut) {
-    const std::string held_out =
-        counts.held_out == 1 ? "1 configuration is" : std::to_string(counts.held_out) + " configurations are";
-    cautions.push_back("Only " + held_out + " held out: the gap figures are hardly more than an example.");
-  }
+  std::vector<std::string> cautions;
+  AppendNoise(problem, &cautions);
+  AppendUnused(problem.experiment, &cautions);
+  AppendFew(problem, counts, &cautions);
+  AppendStanding(problem, &cautions);
+  AppendHeld(believed.estimate, &cautions);
+  AppendHoldout(counts, &cautions);
   return cautions;
+}
+
+void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions) {
+  const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
+  if (has_unexplained || !(rms > kFarAboveFloor * floor)) return;
+  char words[200];
+  std::snprintf(words, sizeof words,
+                "The hold-out RMS, %.3g mm, is %.2g times what noise and parameters explain: the fitted configurations "
+                "do not tell what the held-out ones need.",
+                1e3 * rms, rms / floor);
+  cautions->push_back(words);
 }
 
 }  // namespace sagitta

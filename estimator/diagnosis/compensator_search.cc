@@ -19,19 +19,6 @@ constexpr double kTwoPi = 6.283185307179586;
 constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y
 constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
 
-// Compliance of the joint at the model's values, rad/(N m); the mean of a table.
-double ComplianceOf(const ParameterSet& parameters, const std::string& joint) {
-  double sum = 0.0;
-  int nodes = 0;
-  for (int i = 0; i < parameters.num_coordinates(); ++i) {
-    const std::string& name = parameters.coordinates()[i].name;
-    if (name != "compliance/" + joint && name.rfind("compliance/" + joint + "@", 0) != 0) continue;
-    sum += parameters.Value(i);
-    ++nodes;
-  }
-  return nodes > 0 ? sum / nodes : 0.0;
-}
-
 // One commanded angle per row of the linearization.
 Eigen::VectorXd JointAngles(const CalibrationProblem& problem, int joint) {
   const std::vector<int> observations = problem.CalibrationObservations();
@@ -77,6 +64,22 @@ void Seed(const Eigen::Vector2d& solution, CompensatorShape* shape) {
 }
 
 }  // namespace
+
+std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint) {
+  std::vector<int> nodes;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const std::string& name = parameters.coordinates()[i].name;
+    if (name == "compliance/" + joint || name.rfind("compliance/" + joint + "@", 0) == 0) nodes.push_back(i);
+  }
+  return nodes;
+}
+
+double ComplianceOf(const ParameterSet& parameters, const std::string& joint) {
+  const std::vector<int> nodes = ComplianceCoordinates(parameters, joint);
+  double sum = 0.0;
+  for (const int i : nodes) sum += parameters.Value(i);
+  return nodes.empty() ? 0.0 : sum / static_cast<double>(nodes.size());
+}
 
 SpringSeat SeatOf(const CalibrationProblem& problem, const ParameterSet& parameters, const std::string& joint,
                   const Eigen::VectorXd& deviation) {

@@ -22,6 +22,11 @@ struct CompensatorShape {
   Eigen::MatrixXd columns;  // its two, whitened
 };
 
+// The joint's compliance in a model, or the nodes of its table.
+std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint);
+// rad/(N m); the mean of a table, 0 where there is none.
+double ComplianceOf(const ParameterSet& parameters, const std::string& joint);
+
 // What a spring on one joint acts through, per row of a linearization.
 struct SpringSeat {
   std::string joint;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimator/distributions.h"
 #include "problems/split.h"
@@ -85,12 +86,14 @@ void ReadValues(const StepBench& steps, const LinearSolution& half, const Chosen
   result->covariance = half.covariance(own, own);
 }
 
+constexpr double kNothingCompared = std::numeric_limits<double>::quiet_NaN();
+
 // In units of the scatter that is left: a model that does not reach the stated sigma cannot use it as yardstick.
 double CompatibleP(const HalfResult& a, const HalfResult& b, double left) {
-  if (a.values.size() == 0 || a.values.size() != b.values.size()) return 1.0;
+  if (a.values.size() == 0 || a.values.size() != b.values.size()) return kNothingCompared;
   const Eigen::VectorXd difference = a.values - b.values;
   const Eigen::LLT<Eigen::MatrixXd> joint(a.covariance + b.covariance);
-  if (joint.info() != Eigen::Success) return 1.0;
+  if (joint.info() != Eigen::Success) return kNothingCompared;
   return ChiSquareSurvival(difference.dot(joint.solve(difference)) / left, static_cast<double>(difference.size()));
 }
 

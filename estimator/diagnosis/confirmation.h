@@ -20,7 +20,7 @@ struct HalfResult {
 
 struct Confirmation {
   std::vector<HalfResult> halves;  // two
-  double compatible_p = 1.0;       // of the two halves' values being one: chi-square of their difference
+  double compatible_p = 1.0;       // of the halves' values being one, by chi-square; NaN: nothing to compare
   int folds = 0;                   // of the cross-validation
   double cv_before = 0.0;          // predicted chi-square per row of left-out configurations, without the step
   double cv_after = 0.0;           // and with it

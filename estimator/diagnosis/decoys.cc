@@ -313,6 +313,7 @@ std::string DecoyBench::Range(int joint, double low, double high) const {
 Decoy DecoyBench::Best(const ProjectedResidual& residual) const { return DecoySearch(*this, residual).Best(); }
 
 Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
+  if (decoy.columns.cols() == 0) return Eigen::MatrixXd(residual_.residual().size(), 0);  // nothing moves
   std::vector<Eigen::MatrixXd> blocks = {decoy.columns};
   const int j = problem_.robot.chain.FindJoint(decoy.acts_on);
   if (j < 0) {  // a station

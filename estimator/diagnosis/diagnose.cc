@@ -21,6 +21,7 @@ double LackOfFit(const Estimate& estimate) {
 // Whether the model with the decoy's kind fits the stated noise.
 bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const Decoy& decoy) {
   const Eigen::MatrixXd columns = bench.ColumnsOfKind(decoy);
+  if (columns.cols() == 0) return false;
   const ProjectedResidual rest = bench.residual().With(columns);
   const int dof = model.estimate.dof - static_cast<int>(columns.cols());
   return dof > 0 && rest.residual().squaredNorm() < 1.2 * dof;
@@ -29,7 +30,8 @@ bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const D
 // What is chosen beside one model of the noise. Where only the common sigma followed, the same steps are the start
 // again; and where there are many rows, which name the same steps whatever the noise.
 void SelectAndKeep(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates, bool sigma_is_stated,
-                   SelectionOptions* selection, std::vector<ChosenStep>* steps, Diagnosis* diagnosis) {
+                   double significance, SelectionOptions* selection, std::vector<ChosenStep>* steps,
+                   Diagnosis* diagnosis) {
   const DecoyBench bench(baseline);
   const Decoy decoy = bench.Best();
   selection->decoy_gain = decoy.penalised - kUnknownMargin;
@@ -38,9 +40,11 @@ void SelectAndKeep(const DiagnosedModel& baseline, const std::vector<Candidate>&
   *steps = SelectEffects(baseline, candidates, *selection, *steps, &diagnosis->final);
   diagnosis->has_unexplained = false;
   if (steps->empty()) return;
-  if (selection->progress) selection->progress("decoys against " + std::to_string(steps->size()) + " steps");
+  if (selection->progress) selection->progress("decoys against the steps, " + std::to_string(steps->size()));
   const Unexplained rest = KeepWhatHolds(baseline, candidates, *selection, steps, &diagnosis->final);
-  diagnosis->has_unexplained = rest.found;
+  // What was found beside the decoy may have taken its place.
+  const bool stands = steps->empty() || rest.decoy.penalised > EvidenceNeeded(significance);
+  diagnosis->has_unexplained = rest.found && stands;
   diagnosis->unexplained = rest.decoy;
 }
 
@@ -49,6 +53,7 @@ void MeasurePrefix(const std::vector<ChosenStep>& chosen, size_t count, const Se
                    const DiagnosedModel& baseline, DiagnosisStep* result) {
   const std::vector<ChosenStep> first(chosen.begin(), chosen.begin() + static_cast<long>(count));
   const DiagnosedModel here = Extend(baseline, CandidatesOf(first), selection.joint);
+  if (!IsUsable(here.estimate.status)) return;
   result->holdout_after = HoldoutRms(here);
   result->reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
 }
@@ -72,7 +77,7 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
       if (row.free && IsParameterOf(chosen[i].candidate.spec, row.name)) result.parameters.push_back(row);
     }
   });
-  double before = diagnosis->baseline.estimate.validation.rms;
+  double before = HoldoutRms(diagnosis->baseline);
   for (DiagnosisStep& step : steps) {
     step.holdout_before = before;
     before = step.holdout_after;
@@ -181,7 +186,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   NoiseBook noise(problem, options.significance, options.joint);
   noise.Prepare(&model);
 
-  const CandidateList list = ListCandidates(*model.problem);
+  const CandidateList list = ListCandidates(*model.problem, model.estimate.parameters);
   diagnosis.not_testable = list.not_testable;
   SelectionOptions selection = SelectionFor(options);
   report("screening " + std::to_string(list.candidates.size()) + " candidates");
@@ -192,10 +197,17 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   }
   std::vector<ChosenStep> steps;
   for (int round = 0; round < kMostNoiseRounds; ++round) {
-    SelectAndKeep(model, list.candidates, noise.sigma_is_stated(), &selection, &steps, &diagnosis);
+    SelectAndKeep(model, list.candidates, noise.sigma_is_stated(), options.significance, &selection, &steps,
+                  &diagnosis);
     const double unnamed = diagnosis.has_unexplained ? diagnosis.unexplained.penalised : 0.0;
-    if (round + 1 == kMostNoiseRounds || !noise.Follow(diagnosis.final, unnamed, &model)) break;
-    report("the noise beside the effects is not what was taken: once more");
+    const bool is_last = round + 1 == kMostNoiseRounds;
+    if (is_last && (noise.sigma_is_stated() || steps.empty())) break;
+    if (!noise.Follow(diagnosis.final, unnamed, &model)) break;
+    if (is_last) {  // a sigma that nothing states is the scatter about what is named in the end
+      diagnosis.final = Extend(model, CandidatesOf(steps), selection.joint);
+    } else {
+      report("the noise beside the effects is not what was taken: once more");
+    }
   }
   diagnosis.baseline = model;
   diagnosis.baseline_p = LackOfFit(model.estimate);
@@ -208,7 +220,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   FillSteps(steps, list.candidates, selection, &diagnosis);
   Decide(options, &noise, &diagnosis);
   diagnosis.gap = JudgeGap(diagnosis.baseline, diagnosis.final);
-  if (steps.empty()) diagnosis.gap.closed = 0.0;
+  CautionOfHoldout(diagnosis.final, diagnosis.has_unexplained, &diagnosis.cautions);
   return diagnosis;
 }
 

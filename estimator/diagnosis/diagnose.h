@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@
 
 namespace sagitta {
 
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+
 struct WhereShare {
   std::string by;  // config, marker, axis, joint, load, station, time
   std::string key;
@@ -26,8 +29,9 @@ struct WhereShare {
 struct DiagnosisStep {
   ChosenStep chosen;
   std::vector<ParameterEstimate> parameters;
-  double holdout_before = 0.0, holdout_after = 0.0;  // m
-  double reduced_chi2_after = 0.0;
+  // m; not a number where this prefix of the steps does not converge alone
+  double holdout_before = kNotKnown, holdout_after = kNotKnown;
+  double reduced_chi2_after = kNotKnown;
   std::vector<Alternative> alternatives;
   Confirmation confirmation;
   StepView view;

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace sagitta {
 namespace {
 
 constexpr int kBootstrapDraws = 400;
+constexpr size_t kFewestResampled = 3;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Squared hold-out residuals per configuration, m^2, and how many coordinates.
 std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel& model) {
@@ -40,7 +43,7 @@ double HoldoutRms(const DiagnosedModel& model) {
   for (size_t k = 0; k < held_out.size(); ++k) {
     sum += (model.problem->data.observations[held_out[k]].point_in_station - predicted.col(k)).squaredNorm();
   }
-  return held_out.empty() ? 0.0 : std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
+  return std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
 }
 
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended) {
@@ -59,7 +62,9 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   gap.before = std::sqrt(SquaredGap(before, held_out, floor));
   gap.after = std::sqrt(SquaredGap(after, held_out, floor));
   gap.closed = closed(held_out);
-  if (held_out.empty()) return gap;
+  gap.closed_ci95 = {kNone, kNone};
+  if (held_out.empty()) gap.before = gap.after = gap.closed = kNone;
+  if (held_out.size() < kFewestResampled) return gap;
   std::mt19937_64 random(1);
   std::vector<double> draws;
   for (int d = 0; d < kBootstrapDraws; ++d) {

@@ -6,13 +6,14 @@
 
 namespace sagitta {
 
+// Not a number without a hold-out; no interval below three held-out configurations.
 struct GapReport {
   double before = 0.0, after = 0.0;  // m
   double closed = 0.0;               // share of the squared gap
   Interval closed_ci95;              // bootstrap over hold-out configurations
 };
 
-// RMS over the coordinates of the hold-out, m; 0 without one.
+// RMS over the coordinates of the hold-out, m; not a number without one.
 double HoldoutRms(const DiagnosedModel& model);
 
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended);

@@ -22,7 +22,9 @@ NoiseBook::NoiseBook(const CalibrationProblem& problem, double significance, con
       significance_(significance),
       joint_(joint),
       sigma_is_stated_(problem.sigma_is_stated()),
-      repeatability_is_stated_(!problem.latent.empty()) {}
+      repeatability_is_stated_(!problem.latent.empty()) {
+  finding_.is_stated = sigma_is_stated_;
+}
 
 bool NoiseBook::Replace(const CalibrationProblem& problem, DiagnosedModel* model) const {
   DiagnosedModel refit = RefitFully(problem, model->estimate, joint_);

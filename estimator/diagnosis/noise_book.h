@@ -14,6 +14,7 @@ namespace sagitta {
 double EvidenceNeeded(double significance);
 
 struct NoiseFinding {
+  bool is_stated = true;
   double scale = 1.0, low = 1.0, high = 1.0;  // of the instrument's sigma over the stated one
   bool scale_differs = false;
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
@@ -41,8 +42,8 @@ class NoiseBook {
   // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
   // hold-out figure counts them. A single marker that is off could as well be the model's error, and counts.
   void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
-  // Last: where no rigid body of markers tells the instrument's noise, and nothing has structure, the scatter does. True
-  // where that shows that sigma is not what is stated.
+  // Last: where no rigid body of markers tells the instrument's noise, and nothing has structure, the scatter does.
+  // True where that shows that sigma is not what is stated.
   bool Close(const Estimate& final, bool has_structure, double significance);
 
  private:

@@ -64,6 +64,7 @@ Eigen::VectorXd ProjectedResidual::Reproduce(const Eigen::MatrixXd& columns, con
 }
 
 ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const {
+  if (columns.cols() == 0) return *this;
   ProjectedResidual result;
   const Eigen::MatrixXd extra = OrthonormalBasis(ProjectOff(columns));
   result.basis_.resize(basis_.rows(), basis_.cols() + extra.cols());
@@ -100,7 +101,6 @@ Score ScoreOf(const NormalEquations& normal, long rows, int settings) {
     ++score.rank;
   }
   if (score.rank == 0) return score;
-  score.p_value = ChiSquareSurvival(score.reduction, score.rank);
   const double n = static_cast<double>(rows);
   score.penalised = score.reduction - score.rank * std::log(n) - 2.0 * std::log(static_cast<double>(settings));
   return score;

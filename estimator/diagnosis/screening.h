@@ -20,7 +20,6 @@ namespace sagitta {
 struct Score {
   double reduction = 0.0;  // chi-square
   int rank = 0;
-  double p_value = 1.0;    // of this test alone
   double penalised = 0.0;  // reduction - p ln(n) - 2 ln(settings)
 };
 

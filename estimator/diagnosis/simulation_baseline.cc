@@ -40,13 +40,19 @@ SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
   }
   CalibrationProblem of_simulation = problem;
   for (const int i : all) of_simulation.data.observations[i].point_in_station = simulated[i];
-  SimulationBaseline baseline{problem, 0.0};
+  SimulationBaseline baseline{problem, Eigen::Matrix3Xd(3, all.size()), 0.0};
   baseline.reproduced = AlignNominal(of_simulation, &baseline.problem.parameters);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, baseline.problem.parameters, all);
   for (const int i : all) {
-    baseline.problem.data.observations[i].point_in_station += nominal.col(i) - simulated[i];
+    baseline.shift.col(i) = nominal.col(i) - simulated[i];
+    baseline.problem.data.observations[i].point_in_station += baseline.shift.col(i);
   }
   return baseline;
+}
+
+void SimulationBaseline::Unshift(CalibrationProblem* extended, Estimate* estimate) const {
+  for (long i = 0; i < shift.cols(); ++i) extended->data.observations[i].point_in_station -= shift.col(i);
+  estimate->predicted -= shift;
 }
 
 }  // namespace sagitta

@@ -35,7 +35,6 @@ std::map<std::string, Group> ByJoint(const DiagnosedModel& model, const Lineariz
   const Eigen::MatrixXd deviations = JointDeviationColumns(problem, model.estimate.parameters);
   std::map<std::string, Group> groups;
   for (const Joint& joint : problem.robot.chain.joints) {
-    if (joint.type != JointType::kRevolute) continue;
     const Eigen::VectorXd l = deviations.col(problem.robot.chain.FindJoint(joint.name));
     std::map<int, std::pair<double, double>> sums;
     for (size_t k = 0; k < here.observations.size(); ++k) {

@@ -29,6 +29,7 @@ const EffectDefinition& AxisWobble() {
     effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}, 2}};
     effect.tilts = true;
     effect.separate_by = kSeparateByRange;
+    effect.largest = 1.0;
     return effect;
   }();
   return definition;

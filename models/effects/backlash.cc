@@ -34,6 +34,7 @@ const EffectDefinition& Backlash() {
     effect.missing = Missing;
     effect.separate_by = "the same poses approached from both sides";
     effect.note = "Friction wind-up has the same signature.";
+    effect.largest = 1.0;
     return effect;
   }();
   return definition;

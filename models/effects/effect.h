@@ -158,6 +158,8 @@ struct EffectDefinition {
   std::string (*missing)(const EffectContext& context) = nullptr;
   std::string separate_by = {};  // which data tell it from its rivals; {target} is replaced
   std::string note = {};         // what to bear in mind where it is named
+  bool on_prismatic = false;     // of kJoint: what it does to a joint that slides is defined
+  double largest = 5.0;          // that machines show, in hold limits (QuantityTraits) of its parameters
 };
 
 // Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).

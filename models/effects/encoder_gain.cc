@@ -19,6 +19,7 @@ const EffectDefinition& EncoderGain() {
   static const EffectDefinition definition = [] {
     EffectDefinition effect{"encoder_gain",       "encoder gain", "scale error of the joint sensor or gear ratio",
                             EffectTarget::kJoint, Parameters,     Apply};
+    effect.on_prismatic = true;
     effect.separate_by = kSeparateByRange;
     return effect;
   }();

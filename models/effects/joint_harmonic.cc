@@ -28,6 +28,7 @@ const EffectDefinition& JointHarmonic() {
                             Apply};
     effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}}};
     effect.separate_by = kSeparateByRange;
+    effect.largest = 1.0;
     return effect;
   }();
   return definition;

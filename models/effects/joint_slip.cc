@@ -21,6 +21,7 @@ const EffectDefinition& JointSlip() {
     effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
+    effect.largest = 1.0;
     return effect;
   }();
   return definition;

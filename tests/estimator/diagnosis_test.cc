@@ -145,7 +145,7 @@ TEST(Diagnosis, StepThatNothingTellsIsComparedWithNothing) {
   const std::string path = step.candidate.spec.Path();
   step.candidate.vague = {path + "/cos", path + "/sin"};
   const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
-  const CandidateList list = ListCandidates(problem);
+  const CandidateList list = ListCandidates(problem, problem.parameters);
   const StepBench bench(with, list.candidates);
   const Eigen::VectorXd neutral = bench.NeutralResidual(step);
   ASSERT_EQ(bench.OwnColumns(step).size(), 0u);
@@ -178,12 +178,40 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
   held_out->q = fitted->q;
   DiagnosedModel believed;
   believed.problem = std::make_shared<CalibrationProblem>(shared);
-  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "1 configurations are fitted and held out at once"));
+  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "1 configuration is fitted and held out at once"));
 
   for (Configuration& configuration : configurations) configuration.q = configurations[0].q;
   believed.problem = std::make_shared<CalibrationProblem>(shared);
   EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "All configurations are alike"));
   EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "Only 1 different configurations"));
+}
+
+// Where no joint moves and no time is stated there is nothing that could drive anything.
+TEST(Diagnosis, OnePoseWithoutTimeHasAVerdict) {
+  CalibrationProblem problem = Moved(5, [](Eigen::VectorXd* q) { q->setConstant(0.3); });
+  for (Configuration& configuration : problem.data.configurations) configuration.q.setConstant(0.3);
+  for (ShotInput& shot : problem.shot_inputs) {
+    shot.conditions.q.setConstant(0.3);
+    shot.conditions.has_time = false;
+    shot.conditions.time = 0.0;
+  }
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    problem.data.observations[i].point_in_station.x() += i % 2 == 0 ? 1e-3 : -1e-3;
+  }
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_FALSE(diagnosis.verdict.empty());
+  EXPECT_TRUE(AnyStartsWith(diagnosis.cautions, "All configurations are alike"));
+}
+
+TEST(Diagnosis, WithoutHoldoutThereIsNoGapFigure) {
+  CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q); });
+  for (Configuration& configuration : problem.data.configurations) configuration.is_validation = false;
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_TRUE(std::isnan(diagnosis.gap.closed));
+  EXPECT_TRUE(std::isnan(diagnosis.gap.closed_ci95.low));
+  EXPECT_TRUE(std::isnan(diagnosis.steps.at(0).holdout_after));
+  EXPECT_TRUE(AnyStartsWith(diagnosis.cautions, "Nothing is held out"));
 }
 
 TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
