@@ -121,7 +121,8 @@ struct Estimate {
 
   // Per observation of the data, in row order.
   Eigen::Matrix3Xd predicted;  // m, station frame
-  NoiseRoots noise;            // m, as used for whitening
+  NoiseRoots noise;            // m, the instrument's, as used for whitening
+  NoiseRoots scatter;          // m, of a row by itself: the instrument's and what joint repeatability adds
   Eigen::VectorXd leverage;    // mean over the axes of the hat matrix's diagonal
   std::vector<std::string> warnings;
 };

@@ -84,6 +84,7 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
   const HeldInfluence& held = estimate->held;
   const Eigen::MatrixXd open = all.jacobian.rightCols(held.coordinates.size()) + jacobian * held.slopes;
   estimate->leverage.resize(n);
+  estimate->scatter.resize(n);
   std::vector<int> rows(n);
   std::iota(rows.begin(), rows.end(), 0);
   const NoiseRoots weights = FitRoots(problem, rows, kFallbackSigma);
@@ -93,11 +94,14 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
   for (int k = 0; k < n; ++k) {
     const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
     estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
+    const Eigen::MatrixXd latent = all.latent.middleRows<3>(3 * k);  // in units of the instrument's noise
+    const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
+    estimate->scatter[k] = estimate->noise[k] * Matrix3<double>(relative.llt().matrixL());
     const Observation& observation = problem.data.observations[k];
     if (observation.excluded || !problem.data.IsValidation(observation)) continue;
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
     const Matrix3<double>& own = estimate->noise[k];
-    const double noise = own.squaredNorm() + (own * all.latent.middleRows<3>(3 * k)).squaredNorm();
+    const double noise = own.squaredNorm() + (own * latent).squaredNorm();
     const auto variance = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
       const Eigen::MatrixXd metres = own * columns.middleRows<3>(3 * k);
       return (metres * covariance * metres.transpose()).trace();
@@ -258,7 +262,9 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore),
             inverse_normal, scale, estimate);
   if (!estimate->sigma.stated) {
-    for (Matrix3<double>& root : estimate->noise) root *= estimate->sigma.estimated / kFallbackSigma;
+    for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
+      for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;
+    }
   }
 
   std::set<int> configurations;

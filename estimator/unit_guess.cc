@@ -132,7 +132,7 @@ std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_r
   if (!(distance_rms > kMisfit * Reach(problem.robot.chain))) return "";
   return "the calibrated robot still misses by " + WholeMillimetres(distance_rms) +
          " (RMS): this robot did not make these measurements as described; check signs and zero positions of the "
-         "joints, the kinematics and the units";
+         "joints, the kinematics and the units ('sagitta inspect' tries them)";
 }
 
 }  // namespace sagitta

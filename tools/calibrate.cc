@@ -21,7 +21,7 @@
 #include "tools/summary.h"
 
 DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
-DEFINE_string(require, "", "'PATH<NUMBER,…' in estimate.json (< <= > >= ==); not met: exit status 1");
+DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==); not met: exit status 1");
 
 namespace sagitta {
 namespace {

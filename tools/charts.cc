@@ -73,7 +73,9 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
   };
   dots(measured, "dot");
   dots(model, "model");
-  return Frame(title + ", within " + Significant(reach, 2),
+  body += svg::Text(0, kTop + 8, "start", Significant(reach, 2)) +
+          svg::Text(0, kFloor - 3, "start", Significant(-reach, 2));
+  return Frame(title,
                body + svg::Text(0, kHeight - 6, "start", Significant(*left, 3)) +
                    svg::Text(0.5 * kWide, kHeight - 6, "middle", x_label) +
                    svg::Text(kWide, kHeight - 6, "end", Significant(*right, 3)),

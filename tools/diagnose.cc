@@ -16,14 +16,17 @@
 #include "tools/diagnosis_words.h"
 #include "tools/estimate_json.h"
 #include "tools/progress.h"
+#include "tools/requirement.h"
 #include "tools/residuals_csv.h"
 #include "tools/summary.h"
 
+DECLARE_string(require);
 DEFINE_string(simulation, "model", "what the gap is measured from: model, or columns (sim_x_mm, sim_y_mm, sim_z_mm)");
 
 namespace sagitta {
 namespace {
 
+constexpr int kRequirementNotMet = 1;
 constexpr int kNumericalFailure = 3;
 constexpr double kDefaultHoldout = 0.3;
 constexpr double kFarFromSimulation = 3.0;  // of the gap
@@ -90,8 +93,30 @@ int Threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+// Everything is text before the first file is written; the diagnosis last: where it is, the others are.
+void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const SimulationBaseline& baseline,
+                  const Diagnosis& diagnosis, const nlohmann::ordered_json& json) {
+  CalibrationProblem extended = *diagnosis.final.problem;
+  Estimate estimate = diagnosis.final.estimate;
+  const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
+  const std::string robot = (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(ExtendedRobot(diagnosis));
+  const std::string report = DiagnosisToHtml(diagnosis, provenance);
+  const std::string estimate_json = DumpJson(EstimateToJson(extended, estimate, provenance));
+  if (IsAgainstColumns()) baseline.Unshift(&extended, &estimate);
+  const std::string residuals = ResidualsToCsv(extended, estimate);
+  const std::string diagnosis_json = DumpJson(json);
+  WriteTextFile(FLAGS_out + "/robot.extended.yaml", robot);
+  WriteTextFile(FLAGS_out + "/residuals.csv", residuals);
+  WriteTextFile(FLAGS_out + "/report.html", report);
+  WriteTextFile(FLAGS_out + "/estimate.json", estimate_json);
+  WriteTextFile(FLAGS_out + "/diagnosis.json", diagnosis_json);
+  std::cout << "\nResults in " << FLAGS_out
+            << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
+}
+
 int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
+  const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
   const ExperimentInputs inputs = WithHoldout(ReadExperimentInputs(line.arguments));
   const SimulationBaseline baseline = BaselineOf(inputs);
@@ -112,24 +137,11 @@ int RunDiagnose(const CommandLine& line) {
   }
   if (IsAgainstColumns()) CautionOfSimulation(baseline, &diagnosis);
   std::cout << DiagnosisToText(diagnosis);
-  if (FLAGS_out.empty()) return 0;
-  CalibrationProblem extended = *diagnosis.final.problem;
-  Estimate estimate = diagnosis.final.estimate;
-  const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
-  const std::string robot = (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(ExtendedRobot(diagnosis));
-  const std::string report = DiagnosisToHtml(diagnosis, provenance);
-  const std::string estimate_json = DumpJson(EstimateToJson(extended, estimate, provenance));
-  if (IsAgainstColumns()) baseline.Unshift(&extended, &estimate);
-  const std::string residuals = ResidualsToCsv(extended, estimate);
-  const std::string json = DumpJson(DiagnosisToJson(diagnosis, problem.experiment.significance));
-  WriteTextFile(FLAGS_out + "/robot.extended.yaml", robot);
-  WriteTextFile(FLAGS_out + "/residuals.csv", residuals);
-  WriteTextFile(FLAGS_out + "/report.html", report);
-  WriteTextFile(FLAGS_out + "/estimate.json", estimate_json);
-  WriteTextFile(FLAGS_out + "/diagnosis.json", json);
-  std::cout << "\nResults in " << FLAGS_out
-            << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
-  return 0;
+  const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, problem.experiment.significance);
+  const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
+  if (!FLAGS_out.empty()) WriteResults(line, inputs, baseline, diagnosis, json);
+  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
+  return unmet.empty() ? 0 : kRequirementNotMet;
 }
 
 }  // namespace
@@ -147,8 +159,9 @@ Examples
   sagitta diagnose experiment.yaml --out=results
   sagitta diagnose robot.yaml measurements.csv --sigma_mm=0.05 --out=results
   sagitta diagnose experiment.yaml --simulation=columns --out=results    # the gap to another simulation
+  sagitta diagnose experiment.yaml --out=results --require='final.holdout_distance_rms_mm<0.2'
 )",
-          WithProblemFlags({"simulation"}), RunDiagnose};
+          WithProblemFlags({"simulation", "require"}), RunDiagnose};
 }
 
 }  // namespace sagitta

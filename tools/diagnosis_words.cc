@@ -109,7 +109,9 @@ std::string NoiseInWords(const NoiseFinding& noise) {
              " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
              Significant(1e6 * noise.repeatability_high, 3) + ") was not declared. ";
   }
-  if (!noise.outliers.empty()) words += std::to_string(noise.outliers.size()) + " outlier(s) were left out";
+  if (!noise.outliers.empty())
+    words +=
+        std::to_string(noise.outliers.size()) + (noise.outliers.size() == 1 ? " outlier" : " outliers") + " left out";
   if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
   if (!noise.outliers.empty()) words += ". ";
   if (!words.empty()) return words;

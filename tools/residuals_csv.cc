@@ -96,7 +96,7 @@ std::vector<AddedColumn> PointColumns(const std::string& prefix, const Eigen::Ma
 
 Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate) {
   Eigen::Matrix3Xd whitened = MeasuredPoints(problem.data) - estimate.predicted;
-  for (int i = 0; i < whitened.cols(); ++i) whitened.col(i) = estimate.noise[i].inverse() * whitened.col(i);
+  for (int i = 0; i < whitened.cols(); ++i) whitened.col(i) = estimate.scatter[i].inverse() * whitened.col(i);
   return whitened;
 }
 

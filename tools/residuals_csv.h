@@ -24,7 +24,8 @@ std::vector<AddedColumn> PointColumns(const std::string& prefix, const Eigen::Ma
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
 
-// measured - predicted over sigma, 3 x N.
+// measured - predicted over its standard deviation, joint repeatability included, 3 x N: each row by itself (rows of
+// one visit share what their joints did).
 Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate);
 
 }  // namespace sagitta

@@ -38,6 +38,36 @@ DiagnosedModel Healthy(std::uint64_t seed, bool parked = false) {
   return FitFully(MakeCalibrationProblem(robot, data, experiment), JointOptions());
 }
 
+// What an effect says of a joint that slides is defined or it is not asked; what never changes drives nothing.
+TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
+  CalibrationProblem problem = *Healthy(1).problem;
+  problem.robot.chain.joints[2].type = JointType::kPrismatic;
+  for (ShotInput& shot : problem.shot_inputs) {
+    shot.conditions.has_time = true;
+    shot.conditions.time = 7.0;
+  }
+  const CandidateList list = ListCandidates(problem, problem.parameters);
+  const auto is_candidate = [&](const std::string& effect, const std::string& target) {
+    return std::any_of(list.candidates.begin(), list.candidates.end(), [&](const Candidate& candidate) {
+      return candidate.spec.effect == effect && candidate.spec.target == target;
+    });
+  };
+  const auto need_of = [&](const std::string& effect, const std::string& target) -> std::string {
+    for (const NotTestable& entry : list.not_testable) {
+      if (entry.effect == effect && entry.target == target) return entry.needs;
+    }
+    return "";
+  };
+  EXPECT_TRUE(is_candidate("joint_harmonic", "A2"));
+  EXPECT_TRUE(is_candidate("encoder_gain", "A3"));
+  EXPECT_FALSE(is_candidate("joint_harmonic", "A3"));
+  EXPECT_EQ(need_of("joint_harmonic", "A3"), "a revolute joint");
+  EXPECT_FALSE(is_candidate("joint_slip", "A1"));
+  EXPECT_EQ(need_of("joint_slip", "A1"), "time_s that varies");
+  EXPECT_EQ(need_of("thermal_growth", "robot"), "temperature_degC");
+  EXPECT_EQ(need_of("link_gravity", "A2"), "joint compliances above 0 (loaded rows)");
+}
+
 std::vector<int> Outliers(const DiagnosedModel& model, bool held_out) {
   const CalibrationProblem& problem = *model.problem;
   std::vector<int> found = FindOutliers(problem, model.estimate.parameters,
