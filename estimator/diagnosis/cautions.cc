@@ -18,6 +18,7 @@ constexpr int kFewConfigurations = 15;
 constexpr int kFewHeldOut = 3;
 constexpr size_t kNamesListed = 6;
 constexpr double kFarAboveFloor = 1.5;
+constexpr double kFarBelow = 3.1;  // standard deviations, one in a thousand
 
 // Configurations with equal joint values count once.
 struct Counts {
@@ -154,13 +155,25 @@ std::vector<std::string> FindCautions(const DiagnosedModel& believed) {
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions) {
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
-  if (has_unexplained || !(rms > kFarAboveFloor * floor)) return;
-  char words[200];
-  std::snprintf(words, sizeof words,
-                "The hold-out RMS, %.3g mm, is %.2g times what noise and parameters explain: the fitted configurations "
-                "do not tell what the held-out ones need.",
-                1e3 * rms, rms / floor);
-  cautions->push_back(words);
+  const int held_out = CountConfigurations(final.problem->data).held_out;
+  if (held_out < kFewHeldOut) return;
+  char words[240];
+  if (!has_unexplained && rms > kFarAboveFloor * floor) {
+    std::snprintf(words, sizeof words,
+                  "The hold-out RMS, %.3g mm, is %.2g times what noise and parameters explain: the fitted "
+                  "configurations do not tell what the held-out ones need.",
+                  1e3 * rms, rms / floor);
+    cautions->push_back(words);
+  }
+  // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.
+  const double scatter = 1.0 / std::sqrt(2.0 * 3.0 * held_out);
+  if (rms < (1.0 - kFarBelow * scatter) * floor) {
+    std::snprintf(words, sizeof words,
+                  "The noise floor, %.3g mm, is above the hold-out RMS, %.3g mm: these rows scatter less than the "
+                  "noise that is taken, and how much of the gap is closed is an upper limit.",
+                  1e3 * floor, 1e3 * rms);
+    cautions->push_back(words);
+  }
 }
 
 }  // namespace sagitta

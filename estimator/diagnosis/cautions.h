@@ -11,7 +11,7 @@ namespace sagitta {
 
 std::vector<std::string> FindCautions(const DiagnosedModel& believed);
 
-// Where nothing is left that would explain it, and the hold-out is far above its noise floor all the same.
+// Where the hold-out is far above its noise floor although nothing is left to explain it, or below it.
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions);
 
 }  // namespace sagitta
