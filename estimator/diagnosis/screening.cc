@@ -189,9 +189,7 @@ std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::Vec
     int worst = -1;
     for (size_t c = 0; c < kept.size(); ++c) {
       const double variance = covariance(c, c);
-      // Of several columns one may run away against another; alone, its size is for people to judge.
-      const bool runs_away = typical.size() > 1 && std::abs(value[c]) >= kImplausible;
-      const bool significant = value[c] * value[c] > 9.0 * variance && !runs_away;
+      const bool significant = value[c] * value[c] > 9.0 * variance && std::abs(value[c]) < kImplausible;
       if (variance < 1.0 || significant) continue;
       if (worst < 0 || variance > covariance(worst, worst)) worst = static_cast<int>(c);
     }

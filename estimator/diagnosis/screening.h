@@ -42,8 +42,8 @@ Score ScoreOf(const NormalEquations& normal, long rows, int settings);
 double MarginalGainOf(const NormalEquations& normal, long rows);
 
 // Leaves out, worst first, parameters that would stay unknown to more than a typical size: they would only fit noise.
-// One that is significant all the same stays; one of several not where its value would be a hundred typical sizes: it
-// hardly stands out of the others and the believed ones. Returns the others. In a refit the left-out ones get a wide prior instead, so that
+// One that is significant all the same stays, unless its value would be a hundred typical sizes: a column that hardly
+// stands out of the believed ones. Returns the others. In a refit the left-out ones get a wide prior instead, so that
 // the intervals of the others stay true. typical: size of each, in units of the columns.
 std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::VectorXd& typical);
 

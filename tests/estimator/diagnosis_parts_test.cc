@@ -172,19 +172,6 @@ TEST(DiagnosisRule, OfTwinsTheFirstInTheList) {
   EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "S1");
 }
 
-// 150 typical sizes known to 9: alone it is a finding, however large; of two, one has run away.
-TEST(InformedColumns, AlonePeopleJudgeTheSize) {
-  NormalEquations normal;
-  normal.information = Eigen::MatrixXd::Constant(1, 1, 1.0 / 81.0);
-  normal.gradient = Eigen::VectorXd::Constant(1, 150.0 / 81.0);
-  EXPECT_EQ(InformedColumns(normal, Eigen::VectorXd::Ones(1)), std::vector<int>({0}));
-  normal.gradient *= 0.1;  // 15 known to 9: not significant
-  EXPECT_TRUE(InformedColumns(normal, Eigen::VectorXd::Ones(1)).empty());
-  normal.information = Eigen::Vector2d(1.0 / 81.0, 100.0).asDiagonal();
-  normal.gradient = Eigen::Vector2d(150.0 / 81.0, 0.0);
-  EXPECT_EQ(InformedColumns(normal, Eigen::VectorXd::Ones(2)), std::vector<int>({1}));
-}
-
 TEST(DiagnosisDecoys, AJointThatStandsStillDrivesNothing) {
   const DiagnosedModel model = Healthy(3, true);
   const DecoyBench bench(model);
