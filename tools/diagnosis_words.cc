@@ -22,6 +22,18 @@ std::string SettingsInWords(const EffectSpec& spec) {
   return words;
 }
 
+std::string GapInWords(const Diagnosis& d) {
+  const std::string words =
+      "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
+  if (d.steps.empty()) return words + " mm\n";
+  return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
+}
+
+std::string HoldoutInWords(const Estimate& estimate) {
+  if (estimate.validation.observations == 0) return "no hold-out";
+  return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -109,11 +121,12 @@ std::string NoiseInWords(const NoiseFinding& noise) {
              " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
              Significant(1e6 * noise.repeatability_high, 3) + ") was not declared. ";
   }
-  if (!noise.outliers.empty())
+  if (!noise.outliers.empty()) {
     words +=
         std::to_string(noise.outliers.size()) + (noise.outliers.size() == 1 ? " outlier" : " outliers") + " left out";
-  if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
-  if (!noise.outliers.empty()) words += ". ";
+    if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
+    words += ". ";
+  }
   if (!words.empty()) return words;
   return noise.is_stated ? "The noise is as stated." : "None is stated: it is the scatter about the extended model.";
 }
@@ -156,18 +169,6 @@ std::string ClosedInWords(const GapReport& gap) {
   if (std::isnan(gap.closed_ci95.low)) return words;
   return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +
          Significant(100 * gap.closed_ci95.high, 3) + ")";
-}
-
-std::string GapInWords(const Diagnosis& d) {
-  const std::string words =
-      "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
-  if (d.steps.empty()) return words + " mm\n";
-  return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
-}
-
-std::string HoldoutInWords(const Estimate& estimate) {
-  if (estimate.validation.observations == 0) return "no hold-out";
-  return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
 }
 
 std::string DiagnosisToText(const Diagnosis& d) {

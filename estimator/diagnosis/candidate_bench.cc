@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/distributions.h"
 
 namespace sagitta {
 namespace {

@@ -30,6 +30,7 @@ struct CandidateList {
 
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 
+// `estimated`: values of the believed model; what acts through a compliance of zero there cannot be tested.
 CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated);
 
 }  // namespace sagitta

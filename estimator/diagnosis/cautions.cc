@@ -5,7 +5,6 @@
 #include <limits>
 #include <set>
 
-#include "problems/loads.h"
 #include "problems/split.h"
 
 namespace sagitta {

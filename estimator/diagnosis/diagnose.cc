@@ -21,7 +21,6 @@ double LackOfFit(const Estimate& estimate) {
 // Whether the model with the decoy's kind fits the stated noise.
 bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const Decoy& decoy) {
   const Eigen::MatrixXd columns = bench.ColumnsOfKind(decoy);
-  if (columns.cols() == 0) return false;
   const ProjectedResidual rest = bench.residual().With(columns);
   const int dof = model.estimate.dof - static_cast<int>(columns.cols());
   return dof > 0 && rest.residual().squaredNorm() < 1.2 * dof;

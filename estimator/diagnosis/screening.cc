@@ -7,7 +7,6 @@
 #include <numeric>
 #include <set>
 
-#include "estimator/distributions.h"
 
 namespace sagitta {
 namespace {
