@@ -55,11 +55,11 @@ std::string HistogramChart(const std::string& title, const std::vector<double>& 
 }
 
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
-                         const std::vector<double>& measured, const std::vector<double>& model) {
+                         const std::vector<double>& blue, const std::vector<double>& red) {
   if (x.empty()) return "";
   const auto [left, right] = std::minmax_element(x.begin(), x.end());
   double reach = 0.0;
-  for (const std::vector<double>* values : {&measured, &model}) {
+  for (const std::vector<double>* values : {&blue, &red}) {
     for (const double value : *values) reach = std::max(reach, std::abs(value));
   }
   const double middle = 0.5 * (kTop + kFloor);
@@ -67,12 +67,12 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
   const double up = reach > 0.0 ? 0.5 * (kFloor - kTop) / reach : 0.0;
   std::string body = svg::LevelLine(middle, kWide, "axis");
   const auto dots = [&](const std::vector<double>& values, const char* style) {
-    for (size_t i = 0; i < values.size(); ++i) {
-      body += svg::Dot(across * (x[i] - *left), middle - up * values[i], style);
-    }
+    std::vector<std::pair<double, double>> points;
+    for (size_t i = 0; i < values.size(); ++i) points.emplace_back(across * (x[i] - *left), middle - up * values[i]);
+    body += svg::Dots(points, style);
   };
-  dots(measured, "dot");
-  dots(model, "model");
+  dots(blue, "dot");
+  dots(red, "model");
   body += svg::Text(0, kTop + 8, "start", Significant(reach, 2)) +
           svg::Text(0, kFloor - 3, "start", Significant(-reach, 2));
   return Frame(title,

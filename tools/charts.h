@@ -12,9 +12,9 @@ std::string LineChart(const std::string& title, const std::vector<double>& value
 // Counts in equal bins between the extremes.
 std::string HistogramChart(const std::string& title, const std::vector<double>& values, int decimals);
 
-// Points over x: what was measured, and what the model says there.
+// Two values over each x, as what was measured and what the model says there; either may be empty.
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
-                         const std::vector<double>& measured, const std::vector<double>& model);
+                         const std::vector<double>& blue, const std::vector<double>& red);
 
 // A value after each stage, what each stage took away, and the floor that none can go below.
 struct Stage {

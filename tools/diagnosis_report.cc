@@ -17,6 +17,10 @@ std::string Probability(double p) { return p > 0.0 ? Significant(p, 2) : "below 
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 
+std::string Labelled(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + ", " + unit;
+}
+
 std::string Waterfall(const Diagnosis& d) {
   std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
   for (const DiagnosisStep& step : d.steps) {
@@ -29,10 +33,9 @@ std::string Waterfall(const Diagnosis& d) {
 std::string StepCharts(const StepView& view) {
   std::vector<double> rest;
   for (size_t k = 0; k < view.x.size(); ++k) rest.push_back(view.measured[k] - view.simulated[k]);
-  const std::string unit = view.unit.empty() ? "" : ", " + view.unit;
-  const std::string driver = view.driver + (view.driver_unit.empty() ? "" : ", " + view.driver_unit);
-  return ScatterChart("before: " + view.quantity + unit, driver, view.x, view.measured, view.simulated) +
-         ScatterChart("after: the rest" + unit, driver, view.x, rest, {});
+  const std::string driver = Labelled(view.driver, view.driver_unit);
+  return ScatterChart("before: " + Labelled(view.quantity, view.unit), driver, view.x, view.measured, view.simulated) +
+         ScatterChart("after: " + Labelled("the rest", view.unit), driver, view.x, rest, {});
 }
 
 Section GapSection(const Diagnosis& d) {
@@ -102,6 +105,28 @@ Section CandidateSection(const Diagnosis& d) {
   return section;
 }
 
+// The deviation of each joint that would explain the gap, over what may drive it.
+Section GapMapSection(const Diagnosis& d) {
+  Section section;
+  section.title = "The gap in joint space";
+  section.paragraphs = {
+      "Per shot, the deviation of one joint alone that would explain best what is measured and not predicted, over "
+      "that "
+      "joint's angle, the torque of the known loads on it, the direction of its approach and the time, where these "
+      "vary. "
+      "Blue: beside the believed model" +
+      std::string(d.steps.empty() ? "." : "; red: beside the extended one.")};
+  for (const JointGap& gap : d.gap_map) {
+    const std::vector<double> red = d.steps.empty() ? std::vector<double>() : gap.after;
+    for (const Driver& driver : gap.over) {
+      const Eigen::VectorXd x = driver.of_shot(gap.shots);
+      section.figure += ScatterChart("deviation of " + Labelled(gap.joint, gap.unit),
+                                     Labelled(driver.name, driver.unit), {x.begin(), x.end()}, gap.before, red);
+    }
+  }
+  return section;
+}
+
 // Share of the excess chi-square by joint, marker, load and so on.
 Section WhereSection(const Diagnosis& d) {
   std::map<std::string, std::vector<Stage>> families;
@@ -144,7 +169,10 @@ Section VerdictSection(const Diagnosis& d) {
 
 std::string DiagnosisToHtml(const Diagnosis& d, const Provenance& provenance) {
   std::vector<Section> sections = {VerdictSection(d), GapSection(d)};
-  if (d.verdict != "consistent") sections.push_back(WhereSection(d));
+  if (d.verdict != "consistent") {
+    sections.push_back(WhereSection(d));
+    sections.push_back(GapMapSection(d));
+  }
   for (size_t i = 0; i < d.steps.size(); ++i) {
     sections.push_back(StepSection(d.final.problem->robot, d.steps[i], i + 1));
   }

@@ -20,7 +20,7 @@ table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:right
 th:first-child,td:first-child,.unit{text-align:left}td:first-child{white-space:pre}tr:nth-child(even) td{background:#f5f5f5}
 svg{margin:.5em 1em .5em 0;max-width:100%;height:auto}svg text{font:11px sans-serif;fill:#444}code{background:#f5f5f5;word-break:break-all}
 .bar{fill:#4a78b0}.held-out{fill:#d9822b}.line{stroke:#b33;fill:none;stroke-width:1.5}.axis{stroke:#888}
-.dot{fill:#4a78b0;fill-opacity:.55}.model{fill:#b33}.taken{fill:#4a78b0;fill-opacity:.2}
+.dot,.model{fill:none;stroke-width:4;stroke-linecap:round}.dot{stroke:#4a78b0;stroke-opacity:.55}.model{stroke:#b33}.taken{fill:#4a78b0;fill-opacity:.2}
 @media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr,svg{break-inside:avoid}}
 )";
 

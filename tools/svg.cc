@@ -47,8 +47,10 @@ std::string Rectangle(double x, double y, double width, double height, const std
          N(height) + "\"" + (title.empty() ? "/>" : "><title>" + EscapeHtml(title) + "</title></rect>");
 }
 
-std::string Dot(double x, double y, const std::string& style) {
-  return "<circle class=\"" + style + "\" r=\"2\" cx=\"" + N(x) + "\" cy=\"" + N(y) + "\"/>";
+std::string Dots(const std::vector<std::pair<double, double>>& points, const std::string& style) {
+  std::string path;
+  for (const auto& [x, y] : points) path += "M" + N(x) + " " + N(y) + "h0";
+  return "<path class=\"" + style + "\" d=\"" + path + "\"/>";
 }
 
 std::string LevelLine(double y, double width, const std::string& style) {

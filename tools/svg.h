@@ -19,7 +19,8 @@ std::string Text(double x, double y, const std::string& anchor, const std::strin
 std::string Rectangle(double x, double y, double width, double height, const std::string& style,
                       const std::string& title = "");
 
-std::string Dot(double x, double y, const std::string& style);
+// Dots of one style as one path: large charts stay small.
+std::string Dots(const std::vector<std::pair<double, double>>& points, const std::string& style);
 
 // From the left edge.
 std::string LevelLine(double y, double width, const std::string& style);

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace sagitta {
 namespace {
+
+// Whether the only column would have to be absurdly large. typical: size of it, in its units.
+bool IsOversized(const NormalEquations& normal, double typical) {
+  if (normal.gradient.size() != 1 || normal.information(0, 0) <= 0.0) return false;
+  return std::abs(normal.gradient[0]) > kOversized * typical * normal.information(0, 0);
+}
 
 // Of the best shape; the shape counts as parameters.
 Score ScoreOfShapes(const std::vector<CompensatorShape>& shapes, long rows) {
@@ -71,6 +76,7 @@ CandidateScore Screening::Of(int candidate) const {
       result.informed.push_back(first + c);
     }
   }
+  result.oversized = IsOversized(normal, all.typical[first]);
   if (!result.vague.empty()) {
     normal = {Eigen::MatrixXd(normal.information(kept, kept)), Eigen::VectorXd(normal.gradient(kept))};
   }

@@ -34,6 +34,7 @@ struct CandidateScore {
   Score score;
   std::vector<int> informed;             // columns of the bench that the data can tell
   std::vector<std::string> vague;        // names of the others
+  bool oversized = false;                // Candidate::oversized
   std::vector<CompensatorShape> shapes;  // of a compensator, best first; its shape counts as parameters
 };
 

@@ -218,6 +218,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   report("alternatives and halves");
   FillSteps(steps, list.candidates, selection, &diagnosis);
   Decide(options, &noise, &diagnosis);
+  diagnosis.gap_map = MapGap(diagnosis.baseline, diagnosis.final);
   diagnosis.gap = JudgeGap(diagnosis.baseline, diagnosis.final);
   CautionOfHoldout(diagnosis.final, diagnosis.has_unexplained, &diagnosis.cautions);
   return diagnosis;

@@ -11,6 +11,7 @@
 #include "estimator/diagnosis/confirmation.h"
 #include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/gap.h"
+#include "estimator/diagnosis/gap_map.h"
 #include "estimator/diagnosis/noise_book.h"
 #include "estimator/diagnosis/selection.h"
 #include "estimator/diagnosis/step_view.h"
@@ -44,6 +45,7 @@ struct Diagnosis {
   std::string message;
   DiagnosedModel baseline, final;
   std::vector<WhereShare> where;
+  std::vector<JointGap> gap_map;
   NoiseFinding noise;
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;

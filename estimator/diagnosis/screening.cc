@@ -7,13 +7,11 @@
 #include <numeric>
 #include <set>
 
-
 namespace sagitta {
 namespace {
 
 constexpr double kIndependent = 1e-5;  // projected norm over norm below which a column says nothing new
 constexpr double kRankTolerance = 1e-6;
-constexpr double kImplausible = 100.0;        // typical sizes
 constexpr double kTypicalPerHoldLimit = 0.1;  // TraitsOf: a direction is held beyond ten typical sizes
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
@@ -128,15 +126,15 @@ double MarginalGainOf(const NormalEquations& normal, long rows) {
   return best - std::log(static_cast<double>(rows));
 }
 
-Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters) {
+Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                LatentTreatment treatment) {
   const std::vector<int> observations = problem.CalibrationObservations();
-  Linearization linearization = Linearize(problem, parameters, observations, parameters.EstimatedCoordinates(),
-                                          ObservationNoise(problem, observations, kFallbackSigma));
-  return linearization;
+  return Linearize(problem, parameters, observations, parameters.EstimatedCoordinates(),
+                   ObservationNoise(problem, observations, kFallbackSigma), treatment);
 }
 
 CandidateColumns ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
-                           const std::vector<EffectSpec>& specs) {
+                           const std::vector<EffectSpec>& specs, LatentTreatment treatment) {
   std::set<std::string> known;
   for (const EffectSpec& own : problem.robot.effects) known.insert(own.Path());
   std::vector<EffectSpec> fresh;
@@ -163,7 +161,7 @@ CandidateColumns ColumnsOf(const CalibrationProblem& problem, const ParameterSet
   candidates.first.push_back(static_cast<int>(all.size()));
   const std::vector<int> observations = extended.CalibrationObservations();
   candidates.columns = Linearize(extended, extended.parameters, observations, all,
-                                 ObservationNoise(extended, observations, kFallbackSigma))
+                                 ObservationNoise(extended, observations, kFallbackSigma), treatment)
                            .jacobian;
   candidates.typical.resize(all.size());
   for (size_t c = 0; c < all.size(); ++c) {
@@ -188,8 +186,9 @@ std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::Vec
     int worst = -1;
     for (size_t c = 0; c < kept.size(); ++c) {
       const double variance = covariance(c, c);
-      const bool significant = value[c] * value[c] > 9.0 * variance && std::abs(value[c]) < kImplausible;
-      if (variance < 1.0 || significant) continue;
+      const bool significant = value[c] * value[c] > 9.0 * variance;
+      const bool sized = std::abs(value[c]) < kOversized || typical.size() == 1;
+      if (variance < 1.0 || (significant && sized)) continue;
       if (worst < 0 || variance > covariance(worst, worst)) worst = static_cast<int>(c);
     }
     if (worst < 0) break;
@@ -198,12 +197,13 @@ std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::Vec
   return kept;
 }
 
-Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters) {
+Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                      LatentTreatment treatment) {
   // Order 0: the cosine column is that of a constant joint deviation.
   std::vector<EffectSpec> specs;
   for (const Joint& joint : problem.robot.chain.joints)
     specs.push_back({"joint_harmonic", joint.name, {{"order", "0"}}, {}});
-  const CandidateColumns joints = ColumnsOf(problem, parameters, specs);
+  const CandidateColumns joints = ColumnsOf(problem, parameters, specs, treatment);
   return joints.columns(Eigen::all, std::vector<int>(joints.first.begin(), joints.first.end() - 1));
 }
 

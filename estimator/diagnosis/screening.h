@@ -17,6 +17,8 @@
 
 namespace sagitta {
 
+constexpr double kOversized = 100.0;  // typical sizes
+
 struct Score {
   double reduction = 0.0;  // chi-square
   int rank = 0;
@@ -42,7 +44,7 @@ Score ScoreOf(const NormalEquations& normal, long rows, int settings);
 double MarginalGainOf(const NormalEquations& normal, long rows);
 
 // Leaves out, worst first, parameters that would stay unknown to more than a typical size: they would only fit noise.
-// One that is significant all the same stays, unless its value would be a hundred typical sizes: a column that hardly
+// One that is significant all the same stays, unless its value would be oversized beside others: a column that hardly
 // stands out of the believed ones. Returns the others. In a refit the left-out ones get a wide prior instead, so that
 // the intervals of the others stay true. typical: size of each, in units of the columns.
 std::vector<int> InformedColumns(const NormalEquations& normal, const Eigen::VectorXd& typical);
@@ -75,7 +77,8 @@ class ProjectedResidual {
   Eigen::VectorXd residual_;
 };
 
-Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters);
+Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                LatentTreatment treatment = LatentTreatment::kMarginalise);
 
 // Whitened columns of several candidates at neutral, side by side, in units of results.
 struct CandidateColumns {
@@ -91,10 +94,12 @@ struct CandidateColumns {
 // model already has gets no columns, and so does a gravity compensator (not
 // linear: compensator_search.h).
 CandidateColumns ColumnsOf(const CalibrationProblem& problem, const ParameterSet& parameters,
-                           const std::vector<EffectSpec>& specs);
+                           const std::vector<EffectSpec>& specs,
+                           LatentTreatment treatment = LatentTreatment::kMarginalise);
 
 // How a deviation of each joint on its encoder side moves the rows, whitened,
 // per urad (um); one column per joint.
-Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters);
+Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                      LatentTreatment treatment = LatentTreatment::kMarginalise);
 
 }  // namespace sagitta

@@ -205,6 +205,7 @@ ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
   const auto simpler = [&](const ChosenStep& a, const ChosenStep& b) {
     const bool a_tied = a.penalised >= best - tie, b_tied = b.penalised >= best - tie;
     if (a_tied != b_tied) return a_tied;
+    if (a.candidate.oversized != b.candidate.oversized) return b.candidate.oversized;
     if (a.parameters != b.parameters) return a.parameters < b.parameters;
     return a.candidate.place < b.candidate.place;
   };
@@ -242,6 +243,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
     CandidateScore scored = screening.Of(static_cast<int>(i));
     entry.score = scored.score;
     entry.candidate.vague = std::move(scored.vague);
+    entry.candidate.oversized = scored.oversized;
     if (candidates[i].spec.effect == "gravity_compensator") TakeStarts(scored.shapes, &entry);
     const double after =
         (model.estimate.chi2 - entry.score.reduction) / std::max(1, model.estimate.dof - entry.score.rank);

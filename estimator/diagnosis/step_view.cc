@@ -1,29 +1,13 @@
 #include "estimator/diagnosis/step_view.h"
 
-#include <cmath>
-#include <functional>
+#include <algorithm>
 #include <map>
 
-#include "estimator/linearization.h"
+#include "estimator/diagnosis/drivers.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kDegree = 57.29577951308232;
-
-struct Driver {
-  std::string name, unit;
-  std::function<double(const Shot&, const ShotConditions&)> value;
-};
-
-Driver AngleOf(const Chain& chain, const std::string& joint) {
-  const int j = chain.FindJoint(joint);
-  const bool turns = chain.joints[j].type == JointType::kRevolute;
-  const double scale = turns ? kDegree : 1e3;
-  return {joint, turns ? "deg" : "mm",
-          [j, scale](const Shot&, const ShotConditions& conditions) { return scale * conditions.q[j]; }};
-}
 
 // The joint that a setting names, or else the target.
 std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& spec) {
@@ -34,16 +18,13 @@ std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& s
 }
 
 Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
-  const Chain& chain = problem.robot.chain;
   const EffectDefinition* definition = FindEffect(problem.robot, spec.effect);  // none of the compensator
   const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->driven_by;
-  if (by == EffectDriver::kTemperature) {
-    return {"temperature above its mean", "K", [](const Shot&, const ShotConditions& c) { return c.temperature; }};
-  }
-  if (by == EffectDriver::kTime) return {"time", "s", [](const Shot&, const ShotConditions& c) { return c.time; }};
-  const std::string joint = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
-  if (chain.FindJoint(joint) >= 0) return AngleOf(chain, joint);
-  return {"configuration", "", [](const Shot& shot, const ShotConditions&) { return 1.0 + shot.configuration; }};
+  if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
+  if (by == EffectDriver::kTime) return TimeOf(problem);
+  const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
+  const int joint = problem.robot.chain.FindJoint(name);
+  return joint >= 0 ? AngleOf(problem, joint) : ConfigurationNumberOf(problem);
 }
 
 struct VisitSums {
@@ -74,7 +55,7 @@ StepView ViewStep(const StepBench& bench, const ChosenStep& step) {
     const int s = problem.data.observations[here.observations[k]].shot;
     VisitSums& sums = visits[problem.latent.visit_of_shot[s]];
     const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
-    sums.x = driver.value(problem.data.shots[s], problem.shot_inputs[s].conditions);
+    sums.x = driver.of_shot[s];
     sums.squared += along(rows).squaredNorm();
     sums.simulated += along(rows).dot(contribution(rows));
     sums.measured += along(rows).dot(contribution(rows) - here.residual(rows));

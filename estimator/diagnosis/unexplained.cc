@@ -52,6 +52,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
     ChosenStep step;
     step.candidate = candidates[i];
     step.candidate.vague = scored.vague;
+    step.candidate.oversized = scored.oversized;
     step.parameters = score.rank;
     step.reduction = score.reduction / left;
     step.penalised = step.reduction - (score.reduction - score.penalised);

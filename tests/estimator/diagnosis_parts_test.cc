@@ -157,6 +157,16 @@ TEST(DiagnosisRule, TiesGoToTheFewestParametersThenTheCatalogue) {
   EXPECT_EQ(PickByRule(steps, 1.0).candidate.spec.effect, "axis_wobble");
 }
 
+// What only an absurd size explains loses a tie, and wins where it fits better than any other.
+TEST(DiagnosisRule, AnOversizedEffectLosesTies) {
+  std::vector<ChosenStep> steps = {Step("encoder_gain", "A6", 1, 110, 103, 0),
+                                   Step("joint_coupling", "A5", 1, 108, 101, 1),
+                                   Step("axis_wobble", "A6", 2, 90, 76, 2)};
+  steps[0].candidate.oversized = true;
+  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.effect, "joint_coupling");
+  EXPECT_EQ(PickByRule(steps, 1.0).candidate.spec.effect, "encoder_gain");
+}
+
 // Of one effect the better fit, not the target of which the data tell fewer parameters.
 TEST(DiagnosisRule, TargetsOfOneEffectAreChosenByTheirFit) {
   const std::vector<ChosenStep> steps = {Step("link_gravity", "A3", 3, 91.8, 70.8, 1),

@@ -1,0 +1,30 @@
+// What a deviation of the arm may depend on, per shot, in the units that people read.
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct Driver {
+  std::string name, unit;
+  Eigen::VectorXd of_shot;  // one per Measurements::shots
+
+  bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }
+};
+
+Driver AngleOf(const CalibrationProblem& problem, int joint);     // deg or mm, commanded
+Driver ApproachOf(const CalibrationProblem& problem, int joint);  // +1, -1 or 0; zero where it is not stated
+Driver TimeOf(const CalibrationProblem& problem);                 // s since the station's first row
+Driver TemperatureOf(const CalibrationProblem& problem);          // K above the mean
+Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
+
+// Torque (force) of the known wrenches on each joint's axis, N m (N), at the equilibrium of these parameters: shots x
+// joints. The spring of a compensator takes no part. Zero where the equilibrium diverges.
+Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters);
+Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques);
+
+}  // namespace sagitta
