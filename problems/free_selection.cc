@@ -111,6 +111,10 @@ void SetFree(CalibrationProblem* problem) {
       for (const int i : matches) parameters.coordinate(i).free = free;
     }
   };
+  for (const std::string& name : estimate.free) {  // a part of a larger selection may be fixed, not the same
+    if (std::count(estimate.fixed.begin(), estimate.fixed.end(), name) == 0) continue;
+    FailProblem(*problem, "--fixed", "'" + name + "' is asked to be free and fixed", "drop it from one of the two");
+  }
   apply(estimate.free, "--free", true);
   apply(estimate.fixed, "--fixed", false);
 }

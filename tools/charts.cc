@@ -10,6 +10,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kWidth = 300, kWide = 400, kTop = 24, kFloor = 130, kHeight = 150;
+constexpr double kTickRoom = 52, kDotRoom = 3;  // left of a scatter for its figures, around its dots
 constexpr int kBins = 12;
 
 std::string Canvas(const std::string& title, const std::string& body, double width, double height) {
@@ -63,21 +64,24 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
     for (const double value : *values) reach = std::max(reach, std::abs(value));
   }
   const double middle = 0.5 * (kTop + kFloor);
-  const double across = *right > *left ? kWide / (*right - *left) : 0.0;
-  const double up = reach > 0.0 ? 0.5 * (kFloor - kTop) / reach : 0.0;
+  const double origin = kTickRoom + kDotRoom, width = kWide - origin - kDotRoom;
+  const double across = *right > *left ? width / (*right - *left) : 0.0;
+  const double up = reach > 0.0 ? (0.5 * (kFloor - kTop) - kDotRoom) / reach : 0.0;
   std::string body = svg::LevelLine(middle, kWide, "axis");
   const auto dots = [&](const std::vector<double>& values, const char* style) {
     std::vector<std::pair<double, double>> points;
-    for (size_t i = 0; i < values.size(); ++i) points.emplace_back(across * (x[i] - *left), middle - up * values[i]);
+    for (size_t i = 0; i < values.size(); ++i) {
+      points.emplace_back(origin + across * (x[i] - *left), middle - up * values[i]);
+    }
     body += svg::Dots(points, style);
   };
   dots(blue, "dot");
   dots(red, "model");
-  body += svg::Text(0, kTop + 8, "start", Significant(reach, 2)) +
-          svg::Text(0, kFloor - 3, "start", Significant(-reach, 2));
+  body += svg::Text(0, kTop + 8, "start", Significant(reach, 3)) + svg::Text(0, middle - 3, "start", "0") +
+          svg::Text(0, kFloor - 3, "start", Significant(-reach, 3));
   return Frame(title,
-               body + svg::Text(0, kHeight - 6, "start", Significant(*left, 3)) +
-                   svg::Text(0.5 * kWide, kHeight - 6, "middle", x_label) +
+               body + svg::Text(origin, kHeight - 6, "start", Significant(*left, 3)) +
+                   svg::Text(origin + 0.5 * width, kHeight - 6, "middle", x_label) +
                    svg::Text(kWide, kHeight - 6, "end", Significant(*right, 3)),
                kWide);
 }

@@ -111,10 +111,8 @@ Section GapMapSection(const Diagnosis& d) {
   section.title = "The gap in joint space";
   section.paragraphs = {
       "Per shot, the deviation of one joint alone that would explain best what is measured and not predicted, over "
-      "that "
-      "joint's angle, the torque of the known loads on it, the direction of its approach and the time, where these "
-      "vary. "
-      "Blue: beside the believed model" +
+      "that joint's angle, the torque of the known loads on it, the direction of its approach and the time, where "
+      "these vary. Blue: beside the believed model" +
       std::string(d.steps.empty() ? "." : "; red: beside the extended one.")};
   for (const JointGap& gap : d.gap_map) {
     const std::vector<double> red = d.steps.empty() ? std::vector<double>() : gap.after;

@@ -78,7 +78,8 @@ int Run(const std::vector<std::string>& arguments) {
   }
   const bool asks_help = first == "--help" || first == "-h" || first == "help";
   if (asks_help) {
-    std::cout << (arguments.size() > 1 ? HelpOf(FindCommand(arguments[1])) : Overview());
+    const bool about_one = arguments.size() > 1 && arguments[1] != "help";
+    std::cout << (about_one ? HelpOf(FindCommand(arguments[1])) : Overview());
     return 0;
   }
   const Command& command = FindCommand(first);

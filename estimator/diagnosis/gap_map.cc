@@ -7,7 +7,9 @@
 namespace sagitta {
 namespace {
 
+// Of l' l: too small a part to divide by, which would draw noise.
 constexpr double kHardlySeen = 1e-3;  // of the shot that sees the joint best
+constexpr double kUnseen = 1e-12;     // of the joint seen best: rounding
 
 // Of one joint, per shot.
 struct AlongJoint {
@@ -34,6 +36,12 @@ std::vector<AlongJoint> AlongJoints(const DiagnosedModel& model) {
   return along;
 }
 
+double BestInformation(const std::vector<AlongJoint>& along) {
+  double best = 0.0;
+  for (const AlongJoint& joint : along) best = std::max(best, joint.information.maxCoeff());
+  return best;
+}
+
 std::vector<Driver> DriversOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& torques) {
   std::vector<Driver> drivers = {AngleOf(problem, joint), TorqueOf(problem, joint, torques), ApproachOf(problem, joint),
                                  TimeOf(problem)};
@@ -48,11 +56,12 @@ std::vector<JointGap> MapGap(const DiagnosedModel& baseline, const DiagnosedMode
   const CalibrationProblem& problem = *baseline.problem;
   const std::vector<AlongJoint> before = AlongJoints(baseline), after = AlongJoints(final);
   const Eigen::MatrixXd torques = JointTorques(problem, baseline.estimate.parameters);
+  const double rounding = kUnseen * BestInformation(before);
   std::vector<JointGap> gaps;
   for (size_t j = 0; j < before.size(); ++j) {
     const Joint& joint = problem.robot.chain.joints[j];
     JointGap gap{joint.name, joint.type == JointType::kRevolute ? "urad" : "um", {}, {}, {}, {}};
-    const double least = kHardlySeen * before[j].information.maxCoeff();
+    const double least = std::max(rounding, kHardlySeen * before[j].information.maxCoeff());
     for (long s = 0; s < before[j].information.size(); ++s) {
       const double information = before[j].information[s], later = after[j].information[s];
       if (!(information > least) || !(later > 0.0)) continue;

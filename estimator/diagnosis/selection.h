@@ -46,9 +46,10 @@ struct ChosenStep {
 };
 
 // The rule of FORMATS section 6 among significant steps (not empty): the best penalised, or the simplest that ties with
-// it and is not oversized. That is the effect. Its targets and settings all have the same parameters: one that tells fewer of them is not
-// simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's criterion). Twins, which move
-// every marker alike (the scales of two stations), fit alike but for rounding: the first in the list.
+// it and is not oversized. That is the effect. Its targets and settings all have the same parameters: one that tells
+// fewer of them is not simpler for it, its rivals only have what chance gives (about 1 each; 2 as in Akaike's
+// criterion). Twins, which move every marker alike (the scales of two stations), fit alike but for rounding: the first
+// in the list.
 ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie);
 
 // All candidates scored against the model, best penalised first.

@@ -9,8 +9,12 @@ using CommandLineTest = ProgramTest;
 const std::string kExperiment = Published("kr270/experiment.yaml");
 
 TEST_F(CommandLineTest, HelpAndVersion) {
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--help"}, {"help"}, {"help", "calibrate"}, {"calibrate", "--help"}, {"--version"}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--help"},
+                                                    {"help"},
+                                                    {"help", "help"},
+                                                    {"help", "calibrate"},
+                                                    {"calibrate", "--help"},
+                                                    {"--version"}}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.status, 0) << arguments[0];
     EXPECT_NE(outcome.out.find("sagitta"), std::string::npos);
@@ -67,6 +71,14 @@ TEST_F(CommandLineTest, BadValuesAreUsageErrors) {
     EXPECT_EQ(outcome.status, 2) << flag << outcome.err;
     EXPECT_EQ(outcome.out, "") << flag;
   }
+}
+
+TEST_F(CommandLineTest, AParameterIsFreeOrFixed) {
+  const Outcome outcome =
+      Run({"calibrate", kExperiment, "--free=geometry/dq2", "--fixed=geometry/dq2", "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("'geometry/dq2' is asked to be free and fixed"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(Exists("out"));
 }
 
 TEST_F(CommandLineTest, BothSpellingsOfAFlagAndTheEndOfFlags) {
