@@ -2,6 +2,8 @@
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
+
 #include "estimator/unit_guess.h"
 #include "problems/input_error.h"
 #include "problems/io/experiment_file.h"
@@ -77,15 +79,20 @@ void ApplyEstimateFlags(Experiment* experiment) {
   experiment->significance = FLAGS_significance;
 }
 
+// An experiment file stands alone, wherever it was put.
+void RefuseBesideExperiment(const std::vector<std::string>& arguments) {
+  if (arguments.size() < 2) return;
+  const auto experiment = std::find_if(arguments.begin(), arguments.end(), IsExperimentFile);
+  if (experiment == arguments.end()) return;
+  const std::string& other = experiment == arguments.begin() ? arguments[1] : arguments[0];
+  throw InputError({*experiment, 0, "measurements"},
+                   "an experiment file names its own robot and measurements, '" + other + "' is one argument too many",
+                   "list it there under robot: or measurements:, and give the experiment alone");
+}
+
 Experiment ExperimentOf(const std::vector<std::string>& arguments) {
-  if (IsExperimentFile(arguments[0])) {
-    if (arguments.size() > 1) {
-      throw InputError({arguments[0], 0, "measurements"},
-                       "an experiment file names its own measurements, '" + arguments[1] + "' is one argument too many",
-                       "list the file under measurements:");
-    }
-    return ReadExperimentFile(arguments[0]);
-  }
+  RefuseBesideExperiment(arguments);
+  if (IsExperimentFile(arguments[0])) return ReadExperimentFile(arguments[0]);
   if (arguments.size() < 2) {
     throw InputError({arguments[0], 0, ""}, "the measurements are missing",
                      "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1");

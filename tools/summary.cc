@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <sstream>
 
 namespace sagitta {
@@ -282,7 +283,9 @@ std::string Significant(double value, int digits) {
   if (std::isnan(value)) return "-";
   char buffer[64];
   std::snprintf(buffer, sizeof(buffer), "%.*g", digits, value);
-  return buffer;
+  const double rounded = std::atof(buffer);
+  const bool would_be_a_power = std::abs(rounded) >= std::pow(10.0, digits);  // 1.66e+03
+  return would_be_a_power && std::abs(rounded) < 1e6 ? Fixed(rounded, 0) : buffer;
 }
 
 std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate) {

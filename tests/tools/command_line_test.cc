@@ -95,7 +95,15 @@ TEST_F(CommandLineTest, NegativeNumbersAreValues) {
 }
 
 TEST_F(CommandLineTest, AnExperimentNamesItsOwnMeasurements) {
-  EXPECT_EQ(Run({"calibrate", kExperiment, Published("kr270/geometric.csv")}).status, 2);
+  const std::string robot = Published("kr270/robot.yaml"), rows = Published("kr270/geometric.csv");
+  for (const std::vector<std::string>& files :
+       {std::vector<std::string>{kExperiment, rows}, {robot, rows, kExperiment}}) {
+    std::vector<std::string> arguments = {"calibrate"};
+    arguments.insert(arguments.end(), files.begin(), files.end());
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find("names its own robot and measurements"), std::string::npos) << outcome.err;
+  }
   EXPECT_EQ(Run({"calibrate", Published("kr270/robot.yaml")}).status, 2);
   EXPECT_EQ(Run({"calibrate"}).status, 2);
 }
