@@ -103,6 +103,13 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
                           StatedSigmaInWords(estimate, problem.experiment.significance)};
     // Fitted by REML, chi-square is what it should be by construction.
     if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
+    const bool misfit = estimate.sigma.scaled && estimate.chi2 > kInstrumentIsNotTheNoise * estimate.dof;
+    if (misfit && problem.latent.empty()) {
+      section.paragraphs.push_back(
+          "Where it is the arm that repeats no better ('sagitta diagnose' tells that from a missing effect), "
+          "repeatability_urad: estimate keeps the instrument's sigma as stated, and predictions as narrow as they "
+          "are.");
+    }
   }
   for (const std::string& words : estimate.noise_report.words) section.paragraphs.push_back(words);
   return section;

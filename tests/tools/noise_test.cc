@@ -53,6 +53,18 @@ TEST_F(NoiseTest, VarianceComponentsSayWhoIsTheNoise) {
   EXPECT_NE(outcome.out.find("The instrument, not the robot, is the noise"), std::string::npos) << outcome.out;
 }
 
+// Simulated with 0.1 mm, stated as 0.01: the instrument is not the noise, and it says what might be.
+TEST_F(NoiseTest, SigmasFarTooSmallNameRepeatabilityAsAWayOut) {
+  const std::string advice = "repeatability_urad: estimate";
+  for (const bool far : {false, true}) {
+    const std::string sigma = far ? "0.01" : "0.1";
+    const std::string experiment = Experiment("noise: {sigma_mm: " + sigma + "}\n", Data());
+    const Outcome outcome = Run({"calibrate", experiment, "--out=" + Path("out_" + sigma)});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find(advice) != std::string::npos, far) << outcome.out;
+  }
+}
+
 TEST_F(NoiseTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
   struct Case {
     const char* keys;
