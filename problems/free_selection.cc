@@ -51,6 +51,17 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
                     problem.experiment);
 }
 
+// The parameters of the name's family (geometry/...), or all where it has none.
+std::vector<std::string> KnownBeside(const std::string& name, const ParameterSet& parameters) {
+  const std::string family = name.substr(0, name.find('/') + 1);
+  std::vector<std::string> known, related;
+  for (const Coordinate& coordinate : parameters.coordinates()) {
+    known.push_back(coordinate.name);
+    if (!family.empty() && coordinate.name.rfind(family, 0) == 0) related.push_back(coordinate.name);
+  }
+  return related.empty() ? known : related;
+}
+
 }  // namespace
 
 std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
@@ -102,12 +113,12 @@ void SetFree(CalibrationProblem* problem) {
     if (family == "effect") coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
   }
   const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
-    std::vector<std::string> known;
-    for (const Coordinate& coordinate : parameters.coordinates()) known.push_back(coordinate.name);
     for (const std::string& name : names) {
       const std::vector<int> matches = parameters.Match(name);
-      if (matches.empty())
-        FailProblem(*problem, key, "there is no parameter '" + name + "'", SpellingHint(name, known));
+      if (matches.empty()) {
+        FailProblem(*problem, key, "there is no parameter '" + name + "'",
+                    SpellingHint(name, KnownBeside(name, parameters)));
+      }
       for (const int i : matches) parameters.coordinate(i).free = free;
     }
   };

@@ -73,12 +73,18 @@ TEST_F(CommandLineTest, BadValuesAreUsageErrors) {
   }
 }
 
+TEST_F(CommandLineTest, AnUnknownParameterIsAnsweredByItsFamily) {
+  const Outcome outcome = Run({"calibrate", kExperiment, "--free=geometry/p_x11"});
+  EXPECT_NE(outcome.err.find("known: geometry/p_x1, "), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("marker/"), std::string::npos) << outcome.err;
+}
+
 TEST_F(CommandLineTest, AParameterIsFreeOrFixed) {
   const Outcome outcome =
       Run({"calibrate", kExperiment, "--free=geometry/dq2", "--fixed=geometry/dq2", "--out=" + Path("out")});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("'geometry/dq2' is asked to be free and fixed"), std::string::npos) << outcome.err;
-  EXPECT_FALSE(Exists("out"));
+  EXPECT_FALSE(Exists("out/estimate.json"));
 }
 
 TEST_F(CommandLineTest, BothSpellingsOfAFlagAndTheEndOfFlags) {
