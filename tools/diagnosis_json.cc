@@ -63,6 +63,9 @@ Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
                                   {"ci95", {row.ci95.low / unit, row.ci95.high / unit}},
                                   {"identifiable", IsTold(step, row)}});
   }
+  if (step.lag) {
+    json["thermal_lag_s"] = {{"best", step.lag->best}, {"possible", {step.lag->shortest, step.lag->longest}}};
+  }
   json["holdout_rms_before_mm"] = Finite(1e3 * step.holdout_before);
   json["holdout_rms_after_mm"] = Finite(1e3 * step.holdout_after);
   json["reduced_chi2_after"] = Finite(step.reduced_chi2_after);

@@ -34,6 +34,14 @@ std::string HoldoutInWords(const Estimate& estimate) {
   return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
 }
 
+std::string LagInWords(const ThermalLag& lag) {
+  const auto minutes = [](double seconds) { return Fixed(seconds / 60.0, 0); };
+  return "Here the arm may follow the thermometer by " + minutes(lag.shortest) + " to " + minutes(lag.longest) +
+         " min, best " + minutes(lag.best) +
+         (lag.is_timed ? "" : ", if the rows stand in the order of measuring, one shot a minute") +
+         "; the interval allows for that, the value does not.";
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -77,6 +85,7 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
            Significant(1e3 * step.holdout_after, 3) + " mm.";
   const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
+  if (step.lag) words += " " + LagInWords(*step.lag);
   return words;
 }
 

@@ -75,6 +75,7 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
     for (const ParameterEstimate& row : diagnosis->final.estimate.table) {
       if (row.free && IsParameterOf(chosen[i].candidate.spec, row.name)) result.parameters.push_back(row);
     }
+    result.lag = AllowForLag(diagnosis->final, chosen[i], &result.parameters);
   });
   double before = HoldoutRms(diagnosis->baseline);
   for (DiagnosisStep& step : steps) {

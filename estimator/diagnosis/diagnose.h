@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "estimator/diagnosis/noise_book.h"
 #include "estimator/diagnosis/selection.h"
 #include "estimator/diagnosis/step_view.h"
+#include "estimator/diagnosis/thermal_lag.h"
 #include "estimator/diagnosis/unexplained.h"
 
 namespace sagitta {
@@ -30,6 +32,7 @@ struct WhereShare {
 struct DiagnosisStep {
   ChosenStep chosen;
   std::vector<ParameterEstimate> parameters;
+  std::optional<ThermalLag> lag;  // that their intervals allow for
   // m; not a number where this prefix of the steps does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;
   double reduced_chi2_after = kNotKnown;

@@ -18,7 +18,7 @@ const EffectDefinition& ThermalGrowth() {
         "thermal_growth", "thermal growth of the arm", "linear expansion", EffectTarget::kRobot, Parameters, Apply};
     effect.driven_by = EffectDriver::kTemperature;
     effect.separate_by = "the same poses at other temperatures, in an order that is not that of time";
-    effect.note = "Links that lag behind the thermometer bias the value beyond its interval.";
+    effect.note = "Links that lag behind the thermometer bias the value.";
     return effect;
   }();
   return definition;

@@ -1,0 +1,33 @@
+// The arm follows the thermometer late. A link of heat capacity C that loses heat at W per kelvin obeys
+//
+//   dT_arm/dt = (T - T_arm) / tau,   tau = C / W   (Newton's law of cooling)
+//
+// tau is no parameter of any effect, and a growth fitted on T alone is biased by it. So the interval of what
+// temperature drives is widened to the profile likelihood over tau. Where the shots state no time, they are taken in
+// their order, one a minute: if that is wrong, the data contradict all but short lags, and little is widened.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/diagnosis/selection.h"
+
+namespace sagitta {
+
+struct ThermalLag {
+  double best = 0.0;                     // s
+  double shortest = 0.0, longest = 0.0;  // s, that the data do not contradict at 95 %
+  bool is_timed = false;                 // the shots state their time
+};
+
+// The shots' temperatures after a lag, each station for itself, at equilibrium at its first shot. Between shots the
+// temperature that a shot found has stood since the one before.
+void LagTemperatures(double lag, Measurements* data);
+
+// Widens `rows`, the step's parameters in the final model, to what any lag up to half an hour leaves possible; values
+// stay. None, and nothing changed, where the step is not driven by temperature.
+std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const ChosenStep& step,
+                                      std::vector<ParameterEstimate>* rows);
+
+}  // namespace sagitta

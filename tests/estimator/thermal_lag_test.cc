@@ -1,0 +1,130 @@
+// An arm that grows late: points from the independent kinematics of tests/support, the arm's temperature from the law
+// of cooling in steps of a second, of which the thermometer's readings at the shots are all that the diagnosis sees.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimator/diagnosis/diagnose.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSigma = 1e-5;    // m
+constexpr double kGrowth = 12e-6;  // 1/K
+constexpr double kBetween = 75.0;  // s, from shot to shot
+constexpr int kConfigurations = 60;
+
+double Air(double time) { return 21.0 + 5.0 * (1.0 - std::exp(-time / 2400.0)) + 0.4 * std::sin(time / 700.0); }
+
+// Of an arm that starts at the air's temperature.
+double ArmAt(double time, double lag) {
+  if (lag <= 0.0) return Air(time);
+  double arm = Air(0.0);
+  for (double t = 0.0; t < time; t += 1.0) arm += (Air(t + 0.5) - arm) / lag;
+  return arm;
+}
+
+CalibrationProblem Warming(double lag, bool with_time = true) {
+  test::Kr270Design design;
+  design.configurations = kConfigurations;
+  design.stations = 1;
+  design.sigma = kSigma;
+  design.seed = 11;
+  Measurements data = test::DesignMeasurements(design);
+  for (Shot& shot : data.shots) {
+    shot.has_time = with_time;
+    shot.time = kBetween * (shot.configuration);
+    shot.has_temperature = true;
+    shot.temperature = Air(shot.time);
+  }
+  const test::Kr270Truth truth;
+  NormalNumbers normal(12);
+  const Eigen::Matrix3d rotation = test::BaseRotation(truth, 0);
+  for (Observation& row : data.observations) {
+    const double grown = 1.0 + kGrowth * (ArmAt(kBetween * data.shots[row.shot].configuration, lag) - 23.5);
+    const Vector3<double> in_base =
+        test::IndependentKr270Point(data.ConfigurationOf(row).q, truth.errors, truth.tools[row.marker]);
+    row.point_in_station =
+        truth.base_xyz[0] + rotation * (grown * in_base) + kSigma * Vector3<double>(normal(), normal(), normal());
+  }
+  return test::Kr270ProblemOf(data, Experiment());
+}
+
+struct Grown {
+  DiagnosedModel model;
+  ChosenStep step;
+  ParameterEstimate before, after;
+  std::optional<ThermalLag> lag;
+};
+
+Grown FitGrowth(const CalibrationProblem& problem) {
+  Grown grown;
+  grown.step.candidate.spec = {"thermal_growth", "robot", {}, {}};
+  grown.model = Extend(FitFully(problem, JointOptions()), {grown.step.candidate}, JointOptions());
+  grown.model =
+      JudgeFully(grown.model.problem, grown.model.estimate.parameters, grown.model.estimate.parameters, JointOptions());
+  std::vector<ParameterEstimate> rows;
+  for (const ParameterEstimate& row : grown.model.estimate.table) {
+    if (IsParameterOf(grown.step.candidate.spec, row.name)) rows.push_back(row);
+  }
+  grown.before = rows.at(0);
+  grown.lag = AllowForLag(grown.model, grown.step, &rows);
+  grown.after = rows.at(0);
+  return grown;
+}
+
+bool Holds(const Interval& interval, double value) { return interval.low <= value && value <= interval.high; }
+
+TEST(ThermalLag, AnArmThatIsLateStaysWithinTheIntervalOfItsGrowth) {
+  const Grown grown = FitGrowth(Warming(420.0));
+  ASSERT_FALSE(Holds(grown.before.ci95, kGrowth)) << grown.before.ci95.low << " " << grown.before.ci95.high;
+  EXPECT_TRUE(Holds(grown.after.ci95, kGrowth)) << grown.after.ci95.low << " " << grown.after.ci95.high;
+  EXPECT_EQ(grown.after.value, grown.before.value);
+  EXPECT_NEAR(grown.after.sigma / grown.before.sigma,
+              (grown.after.ci95.high - grown.after.ci95.low) / (grown.before.ci95.high - grown.before.ci95.low), 1e-9);
+  ASSERT_TRUE(grown.lag);
+  EXPECT_LE(grown.lag->shortest, 420.0);
+  EXPECT_GE(grown.lag->longest, 420.0);
+}
+
+TEST(ThermalLag, AnArmThatIsNotIsAllowedLittle) {
+  const Grown grown = FitGrowth(Warming(0.0));
+  ASSERT_TRUE(grown.lag);
+  EXPECT_EQ(grown.lag->shortest, 0.0);
+  EXPECT_LE(grown.lag->longest, 300.0);
+  EXPECT_TRUE(Holds(grown.after.ci95, kGrowth));
+}
+
+TEST(ThermalLag, WithoutTimeTheOrderOfTheShotsHasToDo) {
+  const Grown grown = FitGrowth(Warming(420.0, false));
+  ASSERT_TRUE(grown.lag);
+  EXPECT_FALSE(grown.lag->is_timed);
+  ASSERT_FALSE(Holds(grown.before.ci95, kGrowth));
+  EXPECT_TRUE(Holds(grown.after.ci95, kGrowth));
+}
+
+TEST(ThermalLag, OnlyWhatTemperatureDrives) {
+  Grown grown = FitGrowth(Warming(420.0));
+  grown.step.candidate.spec = {"encoder_gain", "A2", {}, {}};
+  std::vector<ParameterEstimate> rows = {grown.before};
+  EXPECT_FALSE(AllowForLag(grown.model, grown.step, &rows));
+  EXPECT_EQ(rows[0].ci95.high, grown.before.ci95.high);
+}
+
+// The law of cooling for a step of 4 K that the thermometer shows at once.
+TEST(ThermalLag, AStepIsFollowedExponentially) {
+  Measurements data;
+  data.shots.resize(4);
+  for (int s = 0; s < 4; ++s) {
+    data.shots[s].station = 0;
+    data.shots[s].has_time = true;
+    data.shots[s].time = 100.0 * s;
+    data.shots[s].temperature = s == 0 ? 20.0 : 24.0;
+  }
+  LagTemperatures(200.0, &data);
+  for (int s = 0; s < 4; ++s) EXPECT_NEAR(data.shots[s].temperature, 24.0 - 4.0 * std::exp(-100.0 * s / 200.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace sagitta
