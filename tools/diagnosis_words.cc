@@ -34,10 +34,19 @@ std::string HoldoutInWords(const Estimate& estimate) {
   return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
 }
 
+// 210 ± 8 urad, or 7.55 (6.21 to 8.21) ppm/K where the arms of the interval differ.
+std::string WithInterval(const ParameterEstimate& row) {
+  const QuantityTraits& traits = TraitsOf(row.quantity);
+  const auto shown = [&](double value) { return Significant(value / traits.si_per_unit, 3); };
+  const std::string interval = IsEven(row) ? " ± " + shown(row.ci95.high - row.value)
+                                           : " (" + shown(row.ci95.low) + " to " + shown(row.ci95.high) + ")";
+  return shown(row.value) + interval + " " + traits.unit;
+}
+
 std::string LagInWords(const ThermalLag& lag) {
   const auto minutes = [](double seconds) { return Fixed(seconds / 60.0, 0); };
-  return "Here the arm may follow the thermometer by " + minutes(lag.shortest) + " to " + minutes(lag.longest) +
-         " min, best " + minutes(lag.best) +
+  return "Here the arm may follow the thermometer " + minutes(lag.shortest) + " to " + minutes(lag.longest) +
+         " min late, best " + minutes(lag.best) +
          (lag.is_timed ? "" : ", if the rows stand in the order of measuring, one shot a minute") +
          "; the interval allows for that, the value does not.";
 }
@@ -75,9 +84,7 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   const std::vector<std::string>& vague = step.chosen.candidate.vague;
   for (const ParameterEstimate& row : step.parameters) {
     if (!IsTold(step, row)) continue;
-    const double unit = TraitsOf(row.quantity).si_per_unit;
-    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + Significant(row.value / unit, 3) + " ± " +
-             Significant(0.5 * (row.ci95.high - row.ci95.low) / unit, 3) + " " + TraitsOf(row.quantity).unit + ",";
+    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
   }
   words.back() = ';';
   if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";

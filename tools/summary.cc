@@ -165,8 +165,7 @@ std::string StateOf(const ParameterEstimate& row, const Identifiability& identif
 // "0.034", or "-0.012/+0.034" where the interval is not even about the value.
 std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
   const double down = (row.value - row.ci95.low) / unit, up = (row.ci95.high - row.value) / unit;
-  const bool is_even = std::abs(up - down) <= kEven * (up + down);
-  if (is_even && !row.open_low && !row.open_high) return Fixed(0.5 * (up + down), decimals);
+  if (IsEven(row)) return Fixed(0.5 * (up + down), decimals);
   return "-" + (row.open_low ? "open" : Fixed(down, decimals)) + "/+" + (row.open_high ? "open" : Fixed(up, decimals));
 }
 
@@ -278,6 +277,11 @@ std::string Wrapped(const std::string& paragraph) {
 }
 
 }  // namespace
+
+bool IsEven(const ParameterEstimate& row) {
+  const double down = row.value - row.ci95.low, up = row.ci95.high - row.value;
+  return std::abs(up - down) <= kEven * (up + down) && !row.open_low && !row.open_high;
+}
 
 std::string Fixed(double value, int decimals) {
   if (std::isnan(value)) return "-";

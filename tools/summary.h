@@ -24,6 +24,9 @@ Section ResidualSection(const std::string& title, const ResidualSize& before, co
 
 std::string SectionsToText(const std::vector<Section>& sections);
 
+// Whether the interval's arms are alike, so that one figure tells both.
+bool IsEven(const ParameterEstimate& row);
+
 std::string Fixed(double value, int decimals);
 std::string Significant(double value, int digits);
 
