@@ -8,7 +8,6 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMostSteps = 40;  // most need two or three
 constexpr double kFirstDamping = 1e-4;
 constexpr double kSmallStep = 0.01;  // standard deviations: chi-square is then right to 1e-4
 
@@ -61,14 +60,14 @@ LocalModel ModelAt(const CalibrationProblem& problem, const ParameterSet& parame
 
 }  // namespace
 
-QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start) {
+QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start, int most_steps) {
   QuickRefit refit;
   refit.parameters = start;
   const std::vector<int> observations = problem.CalibrationObservations();
   const NoiseRoots noise = ObservationNoise(problem, observations, kFallbackSigma);
   LocalModel model = ModelAt(problem, start, observations, noise);
   double damping = 0.0;
-  for (int i = 0; i < kMostSteps && model.valid; ++i) {
+  for (int i = 0; i < most_steps && model.valid; ++i) {
     const auto unknowns = static_cast<int>(model.columns.size());
     const Eigen::LLT<Eigen::MatrixXd> factor(model.information);
     if (factor.info() != Eigen::Success) return refit;

@@ -18,6 +18,8 @@ struct QuickRefit {
   Eigen::VectorXd sigmas;  // per coordinate of `parameters`, SI, at the stated noise; 0 unless estimated
 };
 
-QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start);
+constexpr int kMostQuickSteps = 40;  // most need two or three
+
+QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start, int most_steps = kMostQuickSteps);
 
 }  // namespace sagitta

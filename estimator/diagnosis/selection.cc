@@ -14,6 +14,7 @@ namespace {
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
 constexpr size_t kShapesRefitted = 5;
+constexpr int kOversizedSteps = 12;        // of a refit; where such a size makes sense at all, a few do
 constexpr double kTwins = 0.1;             // of chi-square: no data tell them apart
 constexpr double kFirstOrderMargin = 2.0;  // of chi-square, before a refit says
 
@@ -59,10 +60,12 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
     Candidate candidate = entry.candidate;
     candidate.spec = start;
     const CalibrationProblem problem = ExtendedProblem(model, {candidate});
-    const QuickRefit quick = RefitQuickly(problem, problem.parameters);
+    const bool oversized = entry.candidate.oversized;
+    const QuickRefit quick = RefitQuickly(problem, problem.parameters, oversized ? kOversizedSteps : kMostQuickSteps);
     double chi2 = quick.chi2;
     dof = quick.dof;
     if (!quick.converged) {
+      if (oversized) continue;  // on the way to nowhere; the full estimator takes minutes to say so
       const Estimate full = EstimateFrom(problem, problem.parameters, options.joint);
       if (!IsUsable(full.status)) continue;
       chi2 = full.chi2;
