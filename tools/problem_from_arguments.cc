@@ -80,19 +80,16 @@ void ApplyEstimateFlags(Experiment* experiment) {
 }
 
 // An experiment file stands alone, wherever it was put.
-void RefuseBesideExperiment(const std::vector<std::string>& arguments) {
-  if (arguments.size() < 2) return;
-  const auto experiment = std::find_if(arguments.begin(), arguments.end(), IsExperimentFile);
-  if (experiment == arguments.end()) return;
-  const std::string& other = experiment == arguments.begin() ? arguments[1] : arguments[0];
-  throw InputError({*experiment, 0, "measurements"},
-                   "an experiment file names its own robot and measurements, '" + other + "' is one argument too many",
-                   "list it there under robot: or measurements:, and give the experiment alone");
-}
-
 Experiment ExperimentOf(const std::vector<std::string>& arguments) {
-  RefuseBesideExperiment(arguments);
-  if (IsExperimentFile(arguments[0])) return ReadExperimentFile(arguments[0]);
+  const auto experiment_file = std::find_if(arguments.begin(), arguments.end(), IsExperimentFile);
+  if (experiment_file != arguments.end()) {
+    if (arguments.size() == 1) return ReadExperimentFile(*experiment_file);
+    const std::string& other = experiment_file == arguments.begin() ? arguments[1] : arguments[0];
+    throw InputError(
+        {*experiment_file, 0, "measurements"},
+        "an experiment file names its own robot and measurements, '" + other + "' is one argument too many",
+        "list it there under robot: or measurements:, and give the experiment alone");
+  }
   if (arguments.size() < 2) {
     throw InputError({arguments[0], 0, ""}, "the measurements are missing",
                      "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1");
@@ -108,7 +105,9 @@ Experiment ExperimentOf(const std::vector<std::string>& arguments) {
 InputFile DescribeInput(const std::string& path) { return {path, Sha256(ReadTextFile(path))}; }
 
 bool IsExperimentFile(const std::string& path) {
-  for (const std::string& line : SplitText(ReadTextFile(path), '\n')) {
+  const std::string text = ReadTextFile(path);
+  if (text.find("schema") == std::string::npos) return false;  // of long files of measurements no lines are made
+  for (const std::string& line : SplitText(text, '\n')) {
     const size_t first = line.find_first_not_of(" \t{\"");
     if (first == std::string::npos || line[first] == '#') continue;
     if (line.find("schema") == std::string::npos) continue;

@@ -68,8 +68,8 @@ double NoiseScale(const std::vector<LaggedFit>& fits, const ParameterEstimate& r
 // The profile likelihood of one parameter: all values v with, for some lag,
 //   chi2(lag) + (v - v(lag))^2 / sigma(lag)^2 <= least + q^2,
 // joined with the interval at no lag, of which q is.
-void Widen(const std::vector<LaggedFit>& fits, ParameterEstimate* row) {
-  const double noise = NoiseScale(fits, *row), least = LeastChiSquare(fits);
+void Widen(const std::vector<LaggedFit>& fits, double least, ParameterEstimate* row) {
+  const double noise = NoiseScale(fits, *row);
   if (!(noise > 0.0)) return;
   const int c = fits[0].refit.parameters.FindCoordinate(row->name);
   const double q = 0.5 * (row->ci95.high - row->ci95.low) / row->sigma;
@@ -115,7 +115,7 @@ std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const ChosenS
     lag.shortest = std::min(lag.shortest, fit.lag);
     lag.longest = std::max(lag.longest, fit.lag);
   }
-  for (ParameterEstimate& row : *rows) Widen(fits, &row);
+  for (ParameterEstimate& row : *rows) Widen(fits, least, &row);
   return lag;
 }
 
