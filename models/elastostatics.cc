@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
 #include <unsupported/Eigen/AutoDiff>
 #include <utility>
 
@@ -12,28 +13,53 @@ constexpr int kMaxNewtonSteps = 50;
 constexpr double kConverged = 1e-14;       // rad or m, of a Newton step
 constexpr double kFoldedDeflection = 1.0;  // rad or m: no elastic model means this
 
-// Torques on the slots and their derivatives by every value, of one set of wrenches.
+// A wrench times a factor, in the base frame.
+struct Load {
+  WrenchInBase<double> wrench;
+  bool turns_with_arm = false;
+  double times = 1.0;
+};
+
+void AddLoads(const std::vector<AppliedWrench>& wrenches, double times, const ChainState<double>& state,
+              const Matrix3<double>& base_rotation, std::vector<Load>* loads) {
+  if (times == 0.0) return;
+  for (const AppliedWrench& wrench : wrenches) {
+    loads->push_back({ToBase(wrench, state, base_rotation), wrench.expressed_in == WrenchFrame::kFlange, times});
+  }
+}
+
+ForceOnTransform ForceOf(const std::vector<Load>& loads, const ElasticQuery& query, const ChainState<double>& state,
+                         int transform, bool differentiate) {
+  ForceOnTransform force(*query.chain, state, transform);
+  for (const Load& load : loads) {
+    force.AddForce(load.wrench, load.times);
+    if (differentiate) force.AddDerivative(load.wrench, load.turns_with_arm, load.times);
+  }
+  return force;
+}
+
+// Torques on the slots and their derivatives by every value.
 struct Torques {
   Eigen::VectorXd torque;    // n
-  Eigen::MatrixXd by_value;  // n x transforms
-
-  // Derivatives only for slots of `moving`: the others do not answer to torque.
-  void Add(const ElasticQuery& query, const ChainState<double>& state, const Matrix3<double>& base_rotation,
-           const std::vector<AppliedWrench>& wrenches, double times, const std::vector<bool>& moving) {
-    if (times == 0.0) return;
-    for (const AppliedWrench& wrench : wrenches) {
-      const WrenchInBase<double> in_base = ToBase(wrench, state, base_rotation);
-      const bool turns = wrench.expressed_in == WrenchFrame::kFlange;
-      for (int s = 0; s < torque.size(); ++s) {
-        const int b = (*query.slots)[s];
-        torque[s] += times * GeneralisedForce(*query.chain, state, b, in_base);
-        for (int a = 0; moving[s] && a < in_base.frame; ++a) {
-          by_value(s, a) += times * GeneralisedForceDerivative(*query.chain, state, b, a, in_base, turns);
-        }
-      }
-    }
-  }
+  Eigen::MatrixXd by_value;  // n x transforms; of slots of `moving` only: the others do not answer to torque
 };
+
+Torques TorquesOfLoads(const ElasticQuery& query, const double* theta, const ChainState<double>& state,
+                       const Matrix3<double>& base_rotation, const std::vector<bool>& moving) {
+  std::vector<Load> loads;
+  AddLoads(*query.wrenches, 1.0, state, base_rotation, &loads);
+  for (const WrenchTerm& term : query.terms->wrenches) {
+    AddLoads(term.wrenches, theta[term.parameter], state, base_rotation, &loads);
+  }
+  const int n = static_cast<int>(query.slots->size());
+  Torques all{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, query.chain->num_transforms())};
+  for (int s = 0; s < n; ++s) {
+    const ForceOnTransform force = ForceOf(loads, query, state, (*query.slots)[s], moving[s]);
+    all.torque[s] = force.force();
+    if (moving[s]) all.by_value.row(s) = force.ByValues();
+  }
+  return all;
+}
 
 // Six derivatives in one pass: the joint's value and the five parameters.
 void AddCompensator(const ElasticQuery& query, const double* theta, int slot, Torques* torques,
@@ -68,6 +94,22 @@ struct Law {
   Eigen::MatrixXd by_value;    // F = d f / d v, n x transforms
 };
 
+// Theta times the wrenches of a sag on its slot is a deflection.
+void AddSags(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation,
+             const ChainState<double>& state, Law* law) {
+  std::map<int, std::vector<Load>> loads;  // by transform
+  for (const SagTerm& sag : query.terms->sags) {
+    AddLoads(sag.wrenches, theta[sag.parameter], state, base_rotation, &loads[sag.transform]);
+  }
+  for (const auto& [transform, own] : loads) {
+    if (own.empty()) continue;
+    const ForceOnTransform sag = ForceOf(own, query, state, transform, true);
+    const int s = SlotOf(query, transform);
+    law->deflection[s] += sag.force();
+    law->by_value.row(s) += sag.ByValues();
+  }
+}
+
 // f and F at the current values; fills torque and flexibility.
 Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<double>& base_rotation,
                 Equilibrium* equilibrium) {
@@ -78,11 +120,7 @@ Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<do
   for (const ElasticTerm& term : query.terms->elastic) {
     if (term.factor * theta[term.parameter] != 0.0) moving[SlotOf(query, term.transform)] = true;
   }
-  Torques all{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
-  all.Add(query, equilibrium->state, base_rotation, *query.wrenches, 1.0, moving);
-  for (const WrenchTerm& load : query.terms->wrenches) {
-    all.Add(query, equilibrium->state, base_rotation, load.wrenches, theta[load.parameter], moving);
-  }
+  Torques all = TorquesOfLoads(query, theta, equilibrium->state, base_rotation, moving);
   if (query.compensator != nullptr) {
     AddCompensator(query, theta, SlotOf(query, query.compensator->transform), &all, equilibrium);
   }
@@ -96,16 +134,7 @@ Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<do
     equilibrium->flexibility[s] += gain * PhiDerivative(term.law, all.torque[s]);
   }
   law.by_value = equilibrium->flexibility.asDiagonal() * all.by_value;
-  for (const SagTerm& sag : query.terms->sags) {
-    if (theta[sag.parameter] == 0.0) continue;
-    const int s = SlotOf(query, sag.transform);
-    std::vector<bool> this_one(n, false);
-    this_one[s] = true;
-    Torques own{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, transforms)};
-    own.Add(query, equilibrium->state, base_rotation, sag.wrenches, 1.0, this_one);
-    law.deflection[s] += theta[sag.parameter] * own.torque[s];
-    law.by_value.row(s) += theta[sag.parameter] * own.by_value.row(s);
-  }
+  AddSags(query, theta, base_rotation, equilibrium->state, &law);
   return law;
 }
 
@@ -116,20 +145,18 @@ Eigen::MatrixXd Response(const ElasticQuery& query, const Law& law) {
   return matrix.partialPivLu().inverse();
 }
 
-// d tau / d left perturbation of R of some wrenches: F_base = R' F, so
-// dF = R' [F]x d(omega). n x 3.
-Eigen::MatrixXd TorqueByRotation(const ElasticQuery& query, const ChainState<double>& state,
-                                 const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
-  Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(query.slots->size(), 3);
+// d tau_e / d left perturbation of R of some wrenches: F_base = R' F, so
+// dF = R' [F]x d(omega).
+Eigen::RowVector3d TorqueByRotation(const ElasticQuery& query, const ChainState<double>& state, int e,
+                                    const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
+  Eigen::RowVector3d derivative = Eigen::RowVector3d::Zero();
   for (const AppliedWrench& wrench : wrenches) {
-    if (wrench.expressed_in != WrenchFrame::kMeasurement) continue;
+    if (wrench.expressed_in != WrenchFrame::kMeasurement || e >= wrench.frame) continue;
     WrenchInBase<double> change = ToBase(wrench, state, base_rotation);
     for (int axis = 0; axis < 3; ++axis) {
       change.force = base_rotation.transpose() * Skew(wrench.force).col(axis);
       change.moment = base_rotation.transpose() * Skew(wrench.moment).col(axis);
-      for (size_t s = 0; s < query.slots->size(); ++s) {
-        derivative(s, axis) += GeneralisedForce(*query.chain, state, (*query.slots)[s], change);
-      }
+      derivative[axis] += GeneralisedForce(*query.chain, state, e, change);
     }
   }
   return derivative;
@@ -139,30 +166,42 @@ void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3
                    Equilibrium* result) {
   result->by_value = result->response * law.by_value;
   result->by_torque = result->response * result->flexibility.asDiagonal();
-  Eigen::MatrixXd torque = TorqueByRotation(query, result->state, *query.wrenches, base_rotation);
-  for (const WrenchTerm& load : query.terms->wrenches) {
-    torque += theta[load.parameter] * TorqueByRotation(query, result->state, load.wrenches, base_rotation);
+  const auto by_rotation_of = [&](int e, const std::vector<AppliedWrench>& wrenches) {
+    return TorqueByRotation(query, result->state, e, wrenches, base_rotation);
+  };
+  Eigen::MatrixXd by_rotation(query.slots->size(), 3);
+  for (size_t s = 0; s < query.slots->size(); ++s) {
+    const int e = (*query.slots)[s];
+    Eigen::RowVector3d torque = by_rotation_of(e, *query.wrenches);
+    for (const WrenchTerm& load : query.terms->wrenches) {
+      torque += theta[load.parameter] * by_rotation_of(e, load.wrenches);
+    }
+    by_rotation.row(s) = result->flexibility[s] * torque;
   }
-  Eigen::MatrixXd by_rotation = result->flexibility.asDiagonal() * torque;
   for (const SagTerm& sag : query.terms->sags) {
     if (theta[sag.parameter] == 0.0) continue;
-    const int s = SlotOf(query, sag.transform);
-    by_rotation.row(s) +=
-        theta[sag.parameter] * TorqueByRotation(query, result->state, sag.wrenches, base_rotation).row(s);
+    by_rotation.row(SlotOf(query, sag.transform)) +=
+        theta[sag.parameter] * by_rotation_of(sag.transform, sag.wrenches);
   }
   result->by_rotation = result->response * by_rotation;
 }
 
 }  // namespace
 
+double TorqueOn(int e, const ElasticQuery& query, const ChainState<double>& state,
+                const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
+  double torque = 0.0;
+  for (const AppliedWrench& wrench : wrenches) {
+    torque += GeneralisedForce(*query.chain, state, e, ToBase(wrench, state, base_rotation));
+  }
+  return torque;
+}
+
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
-  Eigen::VectorXd torques = Eigen::VectorXd::Zero(query.slots->size());
-  for (const AppliedWrench& wrench : wrenches) {
-    const WrenchInBase<double> in_base = ToBase(wrench, state, base_rotation);
-    for (int s = 0; s < torques.size(); ++s) {
-      torques[s] += GeneralisedForce(*query.chain, state, (*query.slots)[s], in_base);
-    }
+  Eigen::VectorXd torques(query.slots->size());
+  for (int s = 0; s < torques.size(); ++s) {
+    torques[s] = TorqueOn((*query.slots)[s], query, state, wrenches, base_rotation);
   }
   return torques;
 }

@@ -69,7 +69,9 @@ struct Equilibrium {
 Equilibrium SolveEquilibrium(const ElasticQuery& query, const double* theta, std::vector<double> values,
                              const Matrix3<double>& base_rotation);
 
-// Torques of some wrenches on all slots at the equilibrium.
+// Torque of some wrenches on one transform at the equilibrium; on all slots.
+double TorqueOn(int e, const ElasticQuery& query, const ChainState<double>& state,
+                const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
 

@@ -320,8 +320,8 @@ void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibriu
   }
   for (const SagTerm& term : shot.terms.sags) {
     if (column_of[term.parameter] < 0) continue;
-    const long s = slot_index(term.transform);
-    add(term.parameter, torques_of(term.wrenches)[s] * velocities.ByDeflection(s));
+    const double torque = TorqueOn(term.transform, query, equilibrium.state, term.wrenches, rotation);
+    add(term.parameter, torque * velocities.ByDeflection(slot_index(term.transform)));
   }
 }
 

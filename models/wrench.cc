@@ -2,31 +2,49 @@
 
 namespace sagitta {
 
-double GeneralisedForceDerivative(const Chain& chain, const ChainState<double>& state, int b, int a,
-                                  const WrenchInBase<double>& wrench, bool turns_with_arm) {
-  if (a >= wrench.frame || b >= wrench.frame) return 0.0;
-  const bool a_turns = chain.transforms[a].is_rotation();
-  const bool b_turns = chain.transforms[b].is_rotation();
-  const Vector3<double>& z_a = state.axis[a];
-  const Vector3<double>& z_b = state.axis[b];
-  const Vector3<double> r = wrench.point - state.origin[b];
-  Vector3<double> d_z = Vector3<double>::Zero();
-  Vector3<double> d_r = Vector3<double>::Zero();
-  if (a < b) {
-    if (a_turns) d_z = z_a.cross(z_b);
-    if (a_turns) d_r = z_a.cross(r);
-  } else {
-    d_r = a_turns ? Vector3<double>(z_a.cross(wrench.point - state.origin[a])) : z_a;
+ForceOnTransform::ForceOnTransform(const Chain& chain, const ChainState<double>& state, int b)
+    : chain_(chain), state_(state), b_(b), by_frame_(Eigen::MatrixXd::Zero(6, chain.num_transforms() + 1)) {}
+
+void ForceOnTransform::AddForce(const WrenchInBase<double>& wrench, double times) {
+  force_ += times * GeneralisedForce(chain_, state_, b_, wrench);
+}
+
+void ForceOnTransform::AddDerivative(const WrenchInBase<double>& wrench, bool turns_with_arm, double times) {
+  if (b_ >= wrench.frame) return;
+  const Vector3<double>& axis = state_.axis[b_];
+  const Vector3<double> r = wrench.point - state_.origin[b_];
+  const Vector3<double> h = wrench.force.cross(axis);
+  auto sums = by_frame_.col(wrench.frame);
+  if (!chain_.transforms[b_].is_rotation()) {
+    before_ -= times * h;
+    if (turns_with_arm) before_ += times * h, sums.head<3>() += times * h;
+    return;
   }
-  Vector3<double> d_force = Vector3<double>::Zero();
-  Vector3<double> d_moment = Vector3<double>::Zero();
-  if (turns_with_arm && a_turns) {
-    d_force = z_a.cross(wrench.force);
-    d_moment = z_a.cross(wrench.moment);
-  }
-  if (!b_turns) return d_z.dot(wrench.force) + z_b.dot(d_force);
   const Vector3<double> torque = r.cross(wrench.force) + wrench.moment;
-  return d_z.dot(torque) + z_b.dot(d_r.cross(wrench.force) + r.cross(d_force) + d_moment);
+  before_ += times * (axis.cross(torque) + axis.dot(r) * wrench.force - r.dot(wrench.force) * axis);
+  sums.head<3>() += times * wrench.point.cross(h);
+  sums.tail<3>() += times * h;
+  if (!turns_with_arm) return;
+  const Vector3<double> turned =
+      r.dot(wrench.force) * axis - wrench.force.dot(axis) * r + wrench.moment.cross(axis);
+  before_ += times * turned;
+  sums.head<3>() += times * turned;
+}
+
+Eigen::RowVectorXd ForceOnTransform::ByValues() const {
+  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(chain_.num_transforms());
+  Eigen::Matrix<double, 6, 1> beyond = Eigen::Matrix<double, 6, 1>::Zero();
+  for (int a = chain_.num_transforms() - 1; a >= 0; --a) {
+    beyond += by_frame_.col(a + 1);
+    const Vector3<double>& axis = state_.axis[a];
+    const Vector3<double> h = beyond.tail<3>();
+    if (!chain_.transforms[a].is_rotation()) {
+      if (a >= b_) row[a] = axis.dot(h);
+    } else {
+      row[a] = axis.dot(a < b_ ? before_ : Vector3<double>(beyond.head<3>() - state_.origin[a].cross(h)));
+    }
+  }
+  return row;
 }
 
 }  // namespace sagitta

@@ -58,11 +58,33 @@ T GeneralisedForce(const Chain& chain, const ChainState<T>& state, int e, const 
   return state.axis[e].dot(Vector3<T>(arm.cross(wrench.force) + wrench.moment));
 }
 
-// d tau_b / d v_a: the second-order term. `turns_with_arm`: the wrench is given
-// in the flange. With a rotation a:
-//   a < b   z_b, x - o_b turn with a:   (z_a x z_b) . (r x F + M) + z_b . ((z_a x r) x F)
-//   a >= b  only x moves:               z_b . ((z_a x (x - o_a)) x F)
-double GeneralisedForceDerivative(const Chain& chain, const ChainState<double>& state, int b, int a,
-                                  const WrenchInBase<double>& wrench, bool turns_with_arm);
+// The generalised force on one transform b by many wrenches, and its derivative by every transform a: the second-order
+// term. All terms are linear in z_a, so that the wrenches are summed before any a is looked at. r = x - o_b,
+// t = r x F + M, and with b a rotation:
+//
+//   rotation a < b     z_b and r turn with a     z_a . (z_b x t + (z_b . r) F - (r . F) z_b)
+//   rotation a >= b    only x moves              z_a . (x x h - o_a x h)                      h = F x z_b
+//   translation a >= b                           z_a . h
+//
+// With b a translation: z_a . (z_b x F), 0, 0. A wrench given in the flange turns with every rotation a before it:
+// z_a . ((r . F) z_b - (F . z_b) r + M x z_b) more, or z_a . h.
+class ForceOnTransform {
+ public:
+  ForceOnTransform(const Chain& chain, const ChainState<double>& state, int b);
+
+  int transform() const { return b_; }
+  double force() const { return force_; }
+  void AddForce(const WrenchInBase<double>& wrench, double times);
+  void AddDerivative(const WrenchInBase<double>& wrench, bool turns_with_arm, double times);
+  Eigen::RowVectorXd ByValues() const;  // d force / d v_a, 1 x transforms
+
+ private:
+  const Chain& chain_;
+  const ChainState<double>& state_;
+  const int b_;
+  double force_ = 0.0;
+  Vector3<double> before_ = Vector3<double>::Zero();  // by rotations before b
+  Eigen::MatrixXd by_frame_;  // 6 x frames; by transforms from b on and before the frame: sum of x x h, sum of h
+};
 
 }  // namespace sagitta

@@ -9,7 +9,9 @@ namespace sagitta {
 namespace {
 
 constexpr double kFirstDamping = 1e-4;
-constexpr double kSmallStep = 0.01;  // standard deviations: chi-square is then right to 1e-4
+constexpr double kSmallStep = 0.01;  // standard deviations
+constexpr double kSmallGain = 1e-3;  // of chi-square: what the step promises; 0.03 standard deviations in all
+constexpr double kCrawl = 0.05;      // of the gain that the undamped step promises
 
 // Steps that cross a bound stop there; the coordinate then has no say.
 std::vector<int> InteriorCoordinates(const ParameterSet& parameters) {
@@ -74,10 +76,11 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
     const Eigen::VectorXd step = -factor.solve(model.gradient);
     const Eigen::VectorXd sigmas =
         Eigen::MatrixXd(factor.matrixL().solve(Eigen::MatrixXd::Identity(unknowns, unknowns))).colwise().norm();
-    if ((step.array().abs() <= kSmallStep * sigmas.array()).all()) {
+    const double promised = -model.gradient.dot(step);
+    if (promised <= kSmallGain || (step.array().abs() <= kSmallStep * sigmas.array()).all()) {
       refit.parameters.Plus(WithinBounds(step.cwiseProduct(model.scale), model.columns, refit.parameters));
       refit.converged = true;
-      refit.chi2 = model.chi2 + model.gradient.dot(step);
+      refit.chi2 = model.chi2 - promised;
       refit.rows = model.rows;
       refit.dof = model.rows - unknowns;
       refit.sigmas.setZero(refit.parameters.num_coordinates());
@@ -93,6 +96,8 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
       damping = std::max(kFirstDamping, 10.0 * damping);
       continue;
     }
+    // The optimum is far beyond where the model is nearly linear, if anywhere.
+    if (damping > 0.0 && model.chi2 - there.chi2 < kCrawl * promised) return refit;
     damping = damping > kFirstDamping ? 0.1 * damping : 0.0;
     refit.parameters = std::move(trial);
     model = std::move(there);

@@ -82,9 +82,13 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   return step;
 }
 
-// Refits the best of the screening and picks one; none when nothing is significant.
+std::string PathOf(const Candidate& candidate) { return candidate.spec.Path(); }
+std::string PathOf(const ScreenedCandidate& screened) { return screened.candidate.spec.Path(); }
+
+// Refits the best of the screening and picks one; none when nothing is significant. Of those with absurd sizes, what has
+// no optimum is added to `hopeless`.
 std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
-                                   const SelectionOptions& options) {
+                                   const SelectionOptions& options, std::vector<std::string>* hopeless = nullptr) {
   const int tests = static_cast<int>(screened.size());
   int refitted = 0;
   while (refitted < std::min(options.refitted, static_cast<int>(screened.size())) &&
@@ -94,6 +98,9 @@ std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vecto
   std::vector<std::optional<ChosenStep>> trials(refitted);
   ParallelFor(refitted, options.num_threads,
               [&](int i, int) { trials[i] = TryStep(model, screened[i], options, tests); });
+  for (int i = 0; i < refitted && hopeless != nullptr; ++i) {
+    if (!trials[i] && screened[i].candidate.oversized) hopeless->push_back(PathOf(screened[i]));
+  }
   std::vector<ChosenStep> steps;
   for (const std::optional<ChosenStep>& trial : trials) {
     if (trial && trial->corrected_p < options.significance && trial->penalised > 0.0) steps.push_back(*trial);
@@ -116,9 +123,6 @@ void TakeStarts(const std::vector<CompensatorShape>& shapes, ScreenedCandidate* 
   for (size_t s = 0; s < std::min(kShapesRefitted, shapes.size()); ++s) entry->starts.push_back(shapes[s].start);
   if (!shapes.empty()) entry->candidate.spec = shapes[0].start;
 }
-
-std::string PathOf(const Candidate& candidate) { return candidate.spec.Path(); }
-std::string PathOf(const ScreenedCandidate& screened) { return screened.candidate.spec.Path(); }
 
 // Whether, to first order, a step is hardly needed or another candidate comes near it.
 bool HasRival(const StepBench& bench, const ChosenStep& step, double tie) {
@@ -184,7 +188,13 @@ std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const Selecti
                                    const StepsAndModel& now, std::vector<Candidate>* open) {
   const double total = PenalisedTotal(baseline, now.model, now.steps);
   std::vector<ScreenedCandidate> screened = Screen(now.model, *open);
-  while (const std::optional<ChosenStep> picked = PickStep(now.model, screened, options)) {
+  const auto pick = [&] {
+    std::vector<std::string> hopeless;
+    std::optional<ChosenStep> picked = PickStep(now.model, screened, options, &hopeless);
+    for (const std::string& path : hopeless) Drop(path, open);
+    return picked;
+  };
+  while (const std::optional<ChosenStep> picked = pick()) {
     StepsAndModel next{now.steps, Extend(now.model, {picked->candidate}, options.joint)};
     next.steps.push_back(*picked);
     const bool fits = IsUsable(next.model.estimate.status) && PenalisedTotal(baseline, next.model, next.steps) > total;

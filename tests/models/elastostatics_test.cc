@@ -63,6 +63,16 @@ Robot ElasticGantry() {  // prismatic first axis, soft; one joint's sign reverse
   return robot;
 }
 
+Robot ElasticScara() {  // a soft prismatic axis that two rotations carry, with joints beyond it
+  Robot robot;
+  robot.chain = test::DhArm(DhConvention::kStandard, {{0.4, 30, 0.3, 0},
+                                                      {0.3, 60, 0, 20},
+                                                      {0.05, -40, 0.2, 10, JointType::kPrismatic},
+                                                      {0.1, 20, 0.1, 0}});
+  for (int j = 0; j < 4; ++j) robot.compliances.push_back({j, {{0.0, (1.0 + j) * 1e-6}}, false});
+  return robot;
+}
+
 struct LoadedCase {
   std::string name;
   Robot robot;
@@ -76,7 +86,9 @@ std::vector<LoadedCase> Cases() {
           {"spring", Kr270WithSpring(true), WrenchFrame::kMeasurement},
           {"spring_without_preload", Kr270WithSpring(false), WrenchFrame::kMeasurement},
           {"seven_axis", ElasticSevenAxis(), WrenchFrame::kFlange},
-          {"gantry", ElasticGantry(), WrenchFrame::kMeasurement}};
+          {"gantry", ElasticGantry(), WrenchFrame::kMeasurement},
+          {"scara", ElasticScara(), WrenchFrame::kMeasurement},
+          {"scara_flange", ElasticScara(), WrenchFrame::kFlange}};
 }
 
 // A heavy load with a moment, and the tool's own weight.
@@ -163,7 +175,7 @@ TEST_P(LoadedDerivatives, EqualJetsAndDifferences) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(AllCases, LoadedDerivatives, ::testing::Range(0, 7),
+INSTANTIATE_TEST_SUITE_P(AllCases, LoadedDerivatives, ::testing::Range(0, static_cast<int>(Cases().size())),
                          [](const auto& tested) { return Cases()[tested.param].name; });
 
 // Statics: the deflection satisfies u = k tau at the deflected arm.
