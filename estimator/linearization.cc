@@ -146,16 +146,21 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
 }
 
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization) {
+  std::vector<int> held_softly;  // columns
   for (int c = 0; c < linearization->num_columns(); ++c) {
-    const int i = linearization->columns[c];
-    const Coordinate& coordinate = parameters.coordinates()[i];
-    if (coordinate.prior_sigma <= 0.0) continue;
-    const int row = linearization->num_rows();
-    linearization->residual.conservativeResize(row + 1);
-    linearization->jacobian.conservativeResize(row + 1, Eigen::NoChange);
-    linearization->jacobian.row(row).setZero();
-    linearization->jacobian(row, c) = 1.0 / coordinate.prior_sigma;
-    linearization->residual[row] = (parameters.Value(i) - coordinate.prior_value) / coordinate.prior_sigma;
+    if (parameters.coordinates()[linearization->columns[c]].prior_sigma > 0.0) held_softly.push_back(c);
+  }
+  const int rows = linearization->num_rows();
+  const int priors = static_cast<int>(held_softly.size());
+  linearization->residual.conservativeResize(rows + priors);
+  linearization->jacobian.conservativeResize(rows + priors, Eigen::NoChange);
+  linearization->jacobian.bottomRows(priors).setZero();
+  for (int k = 0; k < priors; ++k) {
+    const int c = held_softly[k];
+    const Coordinate& coordinate = parameters.coordinates()[linearization->columns[c]];
+    linearization->jacobian(rows + k, c) = 1.0 / coordinate.prior_sigma;
+    linearization->residual[rows + k] =
+        (parameters.Value(linearization->columns[c]) - coordinate.prior_value) / coordinate.prior_sigma;
   }
   AppendSpringTie(parameters, linearization);
 }

@@ -128,6 +128,7 @@ HalfResult ConfirmationBench::NameAgain(const BenchPart& half, const ChosenStep&
     if (half.candidates.candidates()[i].spec.Path() == step.candidate.spec.Path()) continue;
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     if (scored.score.rank == 0 || scored.score.penalised <= best) continue;
+    if (scored.oversized && !step.candidate.oversized) continue;  // few have an optimum near an absurd size
     if (own > 0.0 && screening.Reproduced(scored, found) < kOverlapOfRivals * found.squaredNorm()) continue;
     best = scored.score.penalised;
     result.best = half.candidates.candidates()[i].spec.Path();
