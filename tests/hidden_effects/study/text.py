@@ -16,14 +16,18 @@ def block(title, lines):
     return ['', title, '-' * len(title)] + lines
 
 
+def limit_of_the_data(rates):
+    return '  limit of the data %s' % percent(rates['limit']) if rates.get('limit') is not None else ''
+
+
 def naming_lines(table):
     lines = []
     for label, rates in table.items():
         if not rates['detected']['n']:
             continue
-        limit = '  limit of the data %s' % percent(rates['limit']) if rates.get('limit') is not None else ''
-        limit += ', of the rule %s' % percent(rates['rule']) if rates.get('rule') is not None else ''
-        lines.append('%-22s first %s%s' % (label, share(rates['named_first']), limit))
+        limits = limit_of_the_data(rates)
+        limits += ', of the rule %s' % percent(rates['rule']) if rates.get('rule') is not None else ''
+        lines.append('%-22s first %s%s' % (label, share(rates['named_first']), limits))
         lines.append('%22s named or listed %s, exactly %s, unknown %s' % (
             '', share(rates['named_or_listed']), share(rates['exact']), share(rates['called_unknown'])))
     return lines
