@@ -8,6 +8,7 @@
 namespace sagitta {
 namespace {
 
+constexpr int kMostSteps = 40;  // most need two or three
 constexpr double kFirstDamping = 1e-4;
 constexpr double kSmallStep = 0.01;  // standard deviations
 constexpr double kSmallGain = 1e-3;  // of chi-square: what the step promises; 0.03 standard deviations in all
@@ -62,14 +63,14 @@ LocalModel ModelAt(const CalibrationProblem& problem, const ParameterSet& parame
 
 }  // namespace
 
-QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start, int most_steps) {
+QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start, Patience patience) {
   QuickRefit refit;
   refit.parameters = start;
   const std::vector<int> observations = problem.CalibrationObservations();
   const NoiseRoots noise = ObservationNoise(problem, observations, kFallbackSigma);
   LocalModel model = ModelAt(problem, start, observations, noise);
   double damping = 0.0;
-  for (int i = 0; i < most_steps && model.valid; ++i) {
+  for (int i = 0; i < kMostSteps && model.valid; ++i) {
     const auto unknowns = static_cast<int>(model.columns.size());
     const Eigen::LLT<Eigen::MatrixXd> factor(model.information);
     if (factor.info() != Eigen::Success) return refit;
@@ -96,8 +97,8 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
       damping = std::max(kFirstDamping, 10.0 * damping);
       continue;
     }
-    // The optimum is far beyond where the model is nearly linear, if anywhere.
-    if (damping > 0.0 && model.chi2 - there.chi2 < kCrawl * promised) return refit;
+    const bool crawls = damping > 0.0 && model.chi2 - there.chi2 < kCrawl * promised;
+    if (crawls && patience == Patience::kImpatient) return refit;
     damping = damping > kFirstDamping ? 0.1 * damping : 0.0;
     refit.parameters = std::move(trial);
     model = std::move(there);

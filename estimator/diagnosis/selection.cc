@@ -14,7 +14,6 @@ namespace {
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
 constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
 constexpr size_t kShapesRefitted = 5;
-constexpr int kOversizedSteps = 12;        // of a refit; where such a size makes sense at all, a few do
 constexpr double kTwins = 0.1;             // of chi-square: no data tell them apart
 constexpr double kFirstOrderMargin = 2.0;  // of chi-square, before a refit says
 
@@ -61,7 +60,8 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
     candidate.spec = start;
     const CalibrationProblem problem = ExtendedProblem(model, {candidate});
     const bool oversized = entry.candidate.oversized;
-    const QuickRefit quick = RefitQuickly(problem, problem.parameters, oversized ? kOversizedSteps : kMostQuickSteps);
+    const QuickRefit quick =
+        RefitQuickly(problem, problem.parameters, oversized ? Patience::kImpatient : Patience::kPatient);
     double chi2 = quick.chi2;
     dof = quick.dof;
     if (!quick.converged) {
