@@ -180,8 +180,7 @@ void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3
   }
   for (const SagTerm& sag : query.terms->sags) {
     if (theta[sag.parameter] == 0.0) continue;
-    by_rotation.row(SlotOf(query, sag.transform)) +=
-        theta[sag.parameter] * by_rotation_of(sag.transform, sag.wrenches);
+    by_rotation.row(SlotOf(query, sag.transform)) += theta[sag.parameter] * by_rotation_of(sag.transform, sag.wrenches);
   }
   result->by_rotation = result->response * by_rotation;
 }

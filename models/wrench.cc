@@ -25,8 +25,7 @@ void ForceOnTransform::AddDerivative(const WrenchInBase<double>& wrench, bool tu
   sums.head<3>() += times * wrench.point.cross(h);
   sums.tail<3>() += times * h;
   if (!turns_with_arm) return;
-  const Vector3<double> turned =
-      r.dot(wrench.force) * axis - wrench.force.dot(axis) * r + wrench.moment.cross(axis);
+  const Vector3<double> turned = r.dot(wrench.force) * axis - wrench.force.dot(axis) * r + wrench.moment.cross(axis);
   before_ += times * turned;
   sums.head<3>() += times * turned;
 }

@@ -85,8 +85,8 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
 std::string PathOf(const Candidate& candidate) { return candidate.spec.Path(); }
 std::string PathOf(const ScreenedCandidate& screened) { return screened.candidate.spec.Path(); }
 
-// Refits the best of the screening and picks one; none when nothing is significant. Of those with absurd sizes, what has
-// no optimum is added to `hopeless`.
+// Refits the best of the screening and picks one; none when nothing is significant. Of those with absurd sizes, what
+// has no optimum is added to `hopeless`.
 std::optional<ChosenStep> PickStep(const DiagnosedModel& model, const std::vector<ScreenedCandidate>& screened,
                                    const SelectionOptions& options, std::vector<std::string>* hopeless = nullptr) {
   const int tests = static_cast<int>(screened.size());

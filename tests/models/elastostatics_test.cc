@@ -65,10 +65,9 @@ Robot ElasticGantry() {  // prismatic first axis, soft; one joint's sign reverse
 
 Robot ElasticScara() {  // a soft prismatic axis that two rotations carry, with joints beyond it
   Robot robot;
-  robot.chain = test::DhArm(DhConvention::kStandard, {{0.4, 30, 0.3, 0},
-                                                      {0.3, 60, 0, 20},
-                                                      {0.05, -40, 0.2, 10, JointType::kPrismatic},
-                                                      {0.1, 20, 0.1, 0}});
+  robot.chain = test::DhArm(
+      DhConvention::kStandard,
+      {{0.4, 30, 0.3, 0}, {0.3, 60, 0, 20}, {0.05, -40, 0.2, 10, JointType::kPrismatic}, {0.1, 20, 0.1, 0}});
   for (int j = 0; j < 4; ++j) robot.compliances.push_back({j, {{0.0, (1.0 + j) * 1e-6}}, false});
   return robot;
 }
@@ -163,8 +162,7 @@ TEST_P(LoadedDerivatives, EqualJetsAndDifferences) {
             EXPECT_TRUE(model.Predict(shot, moved.data(), {}, base, {marker}, &there));
             return Eigen::VectorXd(there[0].point);
           };
-          const double scale =
-              model.parameters()[i].law == ParameterLaw::kGeometry ? 0.02 : 0.2 * std::abs(typical[i]);
+          const double scale = model.parameters()[i].law == ParameterLaw::kGeometry ? 0.02 : 0.2 * std::abs(typical[i]);
           const Eigen::VectorXd difference = test::RiddersDerivative(value, theta[i], scale);
           const Eigen::VectorXd ours = prediction[0].d_theta.col(i);
           EXPECT_LE((ours - difference).norm() * scale, 1e-6 * std::max(difference.norm() * scale, 1e-5))
