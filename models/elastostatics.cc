@@ -187,20 +187,11 @@ void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3
 
 }  // namespace
 
-double TorqueOn(int e, const ElasticQuery& query, const ChainState<double>& state,
-                const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
-  double torque = 0.0;
-  for (const AppliedWrench& wrench : wrenches) {
-    torque += GeneralisedForce(*query.chain, state, e, ToBase(wrench, state, base_rotation));
-  }
-  return torque;
-}
-
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
   Eigen::VectorXd torques(query.slots->size());
   for (int s = 0; s < torques.size(); ++s) {
-    torques[s] = TorqueOn((*query.slots)[s], query, state, wrenches, base_rotation);
+    torques[s] = GeneralisedForce(*query.chain, state, (*query.slots)[s], wrenches, base_rotation);
   }
   return torques;
 }

@@ -69,9 +69,7 @@ struct Equilibrium {
 Equilibrium SolveEquilibrium(const ElasticQuery& query, const double* theta, std::vector<double> values,
                              const Matrix3<double>& base_rotation);
 
-// Torque of some wrenches on one transform at the equilibrium; on all slots.
-double TorqueOn(int e, const ElasticQuery& query, const ChainState<double>& state,
-                const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
+// Torques of some wrenches on all slots at the equilibrium.
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
 
@@ -90,11 +88,7 @@ std::vector<T> IterateEquilibrium(const ElasticQuery& query, const T* theta, con
   std::vector<T> deflected = values;
   ChainState<T> state;
   const auto torque_of = [&](int e, const std::vector<AppliedWrench>& wrenches) {
-    T torque(0);
-    for (const AppliedWrench& wrench : wrenches) {
-      torque += GeneralisedForce(*query.chain, state, e, ToBase(wrench, state, base_rotation));
-    }
-    return torque;
+    return GeneralisedForce(*query.chain, state, e, wrenches, base_rotation);
   };
   for (int i = 0; i < iterations; ++i) {
     EvaluateChain(*query.chain, deflected.data(), &state);

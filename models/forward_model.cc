@@ -320,7 +320,7 @@ void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibriu
   }
   for (const SagTerm& term : shot.terms.sags) {
     if (column_of[term.parameter] < 0) continue;
-    const double torque = TorqueOn(term.transform, query, equilibrium.state, term.wrenches, rotation);
+    const double torque = GeneralisedForce(chain(), equilibrium.state, term.transform, term.wrenches, rotation);
     add(term.parameter, torque * velocities.ByDeflection(slot_index(term.transform)));
   }
 }

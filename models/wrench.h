@@ -58,6 +58,17 @@ T GeneralisedForce(const Chain& chain, const ChainState<T>& state, int e, const 
   return state.axis[e].dot(Vector3<T>(arm.cross(wrench.force) + wrench.moment));
 }
 
+// tau_e of all of them.
+template <typename T>
+T GeneralisedForce(const Chain& chain, const ChainState<T>& state, int e, const std::vector<AppliedWrench>& wrenches,
+                   const Matrix3<T>& base_rotation) {
+  T force(0);
+  for (const AppliedWrench& wrench : wrenches) {
+    force += GeneralisedForce(chain, state, e, ToBase(wrench, state, base_rotation));
+  }
+  return force;
+}
+
 // The generalised force on one transform b by many wrenches, and its derivative by every transform a: the second-order
 // term. All terms are linear in z_a, so that the wrenches are summed before any a is looked at. r = x - o_b,
 // t = r x F + M, and with b a rotation:
@@ -72,7 +83,6 @@ class ForceOnTransform {
  public:
   ForceOnTransform(const Chain& chain, const ChainState<double>& state, int b);
 
-  int transform() const { return b_; }
   double force() const { return force_; }
   void AddForce(const WrenchInBase<double>& wrench, double times);
   void AddDerivative(const WrenchInBase<double>& wrench, bool turns_with_arm, double times);
