@@ -53,7 +53,7 @@ AppliedWrench LoadWrench(const Chain& chain, const Measurements& data, const Sho
   return wrench;
 }
 
-// Time counts from each station's first row, temperature from the mean of the data.
+// Time counts from each station's first row in the files, whenever that was; temperature from the mean of the data.
 struct Origins {
   std::map<int, double> first_time;
   double mean_temperature = 0.0;
@@ -63,10 +63,7 @@ Origins FindOrigins(const Measurements& data) {
   Origins origins;
   int count = 0;
   for (const Shot& shot : data.shots) {
-    if (shot.has_time) {
-      const auto found = origins.first_time.emplace(shot.station, shot.time).first;
-      found->second = std::min(found->second, shot.time);
-    }
+    if (shot.has_time) origins.first_time.emplace(shot.station, shot.time);
     if (!shot.has_temperature) continue;
     origins.mean_temperature += shot.temperature;
     ++count;

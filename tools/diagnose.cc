@@ -31,13 +31,12 @@ constexpr int kNumericalFailure = 3;
 constexpr double kDefaultHoldout = 0.3;
 constexpr double kFarFromSimulation = 3.0;  // of the gap
 
-// A part of the configurations is set aside for the verdict.
+// A part of the configurations is set aside for the verdict, unless the experiment says which or none.
 ExperimentInputs WithHoldout(ExperimentInputs inputs) {
   ValidationSpec& validation = inputs.experiment.validation;
   bool has_set_column = false;
   for (const MeasurementFile& file : inputs.data.files) has_set_column |= file.FindColumn("set") >= 0;
-  const bool unset = validation.kind == ValidationSpec::Kind::kSetColumn && !has_set_column;
-  if (unset || validation.kind == ValidationSpec::Kind::kNone) {
+  if (validation.kind == ValidationSpec::Kind::kSetColumn && !has_set_column) {
     validation = ValidationSpec();
     validation.kind = ValidationSpec::Kind::kFraction;
     validation.fraction = kDefaultHoldout;
@@ -49,7 +48,8 @@ ExperimentInputs WithHoldout(ExperimentInputs inputs) {
 // experiment asks for it by name.
 ExperimentInputs OnlyBaseAndMarkers(ExperimentInputs inputs) {
   EstimateSpec& estimate = inputs.experiment.estimate;
-  for (Selection* selection : {&estimate.geometry, &estimate.compliance, &estimate.gravity_compensator}) {
+  for (Selection* selection :
+       {&estimate.geometry, &estimate.compliance, &estimate.gravity_compensator, &estimate.effects}) {
     if (selection->kind == Selection::Kind::kDefault) selection->kind = Selection::Kind::kNone;
   }
   return inputs;

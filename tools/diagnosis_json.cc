@@ -87,7 +87,7 @@ Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
 }
 
 Json NoiseToJson(const NoiseFinding& noise) {
-  Json json = {{"scale", noise.scale}, {"ci95", {noise.low, noise.high}}};
+  Json json = {{"scale", noise.scale}, {"ci95", {Finite(noise.low), Finite(noise.high)}}};
   json["repeatability_urad"] = noise.repeatability > 0.0 ? Json(1e6 * noise.repeatability) : Json(nullptr);
   if (noise.repeatability > 0.0) {
     json["repeatability_ci95_urad"] = {1e6 * noise.repeatability_low, 1e6 * noise.repeatability_high};

@@ -45,17 +45,22 @@ Section GapSection(const Diagnosis& d) {
   Section section;
   section.title = "The gap, before and after";
   section.header = {"", "before", "after", "unit"};
-  section.rows = {
-      {"reduced chi-square of the fit", reduced(before), reduced(after), ""},
-      {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""},
-      {"hold-out RMS per coordinate", Millimetres(before.validation.rms), Millimetres(after.validation.rms), "mm"},
-      {"hold-out RMS distance", Millimetres(before.validation.distance_rms), Millimetres(after.validation.distance_rms),
-       "mm"},
-      {"gap beyond the noise floor", Millimetres(d.gap.before), Millimetres(d.gap.after), "mm"}};
+  section.rows = {{"reduced chi-square of the fit", reduced(before), reduced(after), ""},
+                  {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""}};
+  if (before.validation.observations == 0) {
+    section.paragraphs = {"Nothing is held out: what the steps do on other data is not known."};
+    return section;
+  }
+  const auto add = [&section](const char* what, double was, double is) {
+    section.rows.push_back({what, Millimetres(was), Millimetres(is), "mm"});
+  };
+  add("hold-out RMS per coordinate", before.validation.rms, after.validation.rms);
+  add("hold-out RMS distance", before.validation.distance_rms, after.validation.distance_rms);
+  add("gap beyond the noise floor", d.gap.before, d.gap.after);
   section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
                         Millimetres(after.noise_floor) + " mm per coordinate" +
                         (d.steps.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
-  if (d.baseline.estimate.validation.observations > 0) section.figure = Waterfall(d);
+  section.figure = Waterfall(d);
   return section;
 }
 

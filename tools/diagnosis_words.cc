@@ -88,8 +88,10 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   }
   words.back() = ';';
   if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
-  words += " hold-out RMS " + Significant(1e3 * step.holdout_before, 3) + " -> " +
-           Significant(1e3 * step.holdout_after, 3) + " mm.";
+  if (std::isfinite(step.holdout_after)) {
+    words += " hold-out RMS " + Significant(1e3 * step.holdout_before, 3) + " -> " +
+             Significant(1e3 * step.holdout_after, 3) + " mm.";
+  }
   const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
   if (step.lag) words += " " + LagInWords(*step.lag);
@@ -119,7 +121,7 @@ std::string HalvesInWords(const Confirmation& confirmation) {
   std::string words = "On two disjoint halves of the configurations: ";
   if (telling == 0) return words + "neither is large enough to name anything.";
   words += named == 2 ? "named in both" : named == 1 ? "named in one" : "named in neither";
-  if (telling < 2) words += " (the other is too small to name anything)";
+  if (telling < 2) words += " (one is too small to name anything)";
   if (std::isnan(confirmation.compatible_p)) return words + ".";
   return words +
          (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
@@ -144,7 +146,11 @@ std::string NoiseInWords(const NoiseFinding& noise) {
     words += ". ";
   }
   if (!words.empty()) return words;
-  return noise.is_stated ? "The noise is as stated." : "None is stated: it is the scatter about the extended model.";
+  if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
+  if (std::isnan(noise.high)) return "The noise is taken as stated: nothing is left over that would tell it.";
+  if (!noise.is_bound) return "The noise is as stated.";
+  return "The noise is taken as stated: what has no name is part of the scatter, which bounds it at " +
+         Significant(noise.high, 3) + " times that.";
 }
 
 std::string ShareInWords(const WhereShare& share) {

@@ -2,12 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
+
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kOverlapListed = 0.8;
-constexpr size_t kMostListed = 12;
+
+// The change points of one effect are many candidates and one alternative.
+std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return spec.Path();
+  for (const SettingDefinition& setting : definition->settings) {
+    if (setting.kind == SettingDefinition::Kind::kNumber) spec.settings.erase(setting.name);
+  }
+  return spec.Path();
+}
 
 }  // namespace
 
@@ -34,9 +47,13 @@ std::vector<Alternative> FindAlternatives(const StepBench& bench, const ChosenSt
   }
   std::stable_sort(alternatives.begin(), alternatives.end(),
                    [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
-  size_t others = 0;  // tied ones are all listed
-  const auto is_beyond = [&](const Alternative& entry) { return !entry.tied && ++others > kMostListed; };
-  alternatives.erase(std::remove_if(alternatives.begin(), alternatives.end(), is_beyond), alternatives.end());
+  const Robot& robot = bench.model().problem->robot;
+  std::set<std::string> seen = {WithoutChangePoint(robot, step.candidate.spec)};
+  const auto is_neighbour = [&](const Alternative& entry) {
+    const bool is_first = seen.insert(WithoutChangePoint(robot, entry.spec)).second;
+    return !entry.tied && !is_first;
+  };
+  alternatives.erase(std::remove_if(alternatives.begin(), alternatives.end(), is_neighbour), alternatives.end());
   return alternatives;
 }
 

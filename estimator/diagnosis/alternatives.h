@@ -15,7 +15,8 @@ struct Alternative {
   bool tied = false;  // within the tie of the step's penalised reduction
 };
 
-// Sorted by overlap; all tied ones and all with an overlap of 0.8 or more.
+// Sorted by overlap: those with an overlap of 0.8 or more, of the change points of one effect the best; and all tied
+// ones that reproduce at least kOverlapOfRivals of the step: others explain something else equally well.
 // neutral_residual: StepBench::NeutralResidual of the step.
 std::vector<Alternative> FindAlternatives(const StepBench& bench, const ChosenStep& step,
                                           const Eigen::VectorXd& neutral_residual, double tie);

@@ -83,7 +83,6 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
   std::vector<std::string> keys;
   if (experiment.loss != "none") keys.push_back("loss: " + experiment.loss);
   if (experiment.weights != "sigma") keys.push_back("weights: " + experiment.weights);
-  if (experiment.covariance != "model") keys.push_back("covariance: " + experiment.covariance);
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (experiment.noise.from == NoiseSpec::From::kVarianceComponents) keys.push_back("noise from variance-components");
   if (keys.empty()) return;
@@ -121,6 +120,21 @@ void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
                       "): an effect that moves the markers like these cannot be told from them.");
 }
 
+// What the robot file states and the experiment holds is neither estimated nor a candidate.
+void AppendHeldEffects(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+  std::vector<std::string> held;
+  for (const EffectSpec& spec : problem.robot.effects) {
+    const auto& coordinates = problem.parameters.coordinates();
+    const bool is_free = std::any_of(coordinates.begin(), coordinates.end(), [&](const Coordinate& coordinate) {
+      return coordinate.free && IsParameterOf(spec, coordinate.name);
+    });
+    if (!is_free) held.push_back(spec.Path());
+  }
+  if (held.empty()) return;
+  cautions->push_back("Held at the values of the robot file, and not looked for: " + Listed(held) +
+                      ". To ask for them, free them (estimate: {effects: all}) or take them out of the file.");
+}
+
 void AppendHoldout(const Counts& counts, std::vector<std::string>* cautions) {
   if (counts.in_both > 0) {
     cautions->push_back(
@@ -148,6 +162,7 @@ std::vector<std::string> FindCautions(const DiagnosedModel& believed) {
   AppendFew(problem, counts, &cautions);
   AppendStanding(problem, &cautions);
   AppendHeld(believed.estimate, &cautions);
+  AppendHeldEffects(problem, &cautions);
   AppendHoldout(counts, &cautions);
   return cautions;
 }

@@ -87,6 +87,12 @@ SpringSeat SeatOf(const CalibrationProblem& problem, const ParameterSet& paramet
           deviation};
 }
 
+Eigen::MatrixXd SpringColumns(const SpringSeat& seat, const EffectSpec& shape) {
+  const std::vector<double>& p = shape.values;
+  const Eigen::VectorXd per_torque = 1e6 * seat.compliance * seat.deviation;
+  return per_torque.asDiagonal() * TorquesPerRate({p[0], p[1], p[2], 0.0, 1.0}, seat.angles);
+}
+
 std::vector<CompensatorShape> ScanCompensator(const SpringSeat& seat, const ProjectedResidual& residual) {
   std::vector<CompensatorShape> shapes;
   if (seat.compliance <= 0.0) return shapes;
@@ -98,11 +104,7 @@ std::vector<CompensatorShape> ScanCompensator(const SpringSeat& seat, const Proj
     }
   }
   Eigen::MatrixXd columns(seat.deviation.size(), 2 * shapes.size());
-  const Eigen::VectorXd per_torque = 1e6 * seat.compliance * seat.deviation;
-  for (size_t s = 0; s < shapes.size(); ++s) {
-    const std::vector<double>& p = shapes[s].start.values;
-    columns.middleCols<2>(2 * s) = per_torque.asDiagonal() * TorquesPerRate({p[0], p[1], p[2], 0.0, 1.0}, seat.angles);
-  }
+  for (size_t s = 0; s < shapes.size(); ++s) columns.middleCols<2>(2 * s) = SpringColumns(seat, shapes[s].start);
   const Eigen::MatrixXd rest = residual.ProjectOff(columns);
   for (size_t s = 0; s < shapes.size(); ++s) {
     CompensatorShape& shape = shapes[s];

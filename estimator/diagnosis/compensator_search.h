@@ -43,6 +43,9 @@ SpringSeat SeatOf(const CalibrationProblem& problem, const ParameterSet& paramet
 // compliance.
 std::vector<CompensatorShape> ScanCompensator(const SpringSeat& seat, const ProjectedResidual& residual);
 
+// Whitened rows per unit of Kc and of Kc s0, for a spring of this shape.
+Eigen::MatrixXd SpringColumns(const SpringSeat& seat, const EffectSpec& shape);
+
 // Weak physical priors on the shape: anchors lie within metres of the joint.
 void BoundCompensatorShape(ParameterSet* parameters);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "estimator/distributions.h"
 #include "problems/split.h"
@@ -148,7 +149,7 @@ Confirmation ConfirmationBench::Confirm(const ChosenStep& step, const Eigen::Vec
   const Estimate& all = steps_.model().estimate;
   const double left = all.dof > 0 ? all.chi2 / all.dof : 1.0;
   confirmation.compatible_p = CompatibleP(confirmation.halves[0], confirmation.halves[1], std::max(1.0, left));
-  confirmation.folds = kFolds;
+  confirmation.folds = static_cast<int>(std::set<int>(fold_of_row_.begin(), fold_of_row_.end()).size());
   confirmation.cv_before = CrossValidated(Complete(steps_.model().estimate.parameters, steps_.whole().believed,
                                                    steps_.OtherColumns(step), neutral_residual),
                                           fold_of_row_);

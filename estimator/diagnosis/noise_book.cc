@@ -77,10 +77,13 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
 bool NoiseBook::Close(const Estimate& final, bool has_structure, double significance) {
   for (const int i : outliers_) finding_.outliers.push_back(stated_.data.SourceOf(stated_.data.observations[i]));
   finding_.is_finding = finding_.repeatability > 0.0 || finding_.scale_differs;
-  if (!sigma_is_stated_ || scale_is_measured_ || has_structure || final.dof <= 0) return false;
-  finding_.scale = std::sqrt(final.chi2 / final.dof);
-  finding_.low = std::sqrt(final.chi2 / ChiSquareQuantile(0.975, final.dof));
+  if (scale_is_measured_ || final.dof <= 0) return false;
+  const double scatter = std::sqrt(final.chi2 / final.dof);
+  finding_.is_bound = has_structure;
+  finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
+  finding_.low = has_structure ? 0.0 : std::sqrt(final.chi2 / ChiSquareQuantile(0.975, final.dof));
   finding_.high = std::sqrt(final.chi2 / ChiSquareQuantile(0.025, final.dof));
+  if (!sigma_is_stated_ || has_structure) return false;
   const double upper = ChiSquareSurvival(final.chi2, final.dof);
   finding_.scale_differs = std::min(upper, 1.0 - upper) < significance;
   finding_.is_finding |= finding_.scale_differs;

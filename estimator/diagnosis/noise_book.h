@@ -2,6 +2,7 @@
 // be told beside the effects, and the other way round: it follows the extended model, in rounds.
 #pragma once
 
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -13,10 +14,14 @@ namespace sagitta {
 // Penalised gain of what is no effect before it counts. Gains are twice a log odds: 10 at the level 0.01, and with it.
 double EvidenceNeeded(double significance);
 
+constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
+
 struct NoiseFinding {
   bool is_stated = true;
-  double scale = 1.0, low = 1.0, high = 1.0;  // of the instrument's sigma over the stated one
+  // Of the instrument's sigma over the stated one, or over the scatter that is taken where none is stated.
+  double scale = 1.0, low = kNotTold, high = kNotTold;
   bool scale_differs = false;
+  bool is_bound = false;  // a rest without a name is part of the scatter, which only bounds the scale from above
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them
@@ -42,8 +47,8 @@ class NoiseBook {
   // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
   // hold-out figure counts them. A single marker that is off could as well be the model's error, and counts.
   void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
-  // Last: where no rigid body of markers tells the instrument's noise, and nothing has structure, the scatter does.
-  // True where that shows that sigma is not what is stated.
+  // Last: where no rigid body of markers tells the instrument's noise, the scatter does, or bounds it where something
+  // has structure. True where that shows that sigma is not what is stated.
   bool Close(const Estimate& final, bool has_structure, double significance);
 
  private:

@@ -63,16 +63,17 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
     const QuickRefit quick =
         RefitQuickly(problem, problem.parameters, oversized ? Patience::kImpatient : Patience::kPatient);
     double chi2 = quick.chi2;
-    dof = quick.dof;
+    int left = quick.dof;
     if (!quick.converged) {
       if (oversized) continue;  // on the way to nowhere; the full estimator takes minutes to say so
       const Estimate full = EstimateFrom(problem, problem.parameters, options.joint);
       if (!IsUsable(full.status)) continue;
       chi2 = full.chi2;
-      dof = full.dof;
+      left = full.dof;
     }
     if (chi2 >= best) continue;
     best = chi2;
+    dof = left;
     step.candidate.spec = start;
   }
   if (!std::isfinite(best)) return std::nullopt;
@@ -210,6 +211,26 @@ std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const Selecti
   return std::nullopt;
 }
 
+// What each step does beside those before it, where the noise is no longer that beside which it was chosen.
+std::vector<ChosenStep> Remeasured(const DiagnosedModel& baseline, const SelectionOptions& options, int tests,
+                                   std::vector<ChosenStep> steps) {
+  std::vector<Estimate> after(steps.size());
+  ParallelFor(static_cast<int>(steps.size()), options.num_threads, [&](int i, int) {
+    const std::vector<ChosenStep> first(steps.begin(), steps.begin() + i + 1);
+    after[i] = Extend(baseline, CandidatesOf(first), options.joint).estimate;
+  });
+  double before = baseline.estimate.chi2;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    if (!IsUsable(after[i].status)) continue;
+    ChosenStep& step = steps[i];
+    step.reduction = before - after[i].chi2;
+    step.penalised = step.reduction - Penalty(baseline, step.parameters, step.candidate.settings);
+    step.corrected_p = CorrectedP(step.reduction, step.parameters, after[i].chi2, after[i].dof, tests);
+    before = after[i].chi2;
+  }
+  return steps;
+}
+
 }  // namespace
 
 ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
@@ -303,6 +324,7 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
                                       DiagnosedModel* model) {
   StepsAndModel now{start, start.empty() ? baseline : Extend(baseline, CandidatesOf(start), options.joint)};
   if (!IsUsable(now.model.estimate.status)) now = {{}, baseline};
+  now.steps = Remeasured(baseline, options, static_cast<int>(candidates.size()), std::move(now.steps));
   std::vector<Candidate> open = candidates;
   while (static_cast<int>(now.steps.size()) < options.most_steps) {
     std::optional<StepsAndModel> more = Grown(baseline, options, now, &open);

@@ -133,8 +133,10 @@ Replacement Replace(const ProjectedResidual& residual, const Eigen::MatrixXd& ki
                     const std::vector<ChosenStep>& competing, const std::vector<Eigen::MatrixXd>& columns) {
   Replacement replacement;
   ProjectedResidual left = residual.With(kind);
+  const double per_parameter = std::log(static_cast<double>(residual.residual().size()));
   for (size_t i = 0; i < competing.size(); ++i) {
-    const double own = left.Test(columns[i], competing[i].candidate.settings).penalised;
+    const int of_shape = std::max(0, competing[i].parameters - static_cast<int>(columns[i].cols()));  // a compensator's
+    const double own = left.Test(columns[i], competing[i].candidate.settings).penalised - of_shape * per_parameter;
     replacement.is_replaced.push_back(own < kOwnCause * competing[i].penalised);
     if (replacement.is_replaced.back()) {
       ++replacement.replaced;
@@ -184,6 +186,25 @@ struct Partial {
   bool contained = false;  // the decoy, in the only step that it competes with
 };
 
+// What each step can do at a model that lacks it, to first order; a compensator in the shape that was found.
+std::vector<Eigen::MatrixXd> ColumnsAt(const DiagnosedModel& model, const std::vector<EffectSpec>& specs) {
+  const CalibrationProblem& problem = *model.problem;
+  const ParameterSet& parameters = model.estimate.parameters;
+  const CandidateColumns all = ColumnsOf(problem, parameters, specs);
+  std::vector<Eigen::MatrixXd> columns;
+  for (size_t i = 0; i < specs.size(); ++i) {
+    const int candidate = static_cast<int>(i);
+    if (specs[i].effect != "gravity_compensator") {
+      columns.push_back(all.columns.middleCols(all.first[i], all.count(candidate)));
+      continue;
+    }
+    const Eigen::MatrixXd deviations = JointDeviationColumns(problem, parameters);
+    const Eigen::VectorXd deviation = deviations.col(problem.robot.chain.FindJoint(specs[i].target));
+    columns.push_back(SpringColumns(SeatOf(problem, parameters, specs[i].target, deviation), specs[i]));
+  }
+  return columns;
+}
+
 std::optional<Partial> CutAt(const DiagnosedModel& baseline, const SelectionOptions& options,
                              const std::vector<ChosenStep>& steps, size_t kept) {
   const std::vector<ChosenStep> held(steps.begin(), steps.begin() + static_cast<long>(kept));
@@ -192,11 +213,7 @@ std::optional<Partial> CutAt(const DiagnosedModel& baseline, const SelectionOpti
   if (!IsUsable(model.estimate.status)) return std::nullopt;
   std::vector<EffectSpec> specs;
   for (size_t i = kept; i < steps.size(); ++i) specs.push_back(steps[i].candidate.spec);
-  const CandidateColumns all = ColumnsOf(*model.problem, model.estimate.parameters, specs);
-  std::vector<Eigen::MatrixXd> columns;
-  for (int i = 0; i < static_cast<int>(specs.size()); ++i) {
-    columns.push_back(all.columns.middleCols(all.first[i], all.count(i)));
-  }
+  const std::vector<Eigen::MatrixXd> columns = ColumnsAt(model, specs);
   const DecoyBench bench(model);
   partial.cut = CutAt(bench, bench.residual(), PenalisedTotal(baseline, model, held), steps, kept, columns);
   partial.contained = kept + 1 == steps.size() && Contains(bench.residual(), columns.back(), partial.cut.decoy);

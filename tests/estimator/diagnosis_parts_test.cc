@@ -6,10 +6,12 @@
 #include <cmath>
 
 #include "estimator/diagnosis/decoys.h"
+#include "estimator/diagnosis/noise_book.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/selection.h"
 #include "estimator/linearization.h"
 #include "estimator/parallel.h"
+#include "problems/loads.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -36,6 +38,18 @@ DiagnosedModel Healthy(std::uint64_t seed, bool parked = false) {
   experiment.validation.kind = ValidationSpec::Kind::kFraction;
   experiment.validation.fraction = 0.25;
   return FitFully(MakeCalibrationProblem(robot, data, experiment), JointOptions());
+}
+
+// Rows need not be in the order of time.
+TEST(Conditions, TimeCountsFromTheFirstRowOfAStation) {
+  const CalibrationProblem problem = *Healthy(1).problem;
+  Measurements data = problem.data;
+  for (size_t s = 0; s < data.shots.size(); ++s) {
+    data.shots[s].has_time = true;
+    data.shots[s].time = 100.0 - 5.0 * static_cast<double>(s);
+  }
+  const std::vector<ShotInput> inputs = MakeShotInputs(problem.model, data, problem.experiment);
+  for (size_t s = 0; s < inputs.size(); ++s) EXPECT_EQ(inputs[s].conditions.time, -5.0 * static_cast<double>(s));
 }
 
 // What an effect says of a joint that slides is defined or it is not asked; what never changes drives nothing.
@@ -136,6 +150,28 @@ TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
   EXPECT_EQ(apart->dof, 29);
   EXPECT_LT(apart->low, 1.0);
   EXPECT_GT(apart->high, 1.0);
+}
+
+// Where markers are no rigid body the scatter of 100 degrees of freedom tells the scale, and with structure in it
+// bounds it. Quantiles of chi-square, 2.5 % and 97.5 %, 100 degrees of freedom: 74.222 and 129.561.
+TEST(DiagnosisNoise, StructureLeavesAnUpperBoundOfTheScale) {
+  const CalibrationProblem problem = *Healthy(1).problem;
+  Estimate final;
+  final.chi2 = 400.0;
+  final.dof = 100;
+  NoiseBook told(problem, 0.01, JointOptions());
+  EXPECT_TRUE(std::isnan(told.finding().high));
+  EXPECT_TRUE(told.Close(final, false, 0.001));
+  EXPECT_NEAR(told.finding().scale, 2.0, 1e-12);
+  EXPECT_NEAR(told.finding().low, std::sqrt(400.0 / 129.561), 1e-5);
+  EXPECT_NEAR(told.finding().high, std::sqrt(400.0 / 74.222), 1e-5);
+  NoiseBook bounded(problem, 0.01, JointOptions());
+  EXPECT_FALSE(bounded.Close(final, true, 0.001));
+  EXPECT_EQ(bounded.finding().scale, 1.0);
+  EXPECT_EQ(bounded.finding().low, 0.0);
+  EXPECT_NEAR(bounded.finding().high, std::sqrt(400.0 / 74.222), 1e-5);
+  EXPECT_TRUE(bounded.finding().is_bound);
+  EXPECT_FALSE(bounded.finding().is_finding);
 }
 
 ChosenStep Step(const std::string& effect, const std::string& target, int parameters, double reduction,

@@ -4,6 +4,7 @@ strong effects are found by name.
 
 usage: mini_test.py FOLDER_OF_THE_PROGRAMS
 """
+import csv
 import json
 import pathlib
 import subprocess
@@ -131,6 +132,68 @@ class PapersOwnCases(WithFolder):
         c = 200 / truth['L_mm']
         for name, factor in (('a_x_mm', c), ('a_y_mm', c), ('s0_mm', c), ('Kc_N_per_mm', 1 / c ** 2)):
             self.assertLess(abs(found[name]['value'] - factor * truth[name]), 4 * found[name]['sigma'], name)
+
+
+class AgainstASimulation(WithFolder):
+    """--simulation=columns: the generator's own arm without the hidden effect is somebody else's simulation."""
+
+    def setUp(self):
+        super().setUp()
+        flags = {'kinds': 'joint_harmonic', 'study': 6, 'case': 3}
+        PROGRAMS.generate(dict(flags, scales=0), self.folder / 'simulated', self.folder / 'points')
+        PROGRAMS.generate(dict(flags, scales=1), self.folder / 'case', self.folder / 'answer')
+        self.sealed = json.loads((self.folder / 'answer' / 'answer.json').read_text())['hidden'][0]
+        simulated = self.read('points')
+        rows = [dict(row, **{'sim_%s_mm' % a: point['%s_mm' % a] for a in 'xyz'})
+                for row, point in zip(self.read('case'), simulated)]
+        with open(self.folder / 'case' / 'measurements.csv', 'w', newline='') as stream:
+            writer = csv.DictWriter(stream, list(rows[0]), lineterminator='\n')
+            writer.writeheader()
+            writer.writerows(rows)
+
+    def read(self, folder):
+        with open(self.folder / folder / 'measurements.csv', newline='') as stream:
+            return list(csv.DictReader(stream))
+
+    def replace(self, file, old, new):
+        path = self.folder / 'case' / file
+        text = path.read_text()
+        self.assertIn(old, text)
+        path.write_text(text.replace(old, new))
+
+    def diagnosed(self):
+        diagnosis, message, _ = PROGRAMS.diagnose(self.folder / 'case' / 'experiment.yaml', self.folder / 'result',
+                                                  ['--simulation=columns'])
+        self.assertIsNotNone(diagnosis, message)
+        return diagnosis
+
+    def test_the_gap_to_it_is_explained(self):
+        diagnosis = self.diagnosed()
+        step = diagnosis['steps'][0]
+        self.assertEqual((step['effect'], step['target']), ('joint_harmonic', self.sealed['target']))
+        self.assertEqual(str(step['settings']['order']), self.sealed['settings']['order'])
+        for parameter in step['parameters']:
+            truth = self.sealed['parameters'][parameter['name']]
+            self.assertLess(abs(parameter['value'] - truth), 4 * parameter['sigma'], parameter)
+        self.assertTrue(any('base and markers stay free' in c for c in diagnosis['cautions']))
+
+    def test_an_effect_of_the_robot_file_is_held_and_said_to_be(self):
+        order = self.sealed['settings']['order']
+        self.replace('robot.yaml', 'kinematics:', 'effects: [{effect: joint_harmonic, joint: %s, order: %s, cos_urad: 0, '
+                     'sin_urad: 0}]\nkinematics:' % (self.sealed['target'], order))
+        diagnosis = self.diagnosed()
+        self.assertTrue(any(c.startswith('Held at the values of the robot file') for c in diagnosis['cautions']),
+                        diagnosis['cautions'])
+        self.assertGreater(diagnosis['baseline']['reduced_chi2'], 1.3)
+
+    def test_nothing_is_held_out_where_the_experiment_says_so(self):
+        self.replace('experiment.yaml', 'validation: {fraction: 0.3, seed: 1}', 'validation: none')
+        diagnosis = self.diagnosed()
+        self.assertEqual(diagnosis['verdict'], 'explained')
+        for figures_of in (diagnosis['baseline'], diagnosis['final']):
+            self.assertIsNone(figures_of['holdout_rms_mm'])
+        self.assertNotIn('hold-out', diagnosis['steps'][0]['words'])
+        self.assertIn('Nothing is held out', (self.folder / 'result' / 'report.html').read_text())
 
 
 class Outliers(WithFolder):
