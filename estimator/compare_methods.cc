@@ -10,6 +10,7 @@
 #include "estimator/ceres_problem.h"
 #include "estimator/differencing.h"
 #include "estimator/full_pose.h"
+#include "estimator/residual_noise.h"
 #include "estimator/two_step.h"
 
 namespace sagitta {
@@ -36,6 +37,21 @@ double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
   return largest;
 }
 
+bool HasPriors(const ParameterSet& parameters) {
+  const std::vector<Coordinate>& coordinates = parameters.coordinates();
+  return parameters.spring_tie() || std::any_of(coordinates.begin(), coordinates.end(), [](const Coordinate& c) {
+           return c.estimated() && c.prior_sigma > 0.0;
+         });
+}
+
+// The halves find the joint optimum under the noise that the joint estimate found.
+void TakeNoise(const CalibrationProblem& problem, const Estimate& joint, Estimate* estimate) {
+  if (joint.noise_report.components.empty()) return;
+  estimate->noise_report = joint.noise_report;
+  if (joint.interval_dof.size() != estimate->covariance.rows()) return;
+  ReplaceCovariance(problem, estimate->covariance, joint.interval_dof, estimate);
+}
+
 double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
   if (!IsUsable(joint.status)) return kNone;
   const ResidualSelection residuals = CalibrationResiduals(problem);
@@ -55,6 +71,9 @@ std::string MethodObstacle(const CalibrationProblem& problem, const std::string&
   if (method == "joint") return "";
   if (problem.experiment.loss != "none") return method + " knows no robust loss";
   if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
+  const bool takes_rows_only = method == "full-pose" || method == "two-step-literal";
+  if (takes_rows_only && HasPriors(problem.parameters)) return method + " knows no priors";
+  if (method == "full-pose" && problem.experiment.covariance == "sandwich") return "full-pose knows no sandwich";
   if (!problem.latent.empty() || problem.experiment.repeatability.estimate) {
     return method + " knows no joint deviations (repeatability)";
   }
@@ -90,6 +109,7 @@ MethodResult RunMethod(const CalibrationProblem& problem, const std::string& met
     result.estimate = std::move(two_step.estimate);
     result.rate_measured = two_step.rate;
     if (method == "two-step") result.rate_predicted = PredictedRate(problem, joint);
+    if (method == "two-step" && IsUsable(result.estimate.status)) TakeNoise(problem, joint, &result.estimate);
   }
   if (IsUsable(result.estimate.status)) {
     result.estimate.identifiability.unidentifiable = joint.identifiability.unidentifiable;

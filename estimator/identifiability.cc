@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
-constexpr size_t kMostNames = 6;  // in words
+constexpr double kLeastOfHold = 0.01;  // of the hold limit: nobody asks for half of a value that is almost 0
+constexpr size_t kMostNames = 6;       // in words
 
 bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -164,8 +165,10 @@ std::vector<Direction> FindWeak(const Linearization& linearization, const Parame
   if (n == 0) return weak;
   Eigen::VectorXd limits(n);
   for (int c = 0; c < n; ++c) {
-    const QuantityTraits& traits = TraitsOf(parameters.coordinates()[linearization.columns[c]].quantity);
-    limits[c] = traits.weak_limit > 0.0 ? traits.weak_limit : traits.hold_limit;
+    const int coordinate = linearization.columns[c];
+    const QuantityTraits& traits = TraitsOf(parameters.coordinates()[coordinate].quantity);
+    const double of_value = std::max(0.5 * std::abs(parameters.Value(coordinate)), kLeastOfHold * traits.hold_limit);
+    limits[c] = traits.weak_limit > 0.0 ? traits.weak_limit : of_value;
   }
   const ScaledSvd svd = DecomposeScaled(linearization, limits);
   for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) {

@@ -43,22 +43,31 @@ double SquaredMisfit(const CalibrationProblem& problem, const Linearization& lin
   return SolveLinearization(linearization).residual_norm_squared;
 }
 
+// Sigmas of the three axes from repeats are known as well as this, pooled.
+double RepeatDof(const RepeatScatter& repeats) { return 3.0 * repeats.dof; }
+
 void JudgeNoise(const CalibrationProblem& problem, const Linearization& linearization, Estimate* estimate) {
   SigmaReport& sigma = estimate->sigma;
   sigma.stated = problem.sigma_is_stated();
   const double sum = SquaredMisfit(problem, linearization);
   estimate->rows = linearization.num_rows();
   estimate->dof = linearization.num_rows() - linearization.num_columns();
-  const double dof = estimate->dof;
   if (!sigma.stated) {
+    // What is held was fitted first: rows that are no more than all unknowns show no noise.
+    const auto held = static_cast<int>(HeldCoordinates(estimate->parameters).size());
+    if (estimate->dof <= held) estimate->dof = std::min(estimate->dof, 0);
+    const double dof = estimate->dof;
     sigma.estimated = dof > 0 ? kFallbackSigma * std::sqrt(sum / dof) : 0.0;
     estimate->chi2 = dof;  // by construction: sigma is what makes it so
     return;
   }
   estimate->chi2 = sum;
+  const double dof = estimate->dof;
   if (dof <= 0) return;
   sigma.a_posteriori = std::sqrt(sum / dof);
-  sigma.p_value = ChiSquareSurvival(sum, dof);
+  const bool from_repeats = problem.repeat_scatter.has_value();
+  sigma.p_value =
+      from_repeats ? FSurvival(sum / dof, dof, RepeatDof(*problem.repeat_scatter)) : ChiSquareSurvival(sum, dof);
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment.significance;
 }
 
@@ -71,6 +80,27 @@ double CovarianceScale(const SigmaReport& sigma) {
 // Variance of each row's prediction / sigma^2 under a covariance of the estimated columns.
 Eigen::VectorXd RowVariances(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& covariance) {
   return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
+}
+
+// The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
+// one visit share; C = (J' V^-1 J)^-1.
+Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, const Linearization& all,
+                                         const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& inverse_normal) {
+  std::map<std::pair<int, int>, std::vector<int>> rows_of;  // by visit; an outlier is alone
+  for (int k = 0; k < static_cast<int>(all.observations.size()); ++k) {
+    const Observation& observation = problem.data.observations[k];
+    std::vector<int>& rows =
+        rows_of[{problem.latent.visit_of_shot[observation.shot], observation.excluded ? 1 + k : 0}];
+    for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * k + axis);
+  }
+  Eigen::VectorXd leverage = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.observations.size()));
+  for (const auto& [visit, rows] : rows_of) {
+    const Eigen::MatrixXd own = jacobian(rows, Eigen::all), latent = all.latent(rows, Eigen::all);
+    const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + latent * latent.transpose();
+    const Eigen::VectorXd diagonal = (own * inverse_normal).cwiseProduct(v.llt().solve(own)).rowwise().sum();
+    for (size_t i = 0; i < rows.size(); ++i) leverage[rows[i] / 3] += diagonal[static_cast<Eigen::Index>(i)] / 3.0;
+  }
+  return leverage;
 }
 
 // Leverage of every row and the parameters' share of the predicted hold-out
@@ -109,6 +139,9 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
     sum += scale * scale * noise + variance(jacobian, estimate->covariance) + variance(open, held.second_moment);
     floor += noise + variance(jacobian, estimate->model_covariance) / (scale * scale);
     coordinates += 3;
+  }
+  if (!problem.latent.empty() && problem.weight_roots.empty()) {
+    estimate->leverage = LeverageBesideDeviations(problem, all, jacobian, inverse_normal);
   }
   estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
   estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
@@ -153,7 +186,10 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   estimate->held = FindHeldInfluence(both, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
-  if (problem.experiment.covariance != "sandwich") return true;
+  if (problem.repeat_scatter && !estimate->sigma.scaled) {
+    estimate->interval_dof.setConstant(RepeatDof(*problem.repeat_scatter));
+  }
+  if (problem.experiment.covariance != "sandwich" || scale == 0.0) return true;
   const RobustCovariance robust =
       SandwichCovariance(linearization, ConfigurationClusters(problem.data, linearization.observations));
   estimate->covariance = robust.covariance;
@@ -166,8 +202,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   return true;
 }
 
-// Each loaded observation against the mean of the unloaded ones of its
-// configuration, visit and marker.
+// Each loaded observation that was fitted against the mean of the unloaded ones of its configuration, visit and marker.
 void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
   struct Mean {
     Vector3<double> measured = Vector3<double>::Zero();
@@ -180,7 +215,8 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
     return std::make_tuple(shot.configuration, shot.visit, shot.station, observation.marker);
   };
   std::map<decltype(key_of(data.observations[0])), Mean> unloaded;
-  for (size_t k = 0; k < data.observations.size(); ++k) {
+  const std::vector<int> fitted = problem.CalibrationObservations();
+  for (const int k : fitted) {
     const Observation& observation = data.observations[k];
     if (IsLoaded(data.shots[observation.shot])) continue;
     Mean& mean = unloaded[key_of(observation)];
@@ -189,7 +225,7 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
     ++mean.count;
   }
   std::vector<Vector3<double>> measured, remaining;
-  for (size_t k = 0; k < data.observations.size(); ++k) {
+  for (const int k : fitted) {
     const Observation& observation = data.observations[k];
     const auto mean = unloaded.find(key_of(observation));
     if (!IsLoaded(data.shots[observation.shot]) || mean == unloaded.end()) continue;

@@ -1,8 +1,9 @@
 #include "estimator/repeatability.h"
-#include "estimator/linearization.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "estimator/linearization.h"
 
 namespace sagitta {
 namespace {
@@ -36,9 +37,10 @@ std::vector<DeviationGroup> MakeGroups(const CalibrationProblem& problem, bool p
   std::vector<DeviationGroup> groups;
   DeviationGroup kinds[2];
   for (int j = 0; j < problem.robot.num_joints(); ++j) {
-    const auto own = spec.per_joint.find(problem.robot.chain.joints[j].name);
-    if (stated || own != spec.per_joint.end()) {
-      const double sigma = own != spec.per_joint.end() ? own->second : spec.common.value_or(0.0);
+    const RepeatabilitySpec::OfKind& kind = spec.Of(problem.robot.chain.joints[j].type);
+    const auto own = kind.per_joint.find(problem.robot.chain.joints[j].name);
+    if (stated || own != kind.per_joint.end()) {
+      const double sigma = own != kind.per_joint.end() ? own->second : kind.common.value_or(0.0);
       groups.push_back({{j}, sigma * sigma, false});
     } else if (per_joint) {
       groups.push_back({{j}, 0.0, true});

@@ -26,7 +26,7 @@ struct CompensatorOnJoint {
   int transform = -1;
   int joint = -1;
   int first_parameter = 0;  // L, a_x, a_y, s0, Kc
-  double offset = 0.0;      // of the joint's transform, rad
+  double offset = 0.0;      // value of the joint's transform at q = 0, rad
   double sign = 1.0;
   bool preload = true;  // false: only the change against the commanded q
 

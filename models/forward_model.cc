@@ -145,8 +145,8 @@ void ForwardModel::AddCompensator() {
   const int slot = chain().JointTransform(spring.joint);
   const ElementaryTransform& transform = chain().transforms[slot];
   elastic_slots_.push_back(slot);
-  compensator_ =
-      CompensatorOnJoint{slot, spring.joint, num_parameters(), transform.nominal, transform.sign, spring.preload};
+  const double zero = spring.zero.value_or(transform.nominal);
+  compensator_ = CompensatorOnJoint{slot, spring.joint, num_parameters(), zero, transform.sign, spring.preload};
   const double nominal[5] = {spring.L, spring.a_x, spring.a_y, spring.s0, spring.Kc};
   const char* names[5] = {"L", "a_x", "a_y", "s0", "Kc"};
   for (int i = 0; i < 5; ++i) {
@@ -340,6 +340,7 @@ Robot ForwardModel::WithValues(const std::vector<double>& theta) const {
     GravityCompensator& spring = *robot.gravity_compensator;
     const double* p = theta.data() + compensator_->first_parameter;
     spring.L = p[0], spring.a_x = p[1], spring.a_y = p[2], spring.s0 = p[3], spring.Kc = p[4];
+    if (errors.count(chain().transforms[compensator_->transform].error) > 0) spring.zero = compensator_->offset;
   }
   for (size_t i = 0; i < robot.effects.size(); ++i) {
     const size_t count = FindEffect(robot, robot.effects[i].effect)->parameters(robot, robot.effects[i]).size();

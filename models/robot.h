@@ -43,6 +43,9 @@ struct GravityCompensator {
   double s0 = 0.0;   // m
   double Kc = 0.0;   // N/m
   bool preload = true;
+  // Value of the joint's transform at which the spring's q is 0, rad; absent: its nominal value. A calibrated robot
+  // carries the joint's error in that, and the spring keeps its own.
+  std::optional<double> zero = {};
 };
 
 struct EffectDefinition;  // models/effects/effect.h

@@ -171,6 +171,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   problem.marker_frames = ResolveMarkerFrames(problem);
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   CheckEffectColumns(problem);
+  CheckLevelled(problem);
   problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   SetStartValues(&problem);
   SetFree(&problem);

@@ -46,10 +46,24 @@ struct NoiseSpec {
 };
 
 struct RepeatabilitySpec {
+  // Of the revolute joints in rad, of the prismatic ones in m.
+  struct OfKind {
+    std::optional<double> common;
+    std::map<std::string, double> per_joint;
+    bool IsZero() const { return !common && per_joint.empty(); }
+  };
   bool estimate = false;
-  std::optional<double> common;             // rad or m
-  std::map<std::string, double> per_joint;  // rad or m
-  bool IsZero() const { return !estimate && !common && per_joint.empty(); }
+  OfKind angle, length;
+
+  const OfKind& Of(JointType type) const { return type == JointType::kRevolute ? angle : length; }
+  bool IsZero() const { return !estimate && angle.IsZero() && length.IsZero(); }
+};
+
+// What time and temperature count from: each station's first row in the files, whenever that was, and the mean of the
+// data.
+struct ConditionOrigins {
+  std::map<std::string, double> first_time;  // s, by station
+  double mean_temperature = 0.0;             // degC
 };
 
 // default | all | none | a list of names.
@@ -117,6 +131,8 @@ struct Experiment {
   std::map<std::string, Prior> priors;
   ValidationSpec validation;
   double significance = 0.01;
+  // Of the data that an estimate was made of, where other rows are predicted with it; absent: of the rows themselves.
+  std::optional<ConditionOrigins> origins = {};
 };
 
 }  // namespace sagitta

@@ -8,19 +8,39 @@
 
 namespace sagitta {
 
+namespace {
+
+// What is stated for joints of one kind must find some.
+void CheckKind(const Chain& chain, const Experiment& experiment, JointType type) {
+  const bool turns = type == JointType::kRevolute;
+  const std::string key = turns ? "repeatability_urad" : "repeatability_um";
+  const std::string kind = turns ? "revolute" : "prismatic";
+  const RepeatabilitySpec::OfKind& spec = experiment.repeatability.Of(type);
+  std::vector<std::string> names;
+  for (const Joint& joint : chain.joints) {
+    if (joint.type == type) names.push_back(joint.name);
+  }
+  const auto fail = [&](const std::string& where, const std::string& what, const std::string& hint) {
+    throw InputError({experiment.file, LineOf(experiment, where), where}, what, hint);
+  };
+  const std::string other = turns ? "repeatability_um" : "repeatability_urad";
+  if (spec.common && names.empty()) fail(key, "the robot has no " + kind + " joint", "state " + other);
+  for (const auto& [name, sigma] : spec.per_joint) {
+    const int joint = chain.FindJoint(name);
+    if (joint < 0) fail(key + "." + name, "the robot has no joint '" + name + "'", SpellingHint(name, names));
+    if (chain.joints[joint].type != type)
+      fail(key + "." + name, "joint '" + name + "' is not " + kind, "state " + other);
+  }
+}
+
+}  // namespace
+
 LatentModel MakeLatentModel(const Chain& chain, const Measurements& data, const Experiment& experiment) {
   LatentModel latent;
-  const RepeatabilitySpec& spec = experiment.repeatability;
-  std::vector<std::string> names;
-  for (const Joint& joint : chain.joints) names.push_back(joint.name);
-  for (const auto& [name, sigma] : spec.per_joint) {
-    if (chain.FindJoint(name) >= 0) continue;
-    const std::string key = "repeatability_urad." + name;
-    throw InputError({experiment.file, LineOf(experiment, key), key}, "the robot has no joint '" + name + "'",
-                     SpellingHint(name, names));
-  }
+  for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) CheckKind(chain, experiment, type);
   std::vector<double> sigmas;
   for (int j = 0; j < chain.num_joints(); ++j) {
+    const RepeatabilitySpec::OfKind& spec = experiment.repeatability.Of(chain.joints[j].type);
     const auto own = spec.per_joint.find(chain.joints[j].name);
     const double sigma = own != spec.per_joint.end() ? own->second : spec.common.value_or(0.0);
     if (sigma <= 0.0) continue;

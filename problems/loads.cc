@@ -53,33 +53,14 @@ AppliedWrench LoadWrench(const Chain& chain, const Measurements& data, const Sho
   return wrench;
 }
 
-// Time counts from each station's first row in the files, whenever that was; temperature from the mean of the data.
-struct Origins {
-  std::map<int, double> first_time;
-  double mean_temperature = 0.0;
-};
-
-Origins FindOrigins(const Measurements& data) {
-  Origins origins;
-  int count = 0;
-  for (const Shot& shot : data.shots) {
-    if (shot.has_time) origins.first_time.emplace(shot.station, shot.time);
-    if (!shot.has_temperature) continue;
-    origins.mean_temperature += shot.temperature;
-    ++count;
-  }
-  if (count > 0) origins.mean_temperature /= count;
-  return origins;
-}
-
 ShotConditions ConditionsOf(const Measurements& data, const Shot& shot, const Experiment& experiment,
-                            const Origins& origins) {
+                            const ConditionOrigins& origins) {
   ShotConditions conditions;
   conditions.q = data.configurations[shot.configuration].q;
   conditions.station = data.stations[shot.station];
   conditions.load = shot.load;
   conditions.has_time = shot.has_time;
-  if (shot.has_time) conditions.time = shot.time - origins.first_time.at(shot.station);
+  if (shot.has_time) conditions.time = shot.time - origins.first_time.at(conditions.station);
   conditions.has_temperature = shot.has_temperature;
   if (shot.has_temperature) conditions.temperature = shot.temperature - origins.mean_temperature;
   conditions.approach = shot.approach;
@@ -99,6 +80,20 @@ std::set<int> MarkersOf(const Measurements& data, const Shot& shot) {
 }
 
 }  // namespace
+
+ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experiment) {
+  ConditionOrigins origins = experiment.origins.value_or(ConditionOrigins());
+  double sum = 0.0;
+  int count = 0;
+  for (const Shot& shot : data.shots) {
+    if (shot.has_time) origins.first_time.emplace(data.stations[shot.station], shot.time);
+    if (!shot.has_temperature) continue;
+    sum += shot.temperature;
+    ++count;
+  }
+  if (!experiment.origins && count > 0) origins.mean_temperature = sum / count;
+  return origins;
+}
 
 bool IsLoaded(const Shot& shot) { return shot.load != "none"; }
 
@@ -169,7 +164,7 @@ void CheckStatedLoads(const Experiment& experiment, Measurements* data) {
 std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measurements& data,
                                       const Experiment& experiment) {
   const Chain& chain = model.chain();
-  const Origins origins = FindOrigins(data);
+  const ConditionOrigins origins = OriginsOf(data, experiment);
   std::vector<ShotInput> inputs;
   inputs.reserve(data.shots.size());
   for (const Shot& shot : data.shots) {

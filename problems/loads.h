@@ -21,6 +21,9 @@ void CheckLoadStates(Measurements* data);
 // that weighs something else than the wrench columns say (they count).
 void CheckStatedLoads(const Experiment& experiment, Measurements* data);
 
+// Those of the experiment where it states them; a station that it does not know counts from its own first row.
+ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experiment);
+
 // One input per shot, prepared for the model: joint values, conditions, the
 // tool's weight, the shot's own load.
 // A load acts at its own point or at load_point; its force is the row's wrench

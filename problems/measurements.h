@@ -48,10 +48,10 @@ struct Shot {
   std::string load = "none";
   Wrench wrench;
   bool has_time = false;
-  double time = 0.0;  // s
+  double time = 0.0;  // s, mean of its rows
   bool has_temperature = false;
-  double temperature = 0.0;   // degC
-  std::vector<int> approach;  // -1, 0, +1 per joint; empty: not stated
+  double temperature = 0.0;   // degC, mean of its rows
+  std::vector<int> approach;  // -1, 0, +1 per joint, kApproachNotStated without a column; empty: none is stated
   std::vector<int> observations;
 };
 

@@ -77,6 +77,24 @@ void CheckEffectColumns(const CalibrationProblem& problem) {
   }
 }
 
+void CheckLevelled(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment;
+  if (experiment.gravity_in_base) return;
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    const Shot& shot = problem.data.shots[s];
+    const std::string& name = problem.data.stations[shot.station];
+    const auto station = experiment.stations.find(name);
+    if (station == experiment.stations.end() || station->second.levelled.value_or(true)) continue;
+    const auto load = experiment.loads.find(shot.load);
+    const bool hangs = shot.wrench.IsZero() && load != experiment.loads.end() && load->second.mass;
+    const ShotTerms& terms = problem.shot_inputs[s].terms;
+    if (!hangs && experiment.tool_mass == 0.0 && terms.sags.empty() && terms.wrenches.empty()) continue;
+    FailProblem(problem, "stations." + name + ".levelled",
+                "weights act along the gravity direction, and that of a station that is not levelled is not known",
+                "state it in the base frame: gravity: {direction: [x, y, z], frame: base}");
+  }
+}
+
 void CheckCompensator(const CalibrationProblem& problem) {
   if (!problem.robot.gravity_compensator) return;
   const GravityCompensator& c = *problem.robot.gravity_compensator;

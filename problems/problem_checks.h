@@ -23,6 +23,9 @@ void CheckEffects(const CalibrationProblem& problem);
 // Columns that an effect of the robot needs.
 void CheckEffectColumns(const CalibrationProblem& problem);
 
+// Weights at a station that says it is not levelled, with gravity stated in the measurement frame.
+void CheckLevelled(const CalibrationProblem& problem);
+
 // A spring can neither have no length nor be pressed through zero.
 void CheckCompensator(const CalibrationProblem& problem);
 

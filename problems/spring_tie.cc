@@ -88,6 +88,7 @@ void FillChain(const CalibrationProblem& problem, int joint, SpringTie* tie) {
   const int from = problem.marker_frames[tie->anchor_marker];
   tie->anchors.between.transforms.assign(chain.transforms.begin() + from, chain.transforms.begin() + joint);
   tie->anchors.axis = chain.transforms[joint];
+  tie->anchors.axis.nominal = problem.robot.gravity_compensator->zero.value_or(tie->anchors.axis.nominal);
   tie->errors.assign(joint - from, -1);
   const std::vector<ModelParameter>& parameters = problem.model.parameters();
   for (int i = 0; i < static_cast<int>(parameters.size()); ++i) {

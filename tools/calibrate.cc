@@ -90,7 +90,6 @@ struct ResultFiles {
 int RunCalibrate(const CommandLine& line) {
   ExpectArguments(line, CalibrateCommand(), 1, 1000);
   CheckMethod();
-  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
 

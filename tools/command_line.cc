@@ -97,6 +97,7 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
       FailUnknownFlag(command, flag.name);
     }
   }
+  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
   return line;
 }
 

@@ -1,4 +1,6 @@
 // sagitta coverage: do the intervals of the user's own experiment hold what they promise?
+#include "estimator/intervals/coverage.h"
+
 #include <gflags/gflags.h>
 
 #include <algorithm>
@@ -9,10 +11,9 @@
 
 #include "estimator/compare_methods.h"
 #include "estimator/distributions.h"
-#include "estimator/intervals/coverage.h"
 #include "estimator/intervals/intervals.h"
-#include "estimator/parallel.h"
 #include "estimator/noise_loop.h"
+#include "estimator/parallel.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
@@ -35,7 +36,6 @@ constexpr int kBar = 30;
 
 void CheckFlags() {
   if (FLAGS_trials < 1) throw InputError({"", 0, "--trials"}, "at least one trial is needed");
-  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
   const std::vector<std::string>& methods = MethodNames();
   if (std::find(methods.begin(), methods.end(), FLAGS_method) == methods.end()) {

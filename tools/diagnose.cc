@@ -88,7 +88,6 @@ constexpr const char* kNotACalibratedRobot =
 
 // What comes out does not depend on how many there are.
 int Threads() {
-  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
   if (!gflags::GetCommandLineFlagInfoOrDie("threads").is_default) return FLAGS_threads;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }

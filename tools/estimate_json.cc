@@ -225,7 +225,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);
   json["markers"] = MarkersToJson(problem, estimate.parameters);
-  json["loading"] = LoadingToJson(problem.experiment);
+  json["loading"] = LoadingToJson(problem.experiment, problem.data);
   return json;
 }
 

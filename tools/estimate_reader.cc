@@ -7,6 +7,7 @@
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "problems/loads.h"
+#include "problems/problem_checks.h"
 #include "tools/estimate_json.h"
 #include "tools/intervals_json.h"
 #include "tools/loading_json.h"
@@ -31,6 +32,10 @@ class EstimateReader {
     ReadParameters(json);
     for (const Json& input : Get(json, "inputs")) known_.input_hashes.push_back(Get(input, "sha256"));
     ReadCovariance(json);
+    const Json& sigma = Get(json, "sigma");
+    const Json& estimated = sigma.at("estimated_mm");
+    const bool is_known = sigma.at("stated") || (estimated.is_number() && estimated.get<double>() > 0.0);
+    if (!is_known) known_.uncertainty.covariance.setConstant(std::nan(""));  // as many rows as unknowns
     known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
     if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
     if (json.contains("prediction_noise")) {
@@ -250,7 +255,6 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
   CheckRows(known, data);
   CalibrationProblem problem(known.robot, std::move(data), known.loading);
-  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   for (size_t s = 0; s < problem.data.stations.size(); ++s) {
     problem.parameters.SetBaseInStation(s, known.base_in_station.at(problem.data.stations[s]));
   }
@@ -261,6 +265,7 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
     problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
   }
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
+  CheckEffectColumns(problem);
   problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   std::vector<int> all(problem.data.observations.size());
   std::iota(all.begin(), all.end(), 0);

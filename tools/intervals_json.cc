@@ -1,6 +1,7 @@
 #include "tools/intervals_json.h"
 
 #include <cmath>
+#include <limits>
 
 namespace sagitta {
 namespace {
@@ -18,10 +19,12 @@ double UnitOf(const Estimate& estimate, int coordinate) {
   return TraitsOf(estimate.parameters.coordinates()[coordinate].quantity).si_per_unit;
 }
 
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();  // null in the file
+
 Eigen::MatrixXd Matrix(const Json& rows, size_t columns) {
   Eigen::MatrixXd matrix(rows.size(), columns);
   for (size_t r = 0; r < rows.size(); ++r) {
-    for (size_t c = 0; c < columns; ++c) matrix(r, c) = rows.at(r).at(c).get<double>();
+    for (size_t c = 0; c < columns; ++c) matrix(r, c) = rows.at(r).at(c).is_null() ? kNotKnown : rows[r][c].get<double>();
   }
   return matrix;
 }
@@ -98,7 +101,8 @@ void ReadHeld(const Json& json, ParameterUncertainty* uncertainty) {
   for (size_t h = 0; h < json.at("names").size(); ++h) {
     uncertainty->held.push_back(json.at("names").at(h).get<std::string>());
     units.push_back(SiPerUnit(json.at("unit").at(h).get<std::string>()));
-    sigmas[h] = json.at("sigma").at(h).get<double>() * units.back();
+    const Json& sigma = json.at("sigma").at(h);
+    sigmas[h] = sigma.is_null() ? kNotKnown : sigma.get<double>() * units.back();
   }
   const size_t n = units.size();
   uncertainty->second_moment = sigmas.asDiagonal() * Matrix(json.at("correlation"), n) * sigmas.asDiagonal();

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "problems/io/units.h"
+#include "problems/loads.h"
 
 namespace sagitta {
 namespace {
@@ -48,7 +49,7 @@ LoadSpec ReadLoad(const Json& json) {
 
 }  // namespace
 
-Json LoadingToJson(const Experiment& experiment) {
+Json LoadingToJson(const Experiment& experiment, const Measurements& data) {
   Json json = Json::object();
   if (experiment.load_point) json["load_point_mm"] = Millimetres(*experiment.load_point);
   json["loads"] = Json::object();
@@ -57,6 +58,8 @@ Json LoadingToJson(const Experiment& experiment) {
   json["gravity"] = {{"direction", Numbers(experiment.gravity_direction)},
                      {"frame", experiment.gravity_in_base ? "base" : "measurement"},
                      {"m_per_s2", experiment.gravity}};
+  const ConditionOrigins origins = OriginsOf(data, experiment);
+  json["origins"] = {{"first_time_s", origins.first_time}, {"mean_temperature_degC", origins.mean_temperature}};
   return json;
 }
 
@@ -68,6 +71,10 @@ void ReadLoading(const Json& json, Experiment* experiment) {
   experiment->gravity_direction = Triple(json.at("gravity").at("direction"));
   experiment->gravity_in_base = json.at("gravity").at("frame") == "base";
   experiment->gravity = json.at("gravity").at("m_per_s2").get<double>();
+  if (!json.contains("origins")) return;
+  const Json& origins = json.at("origins");
+  experiment->origins = {origins.at("first_time_s").get<std::map<std::string, double>>(),
+                         origins.at("mean_temperature_degC").get<double>()};
 }
 
 }  // namespace sagitta

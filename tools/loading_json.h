@@ -1,16 +1,17 @@
-// What hangs on the arm, in estimate.json: predict needs it for the loads and
-// the tool of the experiment that was estimated.
+// What hangs on the arm, and what time and temperature count from, in estimate.json: predict needs the loads and the
+// tool of the experiment that was estimated, and drift and growth mean the same in other rows.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
 #include "problems/experiment.h"
+#include "problems/measurements.h"
 
 namespace sagitta {
 
-nlohmann::ordered_json LoadingToJson(const Experiment& experiment);
+nlohmann::ordered_json LoadingToJson(const Experiment& experiment, const Measurements& data);
 
-// Fills load point, loads, tool and gravity. Throws nlohmann::json::exception
+// Fills load point, loads, tool, gravity and origins. Throws nlohmann::json::exception
 // for anything that LoadingToJson does not write.
 void ReadLoading(const nlohmann::ordered_json& json, Experiment* experiment);
 

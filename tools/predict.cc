@@ -70,7 +70,7 @@ std::vector<AddedColumn> UncertaintyColumns(const CalibrationProblem& problem, c
     if (!IsStated(instrument)) instrument.setConstant(std::nan(""));
     values.col(k) = Shares(points[k], instrument);
   }
-  *largest = observations.empty() ? 0.0 : values.topRows(3).maxCoeff();
+  *largest = observations.empty() ? 0.0 : values.topRows(3).maxCoeff<Eigen::PropagateNaN>();
   return NumberColumns(kNames, values);
 }
 
@@ -96,8 +96,9 @@ int RunPredict(const CommandLine& line) {
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
-  std::cout << all.size() << " points predicted, their standard deviation at most " << Fixed(largest, 4)
-            << " mm per axis: " << FLAGS_out << "\n";
+  const std::string deviation =
+      std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
+  std::cout << all.size() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;

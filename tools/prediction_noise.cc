@@ -88,12 +88,12 @@ PredictionNoise ReadPredictionNoise(const Json& json, Experiment* experiment) {
     *noise.sigma_axis /= 1e3;
   }
   noise.instrument_factor = json.value("instrument_factor", 1.0);
-  for (const char* key : {"repeatability_urad", "repeatability_um"}) {
-    if (!json.contains(key)) continue;
-    for (const auto& [joint, value] : json.at(key).items()) {
-      experiment->repeatability.per_joint[joint] = value.get<double>() / 1e6;
-    }
-  }
+  const auto read = [&json](const char* key, RepeatabilitySpec::OfKind* kind) {
+    if (!json.contains(key)) return;
+    for (const auto& [joint, value] : json.at(key).items()) kind->per_joint[joint] = value.get<double>() / 1e6;
+  };
+  read("repeatability_urad", &experiment->repeatability.angle);
+  read("repeatability_um", &experiment->repeatability.length);
   noise.scale = json.at("scale").get<double>();
   return noise;
 }

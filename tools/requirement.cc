@@ -37,9 +37,19 @@ Requirement ParseRequirement(const std::string& text) {
   return requirement;
 }
 
+// Of no observations every figure is 0, which meets any limit.
+void RefuseEmpty(const Json& map, const std::string& path, const std::string& key) {
+  for (const char* count : {"observations", "pairs"}) {
+    if (!map.is_object() || key == count || map.value(count, Json()) != 0) continue;
+    Fail("'" + path + "' is of no measurements: " + count + " is 0",
+         "hold rows out (--holdout=0.3), or measure what it judges");
+  }
+}
+
 double NumberAt(const Json& result, const std::string& path) {
   const Json* here = &result;
   for (const std::string& key : SplitText(path, '.')) {
+    RefuseEmpty(*here, path, key);
     if (here->is_array() && !key.empty() && key.find_first_not_of("0123456789") == std::string::npos &&
         key.size() < 9 && std::stoul(key) < here->size()) {
       here = &(*here)[std::stoul(key)];

@@ -66,7 +66,11 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
                                                    std::to_string(inputs.robot.num_joints()));
   }
   CheckHasScene(known);
-  if (!inputs.experiment.file.empty()) known.loading = inputs.experiment;  // the rows' loads are those of EXP
+  if (!inputs.experiment.file.empty()) {  // the rows' loads are those of EXP
+    const std::optional<ConditionOrigins> origins = known.loading.origins;
+    known.loading = inputs.experiment;
+    known.loading.origins = origins;
+  }
   return known;
 }
 

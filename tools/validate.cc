@@ -50,7 +50,7 @@ double PredictedRms(const CalibrationProblem& problem, const KnownRobot& known, 
     if (!IsStated(root)) return 0.0;
     sum += points[k].mean().trace() + points[k].arm.trace() + root.squaredNorm();
   }
-  return std::sqrt(sum / (3.0 * rows.size()));
+  return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.size())) : 0.0;
 }
 
 Validation Validate(const KnownRobot& known, const CalibrationProblem& problem, const std::vector<InputFile>& inputs) {

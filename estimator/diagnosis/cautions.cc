@@ -83,6 +83,8 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
   std::vector<std::string> keys;
   if (experiment.loss != "none") keys.push_back("loss: " + experiment.loss);
   if (experiment.weights != "sigma") keys.push_back("weights: " + experiment.weights);
+  const bool is_judged = experiment.covariance == "model" || experiment.covariance == "sandwich";
+  if (!is_judged) keys.push_back("covariance: " + experiment.covariance);
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (experiment.noise.from == NoiseSpec::From::kVarianceComponents) keys.push_back("noise from variance-components");
   if (keys.empty()) return;

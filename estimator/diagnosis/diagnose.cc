@@ -14,8 +14,10 @@ constexpr double kShareOfLackOfFit = 0.15;  // beside it: the decoys, and the sh
 constexpr int kMostNoiseRounds = 3;
 constexpr int kManyRows = 3000;
 
+// Of a stated noise as the full estimator judges it: repeats tell it within their own degrees of freedom.
 double LackOfFit(const Estimate& estimate) {
-  return estimate.dof > 0 ? ChiSquareSurvival(estimate.chi2, estimate.dof) : 1.0;
+  if (estimate.dof <= 0) return 1.0;
+  return estimate.sigma.stated ? estimate.sigma.p_value : ChiSquareSurvival(estimate.chi2, estimate.dof);
 }
 
 // Whether the model with the decoy's kind fits the stated noise.

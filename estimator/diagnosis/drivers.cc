@@ -30,7 +30,10 @@ Driver AngleOf(const CalibrationProblem& problem, int joint) {
 
 Driver ApproachOf(const CalibrationProblem& problem, int joint) {
   return PerShot(problem, "approach of " + problem.robot.chain.joints[joint].name, "",
-                 [&](const ShotConditions& shot) { return shot.approach.empty() ? 0.0 : shot.approach[joint]; });
+                 [joint](const ShotConditions& shot) -> double {
+                   const bool is_stated = !shot.approach.empty() && shot.approach[joint] != kApproachNotStated;
+                   return is_stated ? shot.approach[joint] : 0.0;
+                 });
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {

@@ -227,7 +227,8 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
   CalibrationProblem with = problem;
   with.experiment.repeatability = RepeatabilitySpec();
   for (const Joint& joint : with.robot.chain.joints) {
-    if (sigma > 0.0 && joint.type == JointType::kRevolute) with.experiment.repeatability.per_joint[joint.name] = sigma;
+    if (sigma > 0.0 && joint.type == JointType::kRevolute)
+      with.experiment.repeatability.angle.per_joint[joint.name] = sigma;
   }
   with.latent = MakeLatentModel(with.robot.chain, with.data, with.experiment);
   return with;

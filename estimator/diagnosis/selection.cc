@@ -211,26 +211,6 @@ std::optional<StepsAndModel> Grown(const DiagnosedModel& baseline, const Selecti
   return std::nullopt;
 }
 
-// What each step does beside those before it, where the noise is no longer that beside which it was chosen.
-std::vector<ChosenStep> Remeasured(const DiagnosedModel& baseline, const SelectionOptions& options, int tests,
-                                   std::vector<ChosenStep> steps) {
-  std::vector<Estimate> after(steps.size());
-  ParallelFor(static_cast<int>(steps.size()), options.num_threads, [&](int i, int) {
-    const std::vector<ChosenStep> first(steps.begin(), steps.begin() + i + 1);
-    after[i] = Extend(baseline, CandidatesOf(first), options.joint).estimate;
-  });
-  double before = baseline.estimate.chi2;
-  for (size_t i = 0; i < steps.size(); ++i) {
-    if (!IsUsable(after[i].status)) continue;
-    ChosenStep& step = steps[i];
-    step.reduction = before - after[i].chi2;
-    step.penalised = step.reduction - Penalty(baseline, step.parameters, step.candidate.settings);
-    step.corrected_p = CorrectedP(step.reduction, step.parameters, after[i].chi2, after[i].dof, tests);
-    before = after[i].chi2;
-  }
-  return steps;
-}
-
 }  // namespace
 
 ChosenStep PickByRule(const std::vector<ChosenStep>& steps, double tie) {
@@ -324,7 +304,6 @@ std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std:
                                       DiagnosedModel* model) {
   StepsAndModel now{start, start.empty() ? baseline : Extend(baseline, CandidatesOf(start), options.joint)};
   if (!IsUsable(now.model.estimate.status)) now = {{}, baseline};
-  now.steps = Remeasured(baseline, options, static_cast<int>(candidates.size()), std::move(now.steps));
   std::vector<Candidate> open = candidates;
   while (static_cast<int>(now.steps.size()) < options.most_steps) {
     std::optional<StepsAndModel> more = Grown(baseline, options, now, &open);

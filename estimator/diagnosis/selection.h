@@ -37,10 +37,12 @@ struct ScreenedCandidate {
 // Whether a coordinate of this name is a parameter of the effect.
 bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 
+// What a step did when it was chosen, beside the noise that was taken then: where that shrinks as more is explained, it
+// does more in the end.
 struct ChosenStep {
   Candidate candidate;
   int parameters = 0;
-  double reduction = 0.0;  // chi-square, after refit, when it was chosen
+  double reduction = 0.0;  // chi-square, after refit
   double penalised = 0.0;
   double corrected_p = 1.0;
 };

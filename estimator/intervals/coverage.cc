@@ -10,6 +10,7 @@
 #include "estimator/linearization.h"
 #include "estimator/noise_loop.h"
 #include "estimator/two_step.h"
+#include "problems/noise_checks.h"
 
 namespace sagitta {
 namespace {
@@ -67,6 +68,7 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
     trial.status = StatusName(Status::kEquilibriumDiverged);
     return trial;
   }
+  ResolveRepeats(own);
   DrawPriors(truth, SeedOf(seed_, 2ULL * number + 1), &own->parameters);
   // Refits of its own for every trial: the same draws in all of them would share the luck of their quantiles.
   own->experiment.bootstrap.seed = SeedOf(problem_.experiment.bootstrap.seed, number);

@@ -9,18 +9,24 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"half_gap", Quantity::kSmallAngle}};
 }
 
+// False too where only other joints' directions are stated.
+bool IsStated(const EffectContext& context) {
+  const std::vector<int>& approach = context.shot->approach;
+  return !approach.empty() && approach[context.joint()] != kApproachNotStated;
+}
+
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const double sign = context.joint_sign();
   if (context.spec->TextSetting("by", "approach") == "torque") {
     terms->elastic.push_back({context.joint_slot(), context.first_parameter, sign * sign, ElasticLaw::kSign});
-  } else if (!context.shot->approach.empty()) {
+  } else if (IsStated(context)) {
     const double approach = context.shot->approach[context.joint()];
     terms->slots.push_back({context.joint_slot(), context.first_parameter, -sign * approach});
   }
 }
 
 std::string Missing(const EffectContext& context) {
-  if (context.spec->TextSetting("by", "approach") == "torque" || !context.shot->approach.empty()) return "";
+  if (context.spec->TextSetting("by", "approach") == "torque" || IsStated(context)) return "";
   return "approach" + std::to_string(context.joint() + 1);
 }
 

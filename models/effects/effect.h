@@ -86,6 +86,8 @@ struct ShotTerms {
   std::vector<StationTerm> station;
 };
 
+constexpr int kApproachNotStated = 2;
+
 // What a shot is, beside its wrenches: all that an effect may look at.
 struct ShotConditions {
   Eigen::VectorXd q;  // commanded, as in the file
@@ -94,8 +96,8 @@ struct ShotConditions {
   bool has_time = false;
   double time = 0.0;  // s since the station's first row
   bool has_temperature = false;
-  double temperature = 0.0;                                       // K above the mean of the data
-  std::vector<int> approach;                                      // empty: not stated
+  double temperature = 0.0;   // K above the mean of the data
+  std::vector<int> approach;  // -1, 0, +1 per joint, or kApproachNotStated; empty: none is stated
   Vector3<double> gravity = Vector3<double>(0.0, 0.0, -9.80665);  // m/s^2
   WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
   Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame

@@ -50,6 +50,20 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
   return "";
 }
 
+// Lengths and angles may be stated in any of their units; nothing for everything else.
+std::optional<Dimension> DimensionOf(Quantity quantity) {
+  if (quantity == Quantity::kLength) return Dimension::kLength;
+  if (quantity == Quantity::kAngle || quantity == Quantity::kSmallAngle) return Dimension::kAngle;
+  return std::nullopt;
+}
+
+std::optional<double> ReadParameter(const EffectParameter& parameter, YamlMap* map) {
+  if (const auto dimension = DimensionOf(parameter.quantity)) return map->Find(parameter.name, *dimension);
+  const auto value = map->Find(ParameterKey(parameter.name, parameter.quantity));
+  if (!value) return std::nullopt;
+  return value->Number() * TraitsOf(parameter.quantity).si_per_unit;
+}
+
 EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   YamlMap map(item);
   const std::string name = map.Get("effect").Text();
@@ -71,11 +85,16 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
     }
   }
   for (const EffectParameter& parameter : definition->parameters(robot, spec)) {
-    const auto value = map.Find(ParameterKey(parameter.name, parameter.quantity));
-    spec.values.push_back(value ? value->Number() * TraitsOf(parameter.quantity).si_per_unit : 0.0);
+    spec.values.push_back(ReadParameter(parameter, &map).value_or(0.0));
   }
   map.Finish();
   return spec;
+}
+
+// What reads back to the last bit, where the unit is one of several.
+double InItsUnit(Quantity quantity, double value) {
+  const QuantityTraits& traits = TraitsOf(quantity);
+  return DimensionOf(quantity) ? ToUnit(value, UnitNamed(traits.unit)) : value / traits.si_per_unit;
 }
 
 Json SettingToJson(const EffectDefinition& definition, const std::string& name, const std::string& text) {
@@ -136,8 +155,7 @@ Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
   const std::vector<EffectParameter> parameters = definition.parameters(robot, spec);
   for (size_t p = 0; p < parameters.size(); ++p) {
     const double value = p < spec.values.size() ? spec.values[p] : 0.0;
-    json[ParameterKey(parameters[p].name, parameters[p].quantity)] =
-        value / TraitsOf(parameters[p].quantity).si_per_unit;
+    json[ParameterKey(parameters[p].name, parameters[p].quantity)] = InItsUnit(parameters[p].quantity, value);
   }
   return json;
 }

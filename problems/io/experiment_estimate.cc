@@ -79,20 +79,21 @@ double ReadDeviation(const YamlValue& value, const Unit& unit) {
   return deviation;
 }
 
-void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, RepeatabilitySpec* repeatability) {
+void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, RepeatabilitySpec* repeatability,
+                            RepeatabilitySpec::OfKind* kind) {
   const YamlValue& value = quantity.value;
   if (value.Is("estimate")) {
     repeatability->estimate = true;
     return;
   }
   if (!value.IsMap()) {
-    if (repeatability->common) value.Fail("this robot has joints of two kinds", "give a map: {A1: 8, A2: 8}");
-    repeatability->common = ReadDeviation(value, quantity.unit);
+    if (kind->common) value.Fail("this is given twice, in two units");
+    kind->common = ReadDeviation(value, quantity.unit);
     return;
   }
   for (const auto& [joint, entry] : value.Entries()) {
-    if (repeatability->per_joint.count(joint) > 0) entry.Fail("joint '" + joint + "' is given twice");
-    repeatability->per_joint[joint] = ReadDeviation(entry, quantity.unit);
+    if (kind->per_joint.count(joint) > 0) entry.Fail("joint '" + joint + "' is given twice");
+    kind->per_joint[joint] = ReadDeviation(entry, quantity.unit);
   }
 }
 
@@ -110,17 +111,20 @@ NoiseSpec ReadNoise(const YamlValue& value) {
   if (instrument) ReadInstrument(*instrument, &noise);
   map.Finish();
   if (from && instrument) value.Fail("the noise has two sources", "keep one of: from, instrument");
+  if (noise.sigma && instrument) value.Fail("the noise has two sources", "keep one of: sigma_mm, instrument");
   if (!from && !instrument && !noise.sigma) value.Fail("the noise is not stated", "one of: sigma_mm, from, instrument");
   return noise;
 }
 
 RepeatabilitySpec ReadRepeatability(YamlMap* file) {
   RepeatabilitySpec repeatability;
-  // urad first: it is the unit to suggest.
-  for (const char* unit : {"urad", "um", "mrad", "rad", "deg", "mm", "m"}) {
+  const auto read = [&](const char* unit, RepeatabilitySpec::OfKind* kind) {
     const auto value = file->Find(std::string("repeatability_") + unit);
-    if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, &repeatability);
-  }
+    if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, &repeatability, kind);
+  };
+  // The first of a kind is the unit to suggest.
+  for (const char* unit : {"urad", "mrad", "rad", "deg"}) read(unit, &repeatability.angle);
+  for (const char* unit : {"um", "mm", "m"}) read(unit, &repeatability.length);
   if (const auto plain = file->Find("repeatability")) {
     if (!plain->Is("estimate")) plain->Fail("the key has to name its unit", "repeatability_urad or repeatability_um");
     repeatability.estimate = true;
@@ -144,6 +148,8 @@ EstimateSpec ReadEstimate(const YamlValue& value) {
     CheckNames(*compensator, {"L", "a_x", "a_y", "s0", "Kc"});
   }
   if (const auto effects = map.Find("effects")) {
+    if (effects->IsList())
+      effects->Fail("all or none is expected", "single parameters: estimate: {free: […], fixed: […]}");
     estimate.effects = ReadSelection(*effects, {"all", "none", "default"});
   }
   if (const auto fixed = map.Find("fixed")) estimate.fixed = fixed->Texts();

@@ -147,9 +147,9 @@ void ColumnFinder::CheckJointCount() const {
   for (const std::string& name : table_.file.header) {
     if (const auto number = NumberAfter(name, "q")) numbers.insert(*number);
   }
+  if (numbers.empty()) return;  // CheckRequired names what is missing, as where there is a gap
   const int count = static_cast<int>(numbers.size());
-  // A gap is a missing column, which CheckRequired names.
-  const bool without_gap = count > 0 && *numbers.begin() == 1 && *numbers.rbegin() == count;
+  const bool without_gap = *numbers.begin() == 1 && *numbers.rbegin() == count;
   if (count == static_cast<int>(joints_.size()) || (!without_gap && *numbers.rbegin() <= joints_.size())) return;
   Fail("q" + std::to_string(*numbers.rbegin()),
        "the robot has " + std::to_string(joints_.size()) + " joints (" + joints_.front() + " .. " + joints_.back() +

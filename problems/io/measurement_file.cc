@@ -1,9 +1,11 @@
 #include "problems/io/measurement_file.h"
 
+#include <algorithm>
 #include <functional>
 #include <unordered_map>
 
 #include "problems/input_error.h"
+#include "problems/io/files.h"
 #include "problems/io/measurement_row.h"
 
 namespace sagitta {
@@ -11,6 +13,7 @@ namespace {
 
 // Two files may state the same angle in two units.
 constexpr double kSameJointValue = 1e-9;  // rad or m
+constexpr double kLongShot = 600.0;       // s
 
 // Ids joined into one key; the separator cannot stand in a cell by accident.
 std::string Key(std::initializer_list<std::string> ids) {
@@ -47,6 +50,25 @@ bool SameCells(const MeasurementFile& file, const MeasurementFile::Row& row, con
   return true;
 }
 
+// A shot takes the mean of the times and temperatures that its rows state.
+struct Moment {
+  int times = 0, temperatures = 0;
+  double earliest = 0.0, latest = 0.0;
+
+  void Take(const MeasurementRow& row, Shot* shot) {
+    if (row.has_time) {
+      earliest = times == 0 ? row.time : std::min(earliest, row.time);
+      latest = times == 0 ? row.time : std::max(latest, row.time);
+      shot->has_time = true;
+      shot->time += (row.time - shot->time) / ++times;
+    }
+    if (row.has_temperature) {
+      shot->has_temperature = true;
+      shot->temperature += (row.temperature - shot->temperature) / ++temperatures;
+    }
+  }
+};
+
 class MeasurementsBuilder {
  public:
   void Add(CsvTable table, const MeasurementColumns& columns, bool points_required);
@@ -72,6 +94,7 @@ class MeasurementsBuilder {
   std::unordered_map<std::string, int> occurrences_;
   std::unordered_map<size_t, int> rows_;
   std::vector<int> first_of_configuration_;
+  std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;
   std::string first_repeated_;
 };
@@ -123,16 +146,13 @@ int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration,
     return entry->second;
   }
   Shot& shot = data_.shots.emplace_back();
+  moments_.emplace_back();
   shot.configuration = configuration;
   shot.station = station;
   shot.visit = row.visit;
   shot.repeat = row.repeat;
   shot.load = row.load;
   shot.wrench = row.wrench;
-  shot.has_time = row.has_time;
-  shot.time = row.time;
-  shot.has_temperature = row.has_temperature;
-  shot.temperature = row.temperature;
   shot.approach = row.approach;
   return entry->second;
 }
@@ -166,7 +186,9 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     const int configuration = ConfigurationIndex(row);
     const int station = IndexOf(row.station, &stations_, &data_.stations);
     observation.shot = ShotIndex(row, configuration, station);
-    data_.shots[observation.shot].observations.push_back(current_);
+    Shot& shot = data_.shots[observation.shot];
+    shot.observations.push_back(current_);
+    moments_[observation.shot].Take(row, &shot);
   }
 }
 
@@ -176,6 +198,15 @@ Measurements MeasurementsBuilder::Take() {
         std::to_string(repeated_) +
         " rows equal an earlier one in config, visit, marker, load, station and repeat (the first: " + first_repeated_ +
         "); they count as repeated shots");
+  }
+  const auto longest = std::max_element(moments_.begin(), moments_.end(), [](const Moment& a, const Moment& b) {
+    return a.latest - a.earliest < b.latest - b.earliest;
+  });
+  if (longest != moments_.end() && longest->latest - longest->earliest > kLongShot) {
+    const Shot& shot = data_.shots[longest - moments_.begin()];
+    data_.warnings.push_back("the rows of one shot are up to " + FormatNumber(longest->latest - longest->earliest) +
+                             " s apart (" + SourceOf(shot.observations.front()) +
+                             "); a shot counts at the mean of its times: give other visits or repeats other ids");
   }
   return std::move(data_);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "models/effects/effect.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -84,6 +85,10 @@ void ReadApproach(const RowReader& reader, const MeasurementColumns& columns, Me
   const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
   if (std::none_of(columns.approach.begin(), columns.approach.end(), stated)) return;
   for (const NumberColumn& column : columns.approach) {
+    if (!column.present()) {
+      row->approach.push_back(kApproachNotStated);
+      continue;
+    }
     const double direction = reader.NumberOr(column, 0.0);
     if (direction != -1.0 && direction != 0.0 && direction != 1.0) {
       reader.Fail(column.name, "the direction of the last motion is -1, 0 or 1");

@@ -165,6 +165,7 @@ GravityCompensator ReadGravityCompensator(const YamlValue& value, const std::vec
   compensator.s0 = map.GetLength("s0");
   compensator.Kc = map.Get("Kc_N_per_mm").Number() * 1e3;
   if (const auto preload = map.Find("preload")) compensator.preload = preload->Flag();
+  compensator.zero = map.Find("zero", Dimension::kAngle);
   map.Finish();
   if (compensator.L <= 0.0) value.Fail("the lever L has to be above 0");
   if (compensator.s0 <= 0.0) {

@@ -98,6 +98,7 @@ Json CompensatorToJson(const Chain& chain, const GravityCompensator& compensator
   Put("s0", false, compensator.s0, &json);
   json["Kc_N_per_mm"] = ToUnit(compensator.Kc, Unit{"N_per_mm", 1e3, 1.0});
   json["preload"] = compensator.preload;
+  if (compensator.zero) Put("zero", true, *compensator.zero, &json);
   return json;
 }
 

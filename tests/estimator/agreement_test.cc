@@ -145,7 +145,7 @@ TEST(Agreement, RepeatsOfOneArrivalAreNotIndependent) {
   EXPECT_TRUE(independent.sandwich_advised);
   EXPECT_THAT(independent.words.front(), HasSubstr("repeatability_urad: estimate"));
   Experiment stated;
-  stated.repeatability.common = design.joint;
+  stated.repeatability.angle.common = design.joint;
   const AgreementReport latent = AgreementOf(test::Kr270ProblemOf(data, stated), &estimate);
   ASSERT_TRUE(latent.repeats.known);
   // F with 129 and 1296 degrees of freedom: standard deviation 13 %.

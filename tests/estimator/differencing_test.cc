@@ -81,7 +81,7 @@ TEST(Differencing, RepeatabilityCancelsInDifferences) {
   test::Measure(test::ExactPoints(truth, data), design.sigma, 3, &data);
   test::LoadedSetup setup = test::SetupFor(truth);
   const Estimate without = EstimateByDifferencing(MakeCalibrationProblem(setup.robot, data, setup.experiment));
-  setup.experiment.repeatability.common = 40e-6;
+  setup.experiment.repeatability.angle.common = 40e-6;
   const Estimate with = EstimateByDifferencing(MakeCalibrationProblem(setup.robot, data, setup.experiment));
   for (const int i : Compliances(with)) {
     EXPECT_NEAR(with.table[i].sigma / without.table[i].sigma, 1.0, 0.01) << with.table[i].name;

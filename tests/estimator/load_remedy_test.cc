@@ -75,7 +75,7 @@ TEST(LoadRemedy, ThePromiseCountsTheJointsRepeatability) {
   test::LoadedTruth truth = VerticalBase();
   const test::LoadedDesign design;
   test::LoadedSetup setup = test::SetupFor(truth);
-  setup.experiment.repeatability.common = 40e-6;
+  setup.experiment.repeatability.angle.common = 40e-6;
   Measurements data = test::LoadedRows(design, truth);
   const CalibrationProblem problem = Simulate(truth, design, data, setup);
   const Estimate before = EstimateJointly(problem);

@@ -69,12 +69,16 @@ TEST(EffectEntries, UnitsAreThoseOfTheFormat) {
   const Robot robot = WithEntry("{effect: joint_harmonic, joint: A2, order: 2, cos_urad: 210, sin_urad: 0}");
   EXPECT_EQ(robot.effects[0].Path(), "effect/joint_harmonic[order=2]/A2");
   EXPECT_NEAR(robot.effects[0].values[0], 210e-6, 1e-15);
+  EXPECT_NEAR(WithEntry("{effect: joint_harmonic, joint: A2, order: 2, cos_mrad: 0.2}").effects[0].values[0], 2e-4,
+              1e-15);
+  EXPECT_NEAR(WithEntry("{effect: marker_shift, marker: M1, after_s: 6, y_m: 0.002}").effects[0].values[1], 2e-3,
+              1e-15);
   EXPECT_NEAR(WithEntry("{effect: station_drift, station: S1, x_um_per_h: 36}").effects[0].values[0], 1e-8, 1e-18);
 }
 
 TEST(EffectEntries, RefusalsNameKeyAndSpelling) {
   EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A9}").find("A9"), std::string::npos);
-  EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A2, cos_mrad: 1}").find("cos_urad"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A2, order: 1, cos_m: 1}").find("cos_urad"), std::string::npos);
   EXPECT_NE(Refusal("{effect: joint_slip, joint: A2, jump_urad: 1}").find("after_s"), std::string::npos);
   EXPECT_NE(Refusal("{effect: backlash, joint: A2, by: aproach}").find("approach"), std::string::npos);
   EXPECT_NE(Refusal("{effect: joint_harmonic, joint: A2, order: 1.5}").find("whole number"), std::string::npos);

@@ -86,7 +86,7 @@ TEST_F(ExperimentFileTest, ReadsTheMethod) {
   const Experiment experiment = Read(kFull);
   EXPECT_EQ(experiment.noise.from, NoiseSpec::From::kSigma);
   EXPECT_EQ(*experiment.noise.sigma, 5e-5);
-  EXPECT_EQ(*experiment.repeatability.common, 8e-6);
+  EXPECT_EQ(*experiment.repeatability.angle.common, 8e-6);
   EXPECT_EQ(experiment.weights, "equal");
   EXPECT_EQ(experiment.covariance, "sandwich");
   EXPECT_EQ(experiment.loss, "huber");
@@ -126,10 +126,10 @@ TEST_F(ExperimentFileTest, ReadsEveryKindOfNoise) {
 TEST_F(ExperimentFileTest, ReadsEveryKindOfRepeatability) {
   const auto repeatability = [&](const std::string& text) { return Read(kMinimal + (text + "\n")).repeatability; };
   EXPECT_TRUE(repeatability("repeatability_urad: estimate").estimate);
-  EXPECT_EQ(repeatability("repeatability_um: 5").common, 5e-6);
+  EXPECT_EQ(repeatability("repeatability_um: 5").length.common, 5e-6);
   const RepeatabilitySpec mixed = repeatability("repeatability_urad: {A1: 8}\nrepeatability_um: {L2: 4}");
-  EXPECT_EQ(mixed.per_joint.at("A1"), 8e-6);
-  EXPECT_EQ(mixed.per_joint.at("L2"), 4e-6);
+  EXPECT_EQ(mixed.angle.per_joint.at("A1"), 8e-6);
+  EXPECT_EQ(mixed.length.per_joint.at("L2"), 4e-6);
 }
 
 TEST_F(ExperimentFileTest, ReadsEveryKindOfValidation) {
@@ -220,6 +220,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadExperiment{"noise_empty", "{sigma_mm: 0.05}", "{}", {"10: noise", "not stated"}},
         BadExperiment{
             "noise_two", "{sigma_mm: 0.05}", "{from: rows, instrument: {range_um: 1}}", {"10: noise", "two sources"}},
+        BadExperiment{
+            "noise_both", "{sigma_mm: 0.05}", "{sigma_mm: 1, instrument: {range_um: 1}}", {"10: noise", "two sources"}},
         BadExperiment{"noise_lambda", "{sigma_mm: 0.05}", "{from: rows, lambda: 1}", {"10: noise.lambda", "unknown"}},
         BadExperiment{
             "noise_iterations", "{sigma_mm: 0.05}", "{from: residuals, iterations: 0}", {"10: noise.iterations"}},
@@ -241,6 +243,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadExperiment{"estimate_key", "  markers: false", "  makers: false", {"17: estimate.makers", "'markers'"}},
         BadExperiment{"estimate_word", "compliance: all", "compliance: al", {"19: estimate.compliance", "'al'", "all"}},
         BadExperiment{"estimate_twice", "[p_x1, dq2]", "[p_x1, p_x1]", {"18: estimate.geometry[1]", "twice"}},
+        BadExperiment{"effects", "effects: none", "effects: [joint_harmonic]", {"21: estimate.effects", "all or none"}},
         BadExperiment{"compensator", "[a_x, Kc]", "[a_x, KC]", {"20: estimate.gravity_compensator[1]", "'Kc'"}},
         BadExperiment{"prior_sigma", "sigma: 5", "sigma: 0", {"23: priors.compensator/Kc.sigma", "above 0"}},
         BadExperiment{"prior_missing", ", sigma: 5", "", {"23: priors.compensator/Kc.sigma", "missing"}},

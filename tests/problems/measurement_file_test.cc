@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "models/effects/effect.h"
 #include "problems/io/files.h"
 #include "tests/problems/file_test_support.h"
 
@@ -79,8 +80,8 @@ TEST_F(MeasurementFileTest, ReadsEveryColumn) {
   EXPECT_EQ(first.visit, "v1");
   EXPECT_EQ(first.repeat, "0");
   EXPECT_TRUE(first.has_time && first.has_temperature);
-  EXPECT_EQ(first.time, 1.5);
-  EXPECT_EQ(first.temperature, 20.0);
+  EXPECT_EQ(first.time, 1.6);  // the mean of its two rows
+  EXPECT_EQ(first.temperature, 20.5);
   EXPECT_EQ(first.approach, (std::vector<int>{-1, 1}));
   EXPECT_EQ(data.observations[0].point_in_station, Vector3<double>(1, 0.002, 0.003));
   EXPECT_TRUE(data.observations[0].sigma.isApprox(Vector3<double>(1e-4, 2e-4, 3e-4)));
@@ -95,6 +96,19 @@ TEST_F(MeasurementFileTest, ReadsEveryColumn) {
   EXPECT_EQ(data.shots[2].approach, (std::vector<int>{0, 0}));
   EXPECT_EQ(data.Cell(data.observations[1], "note"), "b, c");
   EXPECT_EQ(data.SourceOf(data.observations[0]), Path("m.csv") + ":4");
+}
+
+TEST_F(MeasurementFileTest, AShotCountsAtTheMeanOfItsRows) {
+  const Measurements data = Read(
+      "config,marker,visit,q1_deg,q2_mm,x_mm,y_mm,z_mm,time_s,temperature_degC,approach2\n"
+      "C1,M1,a,1,2,3,4,5,10,20,1\nC1,M2,a,1,2,3,4,6,16,,1\nC1,M3,a,1,2,3,4,7,,21,1\n"
+      "C1,M1,b,1,2,3,4,8,100,20,-1\nC1,M2,b,1,2,3,4,9,1000,20,-1\n");
+  ASSERT_EQ(data.shots.size(), 2u);
+  EXPECT_EQ(data.shots[0].time, 13.0);
+  EXPECT_EQ(data.shots[0].temperature, 20.5);
+  EXPECT_EQ(data.shots[0].approach, (std::vector<int>{kApproachNotStated, 1}));
+  ASSERT_EQ(data.warnings.size(), 1u);
+  EXPECT_NE(data.warnings[0].find("900 s apart"), std::string::npos) << data.warnings[0];
 }
 
 TEST_F(MeasurementFileTest, TakesByteOrderMarkAndCarriageReturns) {
@@ -199,6 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadFile{"missing_z", kSmall, ",z_mm", ",zz", {"1: z_mm", "missing"}},
         BadFile{"missing_config", kSmall, "config", "c", {"1: config", "missing"}},
+        BadFile{"no_joints", kSmall, "q1_deg,q2_mm", "a,b", {"1: q1_deg", "missing"}},
         BadFile{"misspelt", kSmall, "x_mm", "x_mmm", {"1: x_mmm", "unknown", "'x_mm'"}},
         BadFile{"centimetres", kSmall, "x_mm", "x_cm", {"1: x_cm", "'x_mm'"}},
         BadFile{"micrometres", kFull, "sigma_x_mm", "sigma_x_um", {"2: sigma_x_um", "'sigma_x_mm'"}},

@@ -115,7 +115,7 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
   experiment.noise.group = "config-axes";
   EXPECT_NE(Refusal(once, experiment).find("config-axis"), std::string::npos);
   experiment.noise.group = "config-axis";
-  experiment.repeatability.common = 1e-5;
+  experiment.repeatability.angle.common = 1e-5;
   EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
 
   experiment = Experiment();
@@ -131,7 +131,7 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
   EXPECT_NE(Refusal(once, experiment).find("profile"), std::string::npos);
   experiment.covariance = "model";
   EXPECT_EQ(Refusal(once, experiment), "");
-  experiment.repeatability.common = 1e-5;
+  experiment.repeatability.angle.common = 1e-5;
   EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
   experiment.repeatability = RepeatabilitySpec();
   experiment.weights = "eq14";

@@ -57,7 +57,7 @@ std::vector<std::pair<const char*, Experiment>> RepeatMethods(double joint) {
   Experiment stated, estimated, known, unknown;
   stated.noise = {NoiseSpec::From::kSigma, 1e-4, true};
   estimated.weights = "equal";
-  known.repeatability.common = joint;
+  known.repeatability.angle.common = joint;
   unknown.noise.from = NoiseSpec::From::kVarianceComponents;
   return {{"independent, sigma 0.1 mm", stated},
           {"independent, sigma estimated", estimated},

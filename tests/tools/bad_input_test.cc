@@ -140,6 +140,28 @@ TEST_F(BadInputTest, UnknownKeyOfRobotAndExperiment) {
   ExpectRefused(Run({"calibrate", experiment, "--out=" + Path("out")}), {"exp.yaml:2", "robot"});
 }
 
+// Joints of one kind have their repeatability in an angle, those of the other in a length.
+TEST_F(BadInputTest, RepeatabilityOfTheWrongKind) {
+  const std::string head = "schema: sagitta/experiment/1\nrobot: " + Published("kr270/robot.yaml") +
+                           "\nmeasurements: [" + Published("kr270/geometric.csv") + "]\nnoise: {sigma_mm: 0.1}\n";
+  for (const std::string key : {"repeatability_um: 8", "repeatability_um: {A1: 8}"}) {
+    ExpectRefused(Run({"calibrate", Write("exp.yaml", head + key + "\n"), "--out=" + Path("out")}),
+                  {"exp.yaml", "repeatability_um", "repeatability_urad"});
+  }
+}
+
+// The direction of one joint says nothing of another's play.
+TEST_F(BadInputTest, ApproachOfAnotherJoint) {
+  const std::string robot = Write("play.yaml", ReadAll(Published("kr270/robot.yaml")) +
+                                                   "effects:\n  - {effect: backlash, joint: A3, half_gap_urad: 0}\n");
+  Rows rows = Cells(ReadAll(Published("kr270/geometric.csv")));
+  Append("approach1", "1", &rows);
+  ExpectRefused(Run({"calibrate", robot, Write("m.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("out")}),
+                {"m.csv", "approach3"});
+  Append("approach3", "-1", &rows);
+  EXPECT_EQ(Run({"calibrate", robot, Write("m.csv", Csv(rows)), "--sigma_mm=0.1"}).status, 0);
+}
+
 TEST_F(BadInputTest, AbsentFileAndFolderForAFile) {
   const std::string robot = Published("kr270/robot.yaml");
   ExpectRefused(Run({"calibrate", robot, Path("absent.csv"), "--out=" + Path("out")}), {"absent.csv"});

@@ -73,6 +73,12 @@ TEST_F(CommandLineTest, BadValuesAreUsageErrors) {
   }
 }
 
+TEST_F(CommandLineTest, NoCommandRunsOnNoThread) {
+  for (const char* command : {"compare", "inspect", "diagnose"}) {
+    EXPECT_EQ(Run({command, kExperiment, "--threads=0"}).status, 2) << command;
+  }
+}
+
 TEST_F(CommandLineTest, AnUnknownParameterIsAnsweredByItsFamily) {
   const Outcome outcome = Run({"calibrate", kExperiment, "--free=geometry/p_x11"});
   EXPECT_NE(outcome.err.find("known: geometry/p_x1, "), std::string::npos) << outcome.err;

@@ -57,6 +57,16 @@ TEST_F(LoadInputTest, GoodLoadsPass) {
   EXPECT_TRUE(Exists("out/estimate.json"));
 }
 
+TEST_F(LoadInputTest, WeightsAtAStationThatIsNotLevelled) {
+  const std::string tilted = "stations: {S3: {levelled: false}}\n";
+  const std::string tool = "tool: {mass_kg: 20, com_mm: [0, 0, 100]}\n";
+  EXPECT_EQ(Calibrate(kScene + tilted, LoadedRows()).status, 0);  // forces stated in the rows need no gravity
+  std::filesystem::remove_all(Path("out"));
+  ExpectNothingWritten(Calibrate(kScene + tilted + tool, LoadedRows()), 2, {"stations.S3.levelled", "frame: base"});
+  const std::string gravity = "gravity: {direction: [0, 0, -1], frame: base}\n";
+  EXPECT_EQ(Calibrate(kScene + tilted + tool + gravity, LoadedRows()).status, 0);
+}
+
 TEST_F(LoadInputTest, LoadWithoutAPoint) {
   ExpectNothingWritten(Calibrate("noise: {sigma_mm: 0.03}\n", LoadedRows()), 2,
                        {"loads.csv:", "V250", "load_point_mm", "--load_point_mm"});

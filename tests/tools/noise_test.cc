@@ -53,6 +53,42 @@ TEST_F(NoiseTest, VarianceComponentsSayWhoIsTheNoise) {
   EXPECT_NE(outcome.out.find("The instrument, not the robot, is the noise"), std::string::npos) << outcome.out;
 }
 
+TEST_F(NoiseTest, TheTwoStepsKeepTheNoiseThatWasFound) {
+  const std::string experiment = Experiment("noise: {from: variance-components}\n", Data());
+  ASSERT_EQ(Run({"calibrate", experiment, "--out=" + Path("joint")}).status, 0);
+  ASSERT_EQ(Run({"calibrate", experiment, "--method=two-step", "--out=" + Path("halves")}).status, 0);
+  const auto joint = ReadJson("joint/estimate.json"), halves = ReadJson("halves/estimate.json");
+  EXPECT_EQ(halves["noise"]["source"], "variance-components");
+  EXPECT_NEAR(halves["prediction_noise"]["sigma_mm"].get<double>(), joint["prediction_noise"]["sigma_mm"], 1e-12);
+  for (size_t i = 0; i < joint["parameters"].size(); ++i) {
+    const auto &a = joint["parameters"][i]["ci95"], &b = halves["parameters"][i]["ci95"];
+    const double width = a[1].get<double>() - a[0].get<double>();
+    EXPECT_NEAR(b[1].get<double>() - b[0].get<double>(), width, 1e-5 * width) << joint["parameters"][i]["name"];
+  }
+}
+
+// One marker shot three times at one visit: two differences per axis, and Student's t with 6 degrees of freedom.
+TEST_F(NoiseTest, FewRepeatsMakeWiderIntervals) {
+  auto rows = Cells(ReadAll(Data()));
+  rows[0].push_back("repeat");
+  for (size_t i = 1; i < rows.size(); ++i) rows[i].push_back("0");
+  const int x = Column(rows, "x_mm");
+  for (const double step : {0.12, -0.17}) {
+    rows.push_back(rows[1]);
+    for (int axis = 0; axis < 3; ++axis) rows.back()[x + axis] = std::to_string(std::stod(rows[1][x + axis]) + step);
+    rows.back().back() = std::to_string(step);
+  }
+  const std::string experiment = Experiment("noise: {from: repeats}\n", Write("repeats.csv", Csv(rows)));
+  ASSERT_EQ(Run({"calibrate", experiment, "--out=" + Path("out")}).status, 0);
+  const auto estimate = ReadJson("out/estimate.json");
+  EXPECT_FALSE(estimate["sigma"]["scaled"].get<bool>());
+  for (const auto& parameter : estimate["parameters"]) {
+    if (parameter["name"] != "geometry/dq2") continue;
+    const double half = parameter["ci95"][1].get<double>() - parameter["value"].get<double>();
+    EXPECT_NEAR(half / parameter["sigma"].get<double>(), 2.4469, 1e-3);
+  }
+}
+
 // Simulated with 0.1 mm, stated as 0.01: the instrument is not the noise, and it says what might be.
 TEST_F(NoiseTest, SigmasFarTooSmallNameRepeatabilityAsAWayOut) {
   const std::string advice = "repeatability_urad: estimate";
@@ -85,6 +121,13 @@ TEST_F(NoiseTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
   const Outcome outcome = Run({"calibrate", stated, "--method=full-pose", "--out=" + Path("out")});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("joint deviations"), std::string::npos) << outcome.err;
+  const std::string known =
+      Experiment("noise: {sigma_mm: 0.1}\npriors: {geometry/dq2: {value: 0.01, sigma: 0.001}}\n", Data());
+  for (const char* method : {"--method=full-pose", "--method=two-step-literal"}) {
+    const Outcome refused = Run({"calibrate", known, method, "--out=" + Path("out")});
+    EXPECT_EQ(refused.status, 2) << method;
+    EXPECT_NE(refused.err.find("priors"), std::string::npos) << refused.err;
+  }
 }
 
 }  // namespace

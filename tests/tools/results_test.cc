@@ -137,6 +137,14 @@ TEST_F(ResultsTest, RequirementMetUnmetAndUnknown) {
   EXPECT_EQ(unmet.status, 1);
   EXPECT_NE(unmet.err.find("fit.rms_mm"), std::string::npos);
   EXPECT_TRUE(Exists("b/estimate.json"));
+  // Of no measurements every figure is 0, and that is no proof.
+  for (const std::string figure :
+       {"validation.distance_rms_mm", "deflection.after.rms_mm", "validation.before.rms_mm"}) {
+    const Outcome empty = Run({"calibrate", experiment_, "--require=" + figure + "<0.3", "--out=" + Path("e")});
+    EXPECT_EQ(empty.status, 2) << figure;
+    EXPECT_FALSE(Exists("e/estimate.json"));
+  }
+  EXPECT_EQ(Run({"calibrate", experiment_, "--holdout=0.3", "--require=validation.distance_rms_mm<1"}).status, 0);
   const Outcome unknown = Run({"calibrate", experiment_, "--require=fit.rms_m<0.2", "--out=" + Path("c")});
   EXPECT_EQ(unknown.status, 2);
   EXPECT_NE(unknown.err.find("rms_mm"), std::string::npos) << unknown.err;
@@ -205,6 +213,24 @@ TEST_F(ResultsTest, AnUnmovedJointEndsInHeldParameters) {
     EXPECT_NE(outcome.out.find(direction["direction"].begin().key()), std::string::npos);
     EXPECT_FALSE(direction["words"].get<std::string>().empty());
   }
+}
+
+// Figures of the fit are of what was fitted.
+TEST_F(ResultsTest, DeflectionsAreThoseOfTheCalibrationRows) {
+  const std::string all_stages = Published("kr270/all_stages.yaml");
+  ASSERT_EQ(Run({"calibrate", all_stages, "--out=" + Path("all")}).status, 0);
+  ASSERT_EQ(Run({"calibrate", all_stages, "--holdout=0.3", "--out=" + Path("part")}).status, 0);
+  const int all = ReadJson("all/estimate.json")["deflection"]["pairs"];
+  const int part = ReadJson("part/estimate.json")["deflection"]["pairs"];
+  EXPECT_LT(part, 0.85 * all);
+  EXPECT_GT(part, 0.5 * all);
+}
+
+// 1 mm instead of 0.02: the compliance of the last joint is worse known than half its value.
+TEST_F(ResultsTest, WhatIsKnownWorseThanHalfItsValueIsWeak) {
+  ASSERT_EQ(Run({"calibrate", Published("kr270/all_stages.yaml"), "--sigma_mm=1", "--out=" + Path("out")}).status, 0);
+  const auto weak = ReadJson("out/estimate.json")["identifiability"]["weak"];
+  EXPECT_NE(weak.dump().find("compliance/A6"), std::string::npos) << weak;
 }
 
 TEST_F(ResultsTest, NumericalFailureSaysWhyAndWritesNoEstimate) {
