@@ -39,8 +39,8 @@ Robot WithTiltSlots(Robot robot) {
 
 // The instrument's side: scale of the arm (growth), and what the station sees.
 struct SeenFrom {
-  SeenFrom(const ShotTerms& terms, const double* theta, const Pose<double>& base_in_station) {
-    for (const BaseTerm& term : terms.base) scale += theta[term.parameter] * term.factor;
+  SeenFrom(const ShotTerms& terms, const double* theta, const Pose<double>& base_in_station, bool grows) {
+    for (const BaseTerm& term : terms.base) scale += grows ? theta[term.parameter] * term.factor : 0.0;
     for (const StationTerm& term : terms.station) from_true += theta[term.parameter] * term.gradient;
     from_base = scale * from_true * base_in_station.rotation;
   }
@@ -237,10 +237,12 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
   if (!equilibrium.converged) return false;
   std::vector<int> column_of(num_parameters(), -1);
   for (size_t i = 0; i < active.size(); ++i) column_of[active[i]] = static_cast<int>(i);
-  const SeenFrom seen(shot.terms, theta, base_in_station);
+  const SeenFrom arm_seen(shot.terms, theta, base_in_station, true),
+      foot_seen(shot.terms, theta, base_in_station, false);
   predictions->resize(markers.size());
   for (size_t m = 0; m < markers.size(); ++m) {
     const MarkerInFrame& marker = markers[m];
+    const SeenFrom& seen = Grows(marker) ? arm_seen : foot_seen;
     PointPrediction& prediction = (*predictions)[m];
     const Pose<double>& base_from_frame = equilibrium.state.frames[marker.frame];
     const Vector3<double> in_base = base_from_frame * OwnPoint(shot.terms, theta, marker);
@@ -265,7 +267,7 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
       add(term.parameter, base_from_frame.rotation * term.direction);
     }
     for (const BaseTerm& term : shot.terms.base) {
-      if (column_of[term.parameter] >= 0) add(term.parameter, term.factor / seen.scale * in_base);
+      if (Grows(marker) && column_of[term.parameter] >= 0) add(term.parameter, term.factor / seen.scale * in_base);
     }
     for (const StationTerm& term : shot.terms.station) {
       if (column_of[term.parameter] < 0) continue;

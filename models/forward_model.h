@@ -86,6 +86,9 @@ class ForwardModel {
   template <typename T>
   std::vector<T> TransformValues(const ShotInput& shot, const T* theta, const T* latent = nullptr) const;
 
+  // Whether the marker rides on the arm: markers on the world or the foot do not grow with it.
+  bool Grows(const MarkerInFrame& marker) const { return marker.frame > chain().BaseFrame(); }
+
   // A marker point in the station frame; the templated reference for Predict.
   template <typename T>
   Vector3<T> PointInStation(const ShotInput& shot, const T* theta, const MarkerInFrame& marker, const Vector3<T>& point,
@@ -183,7 +186,9 @@ Vector3<T> ForwardModel::PointInStation(const ShotInput& shot, const T* theta, c
   }
   Vector3<T> in_base = PointInBase(shot, theta, marker.frame, own, rotation);
   T scale(1);
-  for (const BaseTerm& term : shot.terms.base) scale += theta[term.parameter] * term.factor;
+  if (Grows(marker)) {
+    for (const BaseTerm& term : shot.terms.base) scale += theta[term.parameter] * term.factor;
+  }
   const Vector3<T> truth = rotation * Vector3<T>(scale * in_base) + translation;
   Vector3<T> seen = truth;
   for (const StationTerm& term : shot.terms.station) {

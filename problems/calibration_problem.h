@@ -47,7 +47,6 @@ struct CalibrationProblem {
   // flags. A `gravity_compensator` (values L, a_x, a_y, s0, Kc) goes to its home;
   // its L is held: the scale gauge.
   CalibrationProblem WithEffects(const std::vector<EffectSpec>& specs) const;
-  CalibrationProblem WithEffect(const EffectSpec& spec) const { return WithEffects({spec}); }
 
   // Observations that are fitted, and those of held-out configurations, by index; none that is excluded.
   std::vector<int> CalibrationObservations() const;

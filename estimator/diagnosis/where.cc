@@ -52,6 +52,17 @@ std::map<std::string, Group> ByJoint(const DiagnosedModel& model, const Lineariz
   return groups;
 }
 
+// First and last, s; both 0 where no shot states one.
+Interval TimesOf(const CalibrationProblem& problem) {
+  std::vector<double> times;
+  for (const ShotInput& shot : problem.shot_inputs) {
+    if (shot.conditions.has_time) times.push_back(shot.conditions.time);
+  }
+  if (times.empty()) return {0.0, 0.0};
+  const auto [first, last] = std::minmax_element(times.begin(), times.end());
+  return {*first, *last};
+}
+
 }  // namespace
 
 std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
@@ -59,8 +70,8 @@ std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
   const Linearization here = LinearizeEstimate(problem, model.estimate.parameters);
   const double per_row = model.estimate.dof / std::max(1.0, static_cast<double>(model.estimate.rows));
   std::map<std::string, std::map<std::string, Group>> by;
-  double last_time = 0.0;
-  for (const ShotInput& shot : problem.shot_inputs) last_time = std::max(last_time, shot.conditions.time);
+  const Interval times = TimesOf(problem);
+  const double slice_length = (times.high - times.low) / kTimeSlices;
   for (size_t k = 0; k < here.observations.size(); ++k) {
     const Observation& observation = problem.data.observations[here.observations[k]];
     const Shot& shot = problem.data.shots[observation.shot];
@@ -78,9 +89,9 @@ std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
       add("axis", std::string(1, "xyz"[axis]), std::pow(here.residual[3 * static_cast<long>(k) + axis], 2), 1.0);
     }
     const ShotConditions& conditions = problem.shot_inputs[observation.shot].conditions;
-    if (!conditions.has_time || last_time <= 0.0) continue;
-    const int slice = std::min(kTimeSlices - 1, static_cast<int>(kTimeSlices * conditions.time / last_time));
-    add("time", std::to_string(std::lround(slice * last_time / kTimeSlices)) + " s", chi2, 3.0);
+    if (!conditions.has_time || !(slice_length > 0.0)) continue;
+    const int slice = std::min(kTimeSlices - 1, static_cast<int>((conditions.time - times.low) / slice_length));
+    add("time", std::to_string(std::lround(times.low + slice * slice_length)) + " s", chi2, 3.0);
   }
   by["joint"] = ByJoint(model, here);
   std::vector<WhereShare> where;

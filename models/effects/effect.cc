@@ -32,14 +32,9 @@ std::string EffectSpec::TextSetting(const std::string& name, const std::string& 
 }
 
 // A joint's slots stand right after its transform, the foot's at the very start.
-bool HasTiltSlots(const Chain& chain, int joint) {
-  const int first = joint < 0 ? 0 : chain.JointTransform(joint) + 1;
-  return first < chain.num_transforms() && chain.transforms[first].tilt_slot;
-}
-
 void AddTiltSlots(int joint, Chain* chain) {
-  if (HasTiltSlots(*chain, joint)) return;
   const int first = joint < 0 ? 0 : chain->JointTransform(joint) + 1;
+  if (first < chain->num_transforms() && chain->transforms[first].tilt_slot) return;
   for (int axis = 0; axis < 3; ++axis) {
     ElementaryTransform slot;
     slot.motion = Motion::kRotation;

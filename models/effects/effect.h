@@ -63,7 +63,7 @@ struct MarkerTerm {
   Vector3<double> direction;
 };
 
-// Point in the base frame += theta * factor * point.
+// Point in the base frame += theta * factor * point, where it rides on the arm.
 struct BaseTerm {
   int parameter;
   double factor;
@@ -165,7 +165,6 @@ struct EffectDefinition {
 };
 
 // Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).
-bool HasTiltSlots(const Chain& chain, int joint);
 void AddTiltSlots(int joint, Chain* chain);
 // The slot about `axis` (x, y, z) there.
 int TiltSlot(const Chain& chain, int joint, Axis axis);

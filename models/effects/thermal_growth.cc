@@ -1,4 +1,4 @@
-// Arm and tool grow about the base origin with temperature - its mean.
+// Arm and tool grow about the base origin with temperature - its mean; what stands on the floor or the foot does not.
 #include "models/effects/catalogue.h"
 
 namespace sagitta {

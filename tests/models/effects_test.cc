@@ -1,8 +1,9 @@
 // Every effect of the catalogue against the contract, and what the catalogue says.
-#include "models/effects/catalogue.h"
-
 #include <gtest/gtest.h>
 
+#include <numeric>
+
+#include "models/effects/catalogue.h"
 #include "tests/support/effect_contract.h"
 
 namespace sagitta {
@@ -44,6 +45,37 @@ TEST(EffectCatalogue, SaysWhichColumnIsMissing) {
   spec = {"thermal_growth", "robot", {}, {}};
   EXPECT_EQ(MissingColumn(*FindEffect("thermal_growth"), {&robot, &spec, &nothing, &test::ContractMarkers(), 0}),
             "temperature_degC");
+}
+
+// A monument on the floor and a point on the foot stand still while the arm grows by 100 ppm.
+TEST(ThermalGrowth, IsThatOfTheArmAlone) {
+  Robot robot = test::ContractArm();
+  robot.effects = {{"thermal_growth", "robot", {}, {}}};
+  const ForwardModel model(robot);
+  std::vector<double> theta(model.num_parameters(), 0.0);
+  std::vector<int> all(theta.size());
+  std::iota(all.begin(), all.end(), 0);
+  theta.back() = 1e-5;  // 1/K
+  ShotInput shot(Eigen::VectorXd::Constant(6, 0.3));
+  shot.conditions.has_temperature = true;
+  ShotInput warm = shot;
+  warm.conditions.temperature = 10.0;
+  const Vector3<double> point(0.4, -0.3, 0.2);
+  const std::vector<MarkerInFrame> markers = {
+      {model.chain().WorldFrame(), point}, {model.chain().BaseFrame(), point}, {model.chain().FlangeFrame(), point}};
+  std::vector<PointPrediction> cold_points, warm_points;
+  ASSERT_TRUE(model.Predict(shot, theta.data(), all, Pose<double>(), markers, &cold_points));
+  ASSERT_TRUE(model.Predict(warm, theta.data(), all, Pose<double>(), markers, &warm_points));
+  for (size_t m = 0; m < markers.size(); ++m) {
+    const double factor = m == 2 ? 1e-4 : 0.0;
+    const Vector3<double> grown = warm_points[m].point - cold_points[m].point;
+    EXPECT_LT((grown - factor * cold_points[m].point).norm(), 1e-12) << m;
+    const Vector3<double> by_growth = m == 2 ? Vector3<double>(10.0 * cold_points[m].point) : Vector3<double>::Zero();
+    EXPECT_LT((warm_points[m].d_theta.rightCols(1) - by_growth).norm(), 1e-9) << m;
+    const Vector3<double> reference = model.PointInStation<double>(
+        warm, theta.data(), markers[m], point, Matrix3<double>::Identity(), Vector3<double>::Zero());
+    EXPECT_LT((reference - warm_points[m].point).norm(), 1e-12) << m;
+  }
 }
 
 }  // namespace
