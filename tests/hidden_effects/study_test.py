@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from study import cases, figures, judgement, rivals, statistics as st  # noqa: E402
+from study import cases, figures, judgement, naming, real_rows, rivals, statistics as st  # noqa: E402
 
 
 class Statistics(unittest.TestCase):
@@ -114,6 +114,28 @@ class Judgement(unittest.TestCase):
         self.assertEqual(result['intervals']['coverage']['n'], 2)
         self.assertEqual(result['confusion']['joint_harmonic'],
                          {'joint_harmonic': 1, 'joint_harmonic (other target or setting)': 1, 'unknown': 1})
+
+
+class Halves(unittest.TestCase):
+    def test_they_share_no_pose_and_lose_no_row(self):
+        data = real_rows.RealData.__new__(real_rows.RealData)
+        data.joints = ['A1', 'A2']
+        data.rows = [{'config': str(i), 'q1_deg': str(i // 3), 'q2_deg': '7'} for i in range(30)]
+        one, other = data.halves('5')
+        self.assertEqual(len(one), 15)
+        self.assertEqual(sorted(one + other, key=lambda row: int(row['config'])), data.rows)
+        self.assertFalse({data.pose(row) for row in one} & {data.pose(row) for row in other})
+        self.assertNotEqual(one, data.halves('6')[0])
+
+    def test_what_the_other_half_says_of_a_step(self):
+        def step(order, joint, alternatives=()):
+            return {'effect': 'joint_harmonic', 'target': joint, 'settings': {'order': order},
+                    'alternatives': list(alternatives)}
+        one = {'steps': [step(3, 'A1'), step(2, 'A2'), step(4, 'A2'), step(1, 'A3'), step(1, 'A4')]}
+        other = {'steps': [step(5, 'A2', [step(4, 'A2')]), step(3, 'A1')]}
+        told = naming.named_again(one, other, 4)
+        self.assertEqual([(t['named'], t['listed'], t['same_joint']) for t in told],
+                         [(True, True, True), (False, False, True), (False, True, True), (False, False, False)])
 
 
 class Suites(unittest.TestCase):

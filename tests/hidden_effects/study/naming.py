@@ -18,3 +18,13 @@ def words(name):
 def accepted_besides(hidden):
     """Names that are right beside the main one: further harmonics of the same gear."""
     return {(HARMONIC, hidden['target'], (('order', str(n)),)) for n in hidden.get('further_orders', [])}
+
+
+def named_again(diagnosis, other, leading):
+    """One record for each leading step of a diagnosis: how another one of the same arm has it."""
+    named = {identity(step) for step in other['steps']}
+    listed = named | {identity(a) for step in other['steps'] for a in step['alternatives']}
+    on_joint = {(effect, target) for effect, target, _ in named}
+    identities = [identity(step) for step in diagnosis['steps'][:leading]]
+    return [{'step': words(i), 'named': i in named, 'listed': i in listed, 'same_joint': i[:2] in on_joint}
+            for i in identities]

@@ -36,6 +36,16 @@ class RealData:
             chosen = sorted(random.Random('rows/%d' % seed).sample(range(len(self.rows)), count))
             self.rows = [self.rows[i] for i in chosen]
 
+    def halves(self, seed):
+        """Rows of two disjoint halves, in their order; equal joint values stay together."""
+        poses = sorted({self.pose(row) for row in self.rows})
+        random.Random('halves/%s' % seed).shuffle(poses)
+        first = set(poses[::2])
+        return [[row for row in self.rows if (self.pose(row) in first) == is_first] for is_first in (True, False)]
+
+    def pose(self, row):
+        return tuple(row['q%d_deg' % (j + 1)] for j in range(len(self.joints)))
+
     def drop(self, configurations):
         self.rows = [r for r in self.rows if r['config'] not in configurations]
 
