@@ -37,11 +37,13 @@ double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
   return largest;
 }
 
-bool HasPriors(const ParameterSet& parameters) {
+// On parameters of one family; of all (""), the tie of markers to a spring too.
+bool HasPriors(const ParameterSet& parameters, const std::string& family) {
   const std::vector<Coordinate>& coordinates = parameters.coordinates();
-  return parameters.spring_tie() || std::any_of(coordinates.begin(), coordinates.end(), [](const Coordinate& c) {
-           return c.estimated() && c.prior_sigma > 0.0;
-         });
+  const bool any = std::any_of(coordinates.begin(), coordinates.end(), [&](const Coordinate& c) {
+    return c.estimated() && c.prior_sigma > 0.0 && c.name.rfind(family, 0) == 0;
+  });
+  return any || (family.empty() && parameters.spring_tie());
 }
 
 // The halves find the joint optimum under the noise that the joint estimate found.
@@ -72,7 +74,10 @@ std::string MethodObstacle(const CalibrationProblem& problem, const std::string&
   if (problem.experiment.loss != "none") return method + " knows no robust loss";
   if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
   const bool takes_rows_only = method == "full-pose" || method == "two-step-literal";
-  if (takes_rows_only && HasPriors(problem.parameters)) return method + " knows no priors";
+  if (takes_rows_only && HasPriors(problem.parameters, "")) return method + " knows no priors";
+  for (const char* family : {"base/", "marker/"}) {
+    if (HasPriors(problem.parameters, family)) return method + " knows no priors of " + family + "…";
+  }
   if (method == "full-pose" && problem.experiment.covariance == "sandwich") return "full-pose knows no sandwich";
   if (!problem.latent.empty() || problem.experiment.repeatability.estimate) {
     return method + " knows no joint deviations (repeatability)";

@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
-constexpr double kLeastOfHold = 0.01;  // of the hold limit: nobody asks for half of a value that is almost 0
-constexpr size_t kMostNames = 6;       // in words
+constexpr size_t kMostNames = 6;  // in words
 
 bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -167,7 +166,9 @@ std::vector<Direction> FindWeak(const Linearization& linearization, const Parame
   for (int c = 0; c < n; ++c) {
     const int coordinate = linearization.columns[c];
     const QuantityTraits& traits = TraitsOf(parameters.coordinates()[coordinate].quantity);
-    const double of_value = std::max(0.5 * std::abs(parameters.Value(coordinate)), kLeastOfHold * traits.hold_limit);
+    const double half = 0.5 * std::abs(parameters.Value(coordinate));
+    const double of_value =
+        half > kNumericallyZero * traits.hold_limit ? half : traits.hold_limit;  // on its bound, or not yet estimated
     limits[c] = traits.weak_limit > 0.0 ? traits.weak_limit : of_value;
   }
   const ScaledSvd svd = DecomposeScaled(linearization, limits);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "problems/input_error.h"
+#include "problems/io/units.h"
 #include "problems/problem_checks.h"
 
 namespace sagitta {
@@ -79,6 +80,15 @@ std::set<int> MarkersOf(const Measurements& data, const Shot& shot) {
   return markers;
 }
 
+// Of the first row that states one; the shot's own time is the mean of its rows.
+double FirstTime(const Measurements& data, const Shot& shot) {
+  for (const int i : shot.observations) {
+    const std::optional<double> time = ParseNumber(data.Cell(data.observations[i], "time_s"));
+    if (time) return *time;
+  }
+  return shot.time;
+}
+
 }  // namespace
 
 ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experiment) {
@@ -86,7 +96,7 @@ ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experimen
   double sum = 0.0;
   int count = 0;
   for (const Shot& shot : data.shots) {
-    if (shot.has_time) origins.first_time.emplace(data.stations[shot.station], shot.time);
+    if (shot.has_time) origins.first_time.emplace(data.stations[shot.station], FirstTime(data, shot));
     if (!shot.has_temperature) continue;
     sum += shot.temperature;
     ++count;

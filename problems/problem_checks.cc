@@ -88,6 +88,7 @@ void CheckLevelled(const CalibrationProblem& problem) {
     const auto load = experiment.loads.find(shot.load);
     const bool hangs = shot.wrench.IsZero() && load != experiment.loads.end() && load->second.mass;
     const ShotTerms& terms = problem.shot_inputs[s].terms;
+    if (terms.elastic.empty() && terms.sags.empty()) continue;  // nothing gives way
     if (!hangs && experiment.tool_mass == 0.0 && terms.sags.empty() && terms.wrenches.empty()) continue;
     FailProblem(problem, "stations." + name + ".levelled",
                 "weights act along the gravity direction, and that of a station that is not levelled is not known",

@@ -32,10 +32,7 @@ class EstimateReader {
     ReadParameters(json);
     for (const Json& input : Get(json, "inputs")) known_.input_hashes.push_back(Get(input, "sha256"));
     ReadCovariance(json);
-    const Json& sigma = Get(json, "sigma");
-    const Json& estimated = sigma.at("estimated_mm");
-    const bool is_known = sigma.at("stated") || (estimated.is_number() && estimated.get<double>() > 0.0);
-    if (!is_known) known_.uncertainty.covariance.setConstant(std::nan(""));  // as many rows as unknowns
+    if (HasNoNoise(json)) known_.uncertainty.covariance.setConstant(std::nan(""));
     known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
     if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
     if (json.contains("prediction_noise")) {
@@ -129,6 +126,14 @@ class EstimateReader {
           Number(Get(row, "value"), "parameters.value") * unit,
           Number(Get(row, "nominal"), "parameters.nominal") * unit};
     }
+  }
+
+  // As many rows as unknowns, and no noise stated: nothing tells how well anything is known.
+  static bool HasNoNoise(const Json& json) {
+    const Json sigma = json.value("sigma", Json::object());
+    if (sigma.value("stated", true) || !sigma.contains("estimated_mm")) return false;
+    const Json& estimated = sigma.at("estimated_mm");
+    return !estimated.is_number() || !(estimated.get<double>() > 0.0);
   }
 
   double KnownUnit(const std::string& unit) const {

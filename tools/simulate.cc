@@ -13,6 +13,7 @@
 #include "problems/io/files.h"
 #include "problems/io/measurement_writer.h"
 #include "problems/io/robot_file.h"
+#include "problems/problem_checks.h"
 #include "problems/simulation.h"
 #include "tools/commands.h"
 #include "tools/estimate_json.h"
@@ -131,6 +132,7 @@ int RunSimulate(const CommandLine& line) {
   options.points_required = false;
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
   const CalibrationProblem problem = PredictionProblem(ReadTruth(line.arguments[0], inputs), inputs.data);
+  CheckLevelled(problem);
 
   Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, AllRows(problem));
   if (!points.allFinite()) {

@@ -218,7 +218,7 @@ void AddIdentifiability(const CalibrationProblem& problem, const Estimate& estim
     held.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
   }
   if (!held.paragraphs.empty()) sections->push_back(held);
-  weak.title = "What the data tell poorly (worse than 1 mm, 1 mrad)";
+  weak.title = "What the data tell poorly (worse than 1 mm, 1 mrad or half its value)";
   for (const Direction& direction : found.weak) {
     weak.paragraphs.push_back("- " + direction.words + " (" + Significant(direction.sigma, 2) +
                               " of that limit). Remedy: " + direction.remedy + ".");

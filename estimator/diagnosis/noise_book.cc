@@ -13,6 +13,12 @@ constexpr double kShareOfOutliers = 0.1;  // of the significance; the scale has 
 constexpr double kSettled = 0.05;         // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
 
+// f with P(F_{m,n} <= f) = p: m F / (n + m F) is a beta variate.
+double FQuantile(double p, double m, double n) {
+  const double b = BetaQuantile(p, 0.5 * m, 0.5 * n);
+  return n * b / (m * (1.0 - b));
+}
+
 }  // namespace
 
 double EvidenceNeeded(double significance) { return 10.0 + 2.0 * std::log(0.01 / significance); }
@@ -81,10 +87,16 @@ bool NoiseBook::Close(const Estimate& final, bool has_structure, double signific
   const double scatter = std::sqrt(final.chi2 / final.dof);
   finding_.is_bound = has_structure;
   finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
-  finding_.low = has_structure ? 0.0 : std::sqrt(final.chi2 / ChiSquareQuantile(0.975, final.dof));
-  finding_.high = std::sqrt(final.chi2 / ChiSquareQuantile(0.025, final.dof));
+  const auto yardstick = [&](double p) {  // of chi2 / dof; a sigma from repeats is known within their own freedom
+    if (!stated_.repeat_scatter) return ChiSquareQuantile(p, final.dof) / final.dof;
+    return FQuantile(p, final.dof, 3.0 * stated_.repeat_scatter->dof);
+  };
+  finding_.low = has_structure ? 0.0 : scatter / std::sqrt(yardstick(0.975));
+  finding_.high = scatter / std::sqrt(yardstick(0.025));
   if (!sigma_is_stated_ || has_structure) return false;
-  const double upper = ChiSquareSurvival(final.chi2, final.dof);
+  const double upper = stated_.repeat_scatter
+                           ? FSurvival(final.chi2 / final.dof, final.dof, 3.0 * stated_.repeat_scatter->dof)
+                           : ChiSquareSurvival(final.chi2, final.dof);
   finding_.scale_differs = std::min(upper, 1.0 - upper) < significance;
   finding_.is_finding |= finding_.scale_differs;
   return finding_.scale_differs;

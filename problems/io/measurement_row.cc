@@ -85,7 +85,7 @@ void ReadApproach(const RowReader& reader, const MeasurementColumns& columns, Me
   const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
   if (std::none_of(columns.approach.begin(), columns.approach.end(), stated)) return;
   for (const NumberColumn& column : columns.approach) {
-    if (!column.present()) {
+    if (!reader.IsStated(column)) {
       row->approach.push_back(kApproachNotStated);
       continue;
     }

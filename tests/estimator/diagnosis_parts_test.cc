@@ -52,6 +52,28 @@ TEST(Conditions, TimeCountsFromTheFirstRowOfAStation) {
   for (size_t s = 0; s < inputs.size(); ++s) EXPECT_EQ(inputs[s].conditions.time, -5.0 * static_cast<double>(s));
 }
 
+// A shot counts at the mean of its rows, the clock of the station starts with its first row.
+TEST(Conditions, TheFirstRowIsNotItsShot) {
+  const CalibrationProblem problem = *Healthy(1).problem;
+  Measurements data = problem.data;
+  data.files = {{"m.csv", "", {"time_s"}, {}}};
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    data.files[0].rows.push_back({static_cast<int>(i) + 2, {std::to_string(1000 + 30 * i)}});
+    data.observations[i].file = 0;
+    data.observations[i].row = static_cast<int>(i);
+  }
+  for (Shot& shot : data.shots) {
+    shot.has_time = true;
+    for (const int i : shot.observations)
+      shot.time += (1000.0 + 30.0 * i) / static_cast<double>(shot.observations.size());
+  }
+  const std::vector<ShotInput> inputs = MakeShotInputs(problem.model, data, problem.experiment);
+  for (size_t s = 0; s < inputs.size(); ++s) {
+    EXPECT_NEAR(inputs[s].conditions.time, data.shots[s].time - 1000.0, 1e-9);
+  }
+  EXPECT_GT(inputs[0].conditions.time, 1.0);
+}
+
 // What an effect says of a joint that slides is defined or it is not asked; what never changes drives nothing.
 TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
   CalibrationProblem problem = *Healthy(1).problem;

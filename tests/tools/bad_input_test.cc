@@ -159,6 +159,12 @@ TEST_F(BadInputTest, ApproachOfAnotherJoint) {
   ExpectRefused(Run({"calibrate", robot, Write("m.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("out")}),
                 {"m.csv", "approach3"});
   Append("approach3", "-1", &rows);
+  for (auto& row : rows) {
+    if (row[0] == rows[1][0]) row.back() = "";
+  }
+  ExpectRefused(Run({"calibrate", robot, Write("m.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("out")}),
+                {"m.csv:2", "approach3"});
+  for (size_t i = 1; i < rows.size(); ++i) rows[i].back() = "-1";
   EXPECT_EQ(Run({"calibrate", robot, Write("m.csv", Csv(rows)), "--sigma_mm=0.1"}).status, 0);
 }
 

@@ -97,6 +97,17 @@ TEST_F(PredictionTest, WithoutRedundancyNoDeviationIsClaimed) {
   EXPECT_EQ(predicted[1][Column(predicted, "psig_x_mm")], "");
 }
 
+// What FORMATS lists of sigma is enough.
+TEST_F(PredictionTest, AnEstimateNeedNotSayMoreThanTheFormat) {
+  ASSERT_EQ(Run({"calibrate", Published("kr270/experiment.yaml"), "--out=" + Path("out")}).status, 0);
+  auto estimate = nlohmann::ordered_json::parse(Read("out/estimate.json"));
+  estimate["sigma"] = {{"a_posteriori", 1.0}, {"scaled", false}};
+  Write("out/estimate.json", estimate.dump());
+  ASSERT_EQ(Predict(data_).status, 0);
+  const Rows predicted = Cells(Read("predicted.csv"));
+  EXPECT_GT(std::stod(predicted[1][Column(predicted, "psig_x_mm")]), 0.01);
+}
+
 // The hat matrix has the rank of the model as its trace, joints that stop elsewhere each time included.
 TEST_F(PredictionTest, LeveragesSumToTheRank) {
   const std::string experiment =
