@@ -75,8 +75,9 @@ std::string MethodObstacle(const CalibrationProblem& problem, const std::string&
   if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
   const bool takes_rows_only = method == "full-pose" || method == "two-step-literal";
   if (takes_rows_only && HasPriors(problem.parameters, "")) return method + " knows no priors";
-  for (const char* family : {"base/", "marker/"}) {
-    if (HasPriors(problem.parameters, family)) return method + " knows no priors of " + family + "…";
+  for (const char* family : {"base/", "marker/"}) {  // in its first half, which solves for these
+    const bool is_ignored = method == "two-step-relinearised" && HasPriors(problem.parameters, family);
+    if (is_ignored) return method + " knows no priors of " + family + "…";
   }
   if (method == "full-pose" && problem.experiment.covariance == "sandwich") return "full-pose knows no sandwich";
   if (!problem.latent.empty() || problem.experiment.repeatability.estimate) {

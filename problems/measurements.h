@@ -51,7 +51,7 @@ struct Shot {
   double time = 0.0;  // s, mean of its rows
   bool has_temperature = false;
   double temperature = 0.0;   // degC, mean of its rows
-  std::vector<int> approach;  // -1, 0, +1 per joint, kApproachNotStated without a column; empty: none is stated
+  std::vector<int> approach;  // -1, 0, +1 per joint, kApproachNotStated where the cell is empty; empty: none is stated
   std::vector<int> observations;
 };
 

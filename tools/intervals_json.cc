@@ -24,7 +24,8 @@ constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();  // null 
 Eigen::MatrixXd Matrix(const Json& rows, size_t columns) {
   Eigen::MatrixXd matrix(rows.size(), columns);
   for (size_t r = 0; r < rows.size(); ++r) {
-    for (size_t c = 0; c < columns; ++c) matrix(r, c) = rows.at(r).at(c).is_null() ? kNotKnown : rows[r][c].get<double>();
+    for (size_t c = 0; c < columns; ++c)
+      matrix(r, c) = rows.at(r).at(c).is_null() ? kNotKnown : rows[r][c].get<double>();
   }
   return matrix;
 }

@@ -87,16 +87,17 @@ bool NoiseBook::Close(const Estimate& final, bool has_structure, double signific
   const double scatter = std::sqrt(final.chi2 / final.dof);
   finding_.is_bound = has_structure;
   finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
-  const auto yardstick = [&](double p) {  // of chi2 / dof; a sigma from repeats is known within their own freedom
-    if (!stated_.repeat_scatter) return ChiSquareQuantile(p, final.dof) / final.dof;
-    return FQuantile(p, final.dof, 3.0 * stated_.repeat_scatter->dof);
+  // A sigma from repeats is known within their own freedom: chi2 / dof is F there.
+  const bool from_repeats = stated_.repeat_scatter.has_value();
+  const double of_repeats = from_repeats ? 3.0 * stated_.repeat_scatter->dof : 0.0;
+  const auto yardstick = [&](double p) {
+    return from_repeats ? FQuantile(p, final.dof, of_repeats) : ChiSquareQuantile(p, final.dof) / final.dof;
   };
   finding_.low = has_structure ? 0.0 : scatter / std::sqrt(yardstick(0.975));
   finding_.high = scatter / std::sqrt(yardstick(0.025));
   if (!sigma_is_stated_ || has_structure) return false;
-  const double upper = stated_.repeat_scatter
-                           ? FSurvival(final.chi2 / final.dof, final.dof, 3.0 * stated_.repeat_scatter->dof)
-                           : ChiSquareSurvival(final.chi2, final.dof);
+  const double upper = from_repeats ? FSurvival(final.chi2 / final.dof, final.dof, of_repeats)
+                                    : ChiSquareSurvival(final.chi2, final.dof);
   finding_.scale_differs = std::min(upper, 1.0 - upper) < significance;
   finding_.is_finding |= finding_.scale_differs;
   return finding_.scale_differs;

@@ -206,6 +206,24 @@ TEST(CompareMethods, RunsEveryNameAndKeepsTheJointHolds) {
   }
 }
 
+// A method is refused for the priors that it would ignore, and for no others.
+TEST(CompareMethods, SayWhichPriorsTheyDoNotKnow) {
+  const auto obstacles = [](const std::string& prior) {
+    CalibrationProblem problem = TurnedBase(0.0, 1);
+    const int coordinate = problem.parameters.FindCoordinate(prior);
+    problem.parameters.coordinate(coordinate).prior_sigma = 1e-4;
+    std::vector<std::string> refused;
+    for (const std::string& name : MethodNames()) {
+      if (!MethodObstacle(problem, name).empty()) refused.push_back(name);
+    }
+    return refused;
+  };
+  EXPECT_EQ(obstacles("geometry/dq2"), (std::vector<std::string>{"two-step-literal", "full-pose"}));
+  const std::vector<std::string> first_half = {"two-step-literal", "two-step-relinearised", "full-pose"};
+  EXPECT_EQ(obstacles("base/S1/x"), first_half);
+  EXPECT_EQ(obstacles("marker/P1/z"), first_half);
+}
+
 // A joint as stiff as a rock: half of the noises would have it wind the other way.
 TEST(TwoStep, CompliancesStayAtTheirBound) {
   test::LoadedTruth truth;
