@@ -80,7 +80,7 @@ std::string MethodObstacle(const CalibrationProblem& problem, const std::string&
     if (is_ignored) return method + " knows no priors of " + family + "…";
   }
   if (method == "full-pose" && problem.experiment.covariance == "sandwich") return "full-pose knows no sandwich";
-  if (!problem.latent.empty() || problem.experiment.repeatability.estimate) {
+  if (!problem.latent.empty() || problem.experiment.repeatability.IsEstimated()) {
     return method + " knows no joint deviations (repeatability)";
   }
   if (!IsDiagonal(CalibrationResiduals(problem).noise)) {

@@ -63,6 +63,11 @@ double BetaQuantile(double p, double a, double b) {
   return Bisect([&](double x) { return Eigen::numext::betainc(a, b, x) - p; }, 0.0, 1.0);
 }
 
+double FQuantile(double p, double m, double n) {
+  const double b = BetaQuantile(p, 0.5 * m, 0.5 * n);  // m F / (n + m F) is a beta variate
+  return n * b / (m * (1.0 - b));
+}
+
 BinomialInterval ClopperPearson(int successes, int trials, double level) {
   const double tail = 0.5 * (1.0 - level);
   BinomialInterval interval;

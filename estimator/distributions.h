@@ -9,6 +9,8 @@ double ChiSquareSurvival(double x, double dof);
 double ChiSquareQuantile(double p, double dof);
 // P(F_{m,n} > f).
 double FSurvival(double f, double m, double n);
+// f with P(F_{m,n} <= f) = p.
+double FQuantile(double p, double m, double n);
 double NormalQuantile(double p);
 // t with P(T_dof <= t) = p; the normal quantile for infinite dof.
 double StudentQuantile(double p, double dof);

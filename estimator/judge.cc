@@ -43,9 +43,6 @@ double SquaredMisfit(const CalibrationProblem& problem, const Linearization& lin
   return SolveLinearization(linearization).residual_norm_squared;
 }
 
-// Sigmas of the three axes from repeats are known as well as this, pooled.
-double RepeatDof(const RepeatScatter& repeats) { return 3.0 * repeats.dof; }
-
 void JudgeNoise(const CalibrationProblem& problem, const Linearization& linearization, Estimate* estimate) {
   SigmaReport& sigma = estimate->sigma;
   sigma.stated = problem.sigma_is_stated();
@@ -67,7 +64,7 @@ void JudgeNoise(const CalibrationProblem& problem, const Linearization& lineariz
   sigma.a_posteriori = std::sqrt(sum / dof);
   const bool from_repeats = problem.repeat_scatter.has_value();
   sigma.p_value =
-      from_repeats ? FSurvival(sum / dof, dof, RepeatDof(*problem.repeat_scatter)) : ChiSquareSurvival(sum, dof);
+      from_repeats ? FSurvival(sum / dof, dof, problem.repeat_scatter->DofOfAllAxes()) : ChiSquareSurvival(sum, dof);
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment.significance;
 }
 
@@ -187,7 +184,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
   if (problem.repeat_scatter && !estimate->sigma.scaled) {
-    estimate->interval_dof.setConstant(RepeatDof(*problem.repeat_scatter));
+    estimate->interval_dof.setConstant(problem.repeat_scatter->DofOfAllAxes());
   }
   if (problem.experiment.covariance != "sandwich" || scale == 0.0) return true;
   const RobustCovariance robust =

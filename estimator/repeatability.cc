@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "estimator/linearization.h"
 
@@ -33,14 +34,14 @@ void JoinBlindJoints(const CalibrationProblem& problem, const Eigen::VectorXd& l
 std::vector<DeviationGroup> MakeGroups(const CalibrationProblem& problem, bool per_joint,
                                        const Eigen::VectorXd& levers) {
   const RepeatabilitySpec& spec = problem.experiment.repeatability;
-  const bool stated = !spec.estimate && !spec.IsZero();
   std::vector<DeviationGroup> groups;
   DeviationGroup kinds[2];
   for (int j = 0; j < problem.robot.num_joints(); ++j) {
-    const RepeatabilitySpec::OfKind& kind = spec.Of(problem.robot.chain.joints[j].type);
-    const auto own = kind.per_joint.find(problem.robot.chain.joints[j].name);
-    if (stated || own != kind.per_joint.end()) {
-      const double sigma = own != kind.per_joint.end() ? own->second : kind.common.value_or(0.0);
+    const Joint& joint = problem.robot.chain.joints[j];
+    const RepeatabilitySpec::OfKind& kind = spec.Of(joint.type);
+    const std::optional<double> stated = kind.StatedFor(joint.name);
+    if (stated || !kind.estimate) {
+      const double sigma = stated.value_or(0.0);
       groups.push_back({{j}, sigma * sigma, false});
     } else if (per_joint) {
       groups.push_back({{j}, 0.0, true});
@@ -136,7 +137,7 @@ void MeasureShares(const CalibrationProblem& problem, const ParameterSet& parame
 }  // namespace
 
 bool EstimatesComponents(const Experiment& experiment) {
-  return experiment.repeatability.estimate || experiment.noise.from == NoiseSpec::From::kVarianceComponents;
+  return experiment.repeatability.IsEstimated() || experiment.noise.from == NoiseSpec::From::kVarianceComponents;
 }
 
 double FindComponents(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_stated,

@@ -48,15 +48,22 @@ struct NoiseSpec {
 struct RepeatabilitySpec {
   // Of the revolute joints in rad, of the prismatic ones in m.
   struct OfKind {
+    bool estimate = false;  // where nothing is stated
     std::optional<double> common;
     std::map<std::string, double> per_joint;
-    bool IsZero() const { return !common && per_joint.empty(); }
+
+    // Empty where none is stated: estimated, or 0.
+    std::optional<double> StatedFor(const std::string& joint) const {
+      const auto own = per_joint.find(joint);
+      return own != per_joint.end() ? own->second : common;
+    }
+    bool IsZero() const { return !estimate && !common && per_joint.empty(); }
   };
-  bool estimate = false;
   OfKind angle, length;
 
   const OfKind& Of(JointType type) const { return type == JointType::kRevolute ? angle : length; }
-  bool IsZero() const { return !estimate && angle.IsZero() && length.IsZero(); }
+  bool IsEstimated() const { return angle.estimate || length.estimate; }
+  bool IsZero() const { return angle.IsZero() && length.IsZero(); }
 };
 
 // What time and temperature count from: each station's first row in the files, whenever that was, and the mean of the

@@ -10,7 +10,11 @@ namespace sagitta {
 
 namespace {
 
-// What is stated for joints of one kind must find some.
+JointType OtherKind(JointType type) {
+  return type == JointType::kRevolute ? JointType::kPrismatic : JointType::kRevolute;
+}
+
+// What is stated or asked for joints of one kind must find some.
 void CheckKind(const Chain& chain, const Experiment& experiment, JointType type) {
   const bool turns = type == JointType::kRevolute;
   const std::string key = turns ? "repeatability_urad" : "repeatability_um";
@@ -24,7 +28,8 @@ void CheckKind(const Chain& chain, const Experiment& experiment, JointType type)
     throw InputError({experiment.file, LineOf(experiment, where), where}, what, hint);
   };
   const std::string other = turns ? "repeatability_um" : "repeatability_urad";
-  if (spec.common && names.empty()) fail(key, "the robot has no " + kind + " joint", "state " + other);
+  const bool asked_of_this_kind = spec.estimate && !experiment.repeatability.Of(OtherKind(type)).estimate;
+  if ((spec.common || asked_of_this_kind) && names.empty()) fail(key, "the robot has no " + kind + " joint", "state " + other);
   for (const auto& [name, sigma] : spec.per_joint) {
     const int joint = chain.FindJoint(name);
     if (joint < 0) fail(key + "." + name, "the robot has no joint '" + name + "'", SpellingHint(name, names));
@@ -40,9 +45,8 @@ LatentModel MakeLatentModel(const Chain& chain, const Measurements& data, const 
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) CheckKind(chain, experiment, type);
   std::vector<double> sigmas;
   for (int j = 0; j < chain.num_joints(); ++j) {
-    const RepeatabilitySpec::OfKind& spec = experiment.repeatability.Of(chain.joints[j].type);
-    const auto own = spec.per_joint.find(chain.joints[j].name);
-    const double sigma = own != spec.per_joint.end() ? own->second : spec.common.value_or(0.0);
+    const Joint& joint = chain.joints[j];
+    const double sigma = experiment.repeatability.Of(joint.type).StatedFor(joint.name).value_or(0.0);
     if (sigma <= 0.0) continue;
     latent.joints.push_back(j);
     sigmas.push_back(sigma);

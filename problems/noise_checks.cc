@@ -95,7 +95,7 @@ void CheckRows(const CalibrationProblem& problem) {
 void CheckNoise(CalibrationProblem* problem) {
   RepeatabilitySpec& repeatability = problem->experiment.repeatability;
   if (problem->experiment.noise.from == From::kVarianceComponents && repeatability.IsZero()) {
-    repeatability.estimate = true;
+    repeatability.angle.estimate = repeatability.length.estimate = true;
   }
   CheckInstrument(*problem);
   CheckRows(*problem);

@@ -40,6 +40,7 @@ bool IsDiagonal(const NoiseRoots& roots);
 struct RepeatScatter {
   Vector3<double> sigma = Vector3<double>::Zero();  // m
   int dof = 0;                                      // of each axis: observations - groups
+  double DofOfAllAxes() const { return 3.0 * dof; }  // of one factor on the three sigmas
 };
 // Empty without repeats.
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data);

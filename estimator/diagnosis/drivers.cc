@@ -31,8 +31,7 @@ Driver AngleOf(const CalibrationProblem& problem, int joint) {
 Driver ApproachOf(const CalibrationProblem& problem, int joint) {
   return PerShot(problem, "approach of " + problem.robot.chain.joints[joint].name, "",
                  [joint](const ShotConditions& shot) -> double {
-                   const bool is_stated = !shot.approach.empty() && shot.approach[joint] != kApproachNotStated;
-                   return is_stated ? shot.approach[joint] : 0.0;
+                   return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
                  });
 }
 

@@ -13,12 +13,6 @@ constexpr double kShareOfOutliers = 0.1;  // of the significance; the scale has 
 constexpr double kSettled = 0.05;         // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
 
-// f with P(F_{m,n} <= f) = p: m F / (n + m F) is a beta variate.
-double FQuantile(double p, double m, double n) {
-  const double b = BetaQuantile(p, 0.5 * m, 0.5 * n);
-  return n * b / (m * (1.0 - b));
-}
-
 }  // namespace
 
 double EvidenceNeeded(double significance) { return 10.0 + 2.0 * std::log(0.01 / significance); }
@@ -89,7 +83,7 @@ bool NoiseBook::Close(const Estimate& final, bool has_structure, double signific
   finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
   // A sigma from repeats is known within their own freedom: chi2 / dof is F there.
   const bool from_repeats = stated_.repeat_scatter.has_value();
-  const double of_repeats = from_repeats ? 3.0 * stated_.repeat_scatter->dof : 0.0;
+  const double of_repeats = from_repeats ? stated_.repeat_scatter->DofOfAllAxes() : 0.0;
   const auto yardstick = [&](double p) {
     return from_repeats ? FQuantile(p, final.dof, of_repeats) : ChiSquareQuantile(p, final.dof) / final.dof;
   };

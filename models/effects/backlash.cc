@@ -9,11 +9,7 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"half_gap", Quantity::kSmallAngle}};
 }
 
-// False too where only other joints' directions are stated.
-bool IsStated(const EffectContext& context) {
-  const std::vector<int>& approach = context.shot->approach;
-  return !approach.empty() && approach[context.joint()] != kApproachNotStated;
-}
+bool IsStated(const EffectContext& context) { return context.shot->StatesApproachOf(context.joint()); }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const double sign = context.joint_sign();

@@ -102,6 +102,9 @@ struct ShotConditions {
   WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
   Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame
   std::vector<AppliedWrench> load_wrenches;              // of the shot's own load
+
+  // False too where only other joints' directions are stated.
+  bool StatesApproachOf(int joint) const { return !approach.empty() && approach[joint] != kApproachNotStated; }
 };
 
 enum class EffectTarget { kJoint, kError, kBase, kRobot, kStation, kLoad, kMarker };

@@ -79,16 +79,12 @@ double ReadDeviation(const YamlValue& value, const Unit& unit) {
   return deviation;
 }
 
-void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, RepeatabilitySpec* repeatability,
-                            RepeatabilitySpec::OfKind* kind) {
+void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, RepeatabilitySpec::OfKind* kind) {
   const YamlValue& value = quantity.value;
-  if (value.Is("estimate")) {
-    repeatability->estimate = true;
-    return;
-  }
   if (!value.IsMap()) {
-    if (kind->common) value.Fail("this is given twice, in two units");
-    kind->common = ReadDeviation(value, quantity.unit);
+    if (kind->common || kind->estimate) value.Fail("this is given twice, in two units");
+    kind->estimate = value.Is("estimate");
+    if (!kind->estimate) kind->common = ReadDeviation(value, quantity.unit);
     return;
   }
   for (const auto& [joint, entry] : value.Entries()) {
@@ -120,14 +116,14 @@ RepeatabilitySpec ReadRepeatability(YamlMap* file) {
   RepeatabilitySpec repeatability;
   const auto read = [&](const char* unit, RepeatabilitySpec::OfKind* kind) {
     const auto value = file->Find(std::string("repeatability_") + unit);
-    if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, &repeatability, kind);
+    if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, kind);
   };
   // The first of a kind is the unit to suggest.
   for (const char* unit : {"urad", "mrad", "rad", "deg"}) read(unit, &repeatability.angle);
   for (const char* unit : {"um", "mm", "m"}) read(unit, &repeatability.length);
   if (const auto plain = file->Find("repeatability")) {
     if (!plain->Is("estimate")) plain->Fail("the key has to name its unit", "repeatability_urad or repeatability_um");
-    repeatability.estimate = true;
+    for (auto* kind : {&repeatability.angle, &repeatability.length}) kind->estimate = !kind->common;
   }
   return repeatability;
 }

@@ -18,6 +18,8 @@ TEST(Distributions, TableValues) {
   EXPECT_NEAR(FSurvival(3.70826, 3, 10), 0.05, 1e-5);
   EXPECT_NEAR(FSurvival(5.84893, 2, 20), 0.01, 1e-5);
   EXPECT_NEAR(FSurvival(161.448, 1, 1), 0.05, 1e-5);
+  EXPECT_NEAR(FQuantile(0.95, 3, 10), 3.70826, 1e-5);
+  EXPECT_NEAR(FQuantile(0.99, 2, 20), 5.84893, 1e-5);
 }
 
 TEST(Distributions, StudentTendsToNormal) { EXPECT_NEAR(StudentQuantile(0.975, 1e5), NormalQuantile(0.975), 5e-5); }

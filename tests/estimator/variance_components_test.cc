@@ -107,7 +107,7 @@ TEST(VarianceComponents, ExactJointsEndAtZeroOrCannotBeToldFromIt) {
     Measurements data = test::RepeatRows(design);
     test::MeasureRepeated(test::Kr270Truth(), design, 300 + t, &data);
     Experiment experiment;
-    experiment.repeatability.estimate = true;
+    experiment.repeatability.angle.estimate = true;
     const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
     ASSERT_TRUE(IsUsable(result.estimate.status));
     const VarianceComponent& joints = result.estimate.noise_report.components[1];
@@ -120,6 +120,28 @@ TEST(VarianceComponents, ExactJointsEndAtZeroOrCannotBeToldFromIt) {
   EXPECT_GE(at_zero, 1);
   EXPECT_LE(at_zero, 11);
   EXPECT_GE(held, kTrials - 3);
+}
+
+// Asking for the revolute joints' leaves what is stated for the prismatic one.
+TEST(VarianceComponents, WhatIsStatedForTheOtherKindStays) {
+  Measured setup = MakeMeasured(false, 700);
+  setup.problem.robot.chain.joints[2].type = JointType::kPrismatic;
+  RepeatabilitySpec& spec = setup.problem.experiment.repeatability;
+  spec = RepeatabilitySpec();
+  spec.angle.estimate = true;
+  spec.length.common = 5e-6;
+  RepeatabilityChoice choice;
+  FindComponents(setup.problem, setup.estimate.parameters, true, 0, &choice);
+  int stated = 0;
+  for (const DeviationGroup& group : choice.groups) {
+    const bool has_slide = std::count(group.joints.begin(), group.joints.end(), 2) > 0;
+    EXPECT_EQ(group.estimated, !has_slide);
+    if (!has_slide) continue;
+    ++stated;
+    EXPECT_EQ(group.joints.size(), 1u);
+    EXPECT_NEAR(group.variance, 25e-12, 1e-24);
+  }
+  EXPECT_EQ(stated, 1);
 }
 
 // What plain maximum likelihood would not give: REML is unbiased. 30 draws; the mean of the estimated variance within
@@ -143,7 +165,7 @@ TEST(VarianceComponents, EstimatesAreUnbiasedAndIntervalsHold) {
     covered += low <= kJoint && kJoint <= high;
     RepeatabilityChoice choice;
     CalibrationProblem asked = setup.problem;
-    asked.experiment.repeatability.estimate = true;
+    asked.experiment.repeatability.angle.estimate = true;
     FindComponents(asked, setup.estimate.parameters, true, 0, &choice);
     separate += choice.per_joint;
   }

@@ -125,11 +125,18 @@ TEST_F(ExperimentFileTest, ReadsEveryKindOfNoise) {
 
 TEST_F(ExperimentFileTest, ReadsEveryKindOfRepeatability) {
   const auto repeatability = [&](const std::string& text) { return Read(kMinimal + (text + "\n")).repeatability; };
-  EXPECT_TRUE(repeatability("repeatability_urad: estimate").estimate);
+  EXPECT_TRUE(repeatability("repeatability_urad: estimate").angle.estimate);
+  EXPECT_FALSE(repeatability("repeatability_urad: estimate").length.estimate);
+  EXPECT_TRUE(repeatability("repeatability: estimate").length.estimate);
   EXPECT_EQ(repeatability("repeatability_um: 5").length.common, 5e-6);
   const RepeatabilitySpec mixed = repeatability("repeatability_urad: {A1: 8}\nrepeatability_um: {L2: 4}");
   EXPECT_EQ(mixed.angle.per_joint.at("A1"), 8e-6);
   EXPECT_EQ(mixed.length.per_joint.at("L2"), 4e-6);
+  const RepeatabilitySpec rest = repeatability("repeatability_um: 5\nrepeatability: estimate");
+  EXPECT_TRUE(rest.angle.estimate);
+  EXPECT_FALSE(rest.length.estimate);
+  EXPECT_EQ(rest.length.StatedFor("L2"), 5e-6);
+  EXPECT_THROW(repeatability("repeatability_mrad: estimate\nrepeatability_urad: 8"), InputError);
 }
 
 TEST_F(ExperimentFileTest, ReadsEveryKindOfValidation) {

@@ -144,7 +144,7 @@ TEST_F(BadInputTest, UnknownKeyOfRobotAndExperiment) {
 TEST_F(BadInputTest, RepeatabilityOfTheWrongKind) {
   const std::string head = "schema: sagitta/experiment/1\nrobot: " + Published("kr270/robot.yaml") +
                            "\nmeasurements: [" + Published("kr270/geometric.csv") + "]\nnoise: {sigma_mm: 0.1}\n";
-  for (const std::string key : {"repeatability_um: 8", "repeatability_um: {A1: 8}"}) {
+  for (const std::string key : {"repeatability_um: 8", "repeatability_um: {A1: 8}", "repeatability_um: estimate"}) {
     ExpectRefused(Run({"calibrate", Write("exp.yaml", head + key + "\n"), "--out=" + Path("out")}),
                   {"exp.yaml", "repeatability_um", "repeatability_urad"});
   }

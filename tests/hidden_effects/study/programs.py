@@ -26,6 +26,11 @@ class Programs:
                         '--scales=%.9g' % scale, '--study=%d' % seed, '--case=%d' % number], check=True,
                        capture_output=True, text=True)
 
+    def simulate(self, experiment, truth, seed, out):
+        """An experiment's measurements from an estimate.json, with its noise."""
+        subprocess.run([str(self.sagitta), 'simulate', str(experiment), '--truth=%s' % truth, '--seed=%s' % seed,
+                        '--out=%s' % out, '--quiet'], check=True, capture_output=True, text=True)
+
     def calibrated(self, experiment, out):
         """estimate.json of an experiment; None where there is no estimate."""
         command = [str(self.sagitta), 'calibrate', str(experiment), '--out=%s' % out, '--quiet']
