@@ -36,6 +36,7 @@ double ChiSquareQuantile(double p, double dof) {
 
 double FSurvival(double f, double m, double n) {
   if (f <= 0.0) return 1.0;
+  if (!std::isfinite(n)) return ChiSquareSurvival(m * f, m);
   return Eigen::numext::betainc(0.5 * n, 0.5 * m, n / (n + m * f));  // Abramowitz, Stegun 26.6.2
 }
 
@@ -64,6 +65,7 @@ double BetaQuantile(double p, double a, double b) {
 }
 
 double FQuantile(double p, double m, double n) {
+  if (!std::isfinite(n)) return ChiSquareQuantile(p, m) / m;
   const double b = BetaQuantile(p, 0.5 * m, 0.5 * n);  // m F / (n + m F) is a beta variate
   return n * b / (m * (1.0 - b));
 }

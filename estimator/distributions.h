@@ -7,9 +7,9 @@ namespace sagitta {
 double ChiSquareSurvival(double x, double dof);
 // x with P(chi2_dof <= x) = p.
 double ChiSquareQuantile(double p, double dof);
-// P(F_{m,n} > f).
+// P(F_{m,n} > f); infinite n: of chi2_m / m.
 double FSurvival(double f, double m, double n);
-// f with P(F_{m,n} <= f) = p.
+// f with P(F_{m,n} <= f) = p; infinite n as above.
 double FQuantile(double p, double m, double n);
 double NormalQuantile(double p);
 // t with P(T_dof <= t) = p; the normal quantile for infinite dof.

@@ -62,9 +62,7 @@ void JudgeNoise(const CalibrationProblem& problem, const Linearization& lineariz
   const double dof = estimate->dof;
   if (dof <= 0) return;
   sigma.a_posteriori = std::sqrt(sum / dof);
-  const bool from_repeats = problem.repeat_scatter.has_value();
-  sigma.p_value =
-      from_repeats ? FSurvival(sum / dof, dof, problem.repeat_scatter->DofOfAllAxes()) : ChiSquareSurvival(sum, dof);
+  sigma.p_value = FSurvival(sum / dof, dof, SigmaDof(problem.repeat_scatter));
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment.significance;
 }
 
@@ -184,7 +182,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
   if (problem.repeat_scatter && !estimate->sigma.scaled) {
-    estimate->interval_dof.setConstant(problem.repeat_scatter->DofOfAllAxes());
+    estimate->interval_dof.setConstant(SigmaDof(problem.repeat_scatter));
   }
   if (problem.experiment.covariance != "sandwich" || scale == 0.0) return true;
   const RobustCovariance robust =

@@ -1,6 +1,7 @@
 #include "problems/noise_model.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -66,6 +67,10 @@ std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
   if (scatter.dof == 0) return std::nullopt;
   scatter.sigma = (squares / scatter.dof).cwiseSqrt();
   return scatter;
+}
+
+double SigmaDof(const std::optional<RepeatScatter>& repeats) {
+  return repeats ? 3.0 * repeats->dof : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace sagitta

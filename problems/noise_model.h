@@ -40,9 +40,10 @@ bool IsDiagonal(const NoiseRoots& roots);
 struct RepeatScatter {
   Vector3<double> sigma = Vector3<double>::Zero();  // m
   int dof = 0;                                      // of each axis: observations - groups
-  double DofOfAllAxes() const { return 3.0 * dof; }  // of one factor on the three sigmas
 };
 // Empty without repeats.
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data);
+// How well one factor on the three sigmas is known: the repeats' degrees of freedom; infinite where sigmas are stated.
+double SigmaDof(const std::optional<RepeatScatter>& repeats);
 
 }  // namespace sagitta

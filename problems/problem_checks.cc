@@ -77,9 +77,9 @@ void CheckEffectColumns(const CalibrationProblem& problem) {
   }
 }
 
-void CheckLevelled(const CalibrationProblem& problem) {
+std::string UnlevelledStationWithWeights(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
-  if (experiment.gravity_in_base) return;
+  if (experiment.gravity_in_base) return "";
   for (size_t s = 0; s < problem.data.shots.size(); ++s) {
     const Shot& shot = problem.data.shots[s];
     const std::string& name = problem.data.stations[shot.station];
@@ -89,11 +89,17 @@ void CheckLevelled(const CalibrationProblem& problem) {
     const bool hangs = shot.wrench.IsZero() && load != experiment.loads.end() && load->second.mass;
     const ShotTerms& terms = problem.shot_inputs[s].terms;
     if (terms.elastic.empty() && terms.sags.empty()) continue;  // nothing gives way
-    if (!hangs && experiment.tool_mass == 0.0 && terms.sags.empty() && terms.wrenches.empty()) continue;
-    FailProblem(problem, "stations." + name + ".levelled",
-                "weights act along the gravity direction, and that of a station that is not levelled is not known",
-                "state it in the base frame: gravity: {direction: [x, y, z], frame: base}");
+    if (hangs || experiment.tool_mass > 0.0 || !terms.sags.empty() || !terms.wrenches.empty()) return name;
   }
+  return "";
+}
+
+void CheckLevelled(const CalibrationProblem& problem) {
+  const std::string station = UnlevelledStationWithWeights(problem);
+  if (station.empty()) return;
+  FailProblem(problem, "stations." + station + ".levelled",
+              "weights act along the gravity direction, and that of a station that is not levelled is not known",
+              "state it in the base frame: gravity: {direction: [x, y, z], frame: base}");
 }
 
 void CheckCompensator(const CalibrationProblem& problem) {

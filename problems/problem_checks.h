@@ -25,6 +25,8 @@ void CheckEffectColumns(const CalibrationProblem& problem);
 
 // Weights at a station that says it is not levelled, with gravity stated in the measurement frame.
 void CheckLevelled(const CalibrationProblem& problem);
+// The first station of that kind; "" without one.
+std::string UnlevelledStationWithWeights(const CalibrationProblem& problem);
 
 // A spring can neither have no length nor be pressed through zero.
 void CheckCompensator(const CalibrationProblem& problem);

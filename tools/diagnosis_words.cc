@@ -11,6 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
+constexpr double kNotWorthAWord = 0.05;  // of sigma
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 
 std::string SettingsInWords(const EffectSpec& spec) {
@@ -130,6 +131,10 @@ std::string HalvesInWords(const Confirmation& confirmation) {
 
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
+  if (std::abs(noise.taken_of_repeats - 1.0) > kNotWorthAWord) {
+    words += "Repeats are too few to fix their sigma; " + Significant(noise.taken_of_repeats, 3) +
+             " times what they show is taken, as the scatter about the model says. ";
+  }
   if (noise.scale_differs) {
     words += "The instrument's noise is " + Significant(noise.scale, 3) +
              " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
@@ -137,7 +142,8 @@ std::string NoiseInWords(const NoiseFinding& noise) {
   if (noise.repeatability > 0.0) {
     words += "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
              " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
-             Significant(1e6 * noise.repeatability_high, 3) + ") was not declared. ";
+             Significant(1e6 * noise.repeatability_high, 3) +
+             (noise.asks_repeatability ? ") is found, as asked. " : ") was not declared. ");
   }
   if (!noise.outliers.empty()) {
     words +=

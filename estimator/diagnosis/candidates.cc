@@ -6,6 +6,7 @@
 #include "estimator/diagnosis/compensator_search.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
+#include "problems/problem_checks.h"
 
 namespace sagitta {
 namespace {
@@ -134,6 +135,17 @@ std::string Missing(const CalibrationProblem& problem, const EffectDefinition& d
   return definition.driven_by == EffectDriver::kTime ? "time_s that varies" : "temperature_degC that varies";
 }
 
+bool IsLevelled(const Experiment& experiment) {
+  return std::all_of(experiment.stations.begin(), experiment.stations.end(),
+                     [](const auto& station) { return station.second.levelled.value_or(true); });
+}
+
+// "" or what is not known where the effect is of weights. Whether it is, its terms say.
+std::string UnknownGravity(const CalibrationProblem& problem, const EffectSpec& spec) {
+  const std::string station = UnlevelledStationWithWeights(problem.WithEffects({spec}));
+  return station.empty() ? "" : "the direction of gravity in the base frame: station " + station + " is not levelled";
+}
+
 // Joints that give way: what acts through a compliance of zero does nothing.
 std::set<std::string> CompliantJoints(const CalibrationProblem& problem, const ParameterSet& estimated) {
   std::set<std::string> joints;
@@ -161,7 +173,7 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
 
 // What elastic effects answer to.
 struct Knowledge {
-  bool loads, compliances;
+  bool loads, compliances, levelled;
 };
 
 // Whether it is a joint that slides, for which the effect says nothing.
@@ -206,6 +218,11 @@ void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& d
     const bool needs_torque = variant.TextSetting("by", "") == "torque" && !known.loads;
     if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
   }
+  const std::string unknown = testable.empty() || known.levelled ? "" : UnknownGravity(problem, testable[0]);
+  if (!unknown.empty()) {
+    missing = unknown;
+    testable.clear();
+  }
   if (!missing.empty()) list->not_testable.push_back({definition.name, target, missing});
   for (EffectSpec& variant : testable) {
     list->candidates.push_back({std::move(variant), static_cast<int>(testable.size()), 0, {}});
@@ -223,7 +240,7 @@ std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
 CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated) {
   CandidateList list;
   const std::set<std::string> compliant = CompliantJoints(problem, estimated);
-  const Knowledge known{AnyLoad(problem), !compliant.empty()};
+  const Knowledge known{AnyLoad(problem), !compliant.empty(), IsLevelled(problem.experiment)};
   for (const EffectDefinition* definition : EffectsOf(problem.robot)) {
     if (definition->name == "link_gravity") AppendCompensators(problem, compliant, &list);
     if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "estimator/diagnosis/noise_check.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -61,21 +62,18 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
   return standing;
 }
 
-bool HasRepeats(const Measurements& data) {
-  std::set<std::pair<std::vector<int>, std::string>> seen;
-  for (const Observation& observation : data.observations) {
-    const Shot& shot = data.shots[observation.shot];
-    if (!seen.insert({{shot.configuration, shot.station, observation.marker}, shot.load}).second) return true;
-  }
-  return false;
-}
-
+// Of a problem that asks for components it is known.
 void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
-  if (problem.sigma_is_stated()) return;
-  cautions->push_back(
-      std::string("No noise is stated") + (HasRepeats(problem.data) ? "" : " and nothing was measured twice") +
-      ": the scatter that the model leaves is taken as noise. Structure in it is found, a gap without structure is "
-      "not, and 'consistent' means no more than that. State sigma_mm, or measure some poses again.");
+  const bool is_asked = problem.experiment.noise.from == NoiseSpec::From::kVarianceComponents;
+  if (problem.sigma_is_stated() || is_asked) return;
+  const std::string taken =
+      RowsShareVisits(problem)
+          ? ": what the rows of one arrival share is taken as joint repeatability where that says more than any effect, "
+            "and the rest of the scatter that the model leaves as the instrument's noise"
+          : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
+  cautions->push_back("No noise is stated" + taken +
+                      ". Structure in it is found, a gap without structure is not, and 'consistent' means no more than "
+                      "that. State sigma_mm, or measure some poses again.");
 }
 
 // The search compares chi-squares of one least-squares model: other ways to weigh the rows are not taken.
@@ -86,7 +84,6 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
   const bool is_judged = experiment.covariance == "model" || experiment.covariance == "sandwich";
   if (!is_judged) keys.push_back("covariance: " + experiment.covariance);
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
-  if (experiment.noise.from == NoiseSpec::From::kVarianceComponents) keys.push_back("noise from variance-components");
   if (keys.empty()) return;
   cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " + Listed(keys) +
                       ".");

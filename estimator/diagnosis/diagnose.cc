@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "estimator/diagnosis/cautions.h"
-#include "estimator/distributions.h"
 #include "estimator/parallel.h"
 
 namespace sagitta {
@@ -13,12 +12,6 @@ constexpr double kShareOfNaming = 0.25;     // of the significance; lack of fit 
 constexpr double kShareOfLackOfFit = 0.15;  // beside it: the decoys, and the shares of the noise (noise_book.cc)
 constexpr int kMostNoiseRounds = 3;
 constexpr int kManyRows = 3000;
-
-// Of a stated noise as the full estimator judges it: repeats tell it within their own degrees of freedom.
-double LackOfFit(const Estimate& estimate) {
-  if (estimate.dof <= 0) return 1.0;
-  return estimate.sigma.stated ? estimate.sigma.p_value : ChiSquareSurvival(estimate.chi2, estimate.dof);
-}
 
 // Whether the model with the decoy's kind fits the stated noise.
 bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const Decoy& decoy) {
@@ -143,7 +136,7 @@ void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection
 
 void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagnosis) {
   const double gate = kShareOfLackOfFit * options.significance;
-  diagnosis->final_p = LackOfFit(diagnosis->final.estimate);
+  diagnosis->final_p = noise->LackOfFit(diagnosis->final.estimate);
   if (!diagnosis->has_unexplained) {
     const Decoy rest = DecoyBench(diagnosis->final).Best();
     diagnosis->has_unexplained = rest.penalised > EvidenceNeeded(options.significance);
@@ -212,7 +205,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
     }
   }
   diagnosis.baseline = model;
-  diagnosis.baseline_p = LackOfFit(model.estimate);
+  diagnosis.baseline_p = noise.LackOfFit(model.estimate);
   diagnosis.where = FindWhere(model);
   JudgeFinal(model, selection, &steps, &diagnosis);
   noise.SetAsideHeldOut(&diagnosis.baseline, &diagnosis.final);

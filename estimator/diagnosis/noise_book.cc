@@ -5,13 +5,26 @@
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/distributions.h"
+#include "estimator/linearization.h"
+#include "estimator/repeatability.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kShareOfOutliers = 0.1;  // of the significance; the scale has the same
+constexpr double kRepeatsTail = 0.005;    // of the interval in which repeats leave their sigma open, each side
+constexpr double kAxesDiffer = 0.01;
 constexpr double kSettled = 0.05;         // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
+
+// Bartlett's test of the three axes' variances. A few repeats make one axis look ten times better than another; what
+// is weighted so would be anybody's effect.
+bool AxesDiffer(const RepeatScatter& repeats) {
+  const Eigen::Array3d variances = repeats.sigma.array().square();
+  const double dof = repeats.dof;
+  const double statistic = dof * (3.0 * std::log(variances.mean()) - variances.log().sum()) / (1.0 + 4.0 / (9.0 * dof));
+  return ChiSquareSurvival(statistic, 2.0) < kAxesDiffer;
+}
 
 }  // namespace
 
@@ -21,9 +34,13 @@ NoiseBook::NoiseBook(const CalibrationProblem& problem, double significance, con
     : stated_(problem),
       significance_(significance),
       joint_(joint),
-      sigma_is_stated_(problem.sigma_is_stated()),
+      sigma_is_stated_(problem.sigma_is_stated() &&
+                       problem.experiment.noise.from != NoiseSpec::From::kVarianceComponents),
       repeatability_is_stated_(!problem.latent.empty()) {
   finding_.is_stated = sigma_is_stated_;
+  finding_.asks_repeatability = problem.experiment.repeatability.IsEstimated();
+  sigma_follows_repeatability_ = !sigma_is_stated_ && !repeatability_is_stated_ &&
+                                 (finding_.asks_repeatability || RowsShareVisits(problem));
 }
 
 bool NoiseBook::Replace(const CalibrationProblem& problem, DiagnosedModel* model) const {
@@ -34,9 +51,20 @@ bool NoiseBook::Replace(const CalibrationProblem& problem, DiagnosedModel* model
 }
 
 void NoiseBook::Prepare(DiagnosedModel* baseline) {
+  if (stated_.repeat_scatter && !AxesDiffer(*stated_.repeat_scatter)) {
+    CalibrationProblem alike = *baseline->problem;
+    const double sigma = stated_.repeat_scatter->sigma.norm() / std::sqrt(3.0);
+    for (Matrix3<double>& root : alike.resolved_noise) root = sigma * Matrix3<double>::Identity();
+    Replace(alike, baseline);
+  }
   if (!sigma_is_stated_) {  // the baseline's own scatter is what is compared with
+    const double scatter = Scatter(*baseline);
     CalibrationProblem scattered = *baseline->problem;
-    scattered.experiment.noise.sigma = baseline->estimate.sigma.estimated;
+    if (scattered.sigma_is_stated()) {
+      scattered = WithScaledSigmas(scattered, scatter);
+    } else {
+      scattered.experiment.noise.sigma = scatter * kFallbackSigma;
+    }
     Replace(scattered, baseline);
   }
   for (int round = 0; round < kMostOutlierRounds && MoveOutliers(*baseline, baseline); ++round) {
@@ -47,7 +75,8 @@ void NoiseBook::Prepare(DiagnosedModel* baseline) {
 
 void NoiseBook::AddRepeatability(double rival, DiagnosedModel* baseline) {
   const double found = FindRepeatability(*baseline, rival);
-  if (found > 0.0) Replace(WithRepeatability(*baseline->problem, found), baseline);
+  if (found <= 0.0) return;
+  Replace(WithScaledSigmas(WithRepeatability(*baseline->problem, found), beside_repeatability_), baseline);
 }
 
 bool NoiseBook::Follow(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline) {
@@ -74,24 +103,26 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
   finding_.outliers_held_out = static_cast<int>(removed.size());
 }
 
+double NoiseBook::LackOfFit(const Estimate& estimate) const {
+  if (estimate.dof <= 0) return 1.0;
+  const double of_sigma = SigmaDof(stated_.repeat_scatter);
+  return FSurvival(OverStated(estimate) / estimate.dof, estimate.dof, of_sigma);
+}
+
 bool NoiseBook::Close(const Estimate& final, bool has_structure, double significance) {
   for (const int i : outliers_) finding_.outliers.push_back(stated_.data.SourceOf(stated_.data.observations[i]));
-  finding_.is_finding = finding_.repeatability > 0.0 || finding_.scale_differs;
+  const bool undeclared = finding_.repeatability > 0.0 && !finding_.asks_repeatability;
+  finding_.is_finding = undeclared || finding_.scale_differs;
+  finding_.taken_of_repeats = IsWithinRepeats() ? applied_ : 1.0;
   if (scale_is_measured_ || final.dof <= 0) return false;
-  const double scatter = std::sqrt(final.chi2 / final.dof);
+  const double scatter = std::sqrt(OverStated(final) / final.dof);
   finding_.is_bound = has_structure;
   finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
-  // A sigma from repeats is known within their own freedom: chi2 / dof is F there.
-  const bool from_repeats = stated_.repeat_scatter.has_value();
-  const double of_repeats = from_repeats ? stated_.repeat_scatter->DofOfAllAxes() : 0.0;
-  const auto yardstick = [&](double p) {
-    return from_repeats ? FQuantile(p, final.dof, of_repeats) : ChiSquareQuantile(p, final.dof) / final.dof;
-  };
-  finding_.low = has_structure ? 0.0 : scatter / std::sqrt(yardstick(0.975));
-  finding_.high = scatter / std::sqrt(yardstick(0.025));
+  const double of_sigma = SigmaDof(stated_.repeat_scatter);
+  finding_.low = has_structure ? 0.0 : scatter / std::sqrt(FQuantile(0.975, final.dof, of_sigma));
+  finding_.high = scatter / std::sqrt(FQuantile(0.025, final.dof, of_sigma));
   if (!sigma_is_stated_ || has_structure) return false;
-  const double upper = from_repeats ? FSurvival(final.chi2 / final.dof, final.dof, of_repeats)
-                                    : ChiSquareSurvival(final.chi2, final.dof);
+  const double upper = LackOfFit(final);
   finding_.scale_differs = std::min(upper, 1.0 - upper) < significance;
   finding_.is_finding |= finding_.scale_differs;
   return finding_.scale_differs;
@@ -102,20 +133,51 @@ bool NoiseBook::Close(const Estimate& final, bool has_structure, double signific
 double NoiseBook::FindScale(const DiagnosedModel& model) {
   const CalibrationProblem stated = WithScaledSigmas(*model.problem, 1.0 / applied_);
   const auto scale = InstrumentNoiseScale(stated, model.estimate.parameters, kShareOfOutliers * significance_);
-  if (!scale) return 1.0;
+  if (!scale) return WithinRepeats(model.estimate);
   scale_is_measured_ = true;
   finding_.scale = scale->scale;
   finding_.low = scale->low;
   finding_.high = scale->high;
   finding_.scale_differs = scale->differs;
-  return scale->differs ? scale->scale : 1.0;
+  return scale->differs ? scale->scale : WithinRepeats(model.estimate);
+}
+
+// Few repeats leave their sigma open: within their interval the scatter about the model says what it is. Taken as exact
+// it would be too small every second time, and noise be named.
+double NoiseBook::WithinRepeats(const Estimate& estimate) const {
+  if (!stated_.repeat_scatter || estimate.dof <= 0) return 1.0;
+  const double dof = SigmaDof(stated_.repeat_scatter);
+  const double least = dof / ChiSquareQuantile(1.0 - kRepeatsTail, dof);
+  const double most = dof / ChiSquareQuantile(kRepeatsTail, dof);
+  return std::sqrt(std::clamp(OverStated(estimate) / estimate.dof, least, most));
+}
+
+// A scale that rigid markers have shown is what the noise is, whatever repeats say.
+bool NoiseBook::IsWithinRepeats() const { return stated_.repeat_scatter && !finding_.scale_differs; }
+
+// Chi-square in the sigma that the repeats state.
+double NoiseBook::OverStated(const Estimate& estimate) const {
+  return estimate.chi2 * (IsWithinRepeats() ? applied_ * applied_ : 1.0);
+}
+
+double NoiseBook::Scatter(const DiagnosedModel& model) const {
+  if (repeatability_is_stated_) {
+    RepeatabilityChoice choice;
+    FindComponents(*model.problem, model.estimate.parameters, false, 0, &choice);
+    return choice.instrument;
+  }
+  const Estimate& estimate = model.estimate;
+  return estimate.sigma.stated ? std::sqrt(estimate.chi2 / std::max(1, estimate.dof))
+                               : estimate.sigma.estimated / kFallbackSigma;
 }
 
 // Undeclared repeatability that the model's residuals ask for, rad; 0: none.
 double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least) {
-  const RepeatabilityFit fit = FitRepeatability(*model.problem, model.estimate.parameters);
+  const RepeatabilityFit fit =
+      FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
   const double penalised = fit.gain - std::log(static_cast<double>(model.estimate.rows));
   const bool found = penalised > std::max(EvidenceNeeded(significance_), at_least);
+  beside_repeatability_ = found ? fit.instrument : fit.instrument_alone;
   finding_.repeatability = found ? fit.sigma : 0.0;
   finding_.repeatability_low = found ? fit.low : 0.0;
   finding_.repeatability_high = found ? fit.high : 0.0;
@@ -150,16 +212,16 @@ bool NoiseBook::FollowNoise(const DiagnosedModel& extended, double unnamed, Diag
   const double scale_now = sigma_is_stated_ ? FindScale(extended) : 1.0;
   const bool scales = std::abs(scale_now / applied_ - 1.0) > kSettled;
   if (scales) problem = WithScaledSigmas(problem, scale_now / applied_);
-  if (!sigma_is_stated_) {
-    const double scale = std::sqrt(extended.estimate.chi2 / std::max(1, extended.estimate.dof));
-    changed = std::abs(scale - 1.0) > kSettled;
-    if (changed) problem = WithScaledSigmas(problem, scale);
-  }
   if (!repeatability_is_stated_) {
     const double before = finding_.repeatability;
     const double now = FindRepeatability(extended, unnamed);
-    const bool differs = std::abs(now - before) > kSettled * std::max(now, before);
-    if (differs) problem = WithRepeatability(problem, now);
+    changed = std::abs(now - before) > kSettled * std::max(now, before);
+    if (changed) problem = WithRepeatability(problem, now);
+  }
+  if (!sigma_is_stated_) {
+    const double scale = sigma_follows_repeatability_ ? beside_repeatability_ : Scatter(extended);
+    const bool differs = std::abs(scale - 1.0) > kSettled;
+    if (differs) problem = WithScaledSigmas(problem, scale);
     changed |= differs;
   }
   if ((!changed && !scales) || !Replace(problem, baseline)) return false;

@@ -18,10 +18,12 @@ constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
 
 struct NoiseFinding {
   bool is_stated = true;
+  bool asks_repeatability = false;  // to be estimated: what is found is no finding
   // Of the instrument's sigma over the stated one, or over the scatter that is taken where none is stated.
   double scale = 1.0, low = kNotTold, high = kNotTold;
   bool scale_differs = false;
   bool is_bound = false;  // a rest without a name is part of the scatter, which only bounds the scale from above
+  double taken_of_repeats = 1.0;  // of a sigma from repeats, within their interval
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them
@@ -38,7 +40,8 @@ class NoiseBook {
 
   // Before anything is named: a sigma where nothing states one, outliers, the scale that rigid markers tell.
   void Prepare(DiagnosedModel* baseline);
-  // Declares joint repeatability where it says more than `rival`, the penalised gain of the best other cause.
+  // Declares joint repeatability where it says more than `rival`, the penalised gain of the best other cause; where
+  // nothing states sigma, that of the instrument beside it.
   void AddRepeatability(double rival, DiagnosedModel* baseline);
   // Sigma where nothing states it, its scale where markers tell, repeatability that nobody declared (where it says more
   // than `unnamed`, the gain of a cause outside the catalogue) and outliers that were none follow the extended model.
@@ -47,14 +50,22 @@ class NoiseBook {
   // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
   // hold-out figure counts them. A single marker that is off could as well be the model's error, and counts.
   void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
+  // P that the noise as stated scatters as much as this model, whose chi-square counts in the sigma that is taken.
+  double LackOfFit(const Estimate& estimate) const;
   // Last: where no rigid body of markers tells the instrument's noise, the scatter does, or bounds it where something
   // has structure. True where that shows that sigma is not what is stated.
   bool Close(const Estimate& final, bool has_structure, double significance);
 
  private:
+  // Factor on the repeats' sigma; 1 where sigma does not come from repeats.
+  double WithinRepeats(const Estimate& estimate) const;
+  bool IsWithinRepeats() const;
+  double OverStated(const Estimate& estimate) const;
   // Refits a model whose problem has changed; it stays what it was where that fails (false).
   bool Replace(const CalibrationProblem& problem, DiagnosedModel* model) const;
   double FindScale(const DiagnosedModel& model);
+  // Factor on the sigmas at hand, or on kFallbackSigma, that makes them the scatter about the model.
+  double Scatter(const DiagnosedModel& model) const;
   double FindRepeatability(const DiagnosedModel& model, double at_least);
   bool MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline);
   bool FollowNoise(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
@@ -63,6 +74,8 @@ class NoiseBook {
   double significance_;
   JointOptions joint_;
   bool sigma_is_stated_, repeatability_is_stated_;
+  bool sigma_follows_repeatability_;  // both are open, and rows tell them apart
+  double beside_repeatability_ = 1.0;  // factor on the sigmas that goes with what was found last
   double applied_ = 1.0;            // scale that is in the baseline's sigmas already
   bool scale_is_measured_ = false;  // by rigid bodies
   std::vector<int> outliers_;       // that are fitted no longer

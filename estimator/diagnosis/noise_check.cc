@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "estimator/distributions.h"
 #include "estimator/linearization.h"
+#include "estimator/variance_components.h"
 
 namespace sagitta {
 namespace {
@@ -18,9 +20,7 @@ constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
 constexpr double kHeldOutScatter = 1.5;  // the parameters' own uncertainty adds to the noise
 constexpr double kMostOutliers = 0.06;
-constexpr double kLeastRepeatability = 1e-6, kMostRepeatability = 2e-3;  // rad
-constexpr double kRepeatabilityGrid = 1.5;                               // ratio
-constexpr int kRefinements = 4;
+constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {
   std::vector<int> observations;
@@ -70,56 +70,6 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
   return shot.residual - basis * (basis.transpose() * shot.residual);
 }
 
-// -2 ln of the likelihood, but for a constant: with C = I + L L' the covariance of the whitened rows,
-//   |r|^2_C + ln det C,   restricted (REML):   + ln det (J' C^-1 J).
-// Without the last term what the estimated parameters absorb would count as quiet joints.
-struct Deviance {
-  double likelihood = 0.0;
-  double restricted = 0.0;
-};
-
-Deviance MarginalDeviance(const CalibrationProblem& problem, const ParameterSet& parameters, double sigma) {
-  const CalibrationProblem with = WithRepeatability(problem, sigma);
-  const std::vector<int> observations = with.CalibrationObservations();
-  const NoiseRoots noise = ObservationNoise(with, observations, kFallbackSigma);
-  const std::vector<int> columns = parameters.EstimatedCoordinates();
-  Linearization here = Linearize(with, parameters, observations, columns, noise);
-  AppendPriors(parameters, &here);
-  const LinearSolution solution = SolveLinearization(here);
-  const Linearization raw = Linearize(with, parameters, observations, {}, noise, LatentTreatment::kIgnore);
-  std::map<int, std::vector<int>> rows;
-  for (size_t k = 0; k < observations.size(); ++k) {
-    const int shot = with.data.observations[observations[k]].shot;
-    for (int axis = 0; axis < 3; ++axis)
-      rows[with.latent.visit_of_shot[shot]].push_back(static_cast<int>(3 * k) + axis);
-  }
-  double log_determinant = 0.0;
-  for (const auto& [visit, indices] : rows) {
-    const Eigen::MatrixXd l = raw.latent(indices, Eigen::all);
-    const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(l.cols(), l.cols()) + l.transpose() * l;
-    log_determinant += 2.0 * Eigen::MatrixXd(inner.llt().matrixL()).diagonal().array().log().sum();
-  }
-  // (J' C^-1 J)^-1 = W W' with W triangular; none where the parameters cannot be told, whatever sigma.
-  const double of_parameters = -2.0 * solution.covariance_root.diagonal().array().abs().log().sum();
-  const double likelihood = solution.residual_norm_squared + log_determinant;
-  return {likelihood, likelihood + of_parameters};
-}
-
-// Where the deviance crosses the least + 3.84 (chi-square of one, 95 %) on the way outward from the least: near it a
-// parabola, so that the root of its rise is interpolated. `curve`: its points in the order of the way.
-double Crossing(const std::vector<std::pair<double, double>>& curve, double place, double least, double direction) {
-  constexpr double kLimit = 1.96;
-  double x = place, root = 0.0;
-  for (const auto& [next, deviance] : curve) {
-    if (direction * (next - place) <= 0.0) continue;
-    const double next_root = std::sqrt(std::max(0.0, deviance - least));
-    if (next_root >= kLimit) return x + (kLimit - root) / (next_root - root) * (next - x);
-    x = next;
-    root = next_root;
-  }
-  return x;
-}
-
 }  // namespace
 
 // What the shapes of the bodies cost, their marker points being estimated: 3 m - 6 each, one distance where m is 2.
@@ -143,9 +93,10 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
   noise.dof -= ShapeCost(problem);
   if (noise.dof < 20) return std::nullopt;
   noise.scale = std::sqrt(sum / noise.dof);
-  noise.low = std::sqrt(sum / ChiSquareQuantile(0.975, noise.dof));
-  noise.high = std::sqrt(sum / ChiSquareQuantile(0.025, noise.dof));
-  const double upper = ChiSquareSurvival(sum, noise.dof);
+  const double of_sigma = SigmaDof(problem.repeat_scatter);
+  noise.low = noise.scale / std::sqrt(FQuantile(0.975, noise.dof, of_sigma));
+  noise.high = noise.scale / std::sqrt(FQuantile(0.025, noise.dof, of_sigma));
+  const double upper = FSurvival(sum / noise.dof, noise.dof, of_sigma);
   noise.differs = std::min(upper, 1.0 - upper) < 0.5 * significance;
   return noise;
 }
@@ -234,37 +185,32 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
   return with;
 }
 
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  std::map<double, double> curve;  // deviance over ln sigma
-  const auto at = [&](double x) {
-    const auto entry = curve.emplace(x, 0.0);
-    if (entry.second) entry.first->second = MarginalDeviance(problem, parameters, std::exp(x)).restricted;
-    return entry.first->second;
-  };
-  double step = std::log(kRepeatabilityGrid), place = std::log(kLeastRepeatability);
-  for (double x = place; x < std::log(kMostRepeatability); x += step) {
-    if (at(x) < at(place)) place = x;
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                  bool sigma_is_open) {
+  std::vector<DeviationGroup> joints(1);
+  for (int j = 0; j < problem.robot.num_joints(); ++j) {
+    if (problem.robot.chain.joints[j].type == JointType::kRevolute) joints[0].joints.push_back(j);
   }
-  double least = at(place);
-  for (int i = 0; i < kRefinements; ++i) {  // the parabola through three points, closer and closer
-    const double left = at(place - step) - at(place), right = at(place + step) - at(place);
-    if (left <= 0.0 || right <= 0.0) {  // not between them yet
-      place += left < right ? -step : step;
-      least = at(place);
-      continue;
-    }
-    const double shift = 0.5 * (left - right) / (left + right);
-    least = at(place) - 0.25 * (left - right) * shift;
-    place += shift * step;
-    step *= 0.25;
-  }
+  const RestrictedLikelihood reml(problem, parameters);
+  const RemlFit alone = reml.Maximise(sigma_is_open, {});
   RepeatabilityFit fit;
-  fit.sigma = std::exp(place);
-  fit.gain = MarginalDeviance(problem, parameters, 0.0).likelihood -
-             MarginalDeviance(problem, parameters, fit.sigma).likelihood;
-  fit.low = std::exp(Crossing({curve.rbegin(), curve.rend()}, place, least, -1.0));
-  fit.high = std::exp(Crossing({curve.begin(), curve.end()}, place, least, 1.0));
+  fit.instrument = fit.instrument_alone = std::sqrt(alone.variances[0]);
+  if (joints[0].joints.empty()) return fit;
+  const RemlFit both = reml.Maximise(sigma_is_open, joints);
+  fit.instrument = std::sqrt(both.variances[0]);
+  fit.sigma = std::sqrt(both.variances[1]);
+  fit.gain = alone.deviance - both.deviance;
+  reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
   return fit;
+}
+
+bool RowsShareVisits(const CalibrationProblem& problem) {
+  std::set<int> visits;
+  const std::vector<int> observations = problem.CalibrationObservations();
+  for (const int i : observations) {
+    visits.insert(problem.latent.visit_of_shot[problem.data.observations[i].shot]);
+  }
+  return observations.size() >= visits.size() + kSharedRows;
 }
 
 }  // namespace sagitta

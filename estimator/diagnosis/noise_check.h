@@ -39,14 +39,20 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 // The problem with one common repeatability on every revolute joint, rad.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
-// Repeatability that the restricted marginal likelihood prefers, rad, and its 95 % interval by the likelihood ratio,
-// scanned on a grid of sigma and interpolated between; the gain is that of 2 ln of the plain likelihood over none, to
-// compare with what effects gain.
+// One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), beside
+// the sigmas at hand or, where sigma_is_open, the instrument's beside it. The gain is that of 2 ln of the restricted
+// likelihood over none.
 struct RepeatabilityFit {
   double sigma = 0.0;
   double low = 0.0, high = 0.0;
   double gain = 0.0;
+  double instrument = 1.0, instrument_alone = 1.0;  // factors on the sigmas, with that repeatability and without any
 };
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters);
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                  bool sigma_is_open);
+
+// Whether rows share arrivals (markers of one shot, repeats, loads): what deviating joints do to all of them alike can
+// be told from what the instrument does to each.
+bool RowsShareVisits(const CalibrationProblem& problem);
 
 }  // namespace sagitta

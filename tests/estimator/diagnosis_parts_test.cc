@@ -104,6 +104,71 @@ TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
   EXPECT_EQ(need_of("link_gravity", "A2"), "joint compliances above 0 (loaded rows)");
 }
 
+// What weighs cannot be asked where nobody knows which way is down; stated in the base frame it is known.
+TEST(Candidates, WeightsNeedTheDirectionOfGravity) {
+  CalibrationProblem problem = *Healthy(1).problem;
+  const auto of_sag = [&](const CandidateList& list) {
+    return std::count_if(list.candidates.begin(), list.candidates.end(),
+                         [](const Candidate& candidate) { return candidate.spec.effect == "self_weight_sag"; });
+  };
+  const CandidateList levelled = ListCandidates(problem, problem.parameters);
+  EXPECT_GT(of_sag(levelled), 0);
+  problem.experiment.stations[problem.data.stations[0]].levelled = false;
+  const CandidateList unlevelled = ListCandidates(problem, problem.parameters);
+  EXPECT_EQ(of_sag(unlevelled), 0);
+  EXPECT_EQ(unlevelled.candidates.size(), levelled.candidates.size() - of_sag(levelled));
+  const bool says_why = std::any_of(
+      unlevelled.not_testable.begin(), unlevelled.not_testable.end(), [](const NotTestable& entry) {
+        return entry.effect == "self_weight_sag" && entry.needs.find("gravity") != std::string::npos;
+      });
+  EXPECT_TRUE(says_why);
+  problem.experiment.gravity_in_base = true;
+  EXPECT_EQ(of_sag(ListCandidates(problem, problem.parameters)), of_sag(levelled));
+}
+
+// Repeats that show half of the noise: three leave it open, three hundred do not.
+TEST(NoiseBook, FewRepeatsLeaveSigmaOpen) {
+  for (const int repeats : {3, 300}) {
+    CalibrationProblem problem = *Healthy(1).problem;
+    problem.experiment.noise.from = NoiseSpec::From::kRepeats;
+    problem.repeat_scatter = RepeatScatter{Vector3<double>::Constant(0.5 * kSigma), repeats};
+    problem.resolved_noise.assign(problem.data.observations.size(), 0.5 * kSigma * Matrix3<double>::Identity());
+    DiagnosedModel model = FitFully(problem, JointOptions());
+    NoiseBook book(problem, 0.01, JointOptions());
+    book.Prepare(&model);
+    EXPECT_NEAR(model.estimate.chi2 / model.estimate.dof, 1.0, 0.1);
+    EXPECT_EQ(book.finding().scale_differs, repeats == 300);
+    book.Close(model.estimate, false, 0.01);
+    EXPECT_EQ(book.finding().is_finding, repeats == 300);
+    if (repeats == 3) {
+      EXPECT_GT(book.LackOfFit(model.estimate), 0.001);
+      EXPECT_NEAR(book.finding().taken_of_repeats, 2.0, 0.15);
+      // chi2_9 has its 2.5 and 97.5 % at 2.70 and 19.02: 2 sqrt(2.70 / 9) and 2 sqrt(19.02 / 9).
+      EXPECT_NEAR(book.finding().low, 1.095, 0.1);
+      EXPECT_NEAR(book.finding().high, 2.907, 0.15);
+    }
+  }
+}
+
+// A gap far beyond what repeats leave open is none of the noise's.
+TEST(NoiseBook, RepeatsBoundTheNoise) {
+  CalibrationProblem problem = *Healthy(1).problem;
+  problem.experiment.noise.from = NoiseSpec::From::kRepeats;
+  problem.repeat_scatter = RepeatScatter{Vector3<double>::Constant(kSigma), 100};
+  problem.resolved_noise.assign(problem.data.observations.size(), kSigma * Matrix3<double>::Identity());
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {  // the shot as a whole: markers stay rigid
+    for (const int i : problem.data.shots[s].observations) {
+      problem.data.observations[i].point_in_station.z() += (s % 2 ? 10.0 : -10.0) * kSigma;
+    }
+  }
+  DiagnosedModel model = FitFully(problem, JointOptions());
+  NoiseBook book(problem, 0.01, JointOptions());
+  book.Prepare(&model);
+  // 300 degrees of freedom: at most 1.13 of the sigma that the repeats show (sqrt(300 / chi2_300(0.005)) = 1.117).
+  EXPECT_GT(model.estimate.chi2 / model.estimate.dof, 10.0);
+  EXPECT_LT(book.LackOfFit(model.estimate), 1e-6);
+}
+
 std::vector<int> Outliers(const DiagnosedModel& model, bool held_out) {
   const CalibrationProblem& problem = *model.problem;
   std::vector<int> found = FindOutliers(problem, model.estimate.parameters,

@@ -239,13 +239,49 @@ TEST(Diagnosis, UndeclaredRepeatabilityIsMeasured) {
       for (double& joint : *q) joint += rest(random);
     });
     const Estimate estimate = EstimateJointly(problem, JointOptions());
-    const RepeatabilityFit fit = FitRepeatability(problem, estimate.parameters);
+    const RepeatabilityFit fit = FitRepeatability(problem, estimate.parameters, false);
     inside += fit.low <= kTruth && kTruth <= fit.high;
     sum += fit.sigma;
     EXPECT_GT(fit.gain, 100.0);
   }
   EXPECT_GE(inside, 15);
   EXPECT_NEAR(sum / kTrials, kTruth, 0.05 * kTruth);
+}
+
+// Deviations of joints about as large as the instrument's noise move all markers of an arrival alike: taken for white
+// noise they are anybody's effect. Whether sigma is stated, open, or to be found beside them.
+TEST(Diagnosis, DeviatingJointsAreNoEffect) {
+  for (int trial = 0; trial < 4; ++trial) {
+    std::mt19937_64 random(40 + trial);
+    std::normal_distribution<double> rest(0.0, 15e-6);
+    const CalibrationProblem stated = Moved(60 + trial, [&](Eigen::VectorXd* q) {
+      for (double& joint : *q) joint += rest(random);
+    });
+    CalibrationProblem open = stated;
+    for (Observation& observation : open.data.observations) observation.sigma.setZero();
+    CalibrationProblem asked = open;
+    asked.experiment.noise.from = NoiseSpec::From::kVarianceComponents;
+    asked.experiment.repeatability.angle.estimate = true;
+    for (const CalibrationProblem* problem : std::vector<const CalibrationProblem*>{&stated, &open, &asked}) {
+      const Diagnosis diagnosis = Diagnose(*problem, DiagnosisOptions());
+      EXPECT_TRUE(diagnosis.steps.empty());
+      EXPECT_EQ(diagnosis.verdict, problem == &asked ? "consistent" : "noise");
+      EXPECT_LT(diagnosis.noise.repeatability_low, 15e-6);
+      EXPECT_GT(diagnosis.noise.repeatability_high, 15e-6);
+    }
+  }
+}
+
+// Asked for, too, it takes nothing away from what has a name.
+TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
+  CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); });
+  for (Observation& observation : problem.data.observations) observation.sigma.setZero();
+  problem.experiment.noise.from = NoiseSpec::From::kVarianceComponents;
+  problem.experiment.repeatability.angle.estimate = true;
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, "explained");
+  ASSERT_EQ(diagnosis.steps.size(), 1u);
+  EXPECT_EQ(diagnosis.steps[0].chosen.candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
 }
 
 TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {

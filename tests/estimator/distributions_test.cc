@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace sagitta {
 namespace {
 
@@ -20,6 +22,9 @@ TEST(Distributions, TableValues) {
   EXPECT_NEAR(FSurvival(161.448, 1, 1), 0.05, 1e-5);
   EXPECT_NEAR(FQuantile(0.95, 3, 10), 3.70826, 1e-5);
   EXPECT_NEAR(FQuantile(0.99, 2, 20), 5.84893, 1e-5);
+  const double exact = std::numeric_limits<double>::infinity();
+  EXPECT_NEAR(FSurvival(1.8307, 10, exact), 0.05, 1e-5);
+  EXPECT_NEAR(FQuantile(0.95, 10, exact), 1.83070, 1e-4);
 }
 
 TEST(Distributions, StudentTendsToNormal) { EXPECT_NEAR(StudentQuantile(0.975, 1e5), NormalQuantile(0.975), 5e-5); }
