@@ -13,6 +13,7 @@
 #include "estimator/intervals/table.h"
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
+#include "estimator/load_remedy.h"
 #include "estimator/spring_tie_cost.h"
 #include "estimator/weighting.h"
 #include "problems/loads.h"
@@ -272,6 +273,11 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
     return whitened;
   };
   const Linearization fit = linearize(FitRoots(problem, calibration, kFallbackSigma));
+  if (!fit.valid) {  // the last step to the optimum folded the arm
+    estimate->status = Status::kEquilibriumDiverged;
+    estimate->message = FoldedInWords(problem, parameters);
+    return;
+  }
   estimate->cost = 0.5 * fit.residual.squaredNorm();
   JudgeNoise(problem, problem.weight_roots.empty() ? fit : linearize(noise), estimate);
   const double scale = CovarianceScale(estimate->sigma);

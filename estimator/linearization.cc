@@ -111,7 +111,7 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
   Linearization result;
   result.columns = columns;
   result.observations = observations;
-  result.residual.resize(3 * observations.size());
+  result.residual.setConstant(3 * observations.size(), std::nan(""));  // where no equilibrium is found
   result.jacobian.setZero(3 * observations.size(), columns.size());
   result.latent.setZero(3 * observations.size(), latent.size());
   const std::vector<int> column_of = ColumnOfCoordinate(parameters, columns);

@@ -167,12 +167,14 @@ double NoiseBook::Scatter(const DiagnosedModel& model) const {
     return choice.instrument;
   }
   const Estimate& estimate = model.estimate;
-  return estimate.sigma.stated ? std::sqrt(estimate.chi2 / std::max(1, estimate.dof))
-                               : estimate.sigma.estimated / kFallbackSigma;
+  return model.problem->sigma_is_stated() ? std::sqrt(estimate.chi2 / std::max(1, estimate.dof))
+                                          : estimate.sigma.estimated / kFallbackSigma;
 }
 
-// Undeclared repeatability that the model's residuals ask for, rad; 0: none.
+// Undeclared repeatability that the model's residuals ask for, rad; 0: none, or that nothing could tell from what the
+// model lacks: sigma open and every arrival seen once.
 double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least) {
+  if (!sigma_is_stated_ && !sigma_follows_repeatability_) return 0.0;
   const RepeatabilityFit fit =
       FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
   const double penalised = fit.gain - std::log(static_cast<double>(model.estimate.rows));

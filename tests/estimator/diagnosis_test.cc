@@ -272,6 +272,22 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
   }
 }
 
+// One marker, each pose once, no sigma stated: the scatter is the noise, first about the believed model, then about the
+// extended one.
+TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
+  CalibrationProblem problem = Hidden(2, [](double q) { return 300e-6 * std::cos(2 * q) - 200e-6 * std::sin(2 * q); });
+  for (Observation& observation : problem.data.observations) {
+    observation.sigma.setZero();
+    observation.excluded = observation.marker != 0;
+  }
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, "explained");
+  ASSERT_EQ(diagnosis.steps.size(), 1u);
+  EXPECT_EQ(diagnosis.steps[0].chosen.candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
+  // 105 rows less about 35 unknowns tell sigma to 8 % and predict with up to sqrt(1.5) of it.
+  EXPECT_NEAR(diagnosis.final.estimate.noise_floor, 1.2 * kSigma, 0.4 * kSigma);
+}
+
 // Asked for, too, it takes nothing away from what has a name.
 TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); });

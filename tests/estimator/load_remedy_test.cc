@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/joint_estimator.h"
+#include "estimator/linearization.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {
@@ -42,6 +43,27 @@ void AddPlannedShots(const LoadPlan& plan, double sigma, test::LoadedTruth* trut
     shot.wrench = {wrench.force, wrench.moment};
     test::AddShot(shot, 3, sigma, data);
   }
+}
+
+// Where the arm finds no equilibrium there is nothing to judge: a named status, not the numbers that happen to be there.
+TEST(JudgeEstimate, AFoldedArmIsNoEstimate) {
+  const test::LoadedTruth truth = VerticalBase();
+  const test::LoadedDesign design;
+  const CalibrationProblem problem =
+      Simulate(truth, design, test::LoadedRows(design, truth), test::SetupFor(truth));
+  Estimate estimate = EstimateJointly(problem);
+  ASSERT_TRUE(IsUsable(estimate.status));
+  const int k2 = estimate.parameters.FindCoordinate("compliance/A2");
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(estimate.parameters.num_coordinates());
+  delta[k2] = 1e-2;  // rad/Nm
+  estimate.parameters.Plus(delta);
+  const std::vector<int> rows = problem.CalibrationObservations();
+  const Linearization folded = Linearize(problem, estimate.parameters, rows, {}, ObservationNoise(problem, rows, 1e-3));
+  ASSERT_FALSE(folded.valid);
+  EXPECT_TRUE(std::isnan(folded.residual.squaredNorm()));
+  JudgeEstimate(problem, &estimate);
+  EXPECT_EQ(estimate.status, Status::kEquilibriumDiverged);
+  EXPECT_FALSE(estimate.message.empty());
 }
 
 TEST(LoadRemedy, PulledAsItSaysTheCompliancePrecisionIsReached) {

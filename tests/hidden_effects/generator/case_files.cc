@@ -13,6 +13,7 @@
 namespace hidden {
 namespace {
 
+constexpr double kCommonSigma = 16e-6;  // m, where rows do not state theirs
 const double kDegree = std::acos(-1.0) / 180.0;
 
 template <typename... Arguments>
@@ -102,14 +103,20 @@ void WriteRobot(const Case& made, const std::filesystem::path& folder) {
              s.L * 1e3, s.a_x * 1e3, s.a_y * 1e3, s.s0 * 1e3, s.Kc * 1e-3);
 }
 
-void WriteExperiment(const Case& made, const std::filesystem::path& folder) {
+std::string NoiseLine(const CaseOptions& options, bool is_sealed) {
+  if (options.noise == "rows") return "noise: {from: rows}\n";
+  if (is_sealed) return Text("noise: {sigma_mm: %g}\n", 1e3 * kCommonSigma);
+  return options.noise == "repeats" ? "noise: {from: repeats}\n" : "";
+}
+
+void WriteExperiment(const Case& made, const std::filesystem::path& folder, bool is_sealed) {
   std::ofstream out = Open(folder / "experiment.yaml");
   out << "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [measurements.csv]\n";
   const Vector3d& p = made.robot.load_point;
   if (made.options.design.loaded) {
     out << Text("load_point_mm: [%g, %g, %g]\n", p.x() * 1e3, p.y() * 1e3, p.z() * 1e3);
   }
-  out << "noise: {from: rows}\n";
+  out << NoiseLine(made.options, is_sealed);
   if (made.options.repeatability > 0.0) {
     std::vector<std::string> entries;
     for (const JointLimits& joint : made.robot.arm.joints) {
@@ -133,7 +140,9 @@ void WriteHeader(const Case& made, std::ostream& out) {
   out << "config,marker,station,load";
   for (int j = 0; j < made.robot.arm.size(); ++j)
     out << ",q" << j + 1 << (made.robot.arm.joints[j].prismatic ? "_mm" : "_deg");
-  out << ",x_mm,y_mm,z_mm,sigma_x_mm,sigma_y_mm,sigma_z_mm";
+  out << ",x_mm,y_mm,z_mm";
+  if (made.options.noise == "rows") out << ",sigma_x_mm,sigma_y_mm,sigma_z_mm";
+  if (made.options.repeated > 0) out << ",repeat";
   if (design.loaded) out << ",fx_N,fy_N,fz_N";
   if (design.time) out << ",time_s";
   if (design.temperature) out << ",temperature_degC";
@@ -143,8 +152,8 @@ void WriteHeader(const Case& made, std::ostream& out) {
   out << "\n";
 }
 
-void WriteRow(const Case& made, const Shot& shot, const std::string& marker, const Vector3d& point, int decimals,
-              std::ostream& out) {
+void WriteRow(const Case& made, const Shot& shot, const std::string& marker, int repeat, const Vector3d& point,
+              int decimals, std::ostream& out) {
   const DesignOptions& design = made.options.design;
   out << Text("C%02d,", shot.config) << marker << "," << shot.station << "," << shot.load;
   for (int j = 0; j < made.robot.arm.size(); ++j) {
@@ -152,7 +161,8 @@ void WriteRow(const Case& made, const Shot& shot, const std::string& marker, con
     out << Text(prismatic ? ",%.6f" : ",%.9f", prismatic ? shot.q[j] * 1e3 : shot.q[j] / kDegree);
   }
   for (int axis = 0; axis < 3; ++axis) out << Text(",%.*f", decimals, point[axis] * 1e3);
-  for (int axis = 0; axis < 3; ++axis) out << Text(",%.5f", shot.sigma[axis] * 1e3);
+  for (int axis = 0; axis < 3 && made.options.noise == "rows"; ++axis) out << Text(",%.5f", shot.sigma[axis] * 1e3);
+  if (made.options.repeated > 0) out << "," << repeat;
   if (design.loaded) out << Text(",%g,%g,%.10g", shot.force.x(), shot.force.y(), shot.force.z());
   if (design.time) out << Text(",%.1f", shot.time);
   if (design.temperature) out << Text(",%.3f", shot.air);
@@ -231,6 +241,9 @@ Case MakeCase(const CaseOptions& options) {
   Stream geometry(options.study, options.number, Purpose::kGeometry);
   Stream effect(options.study, options.number, Purpose::kEffect);
   made.design = MakeDesign(made.robot, options.design, &design);
+  for (Shot& shot : made.design.shots) {
+    if (options.noise != "rows") shot.sigma.setConstant(kCommonSigma);
+  }
   Nature& nature = made.nature;
   nature.arm = made.robot.arm;
   DrawErrors(made.robot, &geometry, &nature.arm);
@@ -260,7 +273,7 @@ void WriteCase(const Case& made) {
   for (const auto& folder : {open, sealed}) {
     std::filesystem::create_directories(folder);
     WriteRobot(made, folder);
-    WriteExperiment(made, folder);
+    WriteExperiment(made, folder, folder == sealed);
   }
   Nature noisy = made.nature;
   Stream repeatability(options.study, options.number, Purpose::kRepeatability);
@@ -274,12 +287,14 @@ void WriteCase(const Case& made) {
   int line = 1;
   for (const Shot& shot : made.design.shots) {
     for (const auto& [marker, point] : made.nature.markers) {
-      ++line;
-      bool is_outlier = false;
-      const Vector3d error = Noise(options, shot, &noise, &thrown, &is_outlier);
-      if (is_outlier) outliers.push_back("measurements.csv:" + std::to_string(line));
-      WriteRow(made, shot, marker, SeenAt(noisy, shot, marker) + error, 6, measured);
-      WriteRow(made, shot, marker, SeenAt(made.nature, shot, marker), 10, exact);
+      for (int repeat = 1; repeat <= (shot.config < options.repeated ? 2 : 1); ++repeat) {
+        ++line;
+        bool is_outlier = false;
+        const Vector3d error = Noise(options, shot, &noise, &thrown, &is_outlier);
+        if (is_outlier) outliers.push_back("measurements.csv:" + std::to_string(line));
+        WriteRow(made, shot, marker, repeat, SeenAt(noisy, shot, marker) + error, 6, measured);
+        WriteRow(made, shot, marker, repeat, SeenAt(made.nature, shot, marker), 10, exact);
+      }
     }
   }
   WriteAnswer(made, outliers);

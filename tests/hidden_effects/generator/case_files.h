@@ -19,6 +19,8 @@ struct CaseOptions {
   double undeclared_repeatability = 0.0;  // rad per joint
   double sigma_factor = 1.0;              // true over stated sigma
   double outliers = 0.0;                  // share of the rows
+  std::string noise = "rows";             // what states it: rows, repeats, none
+  int repeated = 0;                       // configurations that are shot twice
   std::string folder, answer_folder;
 };
 

@@ -26,6 +26,8 @@ const char* const kHelp = R"(sagitta_hidden_generator --out=DIR --answer=DIR [fl
   --undeclared_urad=X         not declared, per joint [0]
   --sigma_factor=X            true over stated sigma [1]
   --outliers=X                share of the rows [0]
+  --noise=rows|repeats|none   what states the noise; the latter two: one sigma for all rows [rows]
+  --repeated=N                configurations that are shot twice [0]
   --list                      prints the kinds
 
 sagitta_hidden_generator --displacements=IN.json --out=OUT.json --kinds=A [--scales=A] [--study=N] [--case=N]
@@ -92,6 +94,11 @@ hidden::CaseOptions Options(Flags* flags) {
   options.undeclared_repeatability = hidden::kMicro * flags->Number("undeclared_urad", 0.0);
   options.sigma_factor = flags->Number("sigma_factor", 1.0);
   options.outliers = flags->Number("outliers", 0.0);
+  options.noise = flags->Take("noise", "rows");
+  if (options.noise != "rows" && options.noise != "repeats" && options.noise != "none") {
+    throw std::invalid_argument("--noise is rows, repeats or none");
+  }
+  options.repeated = static_cast<int>(flags->Number("repeated", 0));
   options.folder = flags->Take("out", "");
   options.answer_folder = flags->Take("answer", "");
   flags->RefuseRest();

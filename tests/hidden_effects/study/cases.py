@@ -114,6 +114,33 @@ def noise_suite(seed, count, options):
             i += 1
 
 
+def unstated_suite(seed, count, options):
+    """Three markers and no loads where the effect needs none: the hardest to tell deviating joints from effects. The
+    sigma is stated, not stated, or by two poses alone that are shot twice; the joints deviate by about the noise, unsaid,
+    or not; each alone, then with one strong effect."""
+    sources = [('sigma stated', {}), ('none stated', {'noise': 'none'}),
+               ('two repeats', {'noise': 'repeats', 'repeated': 2})]
+    i = 0
+    for repeat in range(count):
+        for source, change in sources:
+            for deviates in (False, True):
+                for hides in (False, True):
+                    draw = draw_of('unstated', seed, i)
+                    kind = draw.choice([k for k in CATALOGUE if k != 'station_scale']) if hides else None
+                    kinds = [kind] if kind else []
+                    flags = dict(base_flags(draw, 1, kinds, configurations=40), **change)
+                    if not NEEDS_LOADS & set(kinds):
+                        flags['unloaded'] = None
+                    if deviates:
+                        flags['undeclared_urad'] = round(draw.uniform(4.0, 12.0), 2)
+                    name = source + (', joints deviate' if deviates else '')
+                    if hides:
+                        yield case('unstated', seed, i, kinds, [log_uniform(draw, SIZES['strong'])], flags, name)
+                    else:
+                        yield case('unstated', seed, i, [], [], flags, name, 'noise' if deviates else 'nothing')
+                    i += 1
+
+
 def confounded_suite(seed, count, options):
     i = 0
     for repeat in range(count):
@@ -158,5 +185,5 @@ def robots_flags(draw, index, kinds):
 robots_suite = mixed_suite('robots', robots_flags)
 
 SUITES = {'null': null_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite, 'outside': outside_suite,
-          'noise': noise_suite, 'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite,
+          'noise': noise_suite, 'unstated': unstated_suite, 'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite,
           'robots': robots_suite}
