@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "estimator/diagnosis/candidate_bench.h"
 #include "estimator/distributions.h"
@@ -37,7 +39,7 @@ struct PickedBeside {
 };
 
 std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidual& residual,
-                                       const SelectionOptions& options) {
+                                       const SelectionOptions& options, const std::set<std::string>& taken) {
   const double chi2 = residual.residual().squaredNorm();
   const std::vector<Candidate>& candidates = bench.candidates.candidates();
   const int tests = static_cast<int>(candidates.size());
@@ -45,6 +47,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   std::vector<ChosenStep> steps;
   std::map<std::string, CandidateScore> scores;  // by path
   for (size_t i = 0; i < candidates.size(); ++i) {
+    if (taken.count(candidates[i].spec.Path()) > 0) continue;  // what it was not told of the first time has no name
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     const Score& score = scored.score;
     if (score.rank == 0 || score.penalised <= 0.0) continue;
@@ -77,11 +80,13 @@ struct Beside {
   std::vector<ProjectedResidual> left;   // one more than steps: before the first
 };
 
-Beside SelectBeside(const Bench& bench, const ProjectedResidual& residual, const SelectionOptions& options) {
+Beside SelectBeside(const Bench& bench, const ProjectedResidual& residual, const SelectionOptions& options,
+                    std::set<std::string> taken) {
   Beside beside{{}, {}, {residual}};
   while (static_cast<int>(beside.steps.size()) < options.most_steps / 2) {
-    std::optional<PickedBeside> picked = PickBeside(bench, beside.left.back(), options);
+    std::optional<PickedBeside> picked = PickBeside(bench, beside.left.back(), options, taken);
     if (!picked) break;
+    taken.insert(picked->step.candidate.spec.Path());
     beside.steps.push_back(std::move(picked->step));
     beside.left.push_back(beside.left.back().With(picked->columns));
     beside.columns.push_back(std::move(picked->columns));
@@ -262,14 +267,16 @@ std::optional<Cut> CutByDecoy(const Bench& bench, const Beside& beside) {
 // What has a name beside a decoy: the same question again beside everything of its kind, until the steps hold.
 std::vector<ChosenStep> StepsBeside(const Bench& bench, const Decoy& first, const SelectionOptions& options) {
   std::vector<ChosenStep> held;
+  std::set<std::string> taken;
   ProjectedResidual residual = bench.decoys.residual().With(bench.decoys.ColumnsOfKind(first));
   for (size_t decoys = 1;; ++decoys) {
-    const Beside beside = SelectBeside(bench, residual, options);
+    const Beside beside = SelectBeside(bench, residual, options, taken);
     std::optional<Cut> cut;
     if (decoys < kMostDecoys) cut = CutByDecoy(bench, beside);
     const size_t kept = cut ? cut->kept : beside.steps.size();
     held.insert(held.end(), beside.steps.begin(), beside.steps.begin() + static_cast<long>(kept));
     if (!cut) return held;
+    for (const ChosenStep& step : held) taken.insert(step.candidate.spec.Path());
     residual = beside.left[kept].With(bench.decoys.ColumnsOfKind(cut->decoy));
   }
 }
