@@ -29,7 +29,8 @@ void CheckKind(const Chain& chain, const Experiment& experiment, JointType type)
   };
   const std::string other = turns ? "repeatability_um" : "repeatability_urad";
   const bool asked_of_this_kind = spec.estimate && !experiment.repeatability.Of(OtherKind(type)).estimate;
-  if ((spec.common || asked_of_this_kind) && names.empty()) fail(key, "the robot has no " + kind + " joint", "state " + other);
+  if ((spec.common || asked_of_this_kind) && names.empty())
+    fail(key, "the robot has no " + kind + " joint", "state " + other);
   for (const auto& [name, sigma] : spec.per_joint) {
     const int joint = chain.FindJoint(name);
     if (joint < 0) fail(key + "." + name, "the robot has no joint '" + name + "'", SpellingHint(name, names));

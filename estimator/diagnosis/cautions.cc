@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <set>
 
 #include "estimator/diagnosis/noise_check.h"
 #include "problems/split.h"
@@ -67,10 +66,10 @@ void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* ca
   const bool is_asked = problem.experiment.noise.from == NoiseSpec::From::kVarianceComponents;
   if (problem.sigma_is_stated() || is_asked) return;
   const std::string taken =
-      RowsShareVisits(problem)
-          ? ": what the rows of one arrival share is taken as joint repeatability where that says more than any effect, "
-            "and the rest of the scatter that the model leaves as the instrument's noise"
-          : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
+      RowsShareVisits(problem) ? ": what the rows of one arrival share is taken as joint repeatability where that says "
+                                 "more than any effect, "
+                                 "and the rest of the scatter that the model leaves as the instrument's noise"
+                               : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
   cautions->push_back("No noise is stated" + taken +
                       ". Structure in it is found, a gap without structure is not, and 'consistent' means no more than "
                       "that. State sigma_mm, or measure some poses again.");

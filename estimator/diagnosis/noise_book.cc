@@ -14,7 +14,7 @@ namespace {
 constexpr double kShareOfOutliers = 0.1;  // of the significance; the scale has the same
 constexpr double kRepeatsTail = 0.005;    // of the interval in which repeats leave their sigma open, each side
 constexpr double kAxesDiffer = 0.01;
-constexpr double kSettled = 0.05;         // of sigma and repeatability
+constexpr double kSettled = 0.05;  // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
 
 // Bartlett's test of the three axes' variances. A few repeats make one axis look ten times better than another; what
@@ -39,8 +39,8 @@ NoiseBook::NoiseBook(const CalibrationProblem& problem, double significance, con
       repeatability_is_stated_(!problem.latent.empty()) {
   finding_.is_stated = sigma_is_stated_;
   finding_.asks_repeatability = problem.experiment.repeatability.IsEstimated();
-  sigma_follows_repeatability_ = !sigma_is_stated_ && !repeatability_is_stated_ &&
-                                 (finding_.asks_repeatability || RowsShareVisits(problem));
+  sigma_follows_repeatability_ =
+      !sigma_is_stated_ && !repeatability_is_stated_ && (finding_.asks_repeatability || RowsShareVisits(problem));
 }
 
 bool NoiseBook::Replace(const CalibrationProblem& problem, DiagnosedModel* model) const {

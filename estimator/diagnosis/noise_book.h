@@ -74,12 +74,12 @@ class NoiseBook {
   double significance_;
   JointOptions joint_;
   bool sigma_is_stated_, repeatability_is_stated_;
-  bool sigma_follows_repeatability_;  // both are open, and rows tell them apart
+  bool sigma_follows_repeatability_;   // both are open, and rows tell them apart
   double beside_repeatability_ = 1.0;  // factor on the sigmas that goes with what was found last
-  double applied_ = 1.0;            // scale that is in the baseline's sigmas already
-  bool scale_is_measured_ = false;  // by rigid bodies
-  std::vector<int> outliers_;       // that are fitted no longer
-  std::set<int> returned_;          // that were some once
+  double applied_ = 1.0;               // scale that is in the baseline's sigmas already
+  bool scale_is_measured_ = false;     // by rigid bodies
+  std::vector<int> outliers_;          // that are fitted no longer
+  std::set<int> returned_;             // that were some once
   NoiseFinding finding_;
 };
 

@@ -1,6 +1,5 @@
 #include "estimator/diagnosis/noise_check.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>

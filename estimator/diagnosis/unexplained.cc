@@ -47,7 +47,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   std::vector<ChosenStep> steps;
   std::map<std::string, CandidateScore> scores;  // by path
   for (size_t i = 0; i < candidates.size(); ++i) {
-    if (taken.count(candidates[i].spec.Path()) > 0) continue;  // what it was not told of the first time has no name
+    if (taken.count(candidates[i].spec.Path()) > 0) continue;  // an effect is one step
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     const Score& score = scored.score;
     if (score.rank == 0 || score.penalised <= 0.0) continue;

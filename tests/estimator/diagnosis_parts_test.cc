@@ -117,8 +117,8 @@ TEST(Candidates, WeightsNeedTheDirectionOfGravity) {
   const CandidateList unlevelled = ListCandidates(problem, problem.parameters);
   EXPECT_EQ(of_sag(unlevelled), 0);
   EXPECT_EQ(unlevelled.candidates.size(), levelled.candidates.size() - of_sag(levelled));
-  const bool says_why = std::any_of(
-      unlevelled.not_testable.begin(), unlevelled.not_testable.end(), [](const NotTestable& entry) {
+  const bool says_why =
+      std::any_of(unlevelled.not_testable.begin(), unlevelled.not_testable.end(), [](const NotTestable& entry) {
         return entry.effect == "self_weight_sag" && entry.needs.find("gravity") != std::string::npos;
       });
   EXPECT_TRUE(says_why);
@@ -164,7 +164,7 @@ TEST(NoiseBook, RepeatsBoundTheNoise) {
   DiagnosedModel model = FitFully(problem, JointOptions());
   NoiseBook book(problem, 0.01, JointOptions());
   book.Prepare(&model);
-  // 300 degrees of freedom: at most 1.13 of the sigma that the repeats show (sqrt(300 / chi2_300(0.005)) = 1.117).
+  // 300 degrees of freedom: at most 1.12 of the sigma that the repeats show, sqrt(300 / chi2_300(0.005)).
   EXPECT_GT(model.estimate.chi2 / model.estimate.dof, 10.0);
   EXPECT_LT(book.LackOfFit(model.estimate), 1e-6);
 }

@@ -1,7 +1,5 @@
 // The diagnosis on data in which an effect is hidden; the measurements come from
 // the generator in tests/support, the effect from its formula written here.
-#include "estimator/diagnosis/diagnose.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "tests/support/kr270_experiment.h"
 

@@ -45,12 +45,12 @@ void AddPlannedShots(const LoadPlan& plan, double sigma, test::LoadedTruth* trut
   }
 }
 
-// Where the arm finds no equilibrium there is nothing to judge: a named status, not the numbers that happen to be there.
+// Where the arm finds no equilibrium there is nothing to judge: a named status, not the numbers that happen to be
+// there.
 TEST(JudgeEstimate, AFoldedArmIsNoEstimate) {
   const test::LoadedTruth truth = VerticalBase();
   const test::LoadedDesign design;
-  const CalibrationProblem problem =
-      Simulate(truth, design, test::LoadedRows(design, truth), test::SetupFor(truth));
+  const CalibrationProblem problem = Simulate(truth, design, test::LoadedRows(design, truth), test::SetupFor(truth));
   Estimate estimate = EstimateJointly(problem);
   ASSERT_TRUE(IsUsable(estimate.status));
   const int k2 = estimate.parameters.FindCoordinate("compliance/A2");

@@ -116,8 +116,8 @@ def noise_suite(seed, count, options):
 
 def unstated_suite(seed, count, options):
     """Three markers and no loads where the effect needs none: the hardest to tell deviating joints from effects. The
-    sigma is stated, not stated, or by two poses alone that are shot twice; the joints deviate by about the noise, unsaid,
-    or not; each alone, then with one strong effect."""
+    sigma is stated, not stated, or by two poses alone that are shot twice; the joints deviate by about the noise,
+    unsaid, or not; each alone, then with one strong effect."""
     sources = [('sigma stated', {}), ('none stated', {'noise': 'none'}),
                ('two repeats', {'noise': 'repeats', 'repeated': 2})]
     i = 0
@@ -185,5 +185,5 @@ def robots_flags(draw, index, kinds):
 robots_suite = mixed_suite('robots', robots_flags)
 
 SUITES = {'null': null_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite, 'outside': outside_suite,
-          'noise': noise_suite, 'unstated': unstated_suite, 'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite,
-          'robots': robots_suite}
+          'noise': noise_suite, 'unstated': unstated_suite, 'confounded': confounded_suite,
+          'few': few_suite, 'stations': stations_suite, 'robots': robots_suite}
