@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kIndependent = 1e-5;  // projected norm over norm below which a column says nothing new
 constexpr double kRankTolerance = 1e-6;
+constexpr double kTwiceIsEnough = 0.5;  // norm that a direction keeps when projected again, below which it is rounding
 constexpr double kTypicalPerHoldLimit = 0.1;  // TraitsOf: a direction is held beyond ten typical sizes
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
@@ -60,10 +61,20 @@ Eigen::VectorXd ProjectedResidual::Reproduce(const Eigen::MatrixXd& columns, con
   return rest * rest.completeOrthogonalDecomposition().solve(target);
 }
 
+Eigen::MatrixXd ProjectedResidual::NewDirections(const Eigen::MatrixXd& columns) const {
+  const Eigen::MatrixXd once = OrthonormalBasis(ProjectOff(columns));
+  const Eigen::MatrixXd twice = once - basis_ * (basis_.transpose() * once);
+  std::vector<int> kept;
+  for (int c = 0; c < twice.cols(); ++c) {
+    if (twice.col(c).norm() > kTwiceIsEnough) kept.push_back(c);
+  }
+  return OrthonormalBasis(twice(Eigen::all, kept));
+}
+
 ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const {
   if (columns.cols() == 0) return *this;
   ProjectedResidual result;
-  const Eigen::MatrixXd extra = OrthonormalBasis(ProjectOff(columns));
+  const Eigen::MatrixXd extra = NewDirections(columns);
   result.basis_.resize(basis_.rows(), basis_.cols() + extra.cols());
   result.basis_ << basis_, extra;
   result.residual_ = residual_ - extra * (extra.transpose() * residual_);

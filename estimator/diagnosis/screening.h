@@ -73,6 +73,10 @@ class ProjectedResidual {
 
  private:
   ProjectedResidual() = default;
+  // Orthonormal, what the columns add to the basis. Of nearly dependent columns some directions are rounding, which the
+  // basis contains as much as anything: they are projected a second time, and what that takes away is dropped.
+  Eigen::MatrixXd NewDirections(const Eigen::MatrixXd& columns) const;
+
   Eigen::MatrixXd basis_;
   Eigen::VectorXd residual_;
 };

@@ -8,6 +8,7 @@
 #include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/noise_book.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/screening.h"
 #include "estimator/diagnosis/selection.h"
 #include "estimator/linearization.h"
 #include "estimator/parallel.h"
@@ -303,6 +304,22 @@ TEST(DiagnosisRule, OfTwinsTheFirstInTheList) {
                                          Step("station_scale", "S1", 1, 50, 43, 1),
                                          Step("station_scale", "S3", 1, 49, 42, 0)};
   EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "S1");
+}
+
+// Two columns that are nearly believed, and nearly the same: what they differ by holds as much rounding as meaning.
+TEST(Screening, ABasisOfNearlyDependentColumnsStaysOrthonormal) {
+  const int rows = 120;
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(rows, -1.0, 1.0);
+  Eigen::MatrixXd believed(rows, 3);
+  believed << Eigen::VectorXd::Ones(rows), x, x.cwiseAbs2();
+  const Eigen::VectorXd residual = (7.0 * x).array().sin();
+  Eigen::MatrixXd kind(rows, 2);
+  kind.col(0) = believed * Eigen::Vector3d(1.0, -0.7, 0.3) + 1e-4 * (3.0 * x).array().sin().matrix();
+  kind.col(1) = kind.col(0) + 1e-13 * (5.0 * x).array().cos().matrix();
+  const ProjectedResidual beside = ProjectedResidual(believed, residual).With(kind);
+  const Eigen::MatrixXd gram = beside.basis().transpose() * beside.basis();
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).norm(), 1e-12);
+  EXPECT_EQ(gram.rows(), 5);
 }
 
 TEST(DiagnosisDecoys, AJointThatStandsStillDrivesNothing) {
