@@ -31,7 +31,8 @@ const Reading kReadings[] = {
     {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
 };
 
-std::vector<std::string> ColumnsOf(const Reading& reading, const Chain& chain, const MeasurementFile& file) {
+std::vector<std::string> ColumnsOf(const Reading& reading, const std::string& point_prefix, const Chain& chain,
+                                   const MeasurementFile& file) {
   std::vector<std::string> columns;
   const auto add = [&](const std::string& name) {
     if (file.FindColumn(name) >= 0) columns.push_back(name);
@@ -41,7 +42,7 @@ std::vector<std::string> ColumnsOf(const Reading& reading, const Chain& chain, c
       if (chain.joints[j].type == JointType::kRevolute) add("q" + std::to_string(j + 1) + reading.suffix);
     }
   } else {
-    for (const char* axis : {"x", "y", "z"}) add(axis + std::string(reading.suffix));
+    for (const char* axis : {"x", "y", "z"}) add(point_prefix + axis + reading.suffix);
   }
   return columns;
 }
@@ -58,10 +59,11 @@ double LargestNumber(const MeasurementFile& file, const std::vector<std::string>
 }
 
 // Files whose columns may be meant in the other unit.
-std::vector<bool> FilesConcerned(const Reading& reading, const CalibrationProblem& problem) {
+std::vector<bool> FilesConcerned(const Reading& reading, const std::string& point_prefix,
+                                 const CalibrationProblem& problem) {
   std::vector<bool> concerned;
   for (const MeasurementFile& file : problem.data.files) {
-    const std::vector<std::string> columns = ColumnsOf(reading, problem.robot.chain, file);
+    const std::vector<std::string> columns = ColumnsOf(reading, point_prefix, problem.robot.chain, file);
     const double largest = LargestNumber(file, columns);
     concerned.push_back(!columns.empty() && largest > reading.least && largest <= reading.most);
   }
@@ -95,35 +97,39 @@ CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& read
   return reread;
 }
 
-UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, int file_index, double before,
-                     double after) {
+UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, const std::string& point_prefix,
+                     int file_index, double before, double after) {
   const MeasurementFile& file = problem.data.files[file_index];
   UnitFinding finding;
   finding.file = file.path;
   finding.line = file.rows.empty() ? 0 : file.rows.front().line;
-  finding.column = ColumnsOf(reading, problem.robot.chain, file).front();
+  finding.column = ColumnsOf(reading, point_prefix, problem.robot.chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
   finding.words = std::string("the numbers look like ") + reading.better_words +
                   ": the aligned nominal robot misses by " + WholeMillimetres(before) +
                   " (RMS) as the columns say, by " + WholeMillimetres(after) + " if they are " + reading.better_words;
-  finding.hint = "name the column " + stem + reading.better + " (and those like it), or convert the numbers";
+  finding.hint = "convert the numbers";
+  if (point_prefix.empty()) {
+    finding.hint = "name the column " + stem + reading.better + " (and those like it), or " + finding.hint;
+  }
   return finding;
 }
 
 }  // namespace
 
-std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem) {
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix) {
   const std::vector<int> sample = SampleOfRows(problem);
   const double before = AlignedMisfit(problem, sample);
   const double tolerance = kSuspicious * Reach(problem.robot.chain);
   if (!(before > tolerance)) return std::nullopt;
   for (const Reading& reading : kReadings) {
-    const std::vector<bool> concerned = FilesConcerned(reading, problem);
+    if (reading.is_joint && !point_prefix.empty()) continue;
+    const std::vector<bool> concerned = FilesConcerned(reading, point_prefix, problem);
     const auto first = std::find(concerned.begin(), concerned.end(), true);
     if (first == concerned.end()) continue;
     const double after = AlignedMisfit(Reread(problem, reading, concerned), sample);
     if (after * kImprovement > before || after > tolerance) continue;
-    return Describe(problem, reading, static_cast<int>(first - concerned.begin()), before, after);
+    return Describe(problem, reading, point_prefix, static_cast<int>(first - concerned.begin()), before, after);
   }
   return std::nullopt;
 }

@@ -19,8 +19,10 @@ struct UnitFinding {
 
 // Radians in _deg columns, degrees in _rad, metres in _mm, millimetres in _m.
 // Nothing when the aligned nominal robot is within 5 % of its reach, or when no
-// other reading is at least ten times better.
-std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem);
+// other reading is at least ten times better. Points of other columns than
+// x_mm, y_mm, z_mm say which: `point_prefix`, as in sim_x_mm, which knows no
+// other unit; joints are then taken as right.
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix = "");
 
 // A warning where even the estimate misses by more than 1 % of the reach: signs,
 // zero positions, kinematics or units do not belong to these data. "": none.

@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kReference = 1e-5;      // rad or m: deviations are counted in these
+constexpr double kReference = 1e-5;  // rad or m: deviations are counted in these
 constexpr int kMaxNewton = 100;
 constexpr int kMaxHalvings = 30;
 constexpr int kMostWidenings = 40;
@@ -67,14 +67,18 @@ double FalsePosition(const Function& f, double inside, double outside, double th
 
 }  // namespace
 
-RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters) {
+RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                           const Eigen::MatrixXd& beside) {
   const CalibrationProblem reference = WithReferenceDeviations(problem);
   const std::vector<int> observations = reference.CalibrationObservations();
   Linearization all = Linearize(reference, parameters, observations, parameters.EstimatedCoordinates(),
                                 ObservationNoise(reference, observations, kFallbackSigma), LatentTreatment::kIgnore);
   const int rows = all.num_rows();
-  columns_ = all.num_columns();
   AppendPriors(parameters, &all);
+  all.jacobian.conservativeResize(Eigen::NoChange, all.jacobian.cols() + beside.cols());
+  all.jacobian.rightCols(beside.cols()).setZero();
+  all.jacobian.topRightCorner(rows, beside.cols()) = beside;
+  columns_ = static_cast<int>(all.jacobian.cols());
   dof_ = all.num_rows() - columns_;
   const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
   all.jacobian = Eigen::MatrixXd(all.jacobian * scale.asDiagonal());
@@ -138,11 +142,13 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   }
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
   const Eigen::VectorXd x = columns_ > 0 ? Eigen::VectorXd(root.solve(product)) : Eigen::VectorXd();
+  result.chi2 = square;
   if (columns_ > 0) {
-    result.deviance += 2.0 * Eigen::MatrixXd(root.matrixL()).diagonal().array().log().sum() - product.dot(x);
+    result.chi2 -= product.dot(x);
+    result.deviance += 2.0 * Eigen::MatrixXd(root.matrixL()).diagonal().array().log().sum();
     result.inverse = root.solve(Eigen::MatrixXd::Identity(columns_, columns_));
   }
-  result.deviance += square;
+  result.deviance += result.chi2;
   if (!with_derivatives) return result;
 
   // dD/dv_i = tr(V^-1 V_i) - tr(N^-1 J'V^-1 V_i V^-1 J) - e'V_i e,   e = P r.
@@ -269,6 +275,7 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
   fit.converged = Minimise(is_free, groups, &best);
   const Evaluation here = Evaluate(best, groups, true);
   fit.deviance = here.deviance;
+  fit.chi2 = here.chi2;
   fit.variances = best;
   fit.variances.tail(n - 1) *= kReference * kReference;
   fit.covariance = Eigen::MatrixXd::Zero(n, n);

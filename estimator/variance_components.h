@@ -32,14 +32,17 @@ struct DeviationGroup {
 struct RemlFit {
   bool converged = false;
   double deviance = 0.0;
+  double chi2 = 0.0;           // r'P r
   Eigen::VectorXd variances;   // a, then one per group, SI
   Eigen::MatrixXd covariance;  // of them, from the information; 0 where stated or at 0
 };
 
 class RestrictedLikelihood {
  public:
-  // At `parameters`, over their estimated coordinates; calibration rows.
-  RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters);
+  // At `parameters`, over their estimated coordinates; calibration rows. beside: columns that are free too (rows
+  // whitened by the roots at hand, independent of the others).
+  RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters,
+                       const Eigen::MatrixXd& beside = {});
 
   RemlFit Maximise(bool estimate_instrument, const std::vector<DeviationGroup>& groups) const;
   // 95 % interval of component i (0: instrument) as standard deviation, the others refitted.
@@ -61,7 +64,7 @@ class RestrictedLikelihood {
     Eigen::MatrixXd deviation;  // one column per joint, of a reference deviation
   };
   struct Evaluation {
-    double deviance = 0.0;
+    double deviance = 0.0, chi2 = 0.0;
     Eigen::VectorXd gradient;
     Eigen::MatrixXd hessian;                  // average information
     Eigen::MatrixXd inverse;                  // (J'V^-1 J)^-1

@@ -5,8 +5,21 @@
 
 #include "models/effects/catalogue.h"
 #include "problems/input_error.h"
+#include "problems/split.h"
 
 namespace sagitta {
+namespace {
+
+// How many of these configurations differ in a joint value.
+int DifferentPoses(const Measurements& data, const std::set<int>& configurations) {
+  int poses = 0;
+  for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
+    poses += std::any_of(group.begin(), group.end(), [&](int c) { return configurations.count(c) > 0; });
+  }
+  return poses;
+}
+
+}  // namespace
 
 int LineOf(const Experiment& experiment, std::string key) {
   while (!key.empty()) {
@@ -142,8 +155,12 @@ void CheckEnoughData(const CalibrationProblem& problem) {
   }
   const int unknowns = problem.parameters.EstimatedCoordinates().size();
   if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");
-  if (configurations.size() < 2) {
-    throw InputError({file, 0, "config"}, "one configuration cannot tell the robot from the base",
+  if (DifferentPoses(problem.data, configurations) < 2) {
+    const std::string alike = "all " + std::to_string(configurations.size()) +
+                              " configurations are alike (equal joint values), and one pose cannot tell the robot "
+                              "from the base";
+    throw InputError({file, 0, "config"},
+                     configurations.size() < 2 ? "one configuration cannot tell the robot from the base" : alike,
                      "measure at least two, better thirty, different configurations");
   }
   const int equations = 3 * observations.size();

@@ -25,7 +25,9 @@ int CountHeldOut(const Measurements& data) {
 
 void RefuseEverything(const Measurements& data) {
   if (CountHeldOut(data) < static_cast<int>(data.configurations.size())) return;
-  Fail(data, "every configuration is held out, nothing is left to calibrate with");
+  const bool alike = data.configurations.size() > 1 && GroupsOfEqualJointValues(data).size() == 1;
+  Fail(data, "every configuration is held out, nothing is left to calibrate with",
+       alike ? "all configurations are alike (equal joint values) and count as one: measure different ones" : "");
 }
 
 void RefuseNothing(const Measurements& data, const std::string& hint) {

@@ -138,7 +138,11 @@ int RunDiagnose(const CommandLine& line) {
   std::cout << DiagnosisToText(diagnosis);
   const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, problem.experiment.significance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
-  if (!FLAGS_out.empty()) WriteResults(line, inputs, baseline, diagnosis, json);
+  if (FLAGS_out.empty()) {
+    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+  } else {
+    WriteResults(line, inputs, baseline, diagnosis, json);
+  }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
   return unmet.empty() ? 0 : kRequirementNotMet;
 }

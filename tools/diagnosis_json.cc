@@ -130,6 +130,26 @@ Json FinalToJson(const Diagnosis& d) {
   return json;
 }
 
+// Adds the compliance to that of the robot; not where that would be less than none, as beside a simulation that is
+// softer than the arm.
+bool MoveHome(const EffectSpec& spec, Robot* robot) {
+  const int joint = robot->chain.FindJoint(spec.target);
+  const auto own = std::find_if(robot->compliances.begin(), robot->compliances.end(),
+                                [&](const JointCompliance& c) { return c.joint == joint; });
+  std::vector<JointCompliance::Node> nodes = {{0.0, 0.0}};
+  if (own != robot->compliances.end()) nodes = own->nodes;
+  for (JointCompliance::Node& node : nodes) node.k += spec.values[0];
+  if (std::any_of(nodes.begin(), nodes.end(), [](const JointCompliance::Node& node) { return node.k < 0.0; })) {
+    return false;
+  }
+  if (own != robot->compliances.end()) {
+    own->nodes = nodes;
+  } else {
+    robot->compliances.push_back({joint, nodes, false});
+  }
+  return true;
+}
+
 std::string KindOf(const Decoy& decoy) { return decoy.kind.empty() ? "other" : decoy.kind; }
 
 }  // namespace
@@ -138,18 +158,7 @@ Robot ExtendedRobot(const Diagnosis& diagnosis) {
   Robot robot = diagnosis.final.problem->model.WithValues(diagnosis.final.estimate.parameters.ModelValues());
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
-    if (spec.effect != "joint_compliance") {
-      others.push_back(spec);
-      continue;
-    }
-    const int joint = robot.chain.FindJoint(spec.target);
-    const auto own = std::find_if(robot.compliances.begin(), robot.compliances.end(),
-                                  [&](const JointCompliance& c) { return c.joint == joint; });
-    if (own == robot.compliances.end()) {
-      robot.compliances.push_back({joint, {{0.0, spec.values[0]}}, false});
-    } else {
-      for (JointCompliance::Node& node : own->nodes) node.k += spec.values[0];
-    }
+    if (spec.effect != "joint_compliance" || !MoveHome(spec, &robot)) others.push_back(spec);
   }
   robot.effects = others;
   return robot;
@@ -184,9 +193,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   if (d.verdict == "unknown" || d.verdict == "partly") {
     const Json depends = d.unexplained.depends_on;
     json["unexplained"] = {
-        {"words", d.unexplained.words.empty() ? "no driving variable stands out" : d.unexplained.words},
-        {"depends_on", depends},
-        {"kind", KindOf(d.unexplained)}};
+        {"words", UnexplainedInWords(d.unexplained)}, {"depends_on", depends}, {"kind", KindOf(d.unexplained)}};
   }
   return json;
 }

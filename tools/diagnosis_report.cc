@@ -123,6 +123,7 @@ Section GapMapSection(const Diagnosis& d) {
     const std::vector<double> red = d.steps.empty() ? std::vector<double>() : gap.after;
     for (const Driver& driver : gap.over) {
       const Eigen::VectorXd x = driver.of_shot(gap.shots);
+      if (!(x.maxCoeff() > x.minCoeff())) continue;  // it varies over shots that are not shown
       section.figure += ScatterChart("deviation of " + Labelled(gap.joint, gap.unit),
                                      Labelled(driver.name, driver.unit), {x.begin(), x.end()}, gap.before, red);
     }
@@ -151,8 +152,8 @@ Section VerdictSection(const Diagnosis& d) {
   Section section;
   section.title = "Diagnosis: " + d.verdict;
   section.paragraphs = {VerdictInWords(d), "Noise: " + NoiseInWords(d.noise)};
-  if (d.has_unexplained && !d.unexplained.words.empty()) {
-    section.paragraphs.push_back("Without a name: " + d.unexplained.words + ".");
+  if (d.has_unexplained) {
+    section.paragraphs.push_back("Without a name: " + UnexplainedInWords(d.unexplained) + ".");
   }
   for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
   if (d.steps.empty()) return section;

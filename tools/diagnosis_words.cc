@@ -52,6 +52,19 @@ std::string LagInWords(const ThermalLag& lag) {
          "; the interval allows for that, the value does not.";
 }
 
+std::string RepeatabilityInWords(const NoiseFinding& noise) {
+  const std::string about = "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) + " urad ";
+  if (noise.repeatability_is_bound) {
+    return about + "is taken, " + Significant(1e6 * noise.repeatability_high, 3) +
+           " at most: what has no name is part of it. ";
+  }
+  return about + "(95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
+         Significant(1e6 * noise.repeatability_high, 3) +
+         (noise.asks_repeatability            ? ") is found, as asked. "
+          : noise.repeatability_is_overstated ? ") is found; more is stated. "
+                                              : ") was not declared. ");
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -90,8 +103,11 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   words.back() = ';';
   if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
   if (std::isfinite(step.holdout_after)) {
-    words += " hold-out RMS " + Significant(1e3 * step.holdout_before, 3) + " -> " +
+    const bool is_change = std::isfinite(step.holdout_before);
+    words += " hold-out RMS " + (is_change ? Significant(1e3 * step.holdout_before, 3) + " -> " : "") +
              Significant(1e3 * step.holdout_after, 3) + " mm.";
+  } else {
+    words.back() = '.';
   }
   const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
@@ -129,6 +145,10 @@ std::string HalvesInWords(const Confirmation& confirmation) {
          " (p " + Significant(confirmation.compatible_p, 3) + ").";
 }
 
+std::string UnexplainedInWords(const Decoy& decoy) {
+  return decoy.words.empty() ? "no driving variable stands out" : decoy.words;
+}
+
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
   if (std::abs(noise.taken_of_repeats - 1.0) > kNotWorthAWord) {
@@ -139,11 +159,11 @@ std::string NoiseInWords(const NoiseFinding& noise) {
     words += "The instrument's noise is " + Significant(noise.scale, 3) +
              " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
   }
+  if (noise.repeatability_is_overstated && noise.repeatability == 0.0) {
+    words += "The rows scatter less than the stated joint repeatability lets them: none is found. ";
+  }
   if (noise.repeatability > 0.0) {
-    words += "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
-             " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
-             Significant(1e6 * noise.repeatability_high, 3) +
-             (noise.asks_repeatability ? ") is found, as asked. " : ") was not declared. ");
+    words += RepeatabilityInWords(noise);
   }
   if (!noise.outliers.empty()) {
     words +=
@@ -151,7 +171,7 @@ std::string NoiseInWords(const NoiseFinding& noise) {
     if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
     words += ". ";
   }
-  if (!words.empty()) return words;
+  if (!words.empty()) return words.substr(0, words.size() - 1);  // without the blank before another sentence
   if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
   if (std::isnan(noise.high)) return "The noise is taken as stated: nothing is left over that would tell it.";
   if (!noise.is_bound) return "The noise is as stated.";
@@ -222,8 +242,9 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "\n";
   if (!std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
-  if (d.has_unexplained) text << "Unexplained: " << d.unexplained.words << "\n";
+  if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d.unexplained) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
+  for (const std::string& warning : d.baseline.problem->data.warnings) text << "Warning: " << warning << "\n";
   return text.str();
 }
 

@@ -16,6 +16,8 @@ std::string AlternativeInWords(const Robot& robot, const Alternative& alternativ
 std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
 std::string HalvesInWords(const Confirmation& confirmation);
 std::string NoiseInWords(const NoiseFinding& noise);
+// What a rest without a name depends on.
+std::string UnexplainedInWords(const Decoy& decoy);
 std::string ShareInWords(const WhereShare& share);
 
 std::string ClosedInWords(const GapReport& gap);

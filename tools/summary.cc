@@ -276,6 +276,12 @@ std::string Wrapped(const std::string& paragraph) {
   return text + line + "\n";
 }
 
+// Without the sign of what was rounded to zero: "-0.000".
+std::string WithoutSignOfZero(const std::string& number) {
+  const bool is_zero = number[0] == '-' && number.find_first_not_of("-0.") == std::string::npos;
+  return is_zero ? number.substr(1) : number;
+}
+
 }  // namespace
 
 bool IsEven(const ParameterEstimate& row) {
@@ -287,7 +293,7 @@ std::string Fixed(double value, int decimals) {
   if (std::isnan(value)) return "-";
   char buffer[400];
   std::snprintf(buffer, sizeof(buffer), "%.*f", decimals, value);
-  return buffer;
+  return WithoutSignOfZero(buffer);
 }
 
 std::string Significant(double value, int digits) {
@@ -296,7 +302,7 @@ std::string Significant(double value, int digits) {
   std::snprintf(buffer, sizeof(buffer), "%.*g", digits, value);
   const double rounded = std::atof(buffer);
   const bool would_be_a_power = std::abs(rounded) >= std::pow(10.0, digits);  // 1.66e+03
-  return would_be_a_power && std::abs(rounded) < 1e6 ? Fixed(rounded, 0) : buffer;
+  return would_be_a_power && std::abs(rounded) < 1e6 ? Fixed(rounded, 0) : WithoutSignOfZero(buffer);
 }
 
 std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate) {

@@ -116,13 +116,31 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
 }
 
 // Whether what drives the effect is more than one value.
-bool Varies(const CalibrationProblem& problem, EffectDriver driver) {
-  const auto value = [driver](const ShotConditions& shot) {
-    return driver == EffectDriver::kTime ? shot.time : shot.temperature;
-  };
+template <typename Value>
+bool Varies(const CalibrationProblem& problem, const Value& value) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(), [&](const ShotInput& shot) {
     return value(shot.conditions) != value(problem.shot_inputs[0].conditions);
   });
+}
+
+// "" or the column that states one and the same in every row; that nothing was approached from anywhere (0) is no
+// statement at all.
+std::string StandingColumn(const CalibrationProblem& problem, const EffectDefinition& definition,
+                           const EffectSpec& spec) {
+  if (definition.driven_by == EffectDriver::kTime) {
+    const bool varies = Varies(problem, [](const ShotConditions& shot) { return shot.time; });
+    return varies ? "" : "time_s that varies";
+  }
+  if (definition.driven_by == EffectDriver::kTemperature) {
+    const bool varies = Varies(problem, [](const ShotConditions& shot) { return shot.temperature; });
+    return varies ? "" : "temperature_degC that varies";
+  }
+  if (spec.TextSetting("by", "") != "approach") return "";
+  const int joint = problem.robot.chain.FindJoint(spec.target);
+  if (joint < 0 || !problem.shot_inputs[0].conditions.StatesApproachOf(joint)) return "";
+  if (Varies(problem, [joint](const ShotConditions& shot) { return shot.approach[joint]; })) return "";
+  const bool is_zero = problem.shot_inputs[0].conditions.approach[joint] == 0;
+  return "approach" + std::to_string(joint + 1) + (is_zero ? "" : " that varies");
 }
 
 std::string Missing(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
@@ -131,8 +149,7 @@ std::string Missing(const CalibrationProblem& problem, const EffectDefinition& d
     const std::string column = MissingColumn(definition, context);
     if (!column.empty()) return column;
   }
-  if (definition.driven_by == EffectDriver::kJoint || Varies(problem, definition.driven_by)) return "";
-  return definition.driven_by == EffectDriver::kTime ? "time_s that varies" : "temperature_degC that varies";
+  return StandingColumn(problem, definition, spec);
 }
 
 bool IsLevelled(const Experiment& experiment) {

@@ -1,7 +1,9 @@
 #include "estimator/diagnosis/cautions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 
 #include "estimator/diagnosis/noise_check.h"
@@ -102,10 +104,45 @@ void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>*
   const std::vector<std::string> standing = StandingJoints(problem);
   if (standing.empty()) return;
   const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
-  cautions->push_back(
-      (all ? std::string("All configurations are alike: no joint moves") : Listed(standing) + " hardly move") +
-      " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
-      (all ? ", and the verdict holds for this one pose." : "."));
+  cautions->push_back((all ? std::string("All configurations are alike: no joint moves")
+                           : Listed(standing) + (standing.size() == 1 ? " hardly moves" : " hardly move")) +
+                      " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
+                      (all ? ", and the verdict holds for this one pose." : "."));
+}
+
+struct DrivingColumn {
+  std::string name;
+  std::function<bool(const ShotConditions&)> is_stated;
+};
+
+std::vector<DrivingColumn> DrivingColumns(int joints) {
+  std::vector<DrivingColumn> columns = {
+      {"time_s", [](const ShotConditions& shot) { return shot.has_time; }},
+      {"temperature_degC", [](const ShotConditions& shot) { return shot.has_temperature; }}};
+  for (int j = 0; j < joints; ++j) {
+    columns.push_back(
+        {"approach" + std::to_string(j + 1), [j](const ShotConditions& shot) { return shot.StatesApproachOf(j); }});
+  }
+  return columns;
+}
+
+// An effect acts in every shot or is not looked for: a few empty cells silence a whole column.
+void AppendPartlyStated(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+  const Measurements& data = problem.data;
+  std::vector<std::string> partly;
+  for (const DrivingColumn& column : DrivingColumns(problem.robot.num_joints())) {
+    const auto stating = std::count_if(problem.shot_inputs.begin(), problem.shot_inputs.end(),
+                                       [&](const ShotInput& shot) { return column.is_stated(shot.conditions); });
+    if (stating == 0 || stating == static_cast<long>(problem.shot_inputs.size())) continue;
+    const auto empty = std::count_if(data.observations.begin(), data.observations.end(),
+                                     [&](const Observation& row) { return data.Cell(row, column.name).empty(); });
+    partly.push_back(column.name + " (" + std::to_string(empty) + " of " + std::to_string(data.observations.size()) +
+                     " rows)");
+  }
+  if (partly.empty()) return;
+  cautions->push_back("Columns that some rows do not state: " + Listed(partly) +
+                      ". What they drive is looked for only where every shot states it: fill the cells, or leave those "
+                      "rows out.");
 }
 
 void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
@@ -151,16 +188,16 @@ void AppendHoldout(const Counts& counts, std::vector<std::string>* cautions) {
 
 }  // namespace
 
-std::vector<std::string> FindCautions(const DiagnosedModel& believed) {
-  const CalibrationProblem& problem = *believed.problem;
-  const Counts counts = CountConfigurations(problem.data);
+std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed) {
+  const Counts counts = CountConfigurations(stated.data);
   std::vector<std::string> cautions;
-  AppendNoise(problem, &cautions);
-  AppendUnused(problem.experiment, &cautions);
-  AppendFew(problem, counts, &cautions);
-  AppendStanding(problem, &cautions);
+  AppendNoise(stated, &cautions);
+  AppendUnused(stated.experiment, &cautions);
+  AppendFew(stated, counts, &cautions);
+  AppendStanding(stated, &cautions);
+  AppendPartlyStated(stated, &cautions);
   AppendHeld(believed.estimate, &cautions);
-  AppendHeldEffects(problem, &cautions);
+  AppendHeldEffects(stated, &cautions);
   AppendHoldout(counts, &cautions);
   return cautions;
 }

@@ -9,7 +9,8 @@
 
 namespace sagitta {
 
-std::vector<std::string> FindCautions(const DiagnosedModel& believed);
+// Of the problem as it was stated, and of the believed model beside the noise and without the outliers that were found.
+std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed);
 
 // Where the hold-out is far above its noise floor although nothing is left to explain it, or below it.
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions);

@@ -14,13 +14,14 @@ namespace {
 
 constexpr int kFolds = 5;
 
-// Part of each configuration: groups of equal joint values are dealt in order of appearance, so that
+// Part of each configuration: groups of equal joint values that are fitted are dealt in order of appearance, so that
 // each part covers the whole time.
 std::vector<int> PartOfConfiguration(const Measurements& data, int parts) {
   std::vector<int> part(data.configurations.size(), 0);
   int next = 0;
   for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
-    if (data.configurations[group.front()].is_validation) continue;
+    const auto is_held_out = [&](int c) { return data.configurations[c].is_validation; };
+    if (std::all_of(group.begin(), group.end(), is_held_out)) continue;
     for (const int c : group) part[c] = next;
     next = (next + 1) % parts;
   }
@@ -150,6 +151,10 @@ Confirmation ConfirmationBench::Confirm(const ChosenStep& step, const Eigen::Vec
   const double left = all.dof > 0 ? all.chi2 / all.dof : 1.0;
   confirmation.compatible_p = CompatibleP(confirmation.halves[0], confirmation.halves[1], std::max(1.0, left));
   confirmation.folds = static_cast<int>(std::set<int>(fold_of_row_.begin(), fold_of_row_.end()).size());
+  if (confirmation.folds < 2) {
+    confirmation.cv_before = confirmation.cv_after = kNothingCompared;
+    return confirmation;
+  }
   confirmation.cv_before = CrossValidated(Complete(steps_.model().estimate.parameters, steps_.whole().believed,
                                                    steps_.OtherColumns(step), neutral_residual),
                                           fold_of_row_);

@@ -1,11 +1,12 @@
 #include "estimator/diagnosis/decoys.h"
-#include "estimator/linearization.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
+
+#include "estimator/linearization.h"
 
 namespace sagitta {
 namespace {
@@ -237,7 +238,7 @@ class DecoySearch {
     const double span = time_.maxCoeff() - time_.minCoeff();
     const Eigen::VectorXd time = bench_.OnRows(time_);
     for (const auto& [station, shift] : bench_.shifts_) {
-      Decoy best_wave{"time", {station}, station, "", -1e300, {}};
+      Decoy best_wave{"time", {station}, station, "", -1e300, {}, true};
       for (int p = 1; p <= kPeriods; ++p) {
         const double omega = kTwoPi * (0.5 * p) / span;
         const Eigen::VectorXd c = (omega * time).array().cos(), s = (omega * time).array().sin();
@@ -278,6 +279,7 @@ DecoyBench::DecoyBench(const DiagnosedModel& model)
     : problem_(*model.problem),
       parameters_(model.estimate.parameters),
       residual_(LinearizeEstimate(problem_, parameters_)),
+      dof_(model.estimate.dof),
       deviations_(JointDeviationColumns(problem_, parameters_)) {
   std::map<int, int> place;
   for (const int observation : problem_.CalibrationObservations()) {
@@ -312,11 +314,19 @@ std::string DecoyBench::Range(int joint, double low, double high) const {
 
 Decoy DecoyBench::Best(const ProjectedResidual& residual) const { return DecoySearch(*this, residual).Best(); }
 
+Decoy DecoyBench::BestInScatter() const {
+  Decoy best = Best();
+  const int dof = dof_ - static_cast<int>(best.columns.cols());
+  if (best.columns.cols() == 0 || dof <= 0) return best;
+  const double left = residual_.With(best.columns).residual().squaredNorm() / dof;
+  return left > 1.0 ? Best(residual_.InNoise(std::sqrt(left))) : best;
+}
+
 Eigen::MatrixXd DecoyBench::ColumnsOfKind(const Decoy& decoy) const {
   if (decoy.columns.cols() == 0) return Eigen::MatrixXd(residual_.residual().size(), 0);  // nothing moves
   std::vector<Eigen::MatrixXd> blocks = {decoy.columns};
   const int j = problem_.robot.chain.FindJoint(decoy.acts_on);
-  if (j < 0) {  // a station
+  if (decoy.moves_station) {
     const Eigen::MatrixXd bumps = OnRows(Bumps(time_, kKindBumps));
     for (int b = 0; b < kKindBumps; ++b) blocks.push_back(bumps.col(b).asDiagonal() * shifts_.at(decoy.acts_on));
   } else if (decoy.kind == "time") {

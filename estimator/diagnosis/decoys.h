@@ -30,6 +30,7 @@ struct Decoy {
   std::string words;
   double penalised = -1e300;
   Eigen::MatrixXd columns;  // whitened, at the model it was scored on
+  bool moves_station = false;
 };
 
 // What decoys are scored with at one model: how its joints and stations move the rows.
@@ -42,6 +43,8 @@ class DecoyBench {
   // The best decoy on the model's residual, or on what is left of it beside columns that are believed too.
   Decoy Best() const { return Best(residual_); }
   Decoy Best(const ProjectedResidual& residual) const;
+  // The best decoy in units of the scatter that it leaves, as effects are judged, where that is more than the noise.
+  Decoy BestInScatter() const;
   // All that a decoy's kind can do: any smooth function of what it depends on, on what it acts on, and its own columns.
   Eigen::MatrixXd ColumnsOfKind(const Decoy& decoy) const;
 
@@ -61,6 +64,7 @@ class DecoyBench {
   const CalibrationProblem& problem_;
   const ParameterSet& parameters_;
   ProjectedResidual residual_;
+  int dof_;
   Eigen::MatrixXd deviations_;                     // JointDeviationColumns
   std::map<std::string, Eigen::MatrixXd> shifts_;  // of stations: whitened rows per um in x, y, z
   std::vector<int> shots_, shot_of_row_;           // the fitted ones; index into them

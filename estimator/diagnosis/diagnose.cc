@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/inspect/load_lint.h"
+#include "estimator/inspect/reading_lint.h"
 #include "estimator/parallel.h"
 
 namespace sagitta {
@@ -44,9 +46,10 @@ void SelectAndKeep(const DiagnosedModel& baseline, const std::vector<Candidate>&
 
 // What the first `count` steps do: on the hold-out, and to chi-square.
 void MeasurePrefix(const std::vector<ChosenStep>& chosen, size_t count, const SelectionOptions& selection,
-                   const DiagnosedModel& baseline, DiagnosisStep* result) {
+                   const DiagnosedModel& baseline, const DiagnosedModel& final, DiagnosisStep* result) {
   const std::vector<ChosenStep> first(chosen.begin(), chosen.begin() + static_cast<long>(count));
-  const DiagnosedModel here = Extend(baseline, CandidatesOf(first), selection.joint);
+  const bool is_whole = count == chosen.size();
+  const DiagnosedModel here = is_whole ? final : Extend(baseline, CandidatesOf(first), selection.joint);
   if (!IsUsable(here.estimate.status)) return;
   result->holdout_after = HoldoutRms(here);
   result->reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
@@ -62,7 +65,7 @@ void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidat
   ParallelFor(static_cast<int>(chosen.size()), selection.num_threads, [&](int i, int) {
     DiagnosisStep& result = steps[i];
     result.chosen = chosen[i];
-    MeasurePrefix(chosen, i + 1, selection, diagnosis->baseline, &result);
+    MeasurePrefix(chosen, i + 1, selection, diagnosis->baseline, diagnosis->final, &result);
     const Eigen::VectorXd neutral_residual = bench.NeutralResidual(chosen[i]);
     result.alternatives = FindAlternatives(bench, chosen[i], neutral_residual, selection.tie);
     result.confirmation = confirmation.Confirm(chosen[i], neutral_residual, selection.tie);
@@ -136,13 +139,13 @@ void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection
 
 void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagnosis) {
   const double gate = kShareOfLackOfFit * options.significance;
-  diagnosis->final_p = noise->LackOfFit(diagnosis->final.estimate);
+  diagnosis->final_p = noise->LackOfFit(diagnosis->final);
   if (!diagnosis->has_unexplained) {
-    const Decoy rest = DecoyBench(diagnosis->final).Best();
+    const Decoy rest = DecoyBench(diagnosis->final).BestInScatter();
     diagnosis->has_unexplained = rest.penalised > EvidenceNeeded(options.significance);
     diagnosis->unexplained = rest.penalised > 0.0 ? rest : Decoy();  // else no driver stands out
   }
-  const bool is_sigma = noise->Close(diagnosis->final.estimate, diagnosis->has_unexplained, gate);
+  const bool is_sigma = noise->Close(diagnosis->final, diagnosis->has_unexplained, gate);
   diagnosis->noise = noise->finding();
   diagnosis->has_unexplained |= diagnosis->final_p < gate && !is_sigma;
   const bool noise_is_wrong = diagnosis->noise.is_finding || !diagnosis->noise.outliers.empty();
@@ -152,6 +155,17 @@ void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagno
     diagnosis->verdict = "unknown";
   } else {
     diagnosis->verdict = noise_is_wrong ? "noise" : "consistent";
+  }
+}
+
+// Rows that are stated in another way than the robot reads them; no effect is the answer to that.
+void AppendReadings(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
+  std::vector<Finding> findings = LintReadings(problem).findings;
+  const std::vector<Finding> of_loads = LintDeflections(problem);
+  findings.insert(findings.end(), of_loads.begin(), of_loads.end());
+  for (const Finding& finding : findings) {
+    if (finding.severity != Severity::kSerious) continue;
+    cautions->insert(cautions->begin(), "Look at this first: " + finding.words + "; " + finding.remedy + ".");
   }
 }
 
@@ -177,9 +191,10 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   diagnosis.status = model.estimate.status;
   diagnosis.message = model.estimate.message;
   if (!IsUsable(model.estimate.status)) return diagnosis;
-  diagnosis.cautions = FindCautions(model);
   NoiseBook noise(problem, options.significance, options.joint);
   noise.Prepare(&model);
+  diagnosis.cautions = FindCautions(problem, model);
+  AppendReadings(*model.problem, &diagnosis.cautions);
 
   const CandidateList list = ListCandidates(*model.problem, model.estimate.parameters);
   diagnosis.not_testable = list.not_testable;
@@ -196,16 +211,15 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
                   &diagnosis);
     const double unnamed = diagnosis.has_unexplained ? diagnosis.unexplained.penalised : 0.0;
     const bool is_last = round + 1 == kMostNoiseRounds;
-    if (is_last && (noise.sigma_is_stated() || steps.empty())) break;
     if (!noise.Follow(diagnosis.final, unnamed, &model)) break;
-    if (is_last) {  // a sigma that nothing states is the scatter about what is named in the end
+    if (is_last) {  // noise that nothing states is what is found about what is named in the end
       diagnosis.final = Extend(model, CandidatesOf(steps), selection.joint);
     } else {
       report("the noise beside the effects is not what was taken: once more");
     }
   }
   diagnosis.baseline = model;
-  diagnosis.baseline_p = noise.LackOfFit(model.estimate);
+  diagnosis.baseline_p = noise.LackOfFit(model);
   diagnosis.where = FindWhere(model);
   JudgeFinal(model, selection, &steps, &diagnosis);
   noise.SetAsideHeldOut(&diagnosis.baseline, &diagnosis.final);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/decoys.h"
 #include "estimator/distributions.h"
 #include "estimator/linearization.h"
 #include "estimator/repeatability.h"
@@ -16,6 +16,7 @@ constexpr double kRepeatsTail = 0.005;    // of the interval in which repeats le
 constexpr double kAxesDiffer = 0.01;
 constexpr double kSettled = 0.05;  // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
+constexpr double kStillRepeatability = 2.0;  // reduced chi-square: what scatters more beside it has another cause
 
 // Bartlett's test of the three axes' variances. A few repeats make one axis look ten times better than another; what
 // is weighted so would be anybody's effect.
@@ -71,6 +72,16 @@ void NoiseBook::Prepare(DiagnosedModel* baseline) {
   }
   const double scale = sigma_is_stated_ ? FindScale(*baseline) : 1.0;
   if (scale != 1.0 && Replace(WithScaledSigmas(*baseline->problem, scale), baseline)) applied_ = scale;
+  if (OverstatesRepeatability(*baseline) && Replace(WithRepeatability(*baseline->problem, 0.0), baseline)) {
+    repeatability_is_stated_ = false;
+    finding_.repeatability_is_overstated = true;
+  }
+}
+
+// Joints that were said to deviate more than they do would hide what is missing.
+bool NoiseBook::OverstatesRepeatability(const DiagnosedModel& model) const {
+  if (!repeatability_is_stated_ || !sigma_is_stated_ || finding_.asks_repeatability) return false;
+  return RepeatabilityOverstated(*model.problem, model.estimate.parameters) > EvidenceNeeded(significance_);
 }
 
 void NoiseBook::AddRepeatability(double rival, DiagnosedModel* baseline) {
@@ -103,27 +114,46 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
   finding_.outliers_held_out = static_cast<int>(removed.size());
 }
 
-double NoiseBook::LackOfFit(const Estimate& estimate) const {
+double NoiseBook::LackOfFit(const DiagnosedModel& model) const {
+  const Estimate& estimate = model.estimate;
   if (estimate.dof <= 0) return 1.0;
+  if (finding_.scale_differs && scale_is_measured_) return BesideRigidity(model);
   const double of_sigma = SigmaDof(stated_.repeat_scatter);
   return FSurvival(OverStated(estimate) / estimate.dof, estimate.dof, of_sigma);
 }
 
-bool NoiseBook::Close(const Estimate& final, bool has_structure, double significance) {
+// The joints move bodies as a whole, and so do their deviations: the two sums of squares are independent.
+double NoiseBook::BesideRigidity(const DiagnosedModel& model) const {
+  const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters, significance_);
+  if (!rigid) return 1.0;
+  const double pure = rigid->scale * rigid->scale;
+  const int rest = model.estimate.dof - rigid->dof;
+  if (rest <= 0) return 1.0;
+  return FSurvival((model.estimate.chi2 - pure * rigid->dof) / (rest * pure), rest, rigid->dof);
+}
+
+bool NoiseBook::Close(const DiagnosedModel& model, bool has_structure, double significance) {
+  const Estimate& final = model.estimate;
   for (const int i : outliers_) finding_.outliers.push_back(stated_.data.SourceOf(stated_.data.observations[i]));
-  const bool undeclared = finding_.repeatability > 0.0 && !finding_.asks_repeatability;
-  finding_.is_finding = undeclared || finding_.scale_differs;
+  finding_.repeatability_is_bound = has_structure && finding_.repeatability > 0.0;
+  if (finding_.repeatability_is_bound) finding_.repeatability_low = 0.0;
+  const bool undeclared = finding_.repeatability > 0.0 && !finding_.asks_repeatability && !has_structure;
+  finding_.is_finding = undeclared || finding_.scale_differs || finding_.repeatability_is_overstated;
   finding_.taken_of_repeats = IsWithinRepeats() ? applied_ : 1.0;
-  if (scale_is_measured_ || final.dof <= 0) return false;
+  if (final.dof <= 0) return false;
+  const double upper = LackOfFit(model);
+  const bool differs = sigma_is_stated_ && std::min(upper, 1.0 - upper) < significance;
+  if (scale_is_measured_) {
+    const bool is_sigma = differs && !finding_.scale_differs && BesideRigidity(model) >= significance;
+    if (has_structure || !is_sigma) return false;
+  }
   const double scatter = std::sqrt(OverStated(final) / final.dof);
   finding_.is_bound = has_structure;
   finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
   const double of_sigma = SigmaDof(stated_.repeat_scatter);
   finding_.low = has_structure ? 0.0 : scatter / std::sqrt(FQuantile(0.975, final.dof, of_sigma));
   finding_.high = scatter / std::sqrt(FQuantile(0.025, final.dof, of_sigma));
-  if (!sigma_is_stated_ || has_structure) return false;
-  const double upper = LackOfFit(final);
-  finding_.scale_differs = std::min(upper, 1.0 - upper) < significance;
+  finding_.scale_differs = differs && !has_structure;
   finding_.is_finding |= finding_.scale_differs;
   return finding_.scale_differs;
 }
@@ -175,15 +205,33 @@ double NoiseBook::Scatter(const DiagnosedModel& model) const {
 // model lacks: sigma open and every arrival seen once.
 double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least) {
   if (!sigma_is_stated_ && !sigma_follows_repeatability_) return 0.0;
-  const RepeatabilityFit fit =
-      FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
-  const double penalised = fit.gain - std::log(static_cast<double>(model.estimate.rows));
-  const bool found = penalised > std::max(EvidenceNeeded(significance_), at_least);
+  const auto penalised = [&](const RepeatabilityFit& fit) {
+    return fit.gain - std::log(static_cast<double>(model.estimate.rows));
+  };
+  RepeatabilityFit fit = FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
+  bool found =
+      penalised(fit) > std::max(EvidenceNeeded(significance_), at_least) && fit.reduced_chi2 < kStillRepeatability;
+  if (found) {
+    const RepeatabilityFit beside = BesideDecoy(model);
+    if (beside.sigma < fit.low) {
+      fit = beside;
+      found = penalised(fit) > EvidenceNeeded(significance_);
+    }
+  }
   beside_repeatability_ = found ? fit.instrument : fit.instrument_alone;
   finding_.repeatability = found ? fit.sigma : 0.0;
   finding_.repeatability_low = found ? fit.low : 0.0;
   finding_.repeatability_high = found ? fit.high : 0.0;
   return finding_.repeatability;
+}
+
+// Beside everything of the best decoy's kind.
+RepeatabilityFit NoiseBook::BesideDecoy(const DiagnosedModel& model) const {
+  DiagnosedModel bare = model;
+  bare.problem = std::make_shared<CalibrationProblem>(WithRepeatability(*model.problem, 0.0));
+  const DecoyBench bench(bare);
+  const Eigen::MatrixXd kind = bench.residual().NewDirections(bench.ColumnsOfKind(bench.Best()));
+  return FitRepeatability(*bare.problem, bare.estimate.parameters, sigma_follows_repeatability_, kind);
 }
 
 // Rows that are outliers to the model leave the baseline; those that were outliers only to a model that lacked

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"
+#include "estimator/diagnosis/noise_check.h"
 
 namespace sagitta {
 
@@ -22,8 +23,11 @@ struct NoiseFinding {
   // Of the instrument's sigma over the stated one, or over the scatter that is taken where none is stated.
   double scale = 1.0, low = kNotTold, high = kNotTold;
   bool scale_differs = false;
-  bool is_bound = false;  // a rest without a name is part of the scatter, which only bounds the scale from above
-  double taken_of_repeats = 1.0;  // of a sigma from repeats, within their interval
+  // A rest without a name is part of the scatter: it only bounds the scale (where markers do not tell it) and the
+  // repeatability from above.
+  bool is_bound = false, repeatability_is_bound = false;
+  bool repeatability_is_overstated = false;  // the rows scatter less: what is stated is not taken
+  double taken_of_repeats = 1.0;             // of a sigma from repeats, within their interval
   double repeatability = 0.0, repeatability_low = 0.0, repeatability_high = 0.0;  // rad; 0: none found
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them
@@ -38,10 +42,11 @@ class NoiseBook {
   bool repeatability_is_stated() const { return repeatability_is_stated_; }
   const NoiseFinding& finding() const { return finding_; }
 
-  // Before anything is named: a sigma where nothing states one, outliers, the scale that rigid markers tell.
+  // Before anything is named: a sigma where nothing states one, outliers, the scale that rigid markers tell, and no
+  // stated repeatability that the rows contradict.
   void Prepare(DiagnosedModel* baseline);
   // Declares joint repeatability where it says more than `rival`, the penalised gain of the best other cause; where
-  // nothing states sigma, that of the instrument beside it.
+  // nothing states sigma, that of the instrument beside it. What a cause outside the catalogue does is none.
   void AddRepeatability(double rival, DiagnosedModel* baseline);
   // Sigma where nothing states it, its scale where markers tell, repeatability that nobody declared (where it says more
   // than `unnamed`, the gain of a cause outside the catalogue) and outliers that were none follow the extended model.
@@ -50,11 +55,12 @@ class NoiseBook {
   // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
   // hold-out figure counts them. A single marker that is off could as well be the model's error, and counts.
   void SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final);
-  // P that the noise as stated scatters as much as this model, whose chi-square counts in the sigma that is taken.
-  double LackOfFit(const Estimate& estimate) const;
-  // Last: where no rigid body of markers tells the instrument's noise, the scatter does, or bounds it where something
-  // has structure. True where that shows that sigma is not what is stated.
-  bool Close(const Estimate& final, bool has_structure, double significance);
+  // P that the noise as stated, or what rigid markers have shown it to be, scatters as much as this model.
+  double LackOfFit(const DiagnosedModel& model) const;
+  // Last: the scatter tells the instrument's noise too, or bounds it where something has structure. Scatter that
+  // differs from what is stated, but not from what the markers' rigidity tells, is no structure. True where that shows
+  // that sigma is not what is stated.
+  bool Close(const DiagnosedModel& final, bool has_structure, double significance);
 
  private:
   // Factor on the repeats' sigma; 1 where sigma does not come from repeats.
@@ -64,9 +70,13 @@ class NoiseBook {
   // Refits a model whose problem has changed; it stays what it was where that fails (false).
   bool Replace(const CalibrationProblem& problem, DiagnosedModel* model) const;
   double FindScale(const DiagnosedModel& model);
+  // Pure error: P that what is left beside the bodies' rigidity scatters by the noise that the rigidity shows.
+  double BesideRigidity(const DiagnosedModel& model) const;
   // Factor on the sigmas at hand, or on kFallbackSigma, that makes them the scatter about the model.
   double Scatter(const DiagnosedModel& model) const;
+  bool OverstatesRepeatability(const DiagnosedModel& model) const;
   double FindRepeatability(const DiagnosedModel& model, double at_least);
+  RepeatabilityFit BesideDecoy(const DiagnosedModel& model) const;
   bool MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline);
   bool FollowNoise(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
 

@@ -184,13 +184,22 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
   return with;
 }
 
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                  bool sigma_is_open) {
-  std::vector<DeviationGroup> joints(1);
-  for (int j = 0; j < problem.robot.num_joints(); ++j) {
-    if (problem.robot.chain.joints[j].type == JointType::kRevolute) joints[0].joints.push_back(j);
+namespace {
+
+DeviationGroup RevoluteJoints(const Robot& robot) {
+  DeviationGroup group;
+  for (int j = 0; j < robot.num_joints(); ++j) {
+    if (robot.chain.joints[j].type == JointType::kRevolute) group.joints.push_back(j);
   }
-  const RestrictedLikelihood reml(problem, parameters);
+  return group;
+}
+
+}  // namespace
+
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
+                                  const Eigen::MatrixXd& beside) {
+  const std::vector<DeviationGroup> joints = {RevoluteJoints(problem.robot)};
+  const RestrictedLikelihood reml(problem, parameters, beside);
   const RemlFit alone = reml.Maximise(sigma_is_open, {});
   RepeatabilityFit fit;
   fit.instrument = fit.instrument_alone = std::sqrt(alone.variances[0]);
@@ -199,8 +208,26 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
   fit.instrument = std::sqrt(both.variances[0]);
   fit.sigma = std::sqrt(both.variances[1]);
   fit.gain = alone.deviance - both.deviance;
+  fit.reduced_chi2 = both.chi2 / std::max(1, reml.dof());
   reml.ProfileInterval(both, sigma_is_open, joints, 1, &fit.low, &fit.high);
   return fit;
+}
+
+double RepeatabilityOverstated(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  std::vector<DeviationGroup> stated, common = {RevoluteJoints(problem.robot)};
+  double sum = 0.0;
+  for (int i = 0; i < problem.latent.size(); ++i) {
+    const int joint = problem.latent.joints[i];
+    const double variance = problem.latent.sigmas[i] * problem.latent.sigmas[i];
+    stated.push_back({{joint}, variance, false});
+    const bool revolute = problem.robot.chain.joints[joint].type == JointType::kRevolute;
+    if (revolute) sum += variance / static_cast<double>(common[0].joints.size());
+    if (!revolute) common.push_back(stated.back());
+  }
+  if (common[0].joints.empty()) return 0.0;
+  const RestrictedLikelihood reml(problem, parameters);
+  const RemlFit best = reml.Maximise(false, common);
+  return best.variances[1] < sum ? reml.Deviance(1.0, stated) - best.deviance : 0.0;
 }
 
 bool RowsShareVisits(const CalibrationProblem& problem) {

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <set>
 
+#include "estimator/distributions.h"
+
 namespace sagitta {
 namespace {
 
@@ -24,6 +26,12 @@ Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
 }
 
 }  // namespace
+
+double PValueOf(double reduction, int parameters, double scatter, int dof) {
+  const double m = std::max(1, parameters);
+  if (scatter <= 1.0 || dof <= 0) return ChiSquareSurvival(reduction, m);
+  return FSurvival(reduction / (m * scatter), m, dof);
+}
 
 NormalEquations ReduceOff(Eigen::MatrixXd information, const Eigen::Ref<const Eigen::MatrixXd>& on_believed,
                           Eigen::VectorXd gradient) {
@@ -78,6 +86,12 @@ ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const 
   result.basis_.resize(basis_.rows(), basis_.cols() + extra.cols());
   result.basis_ << basis_, extra;
   result.residual_ = residual_ - extra * (extra.transpose() * residual_);
+  return result;
+}
+
+ProjectedResidual ProjectedResidual::InNoise(double factor) const {
+  ProjectedResidual result = *this;
+  result.residual_ /= factor;
   return result;
 }
 

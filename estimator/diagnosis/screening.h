@@ -31,6 +31,11 @@ struct NormalEquations {
   Eigen::VectorXd gradient;
 };
 
+// P of a reduction by chance: chi-square in the noise at hand, F in units of the scatter that is left (chi-square per
+// degree of freedom, dof of them) where that is more: a model that does not reach the stated sigma cannot use it as
+// yardstick.
+double PValueOf(double reduction, int parameters, double scatter, int dof);
+
 // From those of the columns as they are, and their coordinates along the believed basis.
 NormalEquations ReduceOff(Eigen::MatrixXd information, const Eigen::Ref<const Eigen::MatrixXd>& on_believed,
                           Eigen::VectorXd gradient);
@@ -68,15 +73,16 @@ class ProjectedResidual {
   Eigen::VectorXd Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const;
   const Eigen::VectorXd& residual() const { return residual_; }
   const Eigen::MatrixXd& basis() const { return basis_; }
-  // A copy that believes these columns too.
-  ProjectedResidual With(const Eigen::MatrixXd& columns) const;
-
- private:
-  ProjectedResidual() = default;
   // Orthonormal, what the columns add to the basis. Of nearly dependent columns some directions are rounding, which the
   // basis contains as much as anything: they are projected a second time, and what that takes away is dropped.
   Eigen::MatrixXd NewDirections(const Eigen::MatrixXd& columns) const;
+  // A copy that believes these columns too.
+  ProjectedResidual With(const Eigen::MatrixXd& columns) const;
+  // A copy in units of a noise that is this many times as large.
+  ProjectedResidual InNoise(double factor) const;
 
+ private:
+  ProjectedResidual() = default;
   Eigen::MatrixXd basis_;
   Eigen::VectorXd residual_;
 };

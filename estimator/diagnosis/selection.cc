@@ -22,13 +22,6 @@ double Penalty(const DiagnosedModel& baseline, int parameters, int settings) {
          2.0 * std::log(static_cast<double>(settings));
 }
 
-// Significance in units of the scatter that is left: a model that does not
-// reach the stated sigma cannot use it as yardstick.
-double CorrectedP(double reduction, int parameters, double chi2_left, int dof_left, int tests) {
-  const double left = dof_left > 0 ? std::max(1.0, chi2_left / dof_left) : 1.0;
-  return std::min(1.0, tests * ChiSquareSurvival(reduction / left, std::max(1, parameters)));
-}
-
 CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
   CalibrationProblem believed = *model.problem;
   believed.parameters.CopyByName(model.estimate.parameters);
@@ -79,7 +72,7 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   if (!std::isfinite(best)) return std::nullopt;
   step.reduction = model.estimate.chi2 - best;
   step.penalised = step.reduction - Penalty(model, step.parameters, entry.candidate.settings);
-  step.corrected_p = CorrectedP(step.reduction, step.parameters, best, dof, tests);
+  step.corrected_p = std::min(1.0, tests * PValueOf(step.reduction, step.parameters, best / std::max(1, dof), dof));
   return step;
 }
 
@@ -249,7 +242,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
   const ProjectedResidual residual(LinearizeEstimate(problem, parameters));
   const CandidateBench bench(problem, parameters, candidates);
   const Screening screening(bench, residual, problem.robot.gravity_compensator.has_value());
-  const double left = model.estimate.dof > 0 ? std::max(1.0, model.estimate.chi2 / model.estimate.dof) : 1.0;
+  const double left = model.estimate.chi2 / std::max(1, model.estimate.dof);
   const int tests = static_cast<int>(candidates.size());
   std::vector<ScreenedCandidate> screened;
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -259,11 +252,11 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
     entry.candidate.vague = std::move(scored.vague);
     entry.candidate.oversized = scored.oversized;
     if (candidates[i].spec.effect == "gravity_compensator") TakeStarts(scored.shapes, &entry);
-    const double after =
-        (model.estimate.chi2 - entry.score.reduction) / std::max(1, model.estimate.dof - entry.score.rank);
-    const double yardstick = std::min(left, std::max(1.0, after));
+    const int dof = model.estimate.dof - entry.score.rank;
+    const double after = (model.estimate.chi2 - entry.score.reduction) / std::max(1, dof);
     if (entry.score.rank > 0) {
-      entry.corrected_p = std::min(1.0, tests * ChiSquareSurvival(entry.score.reduction / yardstick, entry.score.rank));
+      const double p = PValueOf(entry.score.reduction, entry.score.rank, std::min(left, after), dof);
+      entry.corrected_p = std::min(1.0, tests * p);
     }
     screened.push_back(std::move(entry));
   }

@@ -5,6 +5,7 @@
 
 #include "estimator/joint_estimator.h"
 #include "estimator/linearization.h"
+#include "estimator/unit_guess.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -29,6 +30,13 @@ Vector3<double> SimulatedPoint(const Measurements& data, const Observation& obse
   return point;
 }
 
+// Else the gap would be metres wide, and the search for its cause take minutes.
+void RefuseWrongUnit(const CalibrationProblem& of_simulation) {
+  if (const std::optional<UnitFinding> finding = GuessWrongUnit(of_simulation, "sim_")) {
+    throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
+  }
+}
+
 }  // namespace
 
 SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
@@ -40,13 +48,16 @@ SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
   }
   CalibrationProblem of_simulation = problem;
   for (const int i : all) of_simulation.data.observations[i].point_in_station = simulated[i];
+  RefuseWrongUnit(of_simulation);
   SimulationBaseline baseline{problem, Eigen::Matrix3Xd(3, all.size()), 0.0};
-  baseline.reproduced = AlignNominal(of_simulation, &baseline.problem.parameters);
+  AlignNominal(of_simulation, &baseline.problem.parameters);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, baseline.problem.parameters, all);
   for (const int i : all) {
     baseline.shift.col(i) = nominal.col(i) - simulated[i];
     baseline.problem.data.observations[i].point_in_station += baseline.shift.col(i);
   }
+  // Of the whole model: what AlignNominal returns is the misfit of the rigid arm, without its deflections.
+  baseline.reproduced = std::sqrt(baseline.shift.colwise().squaredNorm().mean());
   return baseline;
 }
 

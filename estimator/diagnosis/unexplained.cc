@@ -22,9 +22,12 @@ constexpr double kOwnCause = 0.5;    // of a step's gain that is left beside eve
 // What candidates and decoys do at one model, to first order.
 struct Bench {
   Bench(const DiagnosedModel& model, const std::vector<Candidate>& catalogue)
-      : decoys(model),
-        candidates(*model.problem, model.estimate.parameters, catalogue),
-        dof(std::max(1, model.estimate.dof)) {}
+      : decoys(model), candidates(*model.problem, model.estimate.parameters, catalogue), dof(model.estimate.dof) {}
+
+  // Left where more than the model is believed.
+  int DofBeside(const ProjectedResidual& residual) const {
+    return dof - static_cast<int>(residual.basis().cols() - decoys.residual().basis().cols());
+  }
 
   DecoyBench decoys;
   CandidateBench candidates;
@@ -44,6 +47,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   const std::vector<Candidate>& candidates = bench.candidates.candidates();
   const int tests = static_cast<int>(candidates.size());
   const Screening screening(bench.candidates, residual, true);
+  const int dof = std::max(1, bench.DofBeside(residual));
   std::vector<ChosenStep> steps;
   std::map<std::string, CandidateScore> scores;  // by path
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -51,7 +55,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     const Score& score = scored.score;
     if (score.rank == 0 || score.penalised <= 0.0) continue;
-    const double left = std::max(1.0, (chi2 - score.reduction) / bench.dof);
+    const double left = std::max(1.0, (chi2 - score.reduction) / dof);
     ChosenStep step;
     step.candidate = candidates[i];
     step.candidate.vague = scored.vague;
@@ -59,7 +63,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
     step.parameters = score.rank;
     step.reduction = score.reduction / left;
     step.penalised = step.reduction - (score.reduction - score.penalised);
-    step.corrected_p = std::min(1.0, tests * ChiSquareSurvival(step.reduction, score.rank));
+    step.corrected_p = std::min(1.0, tests * PValueOf(score.reduction, score.rank, left, dof));
     if (step.corrected_p >= options.significance) continue;
     scores[step.candidate.spec.Path()] = scored;
     steps.push_back(std::move(step));
@@ -191,7 +195,18 @@ struct Partial {
   bool contained = false;  // the decoy, in the only step that it competes with
 };
 
-// What each step can do at a model that lacks it, to first order; a compensator in the shape that was found.
+// A compensator in the shape that was found, instead of the one that its search started from.
+std::vector<ChosenStep> WithFittedShapes(std::vector<ChosenStep> steps, const DiagnosedModel& model) {
+  const Robot robot = model.problem->model.WithValues(model.estimate.parameters.ModelValues());
+  for (ChosenStep& step : steps) {
+    if (step.candidate.spec.effect != "gravity_compensator" || !robot.gravity_compensator) continue;
+    const GravityCompensator& found = *robot.gravity_compensator;
+    step.candidate.spec.values = {found.L, found.a_x, found.a_y, found.s0, found.Kc};
+  }
+  return steps;
+}
+
+// What each step can do at a model that lacks it, to first order; a compensator in its shape.
 std::vector<Eigen::MatrixXd> ColumnsAt(const DiagnosedModel& model, const std::vector<EffectSpec>& specs) {
   const CalibrationProblem& problem = *model.problem;
   const ParameterSet& parameters = model.estimate.parameters;
@@ -287,7 +302,7 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
                           const SelectionOptions& options, std::vector<ChosenStep>* steps, DiagnosedModel* model) {
   Unexplained rest;
   const double total = PenalisedTotal(baseline, *model, *steps) + MarginalBonus(baseline, *steps, options);
-  const std::optional<Partial> beaten = BeatenByDecoy(baseline, options, *steps, total);
+  const std::optional<Partial> beaten = BeatenByDecoy(baseline, options, WithFittedShapes(*steps, *model), total);
   if (!beaten) return rest;
   rest.found = true;
   rest.decoy = beaten->cut.decoy;
@@ -301,7 +316,7 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
       steps->insert(steps->end(), further.begin(), further.end());
     }
   }
-  if (!steps->empty()) rest.decoy = DecoyBench(*model).Best();
+  if (!steps->empty()) rest.decoy = DecoyBench(*model).BestInScatter();
   return rest;
 }
 

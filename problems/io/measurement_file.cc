@@ -4,6 +4,7 @@
 #include <functional>
 #include <unordered_map>
 
+#include "models/effects/effect.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/measurement_row.h"
@@ -87,6 +88,7 @@ class MeasurementsBuilder {
   int Occurrence(const MeasurementRow& row);
   int ShotIndex(const MeasurementRow& row, int configuration, int station);
   void CheckShot(const MeasurementRow& row, const Shot& shot) const;
+  void CheckApproach(const MeasurementRow& row, const Shot& shot, const std::string& first) const;
 
   Measurements data_;
   int current_ = 0;  // the observation that is being added
@@ -163,8 +165,26 @@ void MeasurementsBuilder::CheckShot(const MeasurementRow& row, const Shot& shot)
     Fail("load", "the wrench differs from that of the same shot at " + first,
          "loads on some markers of a shot only; another load state has another load id");
   }
-  if (row.approach != shot.approach) {
-    Fail("approach1", "the directions of the last motion differ from those of the same shot at " + first,
+  CheckApproach(row, shot, first);
+}
+
+// No direction at all is none of any joint.
+void MeasurementsBuilder::CheckApproach(const MeasurementRow& row, const Shot& shot, const std::string& first) const {
+  const auto at = [](const std::vector<int>& approach, size_t joint) {
+    return approach.empty() ? kApproachNotStated : approach[joint];
+  };
+  for (size_t j = 0; j < std::max(row.approach.size(), shot.approach.size()); ++j) {
+    const int here = at(row.approach, j), there = at(shot.approach, j);
+    if (here == there) continue;
+    const std::string column = "approach" + std::to_string(j + 1);
+    if (here == kApproachNotStated || there == kApproachNotStated) {
+      const bool is_here = here == kApproachNotStated;
+      Fail(column,
+           std::string("the cell is ") + (is_here ? "" : "not ") + "empty, that of the same shot at " + first +
+               (is_here ? " is not" : " is"),
+           "state the direction of the last motion in both, or in neither");
+    }
+    Fail(column, "the direction of the last motion differs from that of the same shot at " + first,
          "another arrival is another visit");
   }
 }

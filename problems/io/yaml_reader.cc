@@ -9,11 +9,21 @@
 namespace sagitta {
 namespace {
 
+constexpr size_t kMostQuoted = 60;
+
+// Its beginning: another kind of file is one long text to YAML.
+std::string Quoted(const std::string& text) {
+  if (text.size() <= kMostQuoted) return "'" + text + "'";
+  size_t end = kMostQuoted;
+  while (end > 0 && (text[end] & 0xC0) == 0x80) --end;  // not within a character of UTF-8
+  return "'" + text.substr(0, end) + "…'";
+}
+
 std::string KindOf(const YAML::Node& node) {
   if (node.IsMap()) return "a map";
   if (node.IsSequence()) return "a list";
   if (node.IsNull()) return "empty";
-  return "'" + node.Scalar() + "'";
+  return Quoted(node.Scalar());
 }
 
 // "a_cm" or plain "a" where a_mm is meant.
@@ -71,7 +81,7 @@ bool YamlValue::Flag() const {
 std::string YamlValue::OneOf(const std::vector<std::string>& words) const {
   const std::string text = Text();
   if (std::find(words.begin(), words.end(), text) != words.end()) return text;
-  Fail("'" + text + "' is not known here", SpellingHint(text, words));
+  Fail(Quoted(text) + " is not known here", SpellingHint(text, words));
 }
 
 std::vector<YamlValue> YamlValue::Items() const {
@@ -100,7 +110,10 @@ Vector3<double> YamlValue::Triple(const Unit& unit) const {
 }
 
 std::vector<std::pair<std::string, YamlValue>> YamlValue::Entries() const {
-  if (!node_.IsMap()) Fail("a map (key: value) is expected, this is " + KindOf(node_));
+  if (!node_.IsMap()) {
+    Fail("a map (key: value) is expected, this is " + KindOf(node_),
+         path_.empty() ? "a robot or an experiment in YAML belongs here" : "");
+  }
   std::vector<std::pair<std::string, YamlValue>> entries;
   std::set<std::string> seen;
   for (const auto& entry : node_) {

@@ -139,16 +139,85 @@ TEST(NoiseBook, FewRepeatsLeaveSigmaOpen) {
     book.Prepare(&model);
     EXPECT_NEAR(model.estimate.chi2 / model.estimate.dof, 1.0, 0.1);
     EXPECT_EQ(book.finding().scale_differs, repeats == 300);
-    book.Close(model.estimate, false, 0.01);
+    book.Close(model, false, 0.01);
     EXPECT_EQ(book.finding().is_finding, repeats == 300);
     if (repeats == 3) {
-      EXPECT_GT(book.LackOfFit(model.estimate), 0.001);
+      EXPECT_GT(book.LackOfFit(model), 0.001);
       EXPECT_NEAR(book.finding().taken_of_repeats, 2.0, 0.15);
       // chi2_9 has its 2.5 and 97.5 % at 2.70 and 19.02: 2 sqrt(2.70 / 9) and 2 sqrt(19.02 / 9).
       EXPECT_NEAR(book.finding().low, 1.095, 0.1);
       EXPECT_NEAR(book.finding().high, 2.907, 0.15);
     }
   }
+}
+
+// A stated sigma that is a fifth too small shows in 200 degrees of freedom, but hardly in the 87 that the markers'
+// rigidity has: it is the sigma all the same, for what is left scatters no more than the rigidity says.
+TEST(NoiseBook, SigmaThatIsALittleTooSmallIsNoStructure) {
+  const CalibrationProblem problem = WithScaledSigmas(*Healthy(1).problem, 1.0 / 1.2);
+  DiagnosedModel model = FitFully(problem, JointOptions());
+  NoiseBook book(problem, 0.01, JointOptions());
+  book.Prepare(&model);
+  ASSERT_FALSE(book.finding().scale_differs);
+  EXPECT_LT(book.LackOfFit(model), 0.0015);
+  EXPECT_TRUE(book.Close(model, false, 0.0015));
+  EXPECT_TRUE(book.finding().scale_differs);
+  EXPECT_LT(book.finding().low, 1.2);
+  EXPECT_GT(book.finding().high, 1.2);
+}
+
+// Markers that move as a whole, by twice the noise, are no noise of the instrument.
+TEST(NoiseBook, BodiesThatMoveAreStructure) {
+  CalibrationProblem problem = *Healthy(1).problem;
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    for (const int i : problem.data.shots[s].observations) {
+      problem.data.observations[i].point_in_station.z() += (s % 2 ? 2.0 : -2.0) * kSigma;
+    }
+  }
+  DiagnosedModel model = FitFully(problem, JointOptions());
+  NoiseBook book(problem, 0.01, JointOptions());
+  book.Prepare(&model);
+  EXPECT_LT(book.LackOfFit(model), 0.0015);
+  EXPECT_FALSE(book.Close(model, false, 0.0015));
+  EXPECT_FALSE(book.finding().is_finding);
+}
+
+CalibrationProblem WithStatedRepeatability(CalibrationProblem problem, double sigma) {
+  problem.experiment.repeatability.angle.common = sigma;
+  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
+  return problem;
+}
+
+// The joints do not deviate here. A microradian more or less is nothing; 60 would hide most effects.
+TEST(NoiseBook, RepeatabilityThatRowsContradictIsNotTaken) {
+  for (const double stated : {1e-6, 60e-6}) {
+    const CalibrationProblem problem = WithStatedRepeatability(*Healthy(1).problem, stated);
+    DiagnosedModel model = FitFully(problem, JointOptions());
+    NoiseBook book(problem, 0.01, JointOptions());
+    book.Prepare(&model);
+    EXPECT_EQ(book.repeatability_is_stated(), stated < 2e-6);
+    EXPECT_EQ(book.finding().repeatability_is_overstated, stated > 2e-6);
+    EXPECT_EQ(model.problem->latent.empty(), stated > 2e-6);
+  }
+}
+
+// Joint 3 deviates by the product of two other joints' angles: as large as any repeatability, but no chance.
+TEST(NoiseBook, ACauseOutsideTheCatalogueIsNoRepeatability) {
+  const DiagnosedModel healthy = Healthy(1);
+  CalibrationProblem problem = *healthy.problem;
+  const Eigen::MatrixXd per_urad = JointDeviationColumns(problem, healthy.estimate.parameters);
+  const std::vector<int> rows = problem.CalibrationObservations();
+  for (size_t k = 0; k < rows.size(); ++k) {
+    Observation& observation = problem.data.observations[rows[k]];
+    const Eigen::VectorXd& q = problem.data.ConfigurationOf(observation).q;
+    observation.point_in_station += kSigma * 200.0 * q[1] * q[4] * per_urad.col(2).segment<3>(3 * k);
+  }
+  DiagnosedModel model = FitFully(problem, JointOptions());
+  EXPECT_GT(FitRepeatability(problem, model.estimate.parameters, false).gain, 100.0);
+  NoiseBook book(problem, 0.01, JointOptions());
+  book.AddRepeatability(0.0, &model);
+  EXPECT_EQ(book.finding().repeatability, 0.0);
+  EXPECT_TRUE(model.problem->latent.empty());
 }
 
 // A gap far beyond what repeats leave open is none of the noise's.
@@ -167,7 +236,7 @@ TEST(NoiseBook, RepeatsBoundTheNoise) {
   book.Prepare(&model);
   // 300 degrees of freedom: at most 1.12 of the sigma that the repeats show, sqrt(300 / chi2_300(0.005)).
   EXPECT_GT(model.estimate.chi2 / model.estimate.dof, 10.0);
-  EXPECT_LT(book.LackOfFit(model.estimate), 1e-6);
+  EXPECT_LT(book.LackOfFit(model), 1e-6);
 }
 
 std::vector<int> Outliers(const DiagnosedModel& model, bool held_out) {
@@ -244,9 +313,9 @@ TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
 // bounds it. Quantiles of chi-square, 2.5 % and 97.5 %, 100 degrees of freedom: 74.222 and 129.561.
 TEST(DiagnosisNoise, StructureLeavesAnUpperBoundOfTheScale) {
   const CalibrationProblem problem = *Healthy(1).problem;
-  Estimate final;
-  final.chi2 = 400.0;
-  final.dof = 100;
+  DiagnosedModel final;
+  final.estimate.chi2 = 400.0;
+  final.estimate.dof = 100;
   NoiseBook told(problem, 0.01, JointOptions());
   EXPECT_TRUE(std::isnan(told.finding().high));
   EXPECT_TRUE(told.Close(final, false, 0.001));
@@ -304,6 +373,13 @@ TEST(DiagnosisRule, OfTwinsTheFirstInTheList) {
                                          Step("station_scale", "S1", 1, 50, 43, 1),
                                          Step("station_scale", "S3", 1, 49, 42, 0)};
   EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "S1");
+}
+
+// Quantiles: chi-square with 1 degree of freedom, and F with 1 and 10, both at 1 %.
+TEST(Screening, ScatterThatIsEstimatedIsNoKnownSigma) {
+  EXPECT_NEAR(PValueOf(6.6349, 1, 1.0, 10), 0.01, 1e-6);
+  EXPECT_NEAR(PValueOf(6.6349, 1, 0.5, 10), 0.01, 1e-6);
+  EXPECT_NEAR(PValueOf(2.0 * 10.0443, 1, 2.0, 10), 0.01, 1e-6);
 }
 
 // Two columns that are nearly believed, and nearly the same: what they differ by holds as much rounding as meaning.

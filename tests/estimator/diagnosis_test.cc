@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "estimator/diagnosis/cautions.h"
@@ -133,6 +134,30 @@ TEST(Diagnosis, HalvesContradictWhereTheCauseIsNotOne) {
   EXPECT_LT(confirmation.compatible_p, 1e-6);
 }
 
+// What is held out where it was seen first takes nothing out of the halves and folds.
+TEST(Diagnosis, PosesSeenFirstAsHeldOutAreDealtToo) {
+  CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q); });
+  Measurements& data = problem.data;
+  for (Configuration& configuration : data.configurations) configuration.is_validation = false;
+  const size_t half = data.configurations.size() / 2;  // the first half is the second half's poses, held out
+  for (size_t c = 0; c < half; ++c) {
+    data.configurations[c].q = data.configurations[half + c].q;
+    data.configurations[c].is_validation = true;
+  }
+  DiagnosedModel believed;
+  believed.problem = std::make_shared<CalibrationProblem>(problem);
+  believed.estimate = EstimateJointly(problem, JointOptions());
+  ChosenStep step;
+  step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
+  const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
+  const StepBench bench(with, {step.candidate});
+  const Confirmation confirmation =
+      ConfirmationBench(bench).Confirm(step, bench.NeutralResidual(step), SelectionOptions().tie);
+  EXPECT_EQ(confirmation.folds, 5);
+  EXPECT_TRUE(std::isfinite(confirmation.cv_after));
+  for (const HalfResult& part : confirmation.halves) EXPECT_TRUE(part.telling);
+}
+
 // A step whose parameters the whole data cannot tell has nothing to be compared by: no half names it, no rival ties.
 TEST(Diagnosis, StepThatNothingTellsIsComparedWithNothing) {
   CalibrationProblem problem = Hidden(2, [](double) { return 0.0; });
@@ -177,12 +202,39 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
   held_out->q = fitted->q;
   DiagnosedModel believed;
   believed.problem = std::make_shared<CalibrationProblem>(shared);
-  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "1 configuration is fitted and held out at once"));
+  EXPECT_TRUE(
+      AnyStartsWith(FindCautions(*believed.problem, believed), "1 configuration is fitted and held out at once"));
 
   for (Configuration& configuration : configurations) configuration.q = configurations[0].q;
   believed.problem = std::make_shared<CalibrationProblem>(shared);
-  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "All configurations are alike"));
-  EXPECT_TRUE(AnyStartsWith(FindCautions(believed), "Only 1 different configurations"));
+  EXPECT_TRUE(AnyStartsWith(FindCautions(*believed.problem, believed), "All configurations are alike"));
+  EXPECT_TRUE(AnyStartsWith(FindCautions(*believed.problem, believed), "Only 1 different configurations"));
+}
+
+// A few empty cells silence a whole column.
+TEST(Diagnosis, ColumnsThatSomeRowsDoNotStateAreNamed) {
+  CalibrationProblem partly = Hidden(1, [](double) { return 0.0; });
+  DiagnosedModel believed;
+  for (size_t s = 0; s < partly.shot_inputs.size(); ++s) partly.shot_inputs[s].conditions.has_time = s % 2 == 0;
+  const std::string words = "Columns that some rows do not state: time_s (";
+  EXPECT_TRUE(AnyStartsWith(FindCautions(partly, believed), words));
+  for (ShotInput& shot : partly.shot_inputs) shot.conditions.has_time = true;
+  EXPECT_FALSE(AnyStartsWith(FindCautions(partly, believed), words));
+}
+
+// A direction that is 0 or the same throughout is none that play could follow.
+TEST(Diagnosis, PlayNeedsADirectionThatVaries) {
+  CalibrationProblem problem = Hidden(1, [](double) { return 0.0; });
+  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+    problem.shot_inputs[s].conditions.approach = {1, s % 2 == 0 ? 1 : -1, 0, 0, 0, 0};
+  }
+  std::map<std::string, std::string> needs;
+  for (const NotTestable& entry : ListCandidates(problem, problem.parameters).not_testable) {
+    if (entry.effect == "backlash") needs[entry.target] = entry.needs;
+  }
+  EXPECT_EQ(needs["A1"], "approach1 that varies");
+  EXPECT_EQ(needs.count("A2"), 0u);
+  EXPECT_EQ(needs["A3"], "approach3");
 }
 
 // Where no joint moves and no time is stated there is nothing that could drive anything.

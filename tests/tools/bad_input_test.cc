@@ -55,6 +55,14 @@ void SeparateStations(Rows* rows) {
   }
 }
 
+// Every configuration is where the first one is.
+void StandStill(Rows* rows) {
+  for (int j = 1; j <= 6; ++j) {
+    const int c = Column(*rows, "q" + std::to_string(j) + "_deg");
+    for (size_t i = 2; i < rows->size(); ++i) (*rows)[i][c] = (*rows)[1][c];
+  }
+}
+
 void ScaleJoints(double factor, Rows* rows) {
   for (int j = 1; j <= 6; ++j) {
     const int c = Column(*rows, "q" + std::to_string(j) + "_deg");
@@ -85,6 +93,11 @@ std::vector<BadFile> BadFiles() {
        [](Rows* r) { Keep("config", "C01", r); },
        {"configuration"},
        {"--free=geometry/p_x1"}},
+      {"all_configurations_alike", StandStill, {"config", "18 configurations are alike"}, {"--validation=none"}},
+      {"all_configurations_alike_and_held_out",
+       StandStill,
+       {"validation", "configurations are alike"},
+       {"--holdout=0.3"}},
       {"fewer_equations_than_unknowns", [](Rows* r) { r->resize(5); }, {}, {}},
       {"joint_count", [](Rows* r) { Remove("q6_deg", r); }, {"6 joints", "q5"}, {}},
       {"validation_only_station",
@@ -166,6 +179,27 @@ TEST_F(BadInputTest, ApproachOfAnotherJoint) {
                 {"m.csv:2", "approach3"});
   for (size_t i = 1; i < rows.size(); ++i) rows[i].back() = "-1";
   EXPECT_EQ(Run({"calibrate", robot, Write("m.csv", Csv(rows)), "--sigma_mm=0.1"}).status, 0);
+}
+
+// One row of a shot states the direction of joint 3, the next does not: that of joint 1 is not to blame.
+TEST_F(BadInputTest, ApproachThatOneRowOfAShotLacks) {
+  Rows rows = Cells(ReadAll(Published("kr270/geometric.csv")));
+  Append("approach1", "1", &rows);
+  Append("approach3", "-1", &rows);
+  rows[2].back() = "";
+  ExpectRefused(Run({"calibrate", Published("kr270/robot.yaml"), Write("m.csv", Csv(rows)), "--out=" + Path("out")}),
+                {"m.csv:3: approach3", "empty", "m.csv:2"});
+  rows[2].back() = "1";
+  ExpectRefused(Run({"calibrate", Published("kr270/robot.yaml"), Write("m.csv", Csv(rows)), "--out=" + Path("out")}),
+                {"m.csv:3: approach3", "differs", "another visit"});
+}
+
+// To YAML it is one long text: its beginning is enough to tell it.
+TEST_F(BadInputTest, MeasurementsWhereTheRobotBelongs) {
+  const std::string file = Published("kr270/geometric.csv");
+  const Outcome outcome = Run({"calibrate", file, file, "--out=" + Path("out")});
+  ExpectRefused(outcome, {"geometric.csv", "a map (key: value) is expected", "a robot or an experiment"});
+  EXPECT_LT(outcome.err.size(), 500u);
 }
 
 TEST_F(BadInputTest, AbsentFileAndFolderForAFile) {

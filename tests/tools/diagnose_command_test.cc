@@ -1,0 +1,76 @@
+// The command beside the diagnosis itself: against somebody else's simulation, and what it says of its results.
+#include <gmock/gmock.h>
+
+#include "tests/tools/program.h"
+
+namespace sagitta::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Rows = std::vector<std::vector<std::string>>;
+
+// The loads of 15 published configurations, on an arm whose file states what gives way.
+class SimulationColumnsTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    Write("robot.yaml", ReadAll(Published("kr270/robot.yaml")) +
+                            "compliance: {A2: {k_urad_per_Nm: 0.3}, A3: {k_urad_per_Nm: 0.4}}\n");
+    const Rows all = Cells(ReadAll(Published("kr270/loaded.csv")));
+    Rows rows = {all[0]};
+    for (size_t i = 1; i < all.size(); ++i) {
+      if (all[i][Column(all, "config")][0] == 'E') rows.push_back(all[i]);
+    }
+    Write("loads.csv", Csv(rows));
+    const std::string scene =
+        "stations: {S3: {xyz_mm: [100, 200, 300], rotvec_mrad: [0, 0, 500]}}\n"
+        "markers: {T1: {xyz_mm: [280, 0, -100]}, T2: {xyz_mm: [100, 100, 50]}, T3: {xyz_mm: [-100, 150, 0]}}\n";
+    const std::string truth = Experiment("truth.yaml", "loads.csv", scene);
+    ASSERT_EQ(Run({"simulate", truth, "--truth=" + truth, "--out=" + Path("simulated.csv"), "--sigma_mm=0"}).status, 0);
+  }
+
+  std::string Experiment(const std::string& name, const std::string& measurements, const std::string& more) const {
+    return Write(name, "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [" + measurements +
+                           "]\nload_point_mm: [280, 60, -150]\nnoise: {sigma_mm: 0.03}\n"
+                           "estimate: {geometry: none, compliance: none}\n" +
+                           more);
+  }
+
+  // Measured as the robot file says, and simulated the same, in a unit of one's own.
+  Outcome Diagnose(double units_per_mm) const {
+    Rows rows = Cells(Read("simulated.csv"));
+    for (const std::string axis : {"x", "y", "z"}) {
+      const int measured = Column(rows, axis + "_mm");
+      rows[0].push_back("sim_" + axis + "_mm");
+      for (size_t i = 1; i < rows.size(); ++i) {
+        rows[i].push_back(std::to_string(units_per_mm * std::stod(rows[i][measured])));
+      }
+    }
+    Write("both.csv", Csv(rows));
+    return Run({"diagnose", Experiment("experiment.yaml", "both.csv", ""), "--simulation=columns"});
+  }
+};
+
+// Base and markers free and the deflections known: as far as the cells are rounded.
+TEST_F(SimulationColumnsTest, ThatTheFileReproducesIsSaidToBe) {
+  const Outcome outcome = Diagnose(1.0);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string start = "reproduces that simulation to ";
+  const size_t at = outcome.out.find(start);
+  ASSERT_NE(at, std::string::npos) << outcome.out;
+  EXPECT_LT(std::stod(outcome.out.substr(at + start.size())), 1e-5);
+  EXPECT_THAT(outcome.out, HasSubstr("Nothing is written; --out=DIR keeps the results."));
+}
+
+TEST_F(SimulationColumnsTest, InMetresAreRefused) {
+  const Outcome outcome = Diagnose(1e-3);
+  EXPECT_EQ(outcome.status, 2);
+  for (const char* words : {"both.csv:2", "sim_x_mm", "look like metres", "convert"}) {
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  }
+  EXPECT_THAT(outcome.err, Not(HasSubstr("sim_x_m ")));  // no such column is read
+}
+
+}  // namespace
+}  // namespace sagitta::test
