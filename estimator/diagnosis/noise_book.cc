@@ -72,16 +72,18 @@ void NoiseBook::Prepare(DiagnosedModel* baseline) {
   }
   const double scale = sigma_is_stated_ ? FindScale(*baseline) : 1.0;
   if (scale != 1.0 && Replace(WithScaledSigmas(*baseline->problem, scale), baseline)) applied_ = scale;
-  if (OverstatesRepeatability(*baseline) && Replace(WithRepeatability(*baseline->problem, 0.0), baseline)) {
-    repeatability_is_stated_ = false;
-    finding_.repeatability_is_overstated = true;
-  }
+  if (RefutesRepeatability(*baseline)) Replace(WithRepeatability(*baseline->problem, 0.0), baseline);
 }
 
-// Joints that were said to deviate more than they do would hide what is missing.
-bool NoiseBook::OverstatesRepeatability(const DiagnosedModel& model) const {
+// Joints that were said to deviate more than they do would hide what is missing. Says so once; from then on the
+// repeatability is one that nobody states.
+bool NoiseBook::RefutesRepeatability(const DiagnosedModel& model) {
   if (!repeatability_is_stated_ || !sigma_is_stated_ || finding_.asks_repeatability) return false;
-  return RepeatabilityOverstated(*model.problem, model.estimate.parameters) > EvidenceNeeded(significance_);
+  const double evidence = RepeatabilityOverstated(*model.problem, model.estimate.parameters);
+  if (evidence <= EvidenceNeeded(significance_)) return false;
+  repeatability_is_stated_ = false;
+  finding_.repeatability_is_overstated = true;
+  return true;
 }
 
 void NoiseBook::AddRepeatability(double rival, DiagnosedModel* baseline) {
@@ -262,10 +264,11 @@ bool NoiseBook::FollowNoise(const DiagnosedModel& extended, double unnamed, Diag
   const double scale_now = sigma_is_stated_ ? FindScale(extended) : 1.0;
   const bool scales = std::abs(scale_now / applied_ - 1.0) > kSettled;
   if (scales) problem = WithScaledSigmas(problem, scale_now / applied_);
+  const bool refuted = RefutesRepeatability(extended);
   if (!repeatability_is_stated_) {
     const double before = finding_.repeatability;
     const double now = FindRepeatability(extended, unnamed);
-    changed = std::abs(now - before) > kSettled * std::max(now, before);
+    changed = refuted || std::abs(now - before) > kSettled * std::max(now, before);
     if (changed) problem = WithRepeatability(problem, now);
   }
   if (!sigma_is_stated_) {

@@ -49,7 +49,8 @@ class NoiseBook {
   // nothing states sigma, that of the instrument beside it. What a cause outside the catalogue does is none.
   void AddRepeatability(double rival, DiagnosedModel* baseline);
   // Sigma where nothing states it, its scale where markers tell, repeatability that nobody declared (where it says more
-  // than `unnamed`, the gain of a cause outside the catalogue) and outliers that were none follow the extended model.
+  // than `unnamed`, the gain of a cause outside the catalogue; or that the rows contradict) and outliers that were none
+  // follow the extended model.
   // True when the baseline has changed.
   bool Follow(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
   // Outliers among the untouched rows say nothing of the model: other markers of their shot give them away, and no
@@ -74,7 +75,7 @@ class NoiseBook {
   double BesideRigidity(const DiagnosedModel& model) const;
   // Factor on the sigmas at hand, or on kFallbackSigma, that makes them the scatter about the model.
   double Scatter(const DiagnosedModel& model) const;
-  bool OverstatesRepeatability(const DiagnosedModel& model) const;
+  bool RefutesRepeatability(const DiagnosedModel& model);
   double FindRepeatability(const DiagnosedModel& model, double at_least);
   RepeatabilityFit BesideDecoy(const DiagnosedModel& model) const;
   bool MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline);

@@ -69,8 +69,6 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
   return shot.residual - basis * (basis.transpose() * shot.residual);
 }
 
-}  // namespace
-
 // What the shapes of the bodies cost, their marker points being estimated: 3 m - 6 each, one distance where m is 2.
 int ShapeCost(const CalibrationProblem& problem) {
   std::map<int, int> markers;
@@ -79,6 +77,16 @@ int ShapeCost(const CalibrationProblem& problem) {
   for (const auto& [frame, m] : markers) cost += m == 2 ? 1 : std::max(0, 3 * m - 6);
   return cost;
 }
+
+DeviationGroup RevoluteJoints(const Robot& robot) {
+  DeviationGroup group;
+  for (int j = 0; j < robot.num_joints(); ++j) {
+    if (robot.chain.joints[j].type == JointType::kRevolute) group.joints.push_back(j);
+  }
+  return group;
+}
+
+}  // namespace
 
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
                                                double significance) {
@@ -183,18 +191,6 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
   with.latent = MakeLatentModel(with.robot.chain, with.data, with.experiment);
   return with;
 }
-
-namespace {
-
-DeviationGroup RevoluteJoints(const Robot& robot) {
-  DeviationGroup group;
-  for (int j = 0; j < robot.num_joints(); ++j) {
-    if (robot.chain.joints[j].type == JointType::kRevolute) group.joints.push_back(j);
-  }
-  return group;
-}
-
-}  // namespace
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
                                   const Eigen::MatrixXd& beside) {

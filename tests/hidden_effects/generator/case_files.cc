@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 
@@ -118,9 +119,10 @@ void WriteExperiment(const Case& made, const std::filesystem::path& folder, bool
   }
   out << NoiseLine(made.options, is_sealed);
   if (made.options.repeatability > 0.0) {
+    const double stated = (is_sealed ? 1.0 : made.options.stated_factor) * made.options.repeatability / kMicro;
     std::vector<std::string> entries;
     for (const JointLimits& joint : made.robot.arm.joints) {
-      if (!joint.prismatic) entries.push_back(joint.name + Text(": %g", made.options.repeatability / kMicro));
+      if (!joint.prismatic) entries.push_back(joint.name + Text(": %g", stated));
     }
     out << "repeatability_urad: {" << Joined(entries) << "}\n";
   }
@@ -248,6 +250,7 @@ Case MakeCase(const CaseOptions& options) {
   nature.arm = made.robot.arm;
   DrawErrors(made.robot, &geometry, &nature.arm);
   DrawSurroundings(made.robot, options.design.stations, &geometry, &nature);
+  while (static_cast<int>(nature.markers.size()) > options.markers) nature.markers.erase(std::prev(nature.markers.end()));
   nature.load_point = made.robot.load_point;
   const int n = nature.arm.size();
   nature.compliance = VectorXd::Zero(n);

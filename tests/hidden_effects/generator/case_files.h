@@ -15,7 +15,9 @@ struct CaseOptions {
   std::vector<std::string> kinds;  // empty: nothing hidden
   std::vector<double> scales;      // one per kind
   DesignOptions design;
+  int markers = 3;
   double repeatability = 0.0;             // rad per joint, declared
+  double stated_factor = 1.0;             // of it, what is declared instead
   double undeclared_repeatability = 0.0;  // rad per joint
   double sigma_factor = 1.0;              // true over stated sigma
   double outliers = 0.0;                  // share of the rows

@@ -20,9 +20,11 @@ const char* const kHelp = R"(sagitta_hidden_generator --out=DIR --answer=DIR [fl
   --scales=A,B                their sizes, in typical sizes [1]
   --configurations=N          [60]
   --stations=N                [1]
+  --markers=N                 of three [3]
   --unloaded                  no loads, rigid arm believed
   --without=time,temperature,approach   columns that the file lacks
   --repeatability_urad=X      declared, per joint [0]
+  --stated_factor=X           of that, what the experiment declares [1]
   --undeclared_urad=X         not declared, per joint [0]
   --sigma_factor=X            true over stated sigma [1]
   --outliers=X                share of the rows [0]
@@ -83,6 +85,8 @@ hidden::CaseOptions Options(Flags* flags) {
   options.scales.resize(options.kinds.size(), 1.0);
   options.design.configurations = static_cast<int>(flags->Number("configurations", 60));
   options.design.stations = static_cast<int>(flags->Number("stations", 1));
+  options.markers = static_cast<int>(flags->Number("markers", 3));
+  if (options.markers < 1 || options.markers > 3) throw std::invalid_argument("--markers is 1, 2 or 3");
   options.design.loaded = !flags->Has("unloaded");
   flags->Take("unloaded", "");
   for (const std::string& column : Split(flags->Take("without", ""))) {
@@ -91,6 +95,7 @@ hidden::CaseOptions Options(Flags* flags) {
     if (column == "approach") options.design.approach = false;
   }
   options.repeatability = hidden::kMicro * flags->Number("repeatability_urad", 0.0);
+  options.stated_factor = flags->Number("stated_factor", 1.0);
   options.undeclared_repeatability = hidden::kMicro * flags->Number("undeclared_urad", 0.0);
   options.sigma_factor = flags->Number("sigma_factor", 1.0);
   options.outliers = flags->Number("outliers", 0.0);

@@ -141,6 +141,32 @@ def unstated_suite(seed, count, options):
                     i += 1
 
 
+def slight_suite(seed, count, options):
+    """Noise that is a little wrong, in data that tell little of it: too small to show in the markers' rigidity, but not
+    in all rows; then a declared repeatability that is three times the true one, alone and beside a strong effect."""
+    i = 0
+    for repeat in range(count):
+        for markers in (1, 2, 3):
+            for factor in (0.8, 1.1, 1.25):
+                draw = draw_of('slight', seed, i)
+                flags = dict(base_flags(draw, 1, [], configurations=40), unloaded=None, markers=markers,
+                             sigma_factor=factor)
+                name = 'sigma x%g, %d marker%s' % (factor, markers, '' if markers == 1 else 's')
+                yield case('slight', seed, i, [], [], flags, name, 'noise')
+                i += 1
+        for hides in (False, True):
+            draw = draw_of('slight', seed, i)
+            kind = draw.choice([k for k in CATALOGUE if k != 'station_scale']) if hides else None
+            kinds = [kind] if kind else []
+            flags = dict(base_flags(draw, 1, kinds), repeatability_urad=8, stated_factor=3)
+            name = 'overstated repeatability'
+            if hides:
+                yield case('slight', seed, i, kinds, [log_uniform(draw, SIZES['strong'])], flags, name)
+            else:
+                yield case('slight', seed, i, [], [], flags, name, 'noise')
+            i += 1
+
+
 def confounded_suite(seed, count, options):
     i = 0
     for repeat in range(count):
@@ -185,5 +211,5 @@ def robots_flags(draw, index, kinds):
 robots_suite = mixed_suite('robots', robots_flags)
 
 SUITES = {'null': null_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite, 'outside': outside_suite,
-          'noise': noise_suite, 'unstated': unstated_suite, 'confounded': confounded_suite,
-          'few': few_suite, 'stations': stations_suite, 'robots': robots_suite}
+          'noise': noise_suite, 'unstated': unstated_suite, 'slight': slight_suite,
+          'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite, 'robots': robots_suite}

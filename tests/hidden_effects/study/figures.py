@@ -196,7 +196,7 @@ def wrong_noise(records):
                  'verdicts': counted(r['verdict'] for r in rows)}
         if group.startswith('sigma'):
             entry['scale_in_interval'] = rate(rows, scale_found)
-        if group == 'repeatability':
+        if group.endswith('repeatability'):
             entry['repeatability_found'] = rate(rows, lambda r: bool(r['noise'].get('repeatability_urad')))
         if group == 'outliers':
             planted = sum(len(r['sealed_noise']['outliers']) for r in rows)
