@@ -67,13 +67,7 @@ bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& pa
 // Rows of one visit, whitened together: C = I + L L', rows <- chol(C)^-1 rows.
 // Equal to estimating the deviations with their prior and projecting them out.
 void Marginalise(const CalibrationProblem& problem, Linearization* linearization) {
-  std::map<int, std::vector<int>> rows_of_visit;
-  for (size_t k = 0; k < linearization->observations.size(); ++k) {
-    const int shot = problem.data.observations[linearization->observations[k]].shot;
-    std::vector<int>& rows = rows_of_visit[problem.latent.visit_of_shot[shot]];
-    for (int axis = 0; axis < 3; ++axis) rows.push_back(static_cast<int>(3 * k) + axis);
-  }
-  for (const auto& [visit, rows] : rows_of_visit) {
+  for (const auto& [visit, rows] : RowsByVisit(problem, linearization->observations)) {
     const Eigen::MatrixXd l = linearization->latent(rows, Eigen::all);
     const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
     const Eigen::LLT<Eigen::MatrixXd> root(c);
@@ -85,6 +79,15 @@ void Marginalise(const CalibrationProblem& problem, Linearization* linearization
 }
 
 }  // namespace
+
+std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  std::map<int, std::vector<int>> rows;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const int visit = problem.latent.visit_of_shot[problem.data.observations[observations[k]].shot];
+    for (int axis = 0; axis < 3; ++axis) rows[visit].push_back(static_cast<int>(3 * k) + axis);
+  }
+  return rows;
+}
 
 NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback) {
   NoiseRoots noise;

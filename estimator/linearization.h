@@ -3,6 +3,7 @@
 // identifiability, leverage and pose planning are pure functions of it.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct Linearization {
 };
 
 constexpr double kFallbackSigma = 1e-3;  // m, where no noise is stated: its scale is estimated afterwards
+
+// Rows of the listed observations, three each in their order, by visit: rows of one visit share the joints' deviations.
+std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, const std::vector<int>& observations);
 
 // Noise roots of the listed observations, m; standard deviation `fallback` (m)
 // on every axis where none is stated.

@@ -29,17 +29,6 @@ CalibrationProblem WithReferenceDeviations(CalibrationProblem problem) {
   return problem;
 }
 
-std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, const std::vector<int>& observations) {
-  std::map<int, std::vector<int>> rows;
-  for (size_t k = 0; k < observations.size(); ++k) {
-    const int shot = problem.data.observations[observations[k]].shot;
-    for (int axis = 0; axis < 3; ++axis) {
-      rows[problem.latent.visit_of_shot[shot]].push_back(static_cast<int>(3 * k) + axis);
-    }
-  }
-  return rows;
-}
-
 // Root of an increasing function between `inside`, where it is negative, and `outside`, where it is `there`
 // (Illinois variant of the false position).
 template <typename Function>

@@ -195,18 +195,8 @@ struct Partial {
   bool contained = false;  // the decoy, in the only step that it competes with
 };
 
-// A compensator in the shape that was found, instead of the one that its search started from.
-std::vector<ChosenStep> WithFittedShapes(std::vector<ChosenStep> steps, const DiagnosedModel& model) {
-  const Robot robot = model.problem->model.WithValues(model.estimate.parameters.ModelValues());
-  for (ChosenStep& step : steps) {
-    if (step.candidate.spec.effect != "gravity_compensator" || !robot.gravity_compensator) continue;
-    const GravityCompensator& found = *robot.gravity_compensator;
-    step.candidate.spec.values = {found.L, found.a_x, found.a_y, found.s0, found.Kc};
-  }
-  return steps;
-}
-
-// What each step can do at a model that lacks it, to first order; a compensator in its shape.
+// What each step can do at a model that lacks it, to first order; a compensator in the shape that
+// its refit started from.
 std::vector<Eigen::MatrixXd> ColumnsAt(const DiagnosedModel& model, const std::vector<EffectSpec>& specs) {
   const CalibrationProblem& problem = *model.problem;
   const ParameterSet& parameters = model.estimate.parameters;
@@ -302,7 +292,7 @@ Unexplained KeepWhatHolds(const DiagnosedModel& baseline, const std::vector<Cand
                           const SelectionOptions& options, std::vector<ChosenStep>* steps, DiagnosedModel* model) {
   Unexplained rest;
   const double total = PenalisedTotal(baseline, *model, *steps) + MarginalBonus(baseline, *steps, options);
-  const std::optional<Partial> beaten = BeatenByDecoy(baseline, options, WithFittedShapes(*steps, *model), total);
+  const std::optional<Partial> beaten = BeatenByDecoy(baseline, options, *steps, total);
   if (!beaten) return rest;
   rest.found = true;
   rest.decoy = beaten->cut.decoy;

@@ -63,11 +63,28 @@ Interval TimesOf(const CalibrationProblem& problem) {
   return {*first, *last};
 }
 
+// What each row has of chi-square, r'C^-1 r = sum of r_i (C^-1 r)_i: whatever the order of the rows that share a
+// visit's deviations, C = I + L L'. A row that others explain may have less than none.
+Eigen::VectorXd ShareOfRows(const DiagnosedModel& model) {
+  const CalibrationProblem& problem = *model.problem;
+  const Linearization here = LinearizeEstimate(problem, model.estimate.parameters, LatentTreatment::kIgnore);
+  Eigen::VectorXd shares = here.residual.cwiseAbs2();
+  if (here.latent.cols() == 0) return shares;
+  for (const auto& [visit, rows] : RowsByVisit(problem, here.observations)) {
+    const Eigen::MatrixXd l = here.latent(rows, Eigen::all);
+    const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
+    const Eigen::VectorXd residual = here.residual(rows);
+    shares(rows) = residual.cwiseProduct(c.llt().solve(residual));
+  }
+  return shares;
+}
+
 }  // namespace
 
 std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
   const CalibrationProblem& problem = *model.problem;
   const Linearization here = LinearizeEstimate(problem, model.estimate.parameters);
+  const Eigen::VectorXd shares = ShareOfRows(model);
   const double per_row = model.estimate.dof / std::max(1.0, static_cast<double>(model.estimate.rows));
   std::map<std::string, std::map<std::string, Group>> by;
   const Interval times = TimesOf(problem);
@@ -80,13 +97,14 @@ std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
       group.chi2 += chi2;
       group.expected += rows * per_row;
     };
-    const double chi2 = here.residual.segment<3>(3 * k).squaredNorm();
+    const Eigen::Vector3d of_axis = shares.segment<3>(3 * static_cast<long>(k));
+    const double chi2 = of_axis.sum();
     add("config", problem.data.configurations[shot.configuration].id, chi2, 3.0);
     add("marker", problem.data.markers[observation.marker], chi2, 3.0);
     add("load", shot.load, chi2, 3.0);
     add("station", problem.data.stations[shot.station], chi2, 3.0);
     for (int axis = 0; axis < 3; ++axis) {
-      add("axis", std::string(1, "xyz"[axis]), std::pow(here.residual[3 * static_cast<long>(k) + axis], 2), 1.0);
+      add("axis", std::string(1, "xyz"[axis]), of_axis[axis], 1.0);
     }
     const ShotConditions& conditions = problem.shot_inputs[observation.shot].conditions;
     if (!conditions.has_time || !(slice_length > 0.0)) continue;
