@@ -207,17 +207,19 @@ double NoiseBook::Scatter(const DiagnosedModel& model) const {
 // model lacks: sigma open and every arrival seen once.
 double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least) {
   if (!sigma_is_stated_ && !sigma_follows_repeatability_) return 0.0;
-  const auto penalised = [&](const RepeatabilityFit& fit) {
-    return fit.gain - std::log(static_cast<double>(model.estimate.rows));
+  // That there is some is stated, where only less is found than that.
+  const auto is_shown = [&](const RepeatabilityFit& fit, double needed) {
+    if (finding_.repeatability_is_overstated) return fit.sigma > 0.0;
+    return fit.gain - std::log(static_cast<double>(model.estimate.rows)) > needed;
   };
+  const double needed = EvidenceNeeded(significance_);
   RepeatabilityFit fit = FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
-  bool found =
-      penalised(fit) > std::max(EvidenceNeeded(significance_), at_least) && fit.reduced_chi2 < kStillRepeatability;
+  bool found = is_shown(fit, std::max(needed, at_least)) && fit.reduced_chi2 < kStillRepeatability;
   if (found) {
     const RepeatabilityFit beside = BesideDecoy(model);
     if (beside.sigma < fit.low) {
       fit = beside;
-      found = penalised(fit) > EvidenceNeeded(significance_);
+      found = is_shown(fit, needed);
     }
   }
   beside_repeatability_ = found ? fit.instrument : fit.instrument_alone;

@@ -183,7 +183,7 @@ CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double fa
 
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
   CalibrationProblem with = problem;
-  with.experiment.repeatability = RepeatabilitySpec();
+  with.experiment.repeatability.angle = {};
   for (const Joint& joint : with.robot.chain.joints) {
     if (sigma > 0.0 && joint.type == JointType::kRevolute)
       with.experiment.repeatability.angle.per_joint[joint.name] = sigma;

@@ -36,7 +36,7 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
 // The problem with every stated sigma multiplied.
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor);
 
-// The problem with one common repeatability on every revolute joint, rad.
+// The problem with one common repeatability on every revolute joint, rad, instead of what it states of them.
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma);
 
 // One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), beside
