@@ -66,7 +66,7 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   AppendPriors(parameters, &all);
   all.jacobian.conservativeResize(Eigen::NoChange, all.jacobian.cols() + beside.cols());
   all.jacobian.rightCols(beside.cols()).setZero();
-  all.jacobian.topRightCorner(rows, beside.cols()) = beside;
+  all.jacobian.topRightCorner(beside.rows(), beside.cols()) = beside;
   columns_ = static_cast<int>(all.jacobian.cols());
   dof_ = all.num_rows() - columns_;
   const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();

@@ -125,6 +125,7 @@ int RunDiagnose(const CommandLine& line) {
     Progress progress(FLAGS_quiet);
     DiagnosisOptions options;
     options.significance = problem.experiment.significance;
+    options.points_are_measured = !IsAgainstColumns();
     options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
     diagnosis = Diagnose(problem, options);

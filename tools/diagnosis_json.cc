@@ -93,6 +93,8 @@ Json NoiseToJson(const NoiseFinding& noise) {
     json["repeatability_ci95_urad"] = {1e6 * noise.repeatability_low, 1e6 * noise.repeatability_high};
   }
   json["outliers"] = noise.outliers;
+  if (noise.repeatability_is_overstated) json["repeatability_is_overstated"] = true;
+  if (noise.is_bound || noise.repeatability_is_bound) json["is_bound"] = true;
   json["words"] = NoiseInWords(noise);
   return json;
 }

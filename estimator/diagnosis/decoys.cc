@@ -163,16 +163,16 @@ class DecoySearch {
     if (IsBetter(bump)) {
       const double center = places[at / kWidths], reach = 1.5 * kBumpWidths[at % kWidths] * span;
       const std::string words = "a bump of " + Name(j) + " between " + bench_.Place(j, center - reach) + " and " +
-                                bench_.Place(j, center + reach) + bench_.PlaceUnit(j) + ", " + Size(j, sizes[at]) +
-                                " high";
+                                bench_.Place(j, center + reach) + bench_.PlaceUnit(j) + ", " +
+                                Size(j, residual_.noise() * sizes[at]) + " high";
       Keep("smooth", {Name(j)}, j, words, bump, bumps.col(at));
     }
     if (count < 2) return;
     const double step = SingleGains(j, steps, count - 1, &sizes).maxCoeff(&at);
     if (!IsBetter(step)) return;
     const double place = 0.5 * (places[at] + places[at + 1]);
-    const std::string words =
-        "a step of " + Name(j) + " by " + Size(j, sizes[at]) + " at " + bench_.Place(j, place) + bench_.PlaceUnit(j);
+    const std::string words = "a step of " + Name(j) + " by " + Size(j, residual_.noise() * sizes[at]) + " at " +
+                              bench_.Place(j, place) + bench_.PlaceUnit(j);
     Keep("step", {Name(j)}, j, words, step, steps.col(at));
   }
 

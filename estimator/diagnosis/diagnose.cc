@@ -163,10 +163,12 @@ void AppendReadings(const CalibrationProblem& problem, std::vector<std::string>*
   std::vector<Finding> findings = LintReadings(problem).findings;
   const std::vector<Finding> of_loads = LintDeflections(problem);
   findings.insert(findings.end(), of_loads.begin(), of_loads.end());
+  std::vector<std::string> serious;
   for (const Finding& finding : findings) {
     if (finding.severity != Severity::kSerious) continue;
-    cautions->insert(cautions->begin(), "Look at this first: " + finding.words + "; " + finding.remedy + ".");
+    serious.push_back("Look at this first: " + finding.words + "; " + finding.remedy + ".");
   }
+  cautions->insert(cautions->begin(), serious.begin(), serious.end());
 }
 
 SelectionOptions SelectionFor(const DiagnosisOptions& options) {
@@ -194,7 +196,7 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   NoiseBook noise(problem, options.significance, options.joint);
   noise.Prepare(&model);
   diagnosis.cautions = FindCautions(problem, model);
-  AppendReadings(*model.problem, &diagnosis.cautions);
+  if (options.points_are_measured) AppendReadings(*model.problem, &diagnosis.cautions);
 
   const CandidateList list = ListCandidates(*model.problem, model.estimate.parameters);
   diagnosis.not_testable = list.not_testable;

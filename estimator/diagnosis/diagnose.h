@@ -63,7 +63,8 @@ struct Diagnosis {
 struct DiagnosisOptions {
   double significance = 0.01;
   JointOptions joint;
-  int num_threads = 1;  // of the search: candidates and steps side by side
+  bool points_are_measured = true;  // not shifted by a simulation: readings can be judged
+  int num_threads = 1;              // of the search: candidates and steps side by side
   std::function<void(const std::string&)> progress;
 };
 

@@ -72,18 +72,21 @@ void NoiseBook::Prepare(DiagnosedModel* baseline) {
   }
   const double scale = sigma_is_stated_ ? FindScale(*baseline) : 1.0;
   if (scale != 1.0 && Replace(WithScaledSigmas(*baseline->problem, scale), baseline)) applied_ = scale;
-  if (RefutesRepeatability(*baseline)) Replace(WithRepeatability(*baseline->problem, 0.0), baseline);
+  if (RefutesRepeatability(*baseline) && Replace(WithRepeatability(*baseline->problem, 0.0), baseline)) {
+    TakeRepeatabilityAs(false);
+  }
 }
 
-// Joints that were said to deviate more than they do would hide what is missing. Says so once; from then on the
-// repeatability is one that nobody states.
-bool NoiseBook::RefutesRepeatability(const DiagnosedModel& model) {
+// Joints that were said to deviate more than they do would hide what is missing.
+bool NoiseBook::RefutesRepeatability(const DiagnosedModel& model) const {
   if (!repeatability_is_stated_ || !sigma_is_stated_ || finding_.asks_repeatability) return false;
   const double evidence = RepeatabilityOverstated(*model.problem, model.estimate.parameters);
-  if (evidence <= EvidenceNeeded(significance_)) return false;
-  repeatability_is_stated_ = false;
-  finding_.repeatability_is_overstated = true;
-  return true;
+  return evidence > EvidenceNeeded(significance_);
+}
+
+void NoiseBook::TakeRepeatabilityAs(bool stated) {
+  repeatability_is_stated_ = stated;
+  finding_.repeatability_is_overstated = !stated;
 }
 
 void NoiseBook::AddRepeatability(double rival, DiagnosedModel* baseline) {
@@ -134,30 +137,39 @@ double NoiseBook::BesideRigidity(const DiagnosedModel& model) const {
   return FSurvival((model.estimate.chi2 - pure * rigid->dof) / (rest * pure), rest, rigid->dof);
 }
 
-bool NoiseBook::Close(const DiagnosedModel& model, bool has_structure, double significance) {
-  const Estimate& final = model.estimate;
+bool NoiseBook::Close(const DiagnosedModel& final, bool has_structure, double significance) {
   for (const int i : outliers_) finding_.outliers.push_back(stated_.data.SourceOf(stated_.data.observations[i]));
-  finding_.repeatability_is_bound = has_structure && finding_.repeatability > 0.0;
-  if (finding_.repeatability_is_bound) finding_.repeatability_low = 0.0;
-  const bool undeclared = finding_.repeatability > 0.0 && !finding_.asks_repeatability && !has_structure;
-  finding_.is_finding = undeclared || finding_.scale_differs || finding_.repeatability_is_overstated;
   finding_.taken_of_repeats = IsWithinRepeats() ? applied_ : 1.0;
-  if (final.dof <= 0) return false;
-  const double upper = LackOfFit(model);
-  const bool differs = sigma_is_stated_ && std::min(upper, 1.0 - upper) < significance;
-  if (scale_is_measured_) {
-    const bool is_sigma = differs && !finding_.scale_differs && BesideRigidity(model) >= significance;
-    if (has_structure || !is_sigma) return false;
-  }
+  const bool is_redundant = final.estimate.dof > 0;
+  const double above = LackOfFit(final);
+  const bool differs = sigma_is_stated_ && is_redundant && std::min(above, 1.0 - above) < significance;
+  const bool is_sigma = differs && !has_structure && AllowsAnotherSigma(final, significance);
+  finding_.repeatability_is_bound =
+      finding_.repeatability > 0.0 && (has_structure || (above < significance && !is_sigma));
+  if (finding_.repeatability_is_bound) finding_.repeatability_low = 0.0;
+  if (is_redundant && (is_sigma || !scale_is_measured_)) ScaleByScatter(final.estimate, has_structure);
+  finding_.scale_differs |= is_sigma;
+  const bool undeclared =
+      finding_.repeatability > 0.0 && !finding_.repeatability_is_bound && !finding_.asks_repeatability;
+  finding_.is_finding = undeclared || finding_.scale_differs || finding_.repeatability_is_overstated;
+  return is_sigma;
+}
+
+// Whether what the markers' rigidity tells of the instrument lets the scatter of all rows be its noise.
+bool NoiseBook::AllowsAnotherSigma(const DiagnosedModel& model, double significance) const {
+  if (!scale_is_measured_) return true;
+  if (finding_.scale_differs) return false;  // it is taken already
+  const double above = BesideRigidity(model);
+  return std::min(above, 1.0 - above) >= significance;
+}
+
+void NoiseBook::ScaleByScatter(const Estimate& final, bool has_structure) {
   const double scatter = std::sqrt(OverStated(final) / final.dof);
+  const double of_sigma = SigmaDof(stated_.repeat_scatter);
   finding_.is_bound = has_structure;
   finding_.scale = has_structure ? std::min(1.0, scatter) : scatter;
-  const double of_sigma = SigmaDof(stated_.repeat_scatter);
   finding_.low = has_structure ? 0.0 : scatter / std::sqrt(FQuantile(0.975, final.dof, of_sigma));
   finding_.high = scatter / std::sqrt(FQuantile(0.025, final.dof, of_sigma));
-  finding_.scale_differs = differs && !has_structure;
-  finding_.is_finding |= finding_.scale_differs;
-  return finding_.scale_differs;
 }
 
 // Scale of the instrument's noise from the markers' rigidity, over what is stated; a
@@ -231,11 +243,13 @@ double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least
 
 // Beside everything of the best decoy's kind.
 RepeatabilityFit NoiseBook::BesideDecoy(const DiagnosedModel& model) const {
-  DiagnosedModel bare = model;
-  bare.problem = std::make_shared<CalibrationProblem>(WithRepeatability(*model.problem, 0.0));
-  const DecoyBench bench(bare);
+  DiagnosedModel exact = model;
+  exact.problem = std::make_shared<CalibrationProblem>(*model.problem);
+  exact.problem->latent.joints.clear();
+  exact.problem->latent.sigmas.resize(0);
+  const DecoyBench bench(exact);
   const Eigen::MatrixXd kind = bench.residual().NewDirections(bench.ColumnsOfKind(bench.Best()));
-  return FitRepeatability(*bare.problem, bare.estimate.parameters, sigma_follows_repeatability_, kind);
+  return FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_, kind);
 }
 
 // Rows that are outliers to the model leave the baseline; those that were outliers only to a model that lacked
@@ -267,6 +281,7 @@ bool NoiseBook::FollowNoise(const DiagnosedModel& extended, double unnamed, Diag
   const bool scales = std::abs(scale_now / applied_ - 1.0) > kSettled;
   if (scales) problem = WithScaledSigmas(problem, scale_now / applied_);
   const bool refuted = RefutesRepeatability(extended);
+  if (refuted) TakeRepeatabilityAs(false);
   if (!repeatability_is_stated_) {
     const double before = finding_.repeatability;
     const double now = FindRepeatability(extended, unnamed);
@@ -279,7 +294,10 @@ bool NoiseBook::FollowNoise(const DiagnosedModel& extended, double unnamed, Diag
     if (differs) problem = WithScaledSigmas(problem, scale);
     changed |= differs;
   }
-  if ((!changed && !scales) || !Replace(problem, baseline)) return false;
+  if ((!changed && !scales) || !Replace(problem, baseline)) {
+    if (refuted) TakeRepeatabilityAs(true);
+    return false;
+  }
   if (scales) applied_ = scale_now;
   return true;
 }

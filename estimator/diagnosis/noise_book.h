@@ -75,7 +75,10 @@ class NoiseBook {
   double BesideRigidity(const DiagnosedModel& model) const;
   // Factor on the sigmas at hand, or on kFallbackSigma, that makes them the scatter about the model.
   double Scatter(const DiagnosedModel& model) const;
-  bool RefutesRepeatability(const DiagnosedModel& model);
+  bool RefutesRepeatability(const DiagnosedModel& model) const;
+  void TakeRepeatabilityAs(bool stated);
+  bool AllowsAnotherSigma(const DiagnosedModel& model, double significance) const;
+  void ScaleByScatter(const Estimate& final, bool has_structure);
   double FindRepeatability(const DiagnosedModel& model, double at_least);
   RepeatabilityFit BesideDecoy(const DiagnosedModel& model) const;
   bool MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline);

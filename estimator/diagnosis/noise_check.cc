@@ -78,6 +78,14 @@ int ShapeCost(const CalibrationProblem& problem) {
   return cost;
 }
 
+std::vector<DeviationGroup> StatedDeviations(const CalibrationProblem& problem) {
+  std::vector<DeviationGroup> stated;
+  for (int i = 0; i < problem.latent.size(); ++i) {
+    stated.push_back({{problem.latent.joints[i]}, std::pow(problem.latent.sigmas[i], 2), false});
+  }
+  return stated;
+}
+
 DeviationGroup RevoluteJoints(const Robot& robot) {
   DeviationGroup group;
   for (int j = 0; j < robot.num_joints(); ++j) {
@@ -194,12 +202,18 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
                                   const Eigen::MatrixXd& beside) {
-  const std::vector<DeviationGroup> joints = {RevoluteJoints(problem.robot)};
+  std::vector<DeviationGroup> joints = {RevoluteJoints(problem.robot)};
+  std::vector<DeviationGroup> sliding;  // as stated
+  for (const DeviationGroup& group : StatedDeviations(problem)) {
+    if (problem.robot.chain.joints[group.joints[0]].type == JointType::kPrismatic) sliding.push_back(group);
+  }
   const RestrictedLikelihood reml(problem, parameters, beside);
-  const RemlFit alone = reml.Maximise(sigma_is_open, {});
   RepeatabilityFit fit;
+  if (reml.dof() <= 0) return fit;
+  const RemlFit alone = reml.Maximise(sigma_is_open, sliding);
   fit.instrument = fit.instrument_alone = std::sqrt(alone.variances[0]);
   if (joints[0].joints.empty()) return fit;
+  joints.insert(joints.end(), sliding.begin(), sliding.end());
   const RemlFit both = reml.Maximise(sigma_is_open, joints);
   fit.instrument = std::sqrt(both.variances[0]);
   fit.sigma = std::sqrt(both.variances[1]);
@@ -210,20 +224,19 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
 }
 
 double RepeatabilityOverstated(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  std::vector<DeviationGroup> stated, common = {RevoluteJoints(problem.robot)};
+  const std::vector<DeviationGroup> stated = StatedDeviations(problem);
+  std::vector<DeviationGroup> common = {RevoluteJoints(problem.robot)};
   double sum = 0.0;
-  for (int i = 0; i < problem.latent.size(); ++i) {
-    const int joint = problem.latent.joints[i];
-    const double variance = problem.latent.sigmas[i] * problem.latent.sigmas[i];
-    stated.push_back({{joint}, variance, false});
-    const bool revolute = problem.robot.chain.joints[joint].type == JointType::kRevolute;
-    if (revolute) sum += variance / static_cast<double>(common[0].joints.size());
-    if (!revolute) common.push_back(stated.back());
+  for (const DeviationGroup& group : stated) {
+    const bool is_sliding = problem.robot.chain.joints[group.joints[0]].type == JointType::kPrismatic;
+    if (is_sliding) common.push_back(group);
+    if (!is_sliding) sum += group.variance;
   }
-  if (common[0].joints.empty()) return 0.0;
   const RestrictedLikelihood reml(problem, parameters);
+  if (common[0].joints.empty() || reml.dof() <= 0) return 0.0;
   const RemlFit best = reml.Maximise(false, common);
-  return best.variances[1] < sum ? reml.Deviance(1.0, stated) - best.deviance : 0.0;
+  const double mean = sum / static_cast<double>(common[0].joints.size());
+  return best.variances[1] < mean ? reml.Deviance(1.0, stated) - best.deviance : 0.0;
 }
 
 bool RowsShareVisits(const CalibrationProblem& problem) {

@@ -18,6 +18,7 @@ constexpr double kTwiceIsEnough = 0.5;  // norm that a direction keeps when proj
 constexpr double kTypicalPerHoldLimit = 0.1;  // TraitsOf: a direction is held beyond ten typical sizes
 
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
+  if (columns.cols() == 0) return columns;
   Eigen::MatrixXd scaled = columns;
   for (int c = 0; c < scaled.cols(); ++c) scaled.col(c) /= std::max(1e-300, scaled.col(c).norm());
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
@@ -86,12 +87,14 @@ ProjectedResidual ProjectedResidual::With(const Eigen::MatrixXd& columns) const 
   result.basis_.resize(basis_.rows(), basis_.cols() + extra.cols());
   result.basis_ << basis_, extra;
   result.residual_ = residual_ - extra * (extra.transpose() * residual_);
+  result.noise_ = noise_;
   return result;
 }
 
 ProjectedResidual ProjectedResidual::InNoise(double factor) const {
   ProjectedResidual result = *this;
   result.residual_ /= factor;
+  result.noise_ *= factor;
   return result;
 }
 

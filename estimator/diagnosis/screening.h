@@ -73,6 +73,8 @@ class ProjectedResidual {
   Eigen::VectorXd Reproduce(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) const;
   const Eigen::VectorXd& residual() const { return residual_; }
   const Eigen::MatrixXd& basis() const { return basis_; }
+  // That the residual is in units of; columns stay in those of the noise that is taken.
+  double noise() const { return noise_; }
   // Orthonormal, what the columns add to the basis. Of nearly dependent columns some directions are rounding, which the
   // basis contains as much as anything: they are projected a second time, and what that takes away is dropped.
   Eigen::MatrixXd NewDirections(const Eigen::MatrixXd& columns) const;
@@ -85,6 +87,7 @@ class ProjectedResidual {
   ProjectedResidual() = default;
   Eigen::MatrixXd basis_;
   Eigen::VectorXd residual_;
+  double noise_ = 1.0;
 };
 
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters,

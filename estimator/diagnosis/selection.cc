@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "estimator/diagnosis/step_bench.h"
-#include "estimator/distributions.h"
 #include "estimator/parallel.h"
 
 namespace sagitta {

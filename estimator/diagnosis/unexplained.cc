@@ -8,7 +8,6 @@
 #include <string>
 
 #include "estimator/diagnosis/candidate_bench.h"
-#include "estimator/distributions.h"
 #include "estimator/parallel.h"
 
 namespace sagitta {
@@ -47,7 +46,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
   const std::vector<Candidate>& candidates = bench.candidates.candidates();
   const int tests = static_cast<int>(candidates.size());
   const Screening screening(bench.candidates, residual, true);
-  const int dof = std::max(1, bench.DofBeside(residual));
+  const int dof = bench.DofBeside(residual);
   std::vector<ChosenStep> steps;
   std::map<std::string, CandidateScore> scores;  // by path
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -55,7 +54,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
     const CandidateScore scored = screening.Of(static_cast<int>(i));
     const Score& score = scored.score;
     if (score.rank == 0 || score.penalised <= 0.0) continue;
-    const double left = std::max(1.0, (chi2 - score.reduction) / dof);
+    const double left = std::max(1.0, (chi2 - score.reduction) / std::max(1, dof - score.rank));
     ChosenStep step;
     step.candidate = candidates[i];
     step.candidate.vague = scored.vague;
@@ -63,7 +62,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
     step.parameters = score.rank;
     step.reduction = score.reduction / left;
     step.penalised = step.reduction - (score.reduction - score.penalised);
-    step.corrected_p = std::min(1.0, tests * PValueOf(score.reduction, score.rank, left, dof));
+    step.corrected_p = std::min(1.0, tests * PValueOf(score.reduction, score.rank, left, dof - score.rank));
     if (step.corrected_p >= options.significance) continue;
     scores[step.candidate.spec.Path()] = scored;
     steps.push_back(std::move(step));

@@ -398,6 +398,35 @@ TEST(Screening, ABasisOfNearlyDependentColumnsStaysOrthonormal) {
   EXPECT_EQ(gram.rows(), 5);
 }
 
+// What is believed already adds no direction.
+TEST(Screening, NothingNewLeavesTheBasisAsItIs) {
+  const Eigen::MatrixXd believed = Eigen::MatrixXd::Random(9, 3);
+  const ProjectedResidual residual(believed, Eigen::VectorXd::Ones(9));
+  EXPECT_EQ(residual.With(believed * Eigen::MatrixXd::Random(3, 5)).basis().cols(), 3);
+}
+
+// A joint that is 1 mrad higher on one side, beside bodies that move by four times the noise: the gain counts in that
+// scatter, the size does not.
+TEST(DiagnosisDecoys, SizesAreNotInUnitsOfTheScatter) {
+  const DiagnosedModel healthy = Healthy(1);
+  CalibrationProblem problem = *healthy.problem;
+  const Eigen::MatrixXd per_urad = JointDeviationColumns(problem, healthy.estimate.parameters);
+  const std::vector<int> rows = problem.CalibrationObservations();
+  for (size_t k = 0; k < rows.size(); ++k) {
+    Observation& observation = problem.data.observations[rows[k]];
+    if (problem.data.ConfigurationOf(observation).q[3] > 0.3) {
+      observation.point_in_station += kSigma * 1000.0 * per_urad.col(3).segment<3>(3 * k);
+    }
+    observation.point_in_station.z() += (observation.shot % 2 ? 4.0 : -4.0) * kSigma;
+  }
+  const DiagnosedModel model = FitFully(problem, JointOptions());
+  const Decoy known = DecoyBench(model).Best(), scattered = DecoyBench(model).BestInScatter();
+  EXPECT_LT(scattered.penalised, known.penalised);
+  ASSERT_EQ(scattered.kind, "step") << scattered.words;
+  const double size = std::stod(scattered.words.substr(scattered.words.find(" by ") + 4));
+  EXPECT_NEAR(size, 1.0, 0.2) << scattered.words;
+}
+
 TEST(DiagnosisDecoys, AJointThatStandsStillDrivesNothing) {
   const DiagnosedModel model = Healthy(3, true);
   const DecoyBench bench(model);

@@ -250,8 +250,9 @@ Case MakeCase(const CaseOptions& options) {
   nature.arm = made.robot.arm;
   DrawErrors(made.robot, &geometry, &nature.arm);
   DrawSurroundings(made.robot, options.design.stations, &geometry, &nature);
-  while (static_cast<int>(nature.markers.size()) > options.markers)
+  while (static_cast<int>(nature.markers.size()) > options.markers) {
     nature.markers.erase(std::prev(nature.markers.end()));
+  }
   nature.load_point = made.robot.load_point;
   const int n = nature.arm.size();
   nature.compliance = VectorXd::Zero(n);
