@@ -5,7 +5,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "estimator/spring_tie_cost.h"
 
