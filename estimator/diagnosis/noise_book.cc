@@ -16,6 +16,7 @@ constexpr double kRepeatsTail = 0.005;    // of the interval in which repeats le
 constexpr double kAxesDiffer = 0.01;
 constexpr double kSettled = 0.05;  // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
+constexpr double kOwnDeviations = 0.5;       // of their variance, left beside a decoy's kind: less is the decoy's
 constexpr double kStillRepeatability = 2.0;  // reduced chi-square: what scatters more beside it has another cause
 
 // Bartlett's test of the three axes' variances. A few repeats make one axis look ten times better than another; what
@@ -229,7 +230,7 @@ double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least
   bool found = is_shown(fit, std::max(needed, at_least)) && fit.reduced_chi2 < kStillRepeatability;
   if (found) {
     const RepeatabilityFit beside = BesideDecoy(model);
-    if (beside.sigma < fit.low) {
+    if (std::pow(beside.sigma, 2) < kOwnDeviations * std::pow(fit.sigma, 2)) {
       fit = beside;
       found = is_shown(fit, needed);
     }
