@@ -55,18 +55,14 @@ double FalsePosition(const Function& f, double inside, double outside, double th
 
 }  // namespace
 
-RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                           const Eigen::MatrixXd& beside) {
+RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const CalibrationProblem reference = WithReferenceDeviations(problem);
   const std::vector<int> observations = reference.CalibrationObservations();
   Linearization all = Linearize(reference, parameters, observations, parameters.EstimatedCoordinates(),
                                 ObservationNoise(reference, observations, kFallbackSigma), LatentTreatment::kIgnore);
   const int rows = all.num_rows();
+  columns_ = all.num_columns();
   AppendPriors(parameters, &all);
-  all.jacobian.conservativeResize(Eigen::NoChange, all.jacobian.cols() + beside.cols());
-  all.jacobian.rightCols(beside.cols()).setZero();
-  all.jacobian.topRightCorner(beside.rows(), beside.cols()) = beside;
-  columns_ = static_cast<int>(all.jacobian.cols());
   dof_ = all.num_rows() - columns_;
   const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
   all.jacobian = Eigen::MatrixXd(all.jacobian * scale.asDiagonal());

@@ -39,10 +39,8 @@ struct RemlFit {
 
 class RestrictedLikelihood {
  public:
-  // At `parameters`, over their estimated coordinates; calibration rows. beside: columns that are free too (rows
-  // whitened by the roots at hand, independent of the others).
-  RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters,
-                       const Eigen::MatrixXd& beside = {});
+  // At `parameters`, over their estimated coordinates; calibration rows.
+  RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters);
 
   RemlFit Maximise(bool estimate_instrument, const std::vector<DeviationGroup>& groups) const;
   // 95 % interval of component i (0: instrument) as standard deviation, the others refitted.

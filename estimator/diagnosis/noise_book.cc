@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/diagnosis/decoys.h"
+#include "estimator/diagnosis/noise_check.h"
 #include "estimator/distributions.h"
 #include "estimator/linearization.h"
 #include "estimator/repeatability.h"
@@ -16,7 +16,6 @@ constexpr double kRepeatsTail = 0.005;    // of the interval in which repeats le
 constexpr double kAxesDiffer = 0.01;
 constexpr double kSettled = 0.05;  // of sigma and repeatability
 constexpr int kMostOutlierRounds = 12;
-constexpr double kOwnDeviations = 0.5;       // of their variance, left beside a decoy's kind: less is the decoy's
 constexpr double kStillRepeatability = 2.0;  // reduced chi-square: what scatters more beside it has another cause
 
 // Bartlett's test of the three axes' variances. A few repeats make one axis look ten times better than another; what
@@ -220,37 +219,18 @@ double NoiseBook::Scatter(const DiagnosedModel& model) const {
 // model lacks: sigma open and every arrival seen once.
 double NoiseBook::FindRepeatability(const DiagnosedModel& model, double at_least) {
   if (!sigma_is_stated_ && !sigma_follows_repeatability_) return 0.0;
-  // That there is some is stated, where only less is found than that.
-  const auto is_shown = [&](const RepeatabilityFit& fit, double needed) {
-    if (finding_.repeatability_is_overstated) return fit.sigma > 0.0;
-    return fit.gain - std::log(static_cast<double>(model.estimate.rows)) > needed;
-  };
-  const double needed = EvidenceNeeded(significance_);
-  RepeatabilityFit fit = FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
-  bool found = is_shown(fit, std::max(needed, at_least)) && fit.reduced_chi2 < kStillRepeatability;
-  if (found) {
-    const RepeatabilityFit beside = BesideDecoy(model);
-    if (std::pow(beside.sigma, 2) < kOwnDeviations * std::pow(fit.sigma, 2)) {
-      fit = beside;
-      found = is_shown(fit, needed);
-    }
-  }
+  const RepeatabilityFit fit =
+      FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_);
+  const double penalised = fit.gain - std::log(static_cast<double>(model.estimate.rows));
+  const bool is_shown = penalised > std::max(EvidenceNeeded(significance_), at_least);
+  // That there is some is stated, where less is found than that.
+  const bool is_some = finding_.repeatability_is_overstated && fit.sigma > 0.0;
+  const bool found = (is_shown || is_some) && fit.reduced_chi2 < kStillRepeatability;
   beside_repeatability_ = found ? fit.instrument : fit.instrument_alone;
   finding_.repeatability = found ? fit.sigma : 0.0;
   finding_.repeatability_low = found ? fit.low : 0.0;
   finding_.repeatability_high = found ? fit.high : 0.0;
   return finding_.repeatability;
-}
-
-// Beside everything of the best decoy's kind.
-RepeatabilityFit NoiseBook::BesideDecoy(const DiagnosedModel& model) const {
-  DiagnosedModel exact = model;
-  exact.problem = std::make_shared<CalibrationProblem>(*model.problem);
-  exact.problem->latent.joints.clear();
-  exact.problem->latent.sigmas.resize(0);
-  const DecoyBench bench(exact);
-  const Eigen::MatrixXd kind = bench.residual().NewDirections(bench.ColumnsOfKind(bench.Best()));
-  return FitRepeatability(*model.problem, model.estimate.parameters, sigma_follows_repeatability_, kind);
 }
 
 // Rows that are outliers to the model leave the baseline; those that were outliers only to a model that lacked

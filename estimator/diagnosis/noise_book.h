@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"
-#include "estimator/diagnosis/noise_check.h"
 
 namespace sagitta {
 
@@ -46,7 +45,7 @@ class NoiseBook {
   // stated repeatability that the rows contradict.
   void Prepare(DiagnosedModel* baseline);
   // Declares joint repeatability where it says more than `rival`, the penalised gain of the best other cause; where
-  // nothing states sigma, that of the instrument beside it. What a cause outside the catalogue does is none.
+  // nothing states sigma, that of the instrument beside it. What leaves far more scatter beside it is none.
   void AddRepeatability(double rival, DiagnosedModel* baseline);
   // Sigma where nothing states it, its scale where markers tell, repeatability that nobody declared (where it says more
   // than `unnamed`, the gain of a cause outside the catalogue; or that the rows contradict) and outliers that were none
@@ -80,7 +79,6 @@ class NoiseBook {
   bool AllowsAnotherSigma(const DiagnosedModel& model, double significance) const;
   void ScaleByScatter(const Estimate& final, bool has_structure);
   double FindRepeatability(const DiagnosedModel& model, double at_least);
-  RepeatabilityFit BesideDecoy(const DiagnosedModel& model) const;
   bool MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseline);
   bool FollowNoise(const DiagnosedModel& extended, double unnamed, DiagnosedModel* baseline);
 

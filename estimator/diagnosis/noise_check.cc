@@ -200,14 +200,14 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
   return with;
 }
 
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
-                                  const Eigen::MatrixXd& beside) {
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                  bool sigma_is_open) {
   std::vector<DeviationGroup> joints = {RevoluteJoints(problem.robot)};
   std::vector<DeviationGroup> sliding;  // as stated
   for (const DeviationGroup& group : StatedDeviations(problem)) {
     if (problem.robot.chain.joints[group.joints[0]].type == JointType::kPrismatic) sliding.push_back(group);
   }
-  const RestrictedLikelihood reml(problem, parameters, beside);
+  const RestrictedLikelihood reml(problem, parameters);
   RepeatabilityFit fit;
   if (reml.dof() <= 0) return fit;
   const RemlFit alone = reml.Maximise(sigma_is_open, sliding);

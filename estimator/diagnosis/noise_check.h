@@ -41,7 +41,7 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 
 // One repeatability of all revolute joints (rad, 95 % interval by the profile) by REML (variance_components.h), beside
 // the sigmas at hand or, where sigma_is_open, the instrument's beside it. The gain is that of 2 ln of the restricted
-// likelihood over none. beside: columns of another cause that are free too (RestrictedLikelihood).
+// likelihood over none.
 struct RepeatabilityFit {
   double sigma = 0.0;
   double low = 0.0, high = 0.0;
@@ -49,8 +49,8 @@ struct RepeatabilityFit {
   double reduced_chi2 = 1.0;                        // with it
   double instrument = 1.0, instrument_alone = 1.0;  // factors on the sigmas, with that repeatability and without any
 };
-RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_open,
-                                  const Eigen::MatrixXd& beside = {});
+RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                  bool sigma_is_open);
 
 // What one smaller repeatability of all revolute joints gains over the stated ones, as above; 0 where the best is none
 // smaller (than their root mean square).

@@ -215,7 +215,7 @@ TEST(NoiseBook, ACauseOutsideTheCatalogueIsNoRepeatability) {
   DiagnosedModel model = FitFully(problem, JointOptions());
   EXPECT_GT(FitRepeatability(problem, model.estimate.parameters, false).gain, 100.0);
   NoiseBook book(problem, 0.01, JointOptions());
-  book.AddRepeatability(0.0, &model);
+  book.AddRepeatability(DecoyBench(model).Best().penalised, &model);
   EXPECT_EQ(book.finding().repeatability, 0.0);
   EXPECT_TRUE(model.problem->latent.empty());
 }
