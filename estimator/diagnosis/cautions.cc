@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/inspect/load_lint.h"
+#include "estimator/inspect/reading_lint.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -68,10 +70,10 @@ void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* ca
   const bool is_asked = problem.experiment.noise.from == NoiseSpec::From::kVarianceComponents;
   if (problem.sigma_is_stated() || is_asked) return;
   const std::string taken =
-      RowsShareVisits(problem) ? ": what the rows of one arrival share is taken as joint repeatability where that says "
-                                 "more than any effect, "
-                                 "and the rest of the scatter that the model leaves as the instrument's noise"
-                               : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
+      RowsShareVisits(problem)
+          ? ": what the rows of one arrival share is taken as joint repeatability where that says "
+            "more than any effect, and the rest of the scatter that the model leaves as the instrument's noise"
+          : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
   cautions->push_back("No noise is stated" + taken +
                       ". Structure in it is found, a gap without structure is not, and 'consistent' means no more than "
                       "that. State sigma_mm, or measure some poses again.");
@@ -187,6 +189,17 @@ void AppendHoldout(const Counts& counts, std::vector<std::string>* cautions) {
 }
 
 }  // namespace
+
+std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
+  std::vector<std::string> cautions;
+  for (const std::vector<Finding>& findings : {LintReadings(problem).findings, LintDeflections(problem)}) {
+    for (const Finding& finding : findings) {
+      if (finding.severity != Severity::kSerious) continue;
+      cautions.push_back("Look at this first: " + finding.words + "; " + finding.remedy + ".");
+    }
+  }
+  return cautions;
+}
 
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed) {
   const Counts counts = CountConfigurations(stated.data);

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "estimator/diagnosis/cautions.h"
-#include "estimator/inspect/load_lint.h"
-#include "estimator/inspect/reading_lint.h"
 #include "estimator/parallel.h"
 
 namespace sagitta {
@@ -158,19 +156,6 @@ void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagno
   }
 }
 
-// Rows that are stated in another way than the robot reads them; no effect is the answer to that.
-void AppendReadings(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
-  std::vector<Finding> findings = LintReadings(problem).findings;
-  const std::vector<Finding> of_loads = LintDeflections(problem);
-  findings.insert(findings.end(), of_loads.begin(), of_loads.end());
-  std::vector<std::string> serious;
-  for (const Finding& finding : findings) {
-    if (finding.severity != Severity::kSerious) continue;
-    serious.push_back("Look at this first: " + finding.words + "; " + finding.remedy + ".");
-  }
-  cautions->insert(cautions->begin(), serious.begin(), serious.end());
-}
-
 SelectionOptions SelectionFor(const DiagnosisOptions& options) {
   SelectionOptions selection;
   selection.significance = kShareOfNaming * options.significance;
@@ -195,8 +180,8 @@ Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& op
   if (!IsUsable(model.estimate.status)) return diagnosis;
   NoiseBook noise(problem, options.significance, options.joint);
   noise.Prepare(&model);
-  diagnosis.cautions = FindCautions(problem, model);
-  if (options.points_are_measured) AppendReadings(*model.problem, &diagnosis.cautions);
+  if (options.points_are_measured) diagnosis.cautions = CautionsOfReadings(*model.problem);
+  for (const std::string& caution : FindCautions(problem, model)) diagnosis.cautions.push_back(caution);
 
   const CandidateList list = ListCandidates(*model.problem, model.estimate.parameters);
   diagnosis.not_testable = list.not_testable;

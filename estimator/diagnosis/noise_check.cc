@@ -86,12 +86,20 @@ std::vector<DeviationGroup> StatedDeviations(const CalibrationProblem& problem) 
   return stated;
 }
 
-DeviationGroup RevoluteJoints(const Robot& robot) {
-  DeviationGroup group;
-  for (int j = 0; j < robot.num_joints(); ++j) {
-    if (robot.chain.joints[j].type == JointType::kRevolute) group.joints.push_back(j);
+bool Turns(const CalibrationProblem& problem, int joint) {
+  return problem.robot.chain.joints[joint].type == JointType::kRevolute;
+}
+
+// One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.
+std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) {
+  std::vector<DeviationGroup> groups(1);
+  for (int j = 0; j < problem.robot.num_joints(); ++j) {
+    if (Turns(problem, j)) groups[0].joints.push_back(j);
   }
-  return group;
+  for (const DeviationGroup& stated : StatedDeviations(problem)) {
+    if (!Turns(problem, stated.joints[0])) groups.push_back(stated);
+  }
+  return groups;
 }
 
 }  // namespace
@@ -202,18 +210,14 @@ CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double s
 
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
                                   bool sigma_is_open) {
-  std::vector<DeviationGroup> joints = {RevoluteJoints(problem.robot)};
-  std::vector<DeviationGroup> sliding;  // as stated
-  for (const DeviationGroup& group : StatedDeviations(problem)) {
-    if (problem.robot.chain.joints[group.joints[0]].type == JointType::kPrismatic) sliding.push_back(group);
-  }
+  const std::vector<DeviationGroup> joints = CommonDeviations(problem);
+  const std::vector<DeviationGroup> sliding(joints.begin() + 1, joints.end());
   const RestrictedLikelihood reml(problem, parameters);
   RepeatabilityFit fit;
   if (reml.dof() <= 0) return fit;
   const RemlFit alone = reml.Maximise(sigma_is_open, sliding);
   fit.instrument = fit.instrument_alone = std::sqrt(alone.variances[0]);
   if (joints[0].joints.empty()) return fit;
-  joints.insert(joints.end(), sliding.begin(), sliding.end());
   const RemlFit both = reml.Maximise(sigma_is_open, joints);
   fit.instrument = std::sqrt(both.variances[0]);
   fit.sigma = std::sqrt(both.variances[1]);
@@ -225,13 +229,9 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
 
 double RepeatabilityOverstated(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<DeviationGroup> stated = StatedDeviations(problem);
-  std::vector<DeviationGroup> common = {RevoluteJoints(problem.robot)};
+  const std::vector<DeviationGroup> common = CommonDeviations(problem);
   double sum = 0.0;
-  for (const DeviationGroup& group : stated) {
-    const bool is_sliding = problem.robot.chain.joints[group.joints[0]].type == JointType::kPrismatic;
-    if (is_sliding) common.push_back(group);
-    if (!is_sliding) sum += group.variance;
-  }
+  for (const DeviationGroup& group : stated) sum += Turns(problem, group.joints[0]) ? group.variance : 0.0;
   const RestrictedLikelihood reml(problem, parameters);
   if (common[0].joints.empty() || reml.dof() <= 0) return 0.0;
   const RemlFit best = reml.Maximise(false, common);

@@ -28,10 +28,11 @@ Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
 
 }  // namespace
 
-double PValueOf(double reduction, int parameters, double scatter, int dof) {
+double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests) {
   const double m = std::max(1, parameters);
-  if (scatter <= 1.0 || dof <= 0) return ChiSquareSurvival(reduction, m);
-  return FSurvival(reduction / (m * scatter), m, dof);
+  const bool is_known = scatter <= 1.0 || dof <= 0;
+  const double p = is_known ? ChiSquareSurvival(reduction, m) : FSurvival(reduction / (m * scatter), m, dof);
+  return std::min(1.0, tests * p);
 }
 
 NormalEquations ReduceOff(Eigen::MatrixXd information, const Eigen::Ref<const Eigen::MatrixXd>& on_believed,

@@ -31,10 +31,10 @@ struct NormalEquations {
   Eigen::VectorXd gradient;
 };
 
-// P of a reduction by chance: chi-square in the noise at hand, F in units of the scatter that is left (chi-square per
-// degree of freedom, dof of them) where that is more: a model that does not reach the stated sigma cannot use it as
-// yardstick.
-double PValueOf(double reduction, int parameters, double scatter, int dof);
+// P of a reduction by chance, the best of so many tests: chi-square in the noise at hand, F in units of the scatter
+// that is left (chi-square per degree of freedom, dof of them) where that is more: a model that does not reach the
+// stated sigma cannot use it as yardstick.
+double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests);
 
 // From those of the columns as they are, and their coordinates along the believed basis.
 NormalEquations ReduceOff(Eigen::MatrixXd information, const Eigen::Ref<const Eigen::MatrixXd>& on_believed,
@@ -75,9 +75,6 @@ class ProjectedResidual {
   const Eigen::MatrixXd& basis() const { return basis_; }
   // That the residual is in units of; columns stay in those of the noise that is taken.
   double noise() const { return noise_; }
-  // Orthonormal, what the columns add to the basis. Of nearly dependent columns some directions are rounding, which the
-  // basis contains as much as anything: they are projected a second time, and what that takes away is dropped.
-  Eigen::MatrixXd NewDirections(const Eigen::MatrixXd& columns) const;
   // A copy that believes these columns too.
   ProjectedResidual With(const Eigen::MatrixXd& columns) const;
   // A copy in units of a noise that is this many times as large.
@@ -85,6 +82,10 @@ class ProjectedResidual {
 
  private:
   ProjectedResidual() = default;
+  // Orthonormal, what the columns add to the basis. Of nearly dependent columns some directions are rounding, which the
+  // basis contains as much as anything: they are projected a second time, and what that takes away is dropped.
+  Eigen::MatrixXd NewDirections(const Eigen::MatrixXd& columns) const;
+
   Eigen::MatrixXd basis_;
   Eigen::VectorXd residual_;
   double noise_ = 1.0;

@@ -71,7 +71,7 @@ std::optional<ChosenStep> TryStep(const DiagnosedModel& model, const ScreenedCan
   if (!std::isfinite(best)) return std::nullopt;
   step.reduction = model.estimate.chi2 - best;
   step.penalised = step.reduction - Penalty(model, step.parameters, entry.candidate.settings);
-  step.corrected_p = std::min(1.0, tests * PValueOf(step.reduction, step.parameters, best / std::max(1, dof), dof));
+  step.corrected_p = CorrectedP(step.reduction, step.parameters, best / std::max(1, dof), dof, tests);
   return step;
 }
 
@@ -254,8 +254,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
     const int dof = model.estimate.dof - entry.score.rank;
     const double after = (model.estimate.chi2 - entry.score.reduction) / std::max(1, dof);
     if (entry.score.rank > 0) {
-      const double p = PValueOf(entry.score.reduction, entry.score.rank, std::min(left, after), dof);
-      entry.corrected_p = std::min(1.0, tests * p);
+      entry.corrected_p = CorrectedP(entry.score.reduction, entry.score.rank, std::min(left, after), dof, tests);
     }
     screened.push_back(std::move(entry));
   }

@@ -62,7 +62,7 @@ std::optional<PickedBeside> PickBeside(const Bench& bench, const ProjectedResidu
     step.parameters = score.rank;
     step.reduction = score.reduction / left;
     step.penalised = step.reduction - (score.reduction - score.penalised);
-    step.corrected_p = std::min(1.0, tests * PValueOf(score.reduction, score.rank, left, dof - score.rank));
+    step.corrected_p = CorrectedP(score.reduction, score.rank, left, dof - score.rank, tests);
     if (step.corrected_p >= options.significance) continue;
     scores[step.candidate.spec.Path()] = scored;
     steps.push_back(std::move(step));

@@ -1,4 +1,5 @@
 // Where simulation and measurement disagree: excess chi-square by group.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -65,16 +66,17 @@ Interval TimesOf(const CalibrationProblem& problem) {
 
 // What each row has of chi-square, r'C^-1 r = sum of r_i (C^-1 r)_i: whatever the order of the rows that share a
 // visit's deviations, C = I + L L'. A row that others explain may have less than none.
-Eigen::VectorXd ShareOfRows(const DiagnosedModel& model) {
-  const CalibrationProblem& problem = *model.problem;
-  const Linearization here = LinearizeEstimate(problem, model.estimate.parameters, LatentTreatment::kIgnore);
+// here: whitened by the root of C, w = root^-1 r.
+Eigen::VectorXd ShareOfRows(const CalibrationProblem& problem, const Linearization& here) {
   Eigen::VectorXd shares = here.residual.cwiseAbs2();
   if (here.latent.cols() == 0) return shares;
   for (const auto& [visit, rows] : RowsByVisit(problem, here.observations)) {
     const Eigen::MatrixXd l = here.latent(rows, Eigen::all);
     const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
-    const Eigen::VectorXd residual = here.residual(rows);
-    shares(rows) = residual.cwiseProduct(c.llt().solve(residual));
+    const Eigen::LLT<Eigen::MatrixXd> root(c);
+    const Eigen::VectorXd whitened = here.residual(rows);
+    const Eigen::VectorXd residual = root.matrixL() * whitened;
+    shares(rows) = residual.cwiseProduct(root.matrixU().solve(whitened));
   }
   return shares;
 }
@@ -84,7 +86,7 @@ Eigen::VectorXd ShareOfRows(const DiagnosedModel& model) {
 std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
   const CalibrationProblem& problem = *model.problem;
   const Linearization here = LinearizeEstimate(problem, model.estimate.parameters);
-  const Eigen::VectorXd shares = ShareOfRows(model);
+  const Eigen::VectorXd shares = ShareOfRows(problem, here);
   const double per_row = model.estimate.dof / std::max(1.0, static_cast<double>(model.estimate.rows));
   std::map<std::string, std::map<std::string, Group>> by;
   const Interval times = TimesOf(problem);

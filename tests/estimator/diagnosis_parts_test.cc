@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/noise_book.h"
@@ -201,17 +202,24 @@ TEST(NoiseBook, RepeatabilityThatRowsContradictIsNotTaken) {
   }
 }
 
+// Moves every marker as if the joint stood this many urad beyond its reading, a function of the angles.
+void Deviate(const DiagnosedModel& healthy, int joint, const std::function<double(const Eigen::VectorXd&)>& urad,
+             CalibrationProblem* problem) {
+  const Eigen::MatrixXd per_urad = JointDeviationColumns(*problem, healthy.estimate.parameters);
+  const std::vector<int> rows = problem->CalibrationObservations();
+  for (size_t k = 0; k < rows.size(); ++k) {
+    Observation& observation = problem->data.observations[rows[k]];
+    const double size = urad(problem->data.ConfigurationOf(observation).q);
+    observation.point_in_station += kSigma * size * per_urad.col(joint).segment<3>(3 * k);
+  }
+}
+
 // Joint 3 deviates by the product of two other joints' angles: as large as any repeatability, but no chance.
 TEST(NoiseBook, ACauseOutsideTheCatalogueIsNoRepeatability) {
   const DiagnosedModel healthy = Healthy(1);
   CalibrationProblem problem = *healthy.problem;
-  const Eigen::MatrixXd per_urad = JointDeviationColumns(problem, healthy.estimate.parameters);
-  const std::vector<int> rows = problem.CalibrationObservations();
-  for (size_t k = 0; k < rows.size(); ++k) {
-    Observation& observation = problem.data.observations[rows[k]];
-    const Eigen::VectorXd& q = problem.data.ConfigurationOf(observation).q;
-    observation.point_in_station += kSigma * 200.0 * q[1] * q[4] * per_urad.col(2).segment<3>(3 * k);
-  }
+  Deviate(
+      healthy, 2, [](const Eigen::VectorXd& q) { return 200.0 * q[1] * q[4]; }, &problem);
   DiagnosedModel model = FitFully(problem, JointOptions());
   EXPECT_GT(FitRepeatability(problem, model.estimate.parameters, false).gain, 100.0);
   NoiseBook book(problem, 0.01, JointOptions());
@@ -377,9 +385,9 @@ TEST(DiagnosisRule, OfTwinsTheFirstInTheList) {
 
 // Quantiles: chi-square with 1 degree of freedom, and F with 1 and 10, both at 1 %.
 TEST(Screening, ScatterThatIsEstimatedIsNoKnownSigma) {
-  EXPECT_NEAR(PValueOf(6.6349, 1, 1.0, 10), 0.01, 1e-6);
-  EXPECT_NEAR(PValueOf(6.6349, 1, 0.5, 10), 0.01, 1e-6);
-  EXPECT_NEAR(PValueOf(2.0 * 10.0443, 1, 2.0, 10), 0.01, 1e-6);
+  EXPECT_NEAR(CorrectedP(6.6349, 1, 1.0, 10, 1), 0.01, 1e-6);
+  EXPECT_NEAR(CorrectedP(6.6349, 1, 0.5, 10, 1), 0.01, 1e-6);
+  EXPECT_NEAR(CorrectedP(2.0 * 10.0443, 1, 2.0, 10, 1), 0.01, 1e-6);
 }
 
 // Two columns that are nearly believed, and nearly the same: what they differ by holds as much rounding as meaning.
@@ -410,13 +418,10 @@ TEST(Screening, NothingNewLeavesTheBasisAsItIs) {
 TEST(DiagnosisDecoys, SizesAreNotInUnitsOfTheScatter) {
   const DiagnosedModel healthy = Healthy(1);
   CalibrationProblem problem = *healthy.problem;
-  const Eigen::MatrixXd per_urad = JointDeviationColumns(problem, healthy.estimate.parameters);
-  const std::vector<int> rows = problem.CalibrationObservations();
-  for (size_t k = 0; k < rows.size(); ++k) {
-    Observation& observation = problem.data.observations[rows[k]];
-    if (problem.data.ConfigurationOf(observation).q[3] > 0.3) {
-      observation.point_in_station += kSigma * 1000.0 * per_urad.col(3).segment<3>(3 * k);
-    }
+  Deviate(
+      healthy, 3, [](const Eigen::VectorXd& q) { return q[3] > 0.3 ? 1000.0 : 0.0; }, &problem);
+  for (const int i : problem.CalibrationObservations()) {
+    Observation& observation = problem.data.observations[i];
     observation.point_in_station.z() += (observation.shot % 2 ? 4.0 : -4.0) * kSigma;
   }
   const DiagnosedModel model = FitFully(problem, JointOptions());

@@ -110,21 +110,22 @@ TEST(Diagnosis, MeasuredAndSimulatedFollowTheDriver) {
   EXPECT_LT(std::sqrt(squared / static_cast<double>(view.x.size())), 40.0);
 }
 
+// A harmonic of order 2 on joint 3, as a step beside everything believed.
+Confirmation ConfirmSecondOrder(const CalibrationProblem& problem) {
+  ChosenStep step;
+  step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
+  const DiagnosedModel with = Extend(FitFully(problem, JointOptions()), {step.candidate}, JointOptions());
+  const StepBench bench(with, {step.candidate});
+  return ConfirmationBench(bench).Confirm(step, bench.NeutralResidual(step), SelectionOptions().tie);
+}
+
 // A cause that is larger in every other configuration: the halves find their own values and contradict each other.
 TEST(Diagnosis, HalvesContradictWhereTheCauseIsNotOne) {
   int configuration = 0;
   const auto uneven = [&](double q) { return (configuration++ % 2 == 0 ? 400e-6 : 100e-6) * std::cos(2 * q); };
   CalibrationProblem problem = Hidden(2, uneven);
   for (Configuration& held_out : problem.data.configurations) held_out.is_validation = false;
-  DiagnosedModel believed;
-  believed.problem = std::make_shared<CalibrationProblem>(problem);
-  believed.estimate = EstimateJointly(problem, JointOptions());
-  ChosenStep step;
-  step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
-  const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
-  const StepBench bench(with, {step.candidate});
-  const Confirmation confirmation =
-      ConfirmationBench(bench).Confirm(step, bench.NeutralResidual(step), SelectionOptions().tie);
+  const Confirmation confirmation = ConfirmSecondOrder(problem);
   const double expected[2] = {400e-6, 100e-6};
   for (int half = 0; half < 2; ++half) {
     const HalfResult& result = confirmation.halves[half];
@@ -144,15 +145,7 @@ TEST(Diagnosis, PosesSeenFirstAsHeldOutAreDealtToo) {
     data.configurations[c].q = data.configurations[half + c].q;
     data.configurations[c].is_validation = true;
   }
-  DiagnosedModel believed;
-  believed.problem = std::make_shared<CalibrationProblem>(problem);
-  believed.estimate = EstimateJointly(problem, JointOptions());
-  ChosenStep step;
-  step.candidate = {{"joint_harmonic", "A3", {{"order", "2"}}, {}}, 6, 0, {}};
-  const DiagnosedModel with = Extend(believed, {step.candidate}, JointOptions());
-  const StepBench bench(with, {step.candidate});
-  const Confirmation confirmation =
-      ConfirmationBench(bench).Confirm(step, bench.NeutralResidual(step), SelectionOptions().tie);
+  const Confirmation confirmation = ConfirmSecondOrder(problem);
   EXPECT_EQ(confirmation.folds, 5);
   EXPECT_TRUE(std::isfinite(confirmation.cv_after));
   for (const HalfResult& part : confirmation.halves) EXPECT_TRUE(part.telling);
