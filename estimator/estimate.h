@@ -116,8 +116,8 @@ struct Estimate {
   // Loaded minus unloaded of equal (configuration, visit, marker): measured, and
   // measured minus predicted. `observations` counts the pairs.
   ResidualSize deflection_before, deflection_after;
-  double noise_floor = 0.0;               // m: the same at the sigmas as stated
   double validation_predicted_rms = 0.0;  // m, per coordinate: noise and parameters
+  double noise_floor = 0.0;               // m: the same at the sigmas as stated
 
   // Per observation of the data, in row order.
   Eigen::Matrix3Xd predicted;  // m, station frame

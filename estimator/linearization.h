@@ -1,6 +1,6 @@
 // The one seam between estimation and everything that judges it: whitened
 // residuals and the identification Jacobian at one point. Covariance,
-// identifiability, leverage and pose planning are pure functions of it.
+// identifiability and leverage are pure functions of it.
 #pragma once
 
 #include <map>

@@ -94,13 +94,15 @@ std::string WaterfallChart(const std::string& title, const std::vector<Stage>& s
   const double step = std::max(60.0, kWide / static_cast<double>(stages.size()));
   const double width = step * static_cast<double>(stages.size());
   std::string body;
+  double before = kFloor;
   for (size_t i = 0; i < stages.size(); ++i) {
+    if (!std::isfinite(stages[i].value)) continue;  // that stage did not converge
     const double x = step * static_cast<double>(i), top = kFloor - scale * stages[i].value;
-    const double before = i > 0 ? kFloor - scale * stages[i - 1].value : top;
     body += svg::Rectangle(x, top, 0.8 * step, kFloor - top, "bar", stages[i].name);
     if (top > before) body += svg::Rectangle(x, before, 0.8 * step, top - before, "taken");
     body += svg::Text(x + 0.4 * step, std::min(top, before) - 4, "middle", Significant(stages[i].value, 3)) +
             svg::Text(x + 0.4 * step, kHeight - 6, "middle", i == 0 ? "before" : "step " + std::to_string(i));
+    before = top;
   }
   body += svg::LevelLine(kFloor - scale * floor, width, "line");
   return Frame(title + " (line: " + floor_name + ", " + Significant(floor, 3) + ")", body, width);

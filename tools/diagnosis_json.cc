@@ -20,22 +20,8 @@ Json HeldOut(const Estimate& estimate, double metres) {
   return estimate.validation.observations > 0 ? Json(1e3 * metres) : Json(nullptr);
 }
 
-Json SettingsToJson(const EffectSpec& spec) {
-  Json json = Json::object();
-  for (const auto& [name, text] : spec.settings) {
-    if (name == "order") {
-      json[name] = std::stoi(text);
-    } else if (name == "after_s") {
-      json[name] = std::stod(text);
-    } else {
-      json[name] = text;
-    }
-  }
-  return json;
-}
-
-Json SpecToJson(const EffectSpec& spec) {
-  return {{"effect", spec.effect}, {"target", spec.target}, {"settings", SettingsToJson(spec)}};
+Json SpecToJson(const Robot& robot, const EffectSpec& spec) {
+  return {{"effect", spec.effect}, {"target", spec.target}, {"settings", SettingsToJson(robot, spec)}};
 }
 
 Json HalvesToJson(const Confirmation& confirmation) {
@@ -50,7 +36,7 @@ Json HalvesToJson(const Confirmation& confirmation) {
 }
 
 Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
-  Json json = SpecToJson(step.chosen.candidate.spec);
+  Json json = SpecToJson(robot, step.chosen.candidate.spec);
   json["p_value"] = step.chosen.corrected_p;
   json["chi2_reduction"] = step.chosen.reduction;
   json["parameters"] = Json::array();
@@ -76,7 +62,7 @@ Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
   json["physical"] = {{"plausible", IsPlausible(robot, step)}, {"words", PhysicalInWords(robot, step)}};
   json["alternatives"] = Json::array();
   for (const Alternative& alternative : step.alternatives) {
-    Json entry = SpecToJson(alternative.spec);
+    Json entry = SpecToJson(robot, alternative.spec);
     entry["overlap"] = alternative.overlap;
     entry["words"] = AlternativeInWords(robot, alternative);
     entry["separate_by"] = SeparateBy(robot, alternative.spec);
@@ -104,7 +90,7 @@ Json CandidatesToJson(const Diagnosis& d) {
   for (size_t i = 0; i < std::min(kListedCandidates, d.candidates.size()); ++i) {
     const ScreenedCandidate& candidate = d.candidates[i];
     if (candidate.score.rank == 0) continue;
-    Json entry = SpecToJson(candidate.candidate.spec);
+    Json entry = SpecToJson(d.final.problem->robot, candidate.candidate.spec);
     entry["score"] = candidate.score.reduction;
     entry["p_value"] = candidate.corrected_p;
     entry["penalised"] = candidate.score.penalised;

@@ -65,6 +65,20 @@ std::string RepeatabilityInWords(const NoiseFinding& noise) {
                                               : ") was not declared. ");
 }
 
+// Of the verdict `noise`: what is wrong with it.
+std::string WrongNoiseInWords(const NoiseFinding& noise) {
+  std::vector<std::string> wrong;
+  if (noise.scale_differs || noise.repeatability_is_overstated) wrong.push_back("the stated noise is wrong");
+  const bool is_told = noise.asks_repeatability || noise.repeatability_is_overstated || noise.repeatability_is_bound;
+  if (noise.repeatability > 0.0 && !is_told) {
+    wrong.push_back("joint repeatability was not declared");
+  }
+  if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
+  std::string words;
+  for (size_t i = 0; i < wrong.size(); ++i) words += (i == 0 ? "" : i + 1 < wrong.size() ? ", " : " and ") + wrong[i];
+  return words;
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -79,7 +93,7 @@ std::string VerdictInWords(const Diagnosis& d) {
                ? "Nothing is missing at this significance."
                : "Nothing is missing at this significance, as far as these data can tell: see the cautions.";
   }
-  if (d.verdict == "noise") return "No effect is missing; the stated noise is wrong.";
+  if (d.verdict == "noise") return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
   std::string names;
   for (const DiagnosisStep& step : d.steps)
     names += (names.empty() ? "" : "; ") + Title(d.final.problem->robot, step.chosen.candidate.spec);

@@ -13,7 +13,7 @@
 
 DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces those of the rows");
 DEFINE_double(holdout, 0.0, "fraction of the configurations kept for validation");
-DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation");
+DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation; none: hold nothing out");
 DEFINE_string(load_point_mm, "", "x,y,z where loads act, flange frame");
 DEFINE_string(free, "", "NAME,…: parameters to estimate besides");
 DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");

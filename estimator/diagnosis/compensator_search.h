@@ -4,7 +4,7 @@
 //
 // is linear in (Kc, Kc s0) once the shape (a / L, alpha) is given, and moves the
 // rows like a deviation k_j tau of the joint. So a grid of shapes is scanned with
-// two columns each; the peaks start the nonlinear refit. L is free (gauge).
+// two columns each; the peaks start the nonlinear refit. L is arbitrary (gauge) and held.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ constexpr int kCompensatorParameters = 4;  // a_x, a_y, s0, Kc; L is the scale g
 struct CompensatorShape {
   EffectSpec start;         // gravity_compensator with L, a_x, a_y, s0, Kc
   int direction = 0;        // of the anchor, on the scan's grid
-  double reduction = 0.0;   // chi-square, linear
+  double reduction = 0.0;   // chi-square, linear; counted half where no machine has the spring
   Eigen::MatrixXd columns;  // its two, whitened
 };
 

@@ -13,7 +13,7 @@ namespace sagitta {
 struct HalfResult {
   std::string best;        // path of the candidate that leads on this half; empty: none is worth its parameters
   bool named = false;      // the step leads, or ties with what leads, among all of sensible size that explain the same
-  bool telling = false;    // the half is large enough: something is worth its parameters, or the step's refit works
+  bool telling = false;    // the half is large enough: something is worth its parameters
   Eigen::VectorXd values;  // of the step's parameters, SI; empty where the half cannot tell them
   Eigen::MatrixXd covariance;
 };

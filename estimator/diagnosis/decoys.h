@@ -9,7 +9,7 @@
 //   wave      a station moves as a wave in time
 //
 // Families of many columns are scored by marginal likelihood
-// (ProjectedResidual::MarginalGain), few columns like a catalogue effect,
+// (MarginalGainOf), few columns like a catalogue effect,
 // reduction - p ln(n); both lose 2 ln(settings scanned): comparable to the
 // penalised chi-square reduction of FORMATS section 6.
 #pragma once

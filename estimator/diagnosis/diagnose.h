@@ -33,7 +33,7 @@ struct DiagnosisStep {
   ChosenStep chosen;
   std::vector<ParameterEstimate> parameters;
   std::optional<ThermalLag> lag;  // that their intervals allow for
-  // m; not a number where this prefix of the steps does not converge alone
+  // m; not a number without a hold-out, or where this prefix of the steps does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;
   double reduced_chi2_after = kNotKnown;
   std::vector<Alternative> alternatives;

@@ -114,7 +114,9 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
   if (removed.empty()) return;
   CalibrationProblem before = *baseline->problem;
   for (const int i : removed) before.data.observations[i].excluded = true;
-  if (!Replace(before, baseline) || !Replace(cleaned, final)) return;
+  DiagnosedModel cleaned_baseline = *baseline;  // both or none: the gap compares the same rows
+  if (!Replace(before, &cleaned_baseline) || !Replace(cleaned, final)) return;
+  *baseline = std::move(cleaned_baseline);
   outliers_.insert(outliers_.end(), removed.begin(), removed.end());
   finding_.outliers_held_out = static_cast<int>(removed.size());
 }

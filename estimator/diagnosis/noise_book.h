@@ -11,7 +11,8 @@
 
 namespace sagitta {
 
-// Penalised gain of what is no effect before it counts. Gains are twice a log odds: 10 at the level 0.01, and with it.
+// Penalised gain of what is no effect before it counts. Gains are twice a log odds: 10 at level 0.01, more at
+// smaller ones.
 double EvidenceNeeded(double significance);
 
 constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();

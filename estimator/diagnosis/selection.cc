@@ -11,7 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kPriorPerHoldLimit = 0.3;  // three typical sizes
-constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped once, at the end
+constexpr size_t kSwappedAtOnce = 4;        // more steps are swapped at the end
 constexpr size_t kShapesRefitted = 5;
 constexpr double kTwins = 0.1;             // of chi-square: no data tell them apart
 constexpr double kFirstOrderMargin = 2.0;  // of chi-square, before a refit says

@@ -1,5 +1,6 @@
 // Choosing the effects that a believed model lacks: forward steps, each refitted
-// in the full joint model, then a swap pass and a backward pass.
+// in the full joint model; steps that have a rival are dropped or swapped, after
+// every growth up to four steps, and at the end beyond.
 #pragma once
 
 #include <functional>
@@ -62,7 +63,7 @@ std::vector<ScreenedCandidate> Screen(const DiagnosedModel& model, const std::ve
 DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
-// Forward selection with swap and backward passes, from the steps of `start`;
+// Forward selection in which steps are dropped and swapped, from those of `start`;
 // `model` becomes the extended one.
 std::vector<ChosenStep> SelectEffects(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates,
                                       const SelectionOptions& options, const std::vector<ChosenStep>& start,

@@ -1,6 +1,6 @@
 // Does the catalogue explain the gap, or do its effects only imitate a cause that
 // it does not hold? Decoys compete with the steps: a decoy replaces those whose gain
-// vanishes beside everything of its kind, and where it and the others beat all steps,
+// falls below half beside everything of its kind, and where it and the others beat all steps,
 // by the penalised chi-square of FORMATS section 6, the rest has no name. What then
 // still holds beside everything of the decoy's kind is kept.
 #pragma once

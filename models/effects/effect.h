@@ -12,7 +12,8 @@
 //   load          a wrench hangs on a frame (WrenchTerm)
 //   instrument    marker, base-frame or station-frame points move
 //
-// A new effect is one file with one definition and one line in catalogue.cc.
+// A new effect is one file with one definition, declared in catalogue.h and
+// listed in catalogue.cc.
 #pragma once
 
 #include <map>

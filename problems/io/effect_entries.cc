@@ -146,12 +146,20 @@ std::vector<EffectSpec> ReadEffects(const YamlValue& value, const Robot& robot) 
   return effects;
 }
 
+Json SettingsToJson(const Robot& robot, const EffectSpec& spec) {
+  Json json = Json::object();
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return json;
+  for (const auto& [name, text] : spec.settings) json[name] = SettingToJson(*definition, name, text);
+  return json;
+}
+
 Json EffectToJson(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition& definition = *FindEffect(robot, spec.effect);
   Json json = {{"effect", spec.effect}};
   const std::string key = TargetKey(definition.target);
   if (!key.empty()) json[key] = spec.target;
-  for (const auto& [name, text] : spec.settings) json[name] = SettingToJson(definition, name, text);
+  json.update(SettingsToJson(robot, spec));
   const std::vector<EffectParameter> parameters = definition.parameters(robot, spec);
   for (size_t p = 0; p < parameters.size(); ++p) {
     const double value = p < spec.values.size() ? spec.values[p] : 0.0;

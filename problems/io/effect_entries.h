@@ -15,6 +15,8 @@ namespace sagitta {
 
 std::vector<EffectSpec> ReadEffects(const YamlValue& value, const Robot& robot);
 nlohmann::ordered_json EffectToJson(const Robot& robot, const EffectSpec& spec);
+// {order: 1}: numbers are numbers; empty where an effect is none of the list.
+nlohmann::ordered_json SettingsToJson(const Robot& robot, const EffectSpec& spec);
 
 // cos_urad, k_urad_per_Nm: a parameter with its unit, as files write it.
 std::string ParameterKey(const std::string& name, Quantity quantity);

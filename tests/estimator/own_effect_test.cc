@@ -5,6 +5,7 @@
 
 #include "estimator/diagnosis/diagnose.h"
 #include "problems/input_error.h"
+#include "problems/io/effect_entries.h"
 #include "problems/io/robot_file.h"
 #include "tests/support/effect_contract.h"
 #include "tests/support/kr270_experiment.h"
@@ -106,6 +107,7 @@ effects:
   const Robot again = ReadRobotText(RobotToYaml(robot), "again.yaml", Own());
   ASSERT_EQ(again.effects.size(), 1u);
   EXPECT_EQ(again.effects[0].Path(), "effect/driven_harmonic[driver=A1,order=3]/A2");
+  EXPECT_EQ(SettingsToJson(again, again.effects[0]).dump(), R"({"driver":"A1","order":3})");
   EXPECT_NEAR(again.effects[0].values[0], 12e-6, 1e-15);
   EXPECT_NEAR(again.effects[0].values[1], -7e-6, 1e-15);
   EXPECT_THROW(ReadRobotText(text, "robot.yaml"), InputError);

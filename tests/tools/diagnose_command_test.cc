@@ -63,6 +63,22 @@ TEST_F(SimulationColumnsTest, ThatTheFileReproducesIsSaidToBe) {
   EXPECT_THAT(outcome.out, HasSubstr("Nothing is written; --out=DIR keeps the results."));
 }
 
+// Two readings that are 5 mm off are all that is wrong: the stated sigma is not.
+TEST_F(SimulationColumnsTest, OutliersAreNoWrongSigma) {
+  const std::string truth = Path("truth.yaml");
+  ASSERT_EQ(
+      Run({"simulate", truth, "--truth=" + truth, "--out=" + Path("noisy.csv"), "--sigma_mm=0.03", "--seed=5"}).status,
+      0);
+  Rows rows = Cells(Read("noisy.csv"));
+  const int z = Column(rows, "z_mm");
+  for (const size_t row : {4, 31}) rows[row][z] = std::to_string(std::stod(rows[row][z]) + 5.0);
+  Write("outliers.csv", Csv(rows));
+  const Outcome outcome = Run({"diagnose", Experiment("experiment.yaml", "outliers.csv", "")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("Verdict: noise. No effect is missing; readings are outliers.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("2 outliers left out"));
+}
+
 TEST_F(SimulationColumnsTest, InMetresAreRefused) {
   const Outcome outcome = Diagnose(1e-3);
   EXPECT_EQ(outcome.status, 2);
