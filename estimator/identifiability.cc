@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "estimator/enumerate.h"
+
 namespace sagitta {
 namespace {
 
@@ -104,21 +106,17 @@ Direction MakeDirection(const Eigen::VectorXd& vector, double sigma, const Linea
 std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& components) {
   if (components.empty()) return "";
   if (components.size() == 1) return components[0].first + " is not measured by these data";
-  std::string names;
-  const size_t shown = std::min(components.size(), kMostNames);
-  for (size_t i = 0; i < shown; ++i) {
-    if (i > 0) names += i + 1 == components.size() ? " and " : ", ";
-    names += components[i].first;
-  }
-  if (shown < components.size()) names += " and " + std::to_string(components.size() - shown) + " more";
+  std::vector<std::string> names;
+  for (const auto& [name, weight] : components) names.push_back(name);
+  const std::string listed = Enumerate(names, kMostNames);
   if (components.size() > 2) {
-    return names + " move together: only " + std::to_string(components.size() - 1) +
+    return listed + " move together: only " + std::to_string(components.size() - 1) +
            " combinations of them are measured";
   }
   const double ratio = -components[1].second / components[0].second;
   const bool alike = std::abs(std::abs(ratio) - 1.0) < 0.05;
   const std::string kind = ratio > 0.0 ? "sum" : "difference";
-  return names + " move together: only their " + (alike ? "" : "weighted ") + kind + " is measured";
+  return listed + " move together: only their " + (alike ? "" : "weighted ") + kind + " is measured";
 }
 
 Unidentifiable FindUnidentifiable(const Linearization& linearization, const ParameterSet& parameters, double sigma) {

@@ -155,16 +155,13 @@ void CheckEnoughData(const CalibrationProblem& problem) {
   }
   const int unknowns = problem.parameters.EstimatedCoordinates().size();
   if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");
+  const bool is_one = configurations.size() < 2;
   const bool asks_for_both = problem.experiment.estimate.base && problem.experiment.estimate.markers;
-  if (configurations.size() < 2) {
-    throw InputError({file, 0, "config"}, "one configuration cannot tell the robot from the base",
-                     "measure at least two, better thirty, different configurations");
-  }
-  if (asks_for_both && DifferentPoses(problem.data, configurations) < 2) {
-    throw InputError({file, 0, "config"},
-                     "all " + std::to_string(configurations.size()) +
-                         " configurations are alike (equal joint values), and one pose cannot tell the robot from the "
-                         "base",
+  if (is_one || (asks_for_both && DifferentPoses(problem.data, configurations) < 2)) {
+    const std::string alike = "all " + std::to_string(configurations.size()) +
+                              " configurations are alike (equal joint values), and one pose cannot tell the robot "
+                              "from the base";
+    throw InputError({file, 0, "config"}, is_one ? "one configuration cannot tell the robot from the base" : alike,
                      "measure at least two, better thirty, different configurations");
   }
   const int equations = 3 * observations.size();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "estimator/enumerate.h"
 #include "models/effects/catalogue.h"
 #include "tools/summary.h"
 
@@ -69,14 +70,11 @@ std::string RepeatabilityInWords(const NoiseFinding& noise) {
 std::string WrongNoiseInWords(const NoiseFinding& noise) {
   std::vector<std::string> wrong;
   if (noise.scale_differs || noise.repeatability_is_overstated) wrong.push_back("the stated noise is wrong");
-  const bool is_told = noise.asks_repeatability || noise.repeatability_is_overstated || noise.repeatability_is_bound;
-  if (noise.repeatability > 0.0 && !is_told) {
+  if (noise.HasUndeclaredRepeatability() && !noise.repeatability_is_overstated) {
     wrong.push_back("joint repeatability was not declared");
   }
   if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
-  std::string words;
-  for (size_t i = 0; i < wrong.size(); ++i) words += (i == 0 ? "" : i + 1 < wrong.size() ? ", " : " and ") + wrong[i];
-  return words;
+  return Enumerate(wrong);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <set>
 
+#include "estimator/diagnosis/drivers.h"
 #include "estimator/linearization.h"
 
 namespace sagitta {
@@ -302,7 +303,7 @@ DecoyBench::DecoyBench(const DiagnosedModel& model)
 
 bool DecoyBench::Moves(int joint) const { return angles_[joint].maxCoeff() - angles_[joint].minCoeff() >= 1e-6; }
 
-bool DecoyBench::Turns(int joint) const { return problem_.robot.chain.joints[joint].type == JointType::kRevolute; }
+bool DecoyBench::Turns(int joint) const { return sagitta::Turns(problem_, joint); }
 
 std::string DecoyBench::Place(int joint, double value) const {
   return Rounded("%.0f", value * (Turns(joint) ? kDegree : 1e3));

@@ -7,10 +7,6 @@ namespace {
 
 constexpr double kDegree = 57.29577951308232;
 
-bool Turns(const CalibrationProblem& problem, int joint) {
-  return problem.robot.chain.joints[joint].type == JointType::kRevolute;
-}
-
 Driver PerShot(const CalibrationProblem& problem, const std::string& name, const std::string& unit,
                const std::function<double(const ShotConditions&)>& value) {
   Driver driver{name, unit, Eigen::VectorXd(static_cast<long>(problem.shot_inputs.size()))};
@@ -21,6 +17,10 @@ Driver PerShot(const CalibrationProblem& problem, const std::string& name, const
 }
 
 }  // namespace
+
+bool Turns(const CalibrationProblem& problem, int joint) {
+  return problem.robot.chain.joints[joint].type == JointType::kRevolute;
+}
 
 Driver AngleOf(const CalibrationProblem& problem, int joint) {
   const double scale = Turns(problem, joint) ? kDegree : 1e3;

@@ -16,6 +16,9 @@ struct Driver {
   bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }
 };
 
+// A revolute joint, whose angle is read; of the others a length is.
+bool Turns(const CalibrationProblem& problem, int joint);
+
 Driver AngleOf(const CalibrationProblem& problem, int joint);     // deg or mm, commanded
 Driver ApproachOf(const CalibrationProblem& problem, int joint);  // +1, -1 or 0; zero where it is not stated
 Driver TimeOf(const CalibrationProblem& problem);                 // s since the station's first row

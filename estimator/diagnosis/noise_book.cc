@@ -151,9 +151,8 @@ bool NoiseBook::Close(const DiagnosedModel& final, bool has_structure, double si
   if (finding_.repeatability_is_bound) finding_.repeatability_low = 0.0;
   if (is_redundant && (is_sigma || !scale_is_measured_)) ScaleByScatter(final.estimate, has_structure);
   finding_.scale_differs |= is_sigma;
-  const bool undeclared =
-      finding_.repeatability > 0.0 && !finding_.repeatability_is_bound && !finding_.asks_repeatability;
-  finding_.is_finding = undeclared || finding_.scale_differs || finding_.repeatability_is_overstated;
+  finding_.is_finding =
+      finding_.HasUndeclaredRepeatability() || finding_.scale_differs || finding_.repeatability_is_overstated;
   return is_sigma;
 }
 

@@ -32,6 +32,10 @@ struct NoiseFinding {
   std::vector<std::string> outliers;                                              // file:line
   int outliers_held_out = 0;                                                      // of them
   bool is_finding = false;
+
+  bool HasUndeclaredRepeatability() const {
+    return repeatability > 0.0 && !repeatability_is_bound && !asks_repeatability;
+  }
 };
 
 class NoiseBook {

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "estimator/diagnosis/drivers.h"
 #include "estimator/distributions.h"
 #include "estimator/linearization.h"
 #include "estimator/variance_components.h"
@@ -84,10 +85,6 @@ std::vector<DeviationGroup> StatedDeviations(const CalibrationProblem& problem) 
     stated.push_back({{problem.latent.joints[i]}, std::pow(problem.latent.sigmas[i], 2), false});
   }
   return stated;
-}
-
-bool Turns(const CalibrationProblem& problem, int joint) {
-  return problem.robot.chain.joints[joint].type == JointType::kRevolute;
 }
 
 // One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.

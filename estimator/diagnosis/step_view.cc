@@ -44,7 +44,7 @@ StepView ViewStep(const StepBench& bench, const ChosenStep& step) {
   Eigen::VectorXd along = contribution;
   const int joint = problem.robot.chain.FindJoint(spec.target);
   if (joint >= 0) {
-    const bool turns = problem.robot.chain.joints[joint].type == JointType::kRevolute;
+    const bool turns = Turns(problem, joint);
     along = JointDeviationColumns(problem, with.estimate.parameters).col(joint);
     view.quantity = "deviation of " + spec.target;
     view.unit = turns ? "urad" : "um";

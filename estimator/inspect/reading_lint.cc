@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "estimator/aligned_misfit.h"
+#include "estimator/enumerate.h"
 #include "estimator/unit_guess.h"
 
 namespace sagitta {
@@ -57,12 +58,9 @@ std::vector<int> RevoluteJoints(const Chain& chain) {
 }
 
 std::string Named(const Chain& chain, const std::vector<JointChange>& changes) {
-  std::string names;
-  for (size_t i = 0; i < changes.size(); ++i) {
-    if (i > 0) names += i + 1 == changes.size() ? " and " : ", ";
-    names += chain.joints[changes[i].joint].name;
-  }
-  return names;
+  std::vector<std::string> names;
+  for (const JointChange& change : changes) names.push_back(chain.joints[change.joint].name);
+  return Enumerate(names);
 }
 
 // Subsets of joints that are counted the other way, smallest first.
