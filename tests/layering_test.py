@@ -15,16 +15,17 @@ import tempfile
 
 LAYERS = ['models', 'problems', 'estimator', 'tools']  # each may use those before it
 
-# Libraries a layer may include and link. yaml-cpp and OpenSSL stay behind problems/.
+# Libraries a layer may include and link. What reads files (yaml-cpp, urdfdom, expat) and OpenSSL stay behind problems/.
 LIBRARIES = {
     'models': {'Eigen'},
-    'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'posix'},
+    'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'posix', 'urdfdom', 'console_bridge', 'expat'},
     'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'posix'},
     'tools': {'Eigen', 'nlohmann', 'ceres', 'glog', 'gflags', 'posix'},
 }
 LIBRARY_OF_LINK = {
     'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
     'nlohmann_json::nlohmann_json': 'nlohmann', 'OpenSSL::Crypto': 'openssl',
+    'urdfdom::urdfdom_model': 'urdfdom', 'console_bridge::console_bridge': 'console_bridge', 'EXPAT::EXPAT': 'expat',
     'Ceres::ceres': 'ceres', 'glog::glog': 'glog', 'gflags': 'gflags',
 }
 LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator'}
@@ -46,6 +47,10 @@ def library_of(header):
         return 'Eigen'
     if re.fullmatch(r'sys/\w+\.h|unistd\.h|fcntl\.h', header):
         return 'posix'
+    if header.startswith(('urdf_parser/', 'urdf_model/')):
+        return 'urdfdom'
+    if header == 'expat.h':
+        return 'expat'
     return header.split('/')[0]
 
 

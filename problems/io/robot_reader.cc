@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <filesystem>
 
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/robot_parts.h"
+#include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
 
 namespace sagitta {
@@ -106,20 +108,52 @@ DhTable ReadDhTable(const YamlValue& value, const std::vector<Joint>& joints) {
   return table;
 }
 
-void ReadKinematics(const YamlValue& value, const std::vector<Coupling>& couplings, const std::vector<Joint>& joints,
-                    Robot* robot) {
+struct KinematicsKeys {
+  std::optional<YamlValue> chain, dh, urdf;
+};
+
+KinematicsKeys ReadKinematicsKeys(const YamlValue& value) {
   YamlMap map(value);
-  const auto chain = map.Find("chain");
-  const auto dh = map.Find("dh");
-  const auto urdf = map.Find("urdf");
+  KinematicsKeys keys{map.Find("chain"), map.Find("dh"), map.Find("urdf")};
   map.Finish();
-  if (chain.has_value() + dh.has_value() + urdf.has_value() != 1) {
+  if (keys.chain.has_value() + keys.dh.has_value() + keys.urdf.has_value() != 1) {
     value.Fail("exactly one description of the kinematics is expected", "one of: chain, dh, urdf");
   }
-  if (urdf) {
-    urdf->Fail("reading URDF is not supported yet", "describe the arm by chain or dh");
+  return keys;
+}
+
+// The file's path is relative to the robot file.
+Robot ReadUrdfOf(const YamlValue& value, const std::string& robot_file) {
+  YamlMap map(value);
+  const YamlValue file = map.Get("file");
+  UrdfEnds ends;
+  if (const auto link = map.Find("base_link")) ends.base_link = link->Text();
+  if (const auto link = map.Find("tip_link")) ends.tip_link = link->Text();
+  map.Finish();
+  return ReadUrdfFile((std::filesystem::path(robot_file).parent_path() / file.Text()).string(), ends);
+}
+
+// Joints that the robot file states besides its URDF: the same ones; their limits come first.
+void TakeLimits(const YamlValue& value, const std::vector<Joint>& stated, Chain* chain) {
+  std::string names;
+  for (const Joint& joint : chain->joints) names += (names.empty() ? "" : ", ") + joint.name;
+  const std::string hint = "the URDF has " + names + "; joints: may be left out";
+  if (stated.size() != chain->joints.size()) value.Fail("these are not the joints of the URDF", hint);
+  for (size_t j = 0; j < stated.size(); ++j) {
+    Joint& joint = chain->joints[j];
+    if (stated[j].name != joint.name) value.Items()[j].Fail("'" + joint.name + "' is expected here", hint);
+    if (stated[j].type != joint.type) value.Items()[j].Fail("the joint is of the other type in the URDF");
+    if (stated[j].min) joint.min = stated[j].min;
+    if (stated[j].max) joint.max = stated[j].max;
   }
-  if (dh) {
+}
+
+void ReadKinematics(const YamlValue& value, const KinematicsKeys& keys, const std::vector<Coupling>& couplings,
+                    const std::vector<Joint>& joints, Robot* robot) {
+  const auto& [chain, dh, urdf] = keys;
+  if (urdf) {
+    robot->chain.couplings.insert(robot->chain.couplings.end(), couplings.begin(), couplings.end());
+  } else if (dh) {
     robot->dh = ReadDhTable(*dh, joints);
     robot->chain = ChainFromDhTable(joints, couplings, *robot->dh);
   } else {
@@ -131,24 +165,35 @@ void ReadKinematics(const YamlValue& value, const std::vector<Coupling>& couplin
   if (!defect.empty()) value.Fail(defect);
 }
 
-Robot ReadRobot(const YamlValue& root, const std::vector<const EffectDefinition*>& own_effects) {
+Robot ReadRobot(const YamlValue& root, const std::string& file,
+                const std::vector<const EffectDefinition*>& own_effects) {
   YamlMap map(root);
   map.ExpectSchema("sagitta/robot/1");
   Robot robot;
   robot.own_effects = own_effects;
-  if (const auto name = map.Find("name")) robot.name = name->Text();
-  const YamlValue joints_value = map.Get("joints");
+  const auto name = map.Find("name");
   const YamlValue kinematics = map.Get("kinematics");
+  const KinematicsKeys keys = ReadKinematicsKeys(kinematics);
+  const auto joints_value = keys.urdf ? map.Find("joints") : map.Get("joints");
   const auto coupling = map.Find("coupling");
   const auto compliance = map.Find("compliance");
   const auto compensator = map.Find("gravity_compensator");
   const auto effects = map.Find("effects");
   map.Finish();
 
-  const std::vector<Joint> joints = ReadJoints(joints_value);
+  std::vector<Joint> joints;
+  if (joints_value) joints = ReadJoints(*joints_value);
+  if (keys.urdf) {
+    const Robot described = ReadUrdfOf(*keys.urdf, file);
+    robot.name = described.name;
+    robot.chain = described.chain;
+    if (joints_value) TakeLimits(*joints_value, joints, &robot.chain);
+    joints = robot.chain.joints;
+  }
+  if (name) robot.name = name->Text();
   std::vector<Coupling> couplings;
   if (coupling) couplings = ReadCouplings(*coupling, joints);
-  ReadKinematics(kinematics, couplings, joints, &robot);
+  ReadKinematics(kinematics, keys, couplings, joints, &robot);
   if (compliance) robot.compliances = ReadCompliances(*compliance, joints);
   if (compensator) robot.gravity_compensator = ReadGravityCompensator(*compensator, joints);
   if (effects) robot.effects = ReadEffects(*effects, robot);
@@ -170,7 +215,12 @@ int ReadJointIndex(const YamlValue& value, const std::vector<Joint>& joints) {
 
 Robot ReadRobotText(const std::string& text, const std::string& file_in_messages,
                     const std::vector<const EffectDefinition*>& own_effects) {
-  return ReadRobot(ParseYaml(text, file_in_messages), own_effects);
+  if (IsUrdf(file_in_messages, text)) {
+    Robot robot = ReadUrdfText(text, file_in_messages);
+    robot.own_effects = own_effects;
+    return robot;
+  }
+  return ReadRobot(ParseYaml(text, file_in_messages), file_in_messages, own_effects);
 }
 
 Robot ReadRobotFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects) {

@@ -368,13 +368,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadRobot{"compensator_L", kChainRobot, "L_mm: 184.72", "L_mm: 0", {"gravity_compensator", "above 0"}}),
     [](const auto& param) { return std::string(param.param.name); });
 
-TEST(RobotFileTest, UrdfIsNotReadYet) {
-  const std::string text =
-      "schema: sagitta/robot/1\njoints: [{name: A1, type: revolute}]\nkinematics:\n  urdf: {file: kr270.urdf}\n";
-  const std::string message = ErrorOf([&] { ReadRobotText(text, "robot.yaml"); });
-  EXPECT_TRUE(SaysInOrder(message, {"robot.yaml:4: kinematics.urdf", "URDF is not supported yet"}));
-}
-
 class RobotFileErrorTest : public FileTest {};
 
 TEST_F(RobotFileErrorTest, NamesTheFile) {

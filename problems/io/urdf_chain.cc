@@ -1,0 +1,183 @@
+#include "problems/io/urdf_chain.h"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+using Movable = std::vector<std::string>;
+
+// urdfdom reports through console_bridge, which prints unless it is given a handler.
+class CollectedMessages : public console_bridge::OutputHandler {
+ public:
+  CollectedMessages() { console_bridge::useOutputHandler(this); }
+  ~CollectedMessages() override { console_bridge::restorePreviousOutputHandler(); }
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first_.empty()) first_ = text;
+  }
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+};
+
+urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file) {
+  if (text.find("<xacro:") != std::string::npos) {
+    throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
+  }
+  CollectedMessages messages;
+  urdf::ModelInterfaceSharedPtr model;
+  std::string reason;
+  try {
+    model = urdf::parseURDF(text);
+  } catch (const std::exception& error) {
+    reason = error.what();
+  }
+  if (model) return model;
+  if (reason.empty()) reason = messages.first();
+  throw InputError({file, 0, ""}, "this is not a valid URDF" + (reason.empty() ? "" : ": " + reason));
+}
+
+class ChainFinder {
+ public:
+  ChainFinder(const urdf::ModelInterface& model, std::string file) : model_(model), file_(std::move(file)) {}
+
+  UrdfEnds Complete(UrdfEnds ends) const {
+    if (ends.base_link.empty()) ends.base_link = model_.getRoot()->name;
+    CheckLink("base_link", ends.base_link);
+    if (ends.tip_link.empty()) ends.tip_link = OnlyTip(ends.base_link);
+    CheckLink("tip_link", ends.tip_link);
+    return ends;
+  }
+
+  std::vector<UrdfJoint> Between(const UrdfEnds& ends) const {
+    const auto up = ToRoot(ends.base_link), down = ToRoot(ends.tip_link);
+    size_t shared = 0;  // joints next to the root that both pass
+    while (shared < std::min(up.size(), down.size()) && up[up.size() - 1 - shared] == down[down.size() - 1 - shared]) {
+      ++shared;
+    }
+    std::vector<UrdfJoint> joints;
+    for (size_t i = 0; i + shared < up.size(); ++i) joints.push_back(Describe(*up[i], true));
+    for (size_t i = down.size() - shared; i-- > 0;) joints.push_back(Describe(*down[i], false));
+    return joints;
+  }
+
+ private:
+  void CheckLink(const std::string& key, const std::string& link) const {
+    if (model_.links_.count(link)) return;
+    std::vector<std::string> names;
+    for (const auto& [name, unused] : model_.links_) names.push_back(name);
+    throw InputError({file_, 0, key}, "there is no link '" + link + "'", SpellingHint(link, names));
+  }
+
+  // Joints from the link up to the root.
+  std::vector<urdf::JointConstSharedPtr> ToRoot(const std::string& link) const {
+    std::vector<urdf::JointConstSharedPtr> joints;
+    for (auto at = model_.getLink(link); at->parent_joint; at = at->getParent()) joints.push_back(at->parent_joint);
+    return joints;
+  }
+
+  Movable MovableJoints(const std::string& base, const std::string& tip) const {
+    Movable names;
+    for (const UrdfJoint& joint : Between({base, tip})) {
+      if (!joint.is_fixed()) names.push_back(joint.name);
+    }
+    return names;
+  }
+
+  void CollectLeaves(const urdf::Link& link, std::vector<std::string>* leaves) const {
+    if (link.child_links.empty()) leaves->push_back(link.name);
+    for (const auto& child : link.child_links) CollectLeaves(*child, leaves);
+  }
+
+  // The one link at the end of a branch with joints, branches aside that leave another on its way.
+  std::string OnlyTip(const std::string& base) const {
+    std::vector<std::string> leaves;
+    CollectLeaves(*model_.getLink(base), &leaves);
+    std::vector<std::pair<std::string, Movable>> tips;
+    for (const std::string& leaf : leaves) tips.emplace_back(leaf, MovableJoints(base, leaf));
+    const auto is_side_branch = [&tips](const auto& tip) {
+      return tip.second.empty() || std::any_of(tips.begin(), tips.end(), [&tip](const auto& other) {
+               return other.second.size() > tip.second.size() &&
+                      std::equal(tip.second.begin(), tip.second.end(), other.second.begin());
+             });
+    };
+    std::vector<std::string> candidates;
+    std::string described;
+    for (const auto& tip : tips) {
+      if (is_side_branch(tip)) continue;
+      candidates.push_back(tip.first);
+      described += (described.empty() ? "" : ", ") + tip.first + " (" + std::to_string(tip.second.size()) + " joints)";
+    }
+    if (candidates.size() == 1) return candidates.front();
+    if (candidates.empty()) {
+      throw InputError({file_, 0, "base_link"}, "no joint that moves lies beyond the link '" + base + "'");
+    }
+    throw InputError({file_, 0, "tip_link"}, "beyond '" + base + "' the chain may end at any of: " + described,
+                     "state it: kinematics: {urdf: {file: …, base_link: " + base + ", tip_link: " + candidates.front() +
+                         "}}, or --base_link and --tip_link of 'sagitta convert'");
+  }
+
+  UrdfJoint Describe(const urdf::Joint& joint, bool is_upward) const {
+    UrdfJoint result;
+    result.name = joint.name;
+    result.is_upward = is_upward;
+    const urdf::Pose& origin = joint.parent_to_joint_origin_transform;
+    result.parent_from_joint.translation = {origin.position.x, origin.position.y, origin.position.z};
+    const Eigen::Quaterniond rotation(origin.rotation.w, origin.rotation.x, origin.rotation.y, origin.rotation.z);
+    result.parent_from_joint.rotation = rotation.normalized().toRotationMatrix();
+    if (joint.type == urdf::Joint::FIXED) return result;
+    if (joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS) {
+      result.type = UrdfJoint::Type::kRevolute;
+    } else if (joint.type == urdf::Joint::PRISMATIC) {
+      result.type = UrdfJoint::Type::kPrismatic;
+    } else {
+      throw InputError({file_, 0, joint.name}, "the joint is floating or planar",
+                       "a serial chain has revolute, continuous, prismatic and fixed joints");
+    }
+    result.axis = {joint.axis.x, joint.axis.y, joint.axis.z};
+    if (!(result.axis.norm() > 1e-6)) throw InputError({file_, 0, joint.name}, "the joint's axis has no direction");
+    result.axis.normalize();
+    AddLimits(joint, &result);
+    if (joint.mimic) result.mimic = {joint.mimic->joint_name, joint.mimic->multiplier, joint.mimic->offset};
+    return result;
+  }
+
+  // Limits that are both 0 are the default of an attribute that is not there.
+  void AddLimits(const urdf::Joint& joint, UrdfJoint* result) const {
+    if (joint.type == urdf::Joint::CONTINUOUS || !joint.limits) return;
+    if (joint.limits->lower == 0.0 && joint.limits->upper == 0.0) return;
+    if (!(joint.limits->lower < joint.limits->upper)) {
+      throw InputError({file_, 0, joint.name}, "the limits of the joint are swapped or equal");
+    }
+    result->min = joint.limits->lower;
+    result->max = joint.limits->upper;
+  }
+
+  const urdf::ModelInterface& model_;
+  std::string file_;
+};
+
+}  // namespace
+
+UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_messages, const UrdfEnds& ends) {
+  const urdf::ModelInterfaceSharedPtr model = ParseModel(text, file_in_messages);
+  const ChainFinder finder(*model, file_in_messages);
+  UrdfChain chain;
+  chain.robot_name = model->getName();
+  chain.ends = finder.Complete(ends);
+  chain.joints = finder.Between(chain.ends);
+  if (std::all_of(chain.joints.begin(), chain.joints.end(), [](const UrdfJoint& j) { return j.is_fixed(); })) {
+    throw InputError({file_in_messages, 0, ""}, "no joint moves between the links '" + chain.ends.base_link +
+                                                    "' and '" + chain.ends.tip_link + "'");
+  }
+  return chain;
+}
+
+}  // namespace sagitta

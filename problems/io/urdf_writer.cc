@@ -1,0 +1,255 @@
+#include "problems/io/urdf_writer.h"
+
+#include <cmath>
+
+#include "models/kinematics.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/urdf_robot.h"
+#include "problems/io/urdf_text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSameOrigin = 1e-12;  // m, rad: rounding of the products of a few poses
+constexpr double kMostShift = 0.1;     // m: beyond any calibration
+constexpr double kMostTurn = 10.0 * M_PI / 180.0;
+
+Pose<double> operator*(const Pose<double>& a, const Pose<double>& b) {
+  return {a.rotation * b.rotation, a * b.translation};
+}
+Pose<double> Inverse(const Pose<double>& pose) {
+  return {pose.rotation.transpose(), -(pose.rotation.transpose() * pose.translation)};
+}
+double TurnOf(const Matrix3<double>& rotation) { return Eigen::AngleAxisd(rotation).angle(); }
+
+// base_from_frame of every frame at joint values 0.
+std::vector<Pose<double>> FramesAtZero(const Chain& chain) {
+  std::vector<double> values;
+  for (const ElementaryTransform& transform : chain.transforms) values.push_back(transform.nominal);
+  ChainState<double> state;
+  EvaluateChain(chain, values.data(), &state);
+  return state.frames;
+}
+
+Vector3<double> AxisOf(const ElementaryTransform& transform) {
+  return transform.sign * Vector3<double>::Unit(static_cast<int>(transform.axis));
+}
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+  }
+  return escaped;
+}
+
+std::string Numbers(const Vector3<double>& v) {
+  return FormatNumber(v.x()) + " " + FormatNumber(v.y()) + " " + FormatNumber(v.z());
+}
+
+std::string OriginElement(const Pose<double>& pose) {
+  return "    <origin xyz=\"" + Numbers(pose.translation) + "\" rpy=\"" + Numbers(RpyFromRotation(pose.rotation)) +
+         "\"/>\n";
+}
+
+std::string JointElement(const std::string& name, const std::string& type, const std::string& parent,
+                         const std::string& child, const Pose<double>& origin, const std::string& rest) {
+  return "  <joint name=\"" + Escaped(name) + "\" type=\"" + type + "\">\n    <parent link=\"" + Escaped(parent) +
+         "\"/>\n    <child link=\"" + Escaped(child) + "\"/>\n" + OriginElement(origin) + rest + "  </joint>\n";
+}
+
+// Limits of a joint; effort and velocity are not known to a robot file.
+std::string LimitElement(const Joint& joint) {
+  std::string limit = "    <limit";
+  if (joint.min && joint.max) {
+    limit += " lower=\"" + FormatNumber(*joint.min) + "\" upper=\"" + FormatNumber(*joint.max) + "\"";
+  }
+  return limit + " effort=\"0\" velocity=\"0\"/>\n";
+}
+
+// Moves `base_from_old` by the least turn and shift so that its axis lies on the robot's.
+Pose<double> MovedOntoAxis(const Pose<double>& base_from_old, const Vector3<double>& axis, bool revolute,
+                           const Vector3<double>& direction, const Vector3<double>& point) {
+  const Vector3<double> old_direction = base_from_old.rotation * axis;
+  const Matrix3<double> turn = Eigen::Quaterniond::FromTwoVectors(old_direction, direction).toRotationMatrix();
+  Pose<double> moved{turn * base_from_old.rotation, base_from_old.translation};
+  if (revolute) {
+    const Vector3<double> away = base_from_old.translation - point;
+    moved.translation = point + direction * direction.dot(away);
+  }
+  return moved;
+}
+
+class Editor {
+ public:
+  Editor(const UrdfChain& urdf, const Robot& robot, std::string file)
+      : urdf_(urdf), chain_(robot.chain), frames_(FramesAtZero(chain_)), file_(std::move(file)) {
+    CheckJoints();
+  }
+
+  std::map<std::string, OriginEdit> Edits() {
+    Pose<double> here, old_here;  // base_from_link, after the joints so far
+    int joint = -1;
+    for (size_t i = 0; i < urdf_.joints.size(); ++i) {
+      const UrdfJoint& step = urdf_.joints[i];
+      old_here = old_here * step.parent_from_joint;
+      Pose<double> target = here * step.parent_from_joint;
+      const bool is_last = i + 1 == urdf_.joints.size();
+      if (!step.is_fixed()) target = LinkFrame(++joint, step, old_here, is_last);
+      if (step.is_fixed() && is_last) target = frames_.back();
+      Add(step, Inverse(here) * target);
+      here = target * MimicOffset(step, 1.0);
+      old_here = old_here * MimicOffset(step, 1.0);
+    }
+    return edits_;
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const {
+    throw InputError({file_, 0, key}, what, hint);
+  }
+
+  void CheckJoints() const {
+    std::vector<const UrdfJoint*> movable;
+    for (const UrdfJoint& joint : urdf_.joints) {
+      if (!joint.is_fixed()) movable.push_back(&joint);
+      if (joint.is_upward) Fail(joint.name, "the chain passes this joint from child to parent", "edit towards the tip");
+    }
+    if (static_cast<int>(movable.size()) != chain_.num_joints()) {
+      Fail("",
+           "the chain of this URDF has " + std::to_string(movable.size()) + " joints, the robot has " +
+               std::to_string(chain_.num_joints()),
+           "state its ends: --base_link, --tip_link");
+    }
+    size_t mimics = 0;
+    for (size_t j = 0; j < movable.size(); ++j) {
+      const bool revolute = movable[j]->type == UrdfJoint::Type::kRevolute;
+      if (revolute != (chain_.joints[j].type == JointType::kRevolute)) {
+        Fail(movable[j]->name, "the robot's joint '" + chain_.joints[j].name + "' is of the other type", "");
+      }
+      if (!movable[j]->mimic) continue;
+      ++mimics;
+      CheckMimic(static_cast<int>(j), *movable[j]);
+    }
+    if (mimics != chain_.couplings.size()) {
+      Fail("", "the robot has couplings that this URDF does not have", "URDF states a coupling by <mimic>");
+    }
+  }
+
+  void CheckMimic(int joint, const UrdfJoint& follower) const {
+    for (const Coupling& coupling : chain_.couplings) {
+      if (coupling.joint == joint && chain_.joints[coupling.driver].name == follower.mimic->driver &&
+          coupling.ratio == follower.mimic->multiplier) {
+        return;
+      }
+    }
+    Fail(follower.name, "the robot has another coupling of this joint", "URDF states a coupling by <mimic>");
+  }
+
+  // base_from_link right after joint j at q = 0, without a mimic's offset, which the URDF adds itself.
+  Pose<double> LinkFrame(int j, const UrdfJoint& joint, const Pose<double>& old_link, bool is_tip) const {
+    const int e = chain_.JointTransform(j);
+    const bool oblique = !ElementaryAxis(joint.axis);
+    const Pose<double> without_offset = MimicOffset(joint, -1.0);
+    if (chain_.FindError(joint.name + ".x") >= 0) return frames_[e + (oblique ? 3 : 1)] * without_offset;
+    if (is_tip) return CheckedTip(joint, e) * without_offset;
+    const bool revolute = joint.type == UrdfJoint::Type::kRevolute;
+    const Vector3<double> direction = frames_[e].rotation * AxisOf(chain_.transforms[e]);
+    return MovedOntoAxis(old_link, joint.axis, revolute, direction, frames_[e].translation);
+  }
+
+  static Pose<double> MimicOffset(const UrdfJoint& joint, double times) {
+    Pose<double> pose;
+    if (!joint.mimic || joint.is_fixed()) return pose;
+    const double offset = times * joint.mimic->offset;
+    if (joint.type == UrdfJoint::Type::kRevolute) {
+      pose.rotation = Eigen::AngleAxisd(offset, joint.axis).toRotationMatrix();
+    } else {
+      pose.translation = offset * joint.axis;
+    }
+    return pose;
+  }
+
+  // The flange itself, where it lies on the last axis as the URDF has it.
+  Pose<double> CheckedTip(const UrdfJoint& joint, int e) const {
+    const Pose<double>& flange = frames_.back();
+    const Vector3<double> direction = frames_[e].rotation * AxisOf(chain_.transforms[e]);
+    const Vector3<double> away = flange.translation - frames_[e].translation;
+    const bool parallel = (flange.rotation * joint.axis - direction).norm() < kSameOrigin;
+    const bool on_line = joint.type == UrdfJoint::Type::kPrismatic || away.cross(direction).norm() < kSameOrigin;
+    if (parallel && on_line) return flange;
+    Fail(joint.name,
+         "the link '" + urdf_.ends.tip_link + "' turns with this joint, and the robot's flange is not on its axis",
+         "name a tip link behind a fixed joint: its origin can take the rest");
+  }
+
+  void Add(const UrdfJoint& joint, const Pose<double>& origin) {
+    const Pose<double>& old = joint.parent_from_joint;
+    const double shift = (origin.translation - old.translation).norm();
+    const double turn = TurnOf(old.rotation.transpose() * origin.rotation);
+    if (shift > kMostShift || turn > kMostTurn) {
+      Fail(joint.name,
+           "the origin would move by " + FormatNumber(std::round(1e4 * shift) / 10) + " mm and " +
+               FormatNumber(std::round(10 * turn * 180 / M_PI) / 10) + " deg: this is another robot",
+           "a robot that was calibrated from this URDF, with the same base and tip links, is expected");
+    }
+    OriginEdit edit;
+    if (shift > kSameOrigin) edit.xyz = origin.translation;
+    if (turn > kSameOrigin) edit.rpy = RpyFromRotation(origin.rotation);
+    if (edit.xyz || edit.rpy) edits_[joint.name] = edit;
+  }
+
+  const UrdfChain& urdf_;
+  const Chain& chain_;
+  std::vector<Pose<double>> frames_;
+  std::string file_;
+  std::map<std::string, OriginEdit> edits_;
+};
+
+}  // namespace
+
+std::string RobotToUrdf(const Robot& robot) {
+  const Chain& chain = robot.chain;
+  if (!chain.couplings.empty()) {
+    const std::string& name = chain.joints[chain.couplings.front().joint].name;
+    throw InputError({"", 0, "coupling"},
+                     "URDF cannot state that joint '" + name + "' moves by itself and with another");
+  }
+  const std::vector<Pose<double>> frames = FramesAtZero(chain);
+  std::string links = "  <link name=\"base_link\"/>\n", joints, parent = "base_link";
+  Pose<double> parent_frame;
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    const int e = chain.JointTransform(j);
+    const std::string child = chain.joints[j].name + "_link";
+    const bool revolute = chain.joints[j].type == JointType::kRevolute;
+    const bool limited = chain.joints[j].min && chain.joints[j].max;
+    const std::string axis = "    <axis xyz=\"" + Numbers(AxisOf(chain.transforms[e])) + "\"/>\n";
+    joints += JointElement(chain.joints[j].name,
+                           !revolute ? "prismatic"
+                           : limited ? "revolute"
+                                     : "continuous",
+                           parent, child, Inverse(parent_frame) * frames[e + 1], axis + LimitElement(chain.joints[j]));
+    links += "  <link name=\"" + Escaped(child) + "\"/>\n";
+    parent = child;
+    parent_frame = frames[e + 1];
+  }
+  joints += JointElement("flange_joint", "fixed", parent, "flange", Inverse(parent_frame) * frames.back(), "");
+  const std::string name = robot.name.empty() ? "robot" : robot.name;
+  return "<?xml version=\"1.0\"?>\n<!-- effort and velocity 0: not known -->\n<robot name=\"" + Escaped(name) +
+         "\">\n" + links + "  <link name=\"flange\"/>\n" + joints + "</robot>\n";
+}
+
+EditedUrdf EditUrdf(const std::string& text, const std::string& file_in_messages, const UrdfEnds& ends,
+                    const Robot& robot) {
+  const UrdfChain urdf = ReadUrdfChain(text, file_in_messages, ends);
+  const std::map<std::string, OriginEdit> edits = Editor(urdf, robot, file_in_messages).Edits();
+  EditedUrdf edited;
+  edited.text = WithOrigins(text, edits);
+  for (const UrdfJoint& joint : urdf.joints) {
+    if (edits.count(joint.name)) edited.joints.push_back(joint.name);
+  }
+  return edited;
+}
+
+}  // namespace sagitta
