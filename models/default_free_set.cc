@@ -4,12 +4,12 @@
 #include <cmath>
 #include <random>
 
+#include "models/constants.h"
 #include "models/forward_model.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kParallelTolerance = 3.0 * kPi / 180.0;
 constexpr double kIndependence = 1e-7;  // sine of the angle between a column and the kept span
 constexpr int kConfigurationsPerUnknown = 2;

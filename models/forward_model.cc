@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "models/constants.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 std::string ShortNumber(double value) {
   char text[32];

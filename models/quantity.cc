@@ -1,9 +1,10 @@
 #include "models/quantity.h"
 
+#include "models/constants.h"
+
 namespace sagitta {
 
 const QuantityTraits& TraitsOf(Quantity quantity) {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   // 5 mm, 5 mrad, 10 urad/Nm; ten typical sizes for the rest.
   static const QuantityTraits kLength{"mm", 1e-3, 5e-3, 1e-3};
   static const QuantityTraits kAngle{"deg", kDegree, 5e-3, 1e-3};

@@ -32,7 +32,7 @@ struct CalibrationProblem {
   // Noise that is found, not stated (from repeats, or by the estimator): one root
   // per observation, in place of what is stated. Empty: as stated.
   NoiseRoots resolved_noise;
-  // Roots the fit weighs with in place of the noise's (estimator/weighting.h): the
+  // Roots the fit weighs with in place of the noise's (estimator/noise/weighting.h): the
   // noise then says what the estimate is worth, not how it is made. Empty: the noise's.
   NoiseRoots weight_roots;
   std::optional<RepeatScatter> repeat_scatter;  // where the noise is from repeats

@@ -130,7 +130,7 @@ struct Experiment {
   std::map<std::string, StationSpec> stations;
   NoiseSpec noise;
   RepeatabilitySpec repeatability;
-  std::string weights = "sigma";     // sigma | equal | eq14; others than sigma: estimator/weighting.h
+  std::string weights = "sigma";     // sigma | equal | eq14; others than sigma: estimator/noise/weighting.h
   std::string covariance = "model";  // model | sandwich | bootstrap | profile
   BootstrapSpec bootstrap;
   std::string loss = "none";  // none | huber | cauchy

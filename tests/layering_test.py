@@ -15,25 +15,29 @@ import tempfile
 
 LAYERS = ['models', 'problems', 'estimator', 'tools']  # each may use those before it
 
+# Folders of estimator/: each may use those before it. Files of estimator/ itself (the front door) may use all.
+ROOMS = ['statistics', 'least_squares', 'alignment', 'estimate', 'noise', 'calibration', 'baselines', 'intervals',
+         'agreement', 'inspection', 'diagnosis', 'results']
+
 # Libraries a layer may include and link. What reads files (yaml-cpp, urdfdom, expat) and OpenSSL stay behind problems/.
 LIBRARIES = {
     'models': {'Eigen'},
-    'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'posix', 'urdfdom', 'console_bridge', 'expat'},
-    'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'posix'},
-    'tools': {'Eigen', 'nlohmann', 'ceres', 'glog', 'gflags', 'posix'},
+    'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'fmt', 'posix', 'urdfdom', 'console_bridge', 'expat'},
+    'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'fmt', 'boost', 'posix'},
+    'tools': {'Eigen', 'nlohmann', 'ceres', 'glog', 'gflags', 'fmt', 'posix'},
 }
 LIBRARY_OF_LINK = {
     'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
     'nlohmann_json::nlohmann_json': 'nlohmann', 'OpenSSL::Crypto': 'openssl',
-    'urdfdom::urdfdom_model': 'urdfdom', 'console_bridge::console_bridge': 'console_bridge', 'EXPAT::EXPAT': 'expat',
-    'Ceres::ceres': 'ceres', 'glog::glog': 'glog', 'gflags': 'gflags',
+    'Ceres::ceres': 'ceres', 'glog::glog': 'glog', 'gflags': 'gflags', 'fmt::fmt': 'fmt', 'Boost::boost': 'boost',
 }
-LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator'}
+LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator',
+                                                                  'sagitta_face': 'tools', 'sagitta_reproduction': 'tools'}
 # Apart from everything: the generator of cases in which an effect is hidden.
 GENERATOR = 'tests/hidden_effects/generator'
 GENERATOR_TARGET = 'sagitta_hidden_generator'
 GENERATOR_LIBRARIES = {'Eigen', 'nlohmann'}
-FREE_LINKS = {'PUBLIC', 'PRIVATE', 'INTERFACE', 'sagitta_warnings', 'Threads::Threads'}
+FREE_LINKS = {'PUBLIC', 'PRIVATE', 'INTERFACE', 'sagitta_warnings', '$<BUILD_INTERFACE:sagitta_warnings>', 'Threads::Threads'}
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 LINK = re.compile(r'target_link_libraries\s*\(\s*(\S+)([^)]*)\)')
@@ -63,12 +67,27 @@ def why_not(layer, used_layer):
     return ''
 
 
-def violations_of_source(layer, text):
+def why_not_room(path, header):
+    """Empty when a file of estimator/ may use this header of estimator/."""
+    own, used = path.split('/'), header.split('/')
+    if own[0] != 'estimator' or used[0] != 'estimator' or len(own) < 3:
+        return ''
+    if len(used) < 3:
+        return 'estimator/%s/ may not use the front door %s' % (own[1], header)
+    for room in (own[1], used[1]):
+        if room not in ROOMS:
+            return "'estimator/%s' is no room: add it to ROOMS of tests/layering_test.py" % room
+    if ROOMS.index(used[1]) > ROOMS.index(own[1]):
+        return 'estimator/%s/ may not use estimator/%s/' % (own[1], used[1])
+    return ''
+
+
+def violations_of_source(layer, text, path=''):
     for match in INCLUDE.finditer(text):
         bracket, header = match.groups()
         line = text.count('\n', 0, match.start()) + 1
         if bracket == '"':
-            reason = why_not(layer, header.split('/')[0])
+            reason = why_not(layer, header.split('/')[0]) or why_not_room(path, header)
         else:
             library = library_of(header)
             allowed = library is None or library in LIBRARIES[layer]
@@ -77,7 +96,7 @@ def violations_of_source(layer, text):
             yield line, reason
 
 
-def violations_of_cmake(layer, text):
+def violations_of_cmake(layer, text, path=''):
     text = re.sub(r'#.*', '', text)
     for match in LINK.finditer(text):
         line = text.count('\n', 0, match.start()) + 1
@@ -136,7 +155,7 @@ def violations(root):
             found.append('%s/: no sources or no CMakeLists.txt; nothing was checked' % layer)
         for files, check in ((sources, violations_of_source), (cmakes, violations_of_cmake)):
             for path in files:
-                for line, reason in check(layer, path.read_text(encoding='utf-8')):
+                for line, reason in check(layer, path.read_text(encoding='utf-8'), path.relative_to(root).as_posix()):
                     found.append('%s:%d: %s' % (path.relative_to(root), line, reason))
     return found
 
@@ -154,6 +173,10 @@ PLANTED = [  # (file, text, what the message must say; None: no violation)
     ('problems/a.cc', '#include "models/b.h"\n#include <yaml-cpp/yaml.h>\n#include <openssl/evp.h>\n', None),
     ('problems/a.cc', '#include <glog/logging.h>\n', 'problems/ may not use <glog/logging.h>'),
     ('problems/a.cc', '#include "tools/b.h"\n', 'problems/ may not use tools/'),
+    ('estimator/noise/a.cc', '#include "estimator/statistics/b.h"\n', None),
+    ('estimator/noise/a.cc', '#include "estimator/diagnosis/b.h"\n', 'may not use estimator/diagnosis/'),
+    ('estimator/noise/a.cc', '#include "estimator/sagitta.h"\n', 'may not use the front door'),
+    ('estimator/loft/a.cc', '#include "estimator/noise/b.h"\n', "is no room"),
     ('estimator/a.cc', '#include "problems/b.h"\n#include <ceres/ceres.h>\n', None),
     ('estimator/a.cc', '#include "tools/b.h"\n', 'estimator/ may not use tools/'),
     ('estimator/a.cc', '#include <gflags/gflags.h>\n', 'estimator/ may not use <gflags/gflags.h>'),

@@ -5,20 +5,22 @@
 #include <iostream>
 
 #include "estimator/agreement/agreement.h"
-#include "estimator/compare_methods.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/noise_loop.h"
+#include "estimator/calibration/unit_guess.h"
 #include "estimator/intervals/intervals.h"
-#include "estimator/noise_loop.h"
-#include "estimator/unit_guess.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/residuals_csv.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
-#include "tools/estimate_json.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
-#include "tools/report_html.h"
+#include "tools/report/report_html.h"
+#include "tools/report/summary.h"
 #include "tools/requirement.h"
-#include "tools/residuals_csv.h"
-#include "tools/summary.h"
+#include "tools/run_command.h"
 
 DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
 DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==); not met: exit status 1");
@@ -26,8 +28,6 @@ DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==);
 namespace sagitta {
 namespace {
 
-constexpr int kRequirementNotMet = 1;
-constexpr int kNumericalFailure = 3;
 constexpr size_t kShownDirections = 5;
 // Random halves to compare: each costs two fits of half the rows.
 int RandomHalves(const CalibrationProblem& problem) {

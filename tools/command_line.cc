@@ -121,16 +121,6 @@ std::string DescribeFlag(const std::string& flag) {
   return text + (shows_default ? " [" + info.default_value + "]" : "") + "\n";
 }
 
-std::vector<std::string> SplitText(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  size_t begin = 0;
-  for (size_t end = 0; end != std::string::npos; begin = end + 1) {
-    end = text.find(separator, begin);
-    parts.push_back(text.substr(begin, end == std::string::npos ? end : end - begin));
-  }
-  return parts;
-}
-
 std::vector<double> NumbersOfFlag(const std::string& flag, const std::string& text) {
   std::vector<double> numbers;
   for (const std::string& part : SplitText(text, ',')) {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "problems/text.h"
+
 DECLARE_string(out);
 DECLARE_uint64(seed);
 DECLARE_int32(threads);
@@ -29,6 +31,7 @@ struct Command {
   std::string help;     // usage, what it does, examples
   std::vector<std::string> flags;
   int (*run)(const CommandLine& line) = nullptr;  // exit status; null: not in this version
+  std::string program = {};  // another program that does it, in the same folder
 };
 
 // `arguments`: what follows the command's name. `--flag value` and
@@ -45,7 +48,6 @@ void ExpectArguments(const CommandLine& line, const Command& command, size_t lea
 // Help text of a flag: name, what it does, default.
 std::string DescribeFlag(const std::string& flag);
 
-std::vector<std::string> SplitText(const std::string& text, char separator);
 // All numbers of "1,2,3"; throws InputError that names the flag.
 std::vector<double> NumbersOfFlag(const std::string& flag, const std::string& text);
 

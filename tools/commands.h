@@ -12,7 +12,6 @@ Command CompareCommand();
 Command CoverageCommand();
 Command DiagnoseCommand();
 Command InspectCommand();
-Command ReproduceCommand();
 Command ValidateCommand();
 
 }  // namespace sagitta

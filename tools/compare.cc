@@ -5,15 +5,17 @@
 #include <cmath>
 #include <iostream>
 
-#include "estimator/compare_methods.h"
-#include "estimator/noise_loop.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/noise_loop.h"
+#include "estimator/results/estimate_json.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/loads.h"
 #include "tools/commands.h"
-#include "tools/estimate_json.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
-#include "tools/summary.h"
+#include "tools/report/summary.h"
+#include "tools/run_command.h"
 
 DEFINE_string(methods, "",
               "the methods to compare, separated by commas; default: all, differencing where rows are loaded");
@@ -23,7 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kNumericalFailure = 3;
 
 std::vector<std::string> MethodsAsked() {
   const std::vector<std::string>& known = MethodNames();

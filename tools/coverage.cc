@@ -9,20 +9,22 @@
 #include <cmath>
 #include <iostream>
 
-#include "estimator/compare_methods.h"
-#include "estimator/distributions.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/noise_loop.h"
 #include "estimator/intervals/intervals.h"
-#include "estimator/noise_loop.h"
-#include "estimator/parallel.h"
+#include "estimator/least_squares/parallel.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
 #include "tools/coverage_state.h"
-#include "tools/estimate_json.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
-#include "tools/summary.h"
+#include "tools/report/summary.h"
+#include "tools/run_command.h"
 
-DECLARE_int32(trials);
+DEFINE_int32(trials, 2000, "of the Monte-Carlo study");
 DECLARE_string(method);
 
 namespace sagitta {
@@ -31,7 +33,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kLevel = 0.95;
-constexpr int kNumericalFailure = 3;
 constexpr int kBar = 30;
 
 void CheckFlags() {

@@ -7,18 +7,20 @@
 #include <utility>
 
 #include "estimator/diagnosis/simulation_baseline.h"
+#include "estimator/results/diagnosis_json.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/residuals_csv.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
-#include "tools/diagnosis_json.h"
-#include "tools/diagnosis_report.h"
-#include "tools/diagnosis_words.h"
-#include "tools/estimate_json.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/diagnosis_report.h"
+#include "estimator/results/diagnosis_words.h"
+#include "tools/report/summary.h"
 #include "tools/requirement.h"
-#include "tools/residuals_csv.h"
-#include "tools/summary.h"
+#include "tools/run_command.h"
 
 DECLARE_string(require);
 DEFINE_string(simulation, "model", "what the gap is measured from: model, or columns (sim_x_mm, sim_y_mm, sim_z_mm)");
@@ -26,8 +28,6 @@ DEFINE_string(simulation, "model", "what the gap is measured from: model, or col
 namespace sagitta {
 namespace {
 
-constexpr int kRequirementNotMet = 1;
-constexpr int kNumericalFailure = 3;
 constexpr double kDefaultHoldout = 0.3;
 constexpr double kFarFromSimulation = 3.0;  // of the gap
 

@@ -1,23 +1,24 @@
 // sagitta inspect: lint, identifiability and leverage, without estimating.
-#include "estimator/inspect/inspect.h"
+#include "estimator/inspection/inspect.h"
 
 #include <gflags/gflags.h>
 
 #include <iostream>
 
+#include "estimator/results/inspection_json.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
-#include "tools/inspection_json.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/inspection_report.h"
 #include "tools/requirement.h"
+#include "tools/run_command.h"
 
 DECLARE_string(require);
 
 namespace sagitta {
 namespace {
-
-constexpr int kRequirementNotMet = 1;
 
 int RunInspect(const CommandLine& line) {
   ExpectArguments(line, InspectCommand(), 1, 1000);

@@ -8,15 +8,16 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "estimator/calibration/load_remedy.h"
 #include "estimator/intervals/prediction.h"
-#include "estimator/linearization.h"
-#include "estimator/load_remedy.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/residuals_csv.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/measurement_file.h"
 #include "tools/commands.h"
-#include "tools/estimate_json.h"
-#include "tools/residuals_csv.h"
-#include "tools/summary.h"
+#include "tools/report/summary.h"
 
 namespace sagitta {
 namespace {

@@ -2,13 +2,8 @@
 
 #include <gflags/gflags.h>
 
-#include <algorithm>
-
-#include "estimator/unit_guess.h"
+#include "estimator/calibration/unit_guess.h"
 #include "problems/input_error.h"
-#include "problems/io/experiment_file.h"
-#include "problems/io/files.h"
-#include "problems/io/robot_file.h"
 #include "tools/command_line.h"
 
 DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces those of the rows");
@@ -79,55 +74,7 @@ void ApplyEstimateFlags(Experiment* experiment) {
   experiment->significance = FLAGS_significance;
 }
 
-// An experiment file stands alone, wherever it was put.
-Experiment ExperimentOf(const std::vector<std::string>& arguments) {
-  const auto experiment_file = std::find_if(arguments.begin(), arguments.end(), IsExperimentFile);
-  if (experiment_file != arguments.end()) {
-    if (arguments.size() == 1) return ReadExperimentFile(*experiment_file);
-    const std::string& other = experiment_file == arguments.begin() ? arguments[1] : arguments[0];
-    throw InputError(
-        {*experiment_file, 0, "measurements"},
-        "an experiment file names its own robot and measurements, '" + other + "' is one argument too many",
-        "list it there under robot: or measurements:, and give the experiment alone");
-  }
-  if (arguments.size() < 2) {
-    throw InputError({arguments[0], 0, ""}, "the measurements are missing",
-                     "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1");
-  }
-  Experiment experiment;
-  experiment.robot_file = arguments[0];
-  experiment.measurement_files.assign(arguments.begin() + 1, arguments.end());
-  return experiment;
-}
-
 }  // namespace
-
-InputFile DescribeInput(const std::string& path) { return {path, Sha256(ReadTextFile(path))}; }
-
-bool IsExperimentFile(const std::string& path) {
-  const std::string text = ReadTextFile(path);
-  if (text.find("schema") == std::string::npos) return false;  // of long files of measurements no lines are made
-  for (const std::string& line : SplitText(text, '\n')) {
-    const size_t first = line.find_first_not_of(" \t{\"");
-    if (first == std::string::npos || line[first] == '#') continue;
-    if (line.find("schema") == std::string::npos) continue;
-    return line.find("sagitta/experiment/") != std::string::npos;
-  }
-  return false;
-}
-
-ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& arguments,
-                                      const MeasurementReadOptions& options) {
-  ExperimentInputs inputs;
-  inputs.experiment = ExperimentOf(arguments);
-  const Experiment& experiment = inputs.experiment;
-  inputs.robot = ReadRobotFile(experiment.robot_file);
-  inputs.data = ReadMeasurementsFor(inputs.robot, experiment.measurement_files, options);
-  if (!experiment.file.empty()) inputs.files.push_back(DescribeInput(experiment.file));
-  inputs.files.push_back(DescribeInput(experiment.robot_file));
-  for (const std::string& path : experiment.measurement_files) inputs.files.push_back(DescribeInput(path));
-  return inputs;
-}
 
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
   for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance", "out",

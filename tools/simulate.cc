@@ -6,8 +6,9 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "estimator/linearization.h"
-#include "estimator/load_remedy.h"
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/results/estimate_json.h"
 #include "problems/input_error.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
@@ -16,7 +17,7 @@
 #include "problems/problem_checks.h"
 #include "problems/simulation.h"
 #include "tools/commands.h"
-#include "tools/estimate_json.h"
+#include "tools/problem_from_arguments.h"
 
 DEFINE_string(truth, "", "an estimate.json or an experiment file that states robot, stations and markers");
 

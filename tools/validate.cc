@@ -7,24 +7,24 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "estimator/calibration/load_remedy.h"
 #include "estimator/intervals/prediction.h"
-#include "estimator/linearization.h"
-#include "estimator/load_remedy.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/residuals_csv.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
-#include "tools/estimate_json.h"
-#include "tools/report_html.h"
+#include "tools/problem_from_arguments.h"
+#include "tools/report/report_html.h"
+#include "tools/report/summary.h"
 #include "tools/requirement.h"
-#include "tools/residuals_csv.h"
-#include "tools/summary.h"
+#include "tools/run_command.h"
 
 DECLARE_string(require);
 
 namespace sagitta {
 namespace {
-
-constexpr int kRequirementNotMet = 1;
 
 struct Validation {
   ResidualSize before, after;

@@ -8,13 +8,13 @@
 #include <map>
 #include <tuple>
 
+#include "estimator/agreement/agreement_words.h"
 #include "estimator/agreement/splits.h"
-#include "estimator/agreement/words.h"
-#include "estimator/distributions.h"
-#include "estimator/intervals/sandwich.h"
-#include "estimator/linearization.h"
-#include "estimator/median.h"
-#include "estimator/weighting.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/sandwich.h"
+#include "estimator/noise/weighting.h"
+#include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {

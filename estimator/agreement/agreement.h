@@ -12,8 +12,8 @@
 // split at once are tested by Hotelling's F (the model's covariance: the Chow test).
 #pragma once
 
-#include "estimator/agreement/report.h"
-#include "estimator/estimate.h"
+#include "estimator/estimate/agreement_report.h"
+#include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {

@@ -7,9 +7,10 @@
 #include <limits>
 
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/inspect/load_lint.h"
-#include "estimator/inspect/reading_lint.h"
+#include "estimator/inspection/load_lint.h"
+#include "estimator/inspection/reading_lint.h"
 #include "problems/split.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -40,13 +41,6 @@ Counts CountConfigurations(const Measurements& data) {
     counts.in_both += fitted && held_out;
   }
   return counts;
-}
-
-std::string Listed(const std::vector<std::string>& names) {
-  std::string words;
-  for (size_t i = 0; i < names.size() && i < kNamesListed; ++i) words += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > kNamesListed) words += " and " + std::to_string(names.size() - kNamesListed) + " more";
-  return words;
 }
 
 // Joints that hardly move over the fitted configurations.
@@ -88,7 +82,7 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
   if (!is_judged) keys.push_back("covariance: " + experiment.covariance);
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (keys.empty()) return;
-  cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " + Listed(keys) +
+  cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " + Enumerate(keys, kNamesListed) +
                       ".");
 }
 
@@ -107,7 +101,7 @@ void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>*
   if (standing.empty()) return;
   const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
   cautions->push_back((all ? std::string("All configurations are alike: no joint moves")
-                           : Listed(standing) + (standing.size() == 1 ? " hardly moves" : " hardly move")) +
+                           : Enumerate(standing, kNamesListed) + (standing.size() == 1 ? " hardly moves" : " hardly move")) +
                       " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
                       (all ? ", and the verdict holds for this one pose." : "."));
 }
@@ -142,7 +136,7 @@ void AppendPartlyStated(const CalibrationProblem& problem, std::vector<std::stri
                      " rows)");
   }
   if (partly.empty()) return;
-  cautions->push_back("Columns that some rows do not state: " + Listed(partly) +
+  cautions->push_back("Columns that some rows do not state: " + Enumerate(partly, kNamesListed) +
                       ". What they drive is looked for only where every shot states it: fill the cells, or leave those "
                       "rows out.");
 }
@@ -153,7 +147,7 @@ void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
   for (const Coordinate& coordinate : estimate.parameters.coordinates()) {
     if (coordinate.held) held.push_back(coordinate.name);
   }
-  cautions->push_back("The believed model already has what these data cannot tell (held: " + Listed(held) +
+  cautions->push_back("The believed model already has what these data cannot tell (held: " + Enumerate(held, kNamesListed) +
                       "): an effect that moves the markers like these cannot be told from them.");
 }
 
@@ -168,7 +162,7 @@ void AppendHeldEffects(const CalibrationProblem& problem, std::vector<std::strin
     if (!is_free) held.push_back(spec.Path());
   }
   if (held.empty()) return;
-  cautions->push_back("Held at the values of the robot file, and not looked for: " + Listed(held) +
+  cautions->push_back("Held at the values of the robot file, and not looked for: " + Enumerate(held, kNamesListed) +
                       ". To ask for them, free them (estimate: {effects: all}) or take them out of the file.");
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "estimator/distributions.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/split.h"
 
 namespace sagitta {

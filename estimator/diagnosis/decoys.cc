@@ -7,7 +7,7 @@
 #include <set>
 
 #include "estimator/diagnosis/drivers.h"
-#include "estimator/linearization.h"
+#include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "estimator/diagnosis/cautions.h"
-#include "estimator/parallel.h"
+#include "estimator/least_squares/parallel.h"
 
 namespace sagitta {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "estimator/calibration/joint_estimator.h"
 #include "estimator/diagnosis/quick_refit.h"
-#include "estimator/joint_estimator.h"
 
 namespace sagitta {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/distributions.h"
-#include "estimator/linearization.h"
-#include "estimator/repeatability.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/noise/repeatability.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {

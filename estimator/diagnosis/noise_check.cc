@@ -7,9 +7,9 @@
 #include <set>
 
 #include "estimator/diagnosis/drivers.h"
-#include "estimator/distributions.h"
-#include "estimator/linearization.h"
-#include "estimator/variance_components.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/noise/variance_components.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {

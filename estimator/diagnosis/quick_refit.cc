@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "estimator/linearization.h"
+#include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
 namespace {

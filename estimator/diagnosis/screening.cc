@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "estimator/distributions.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "estimator/diagnosis/candidates.h"
-#include "estimator/estimate.h"
-#include "estimator/linearization.h"
+#include "estimator/estimate/estimate.h"
+#include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "estimator/diagnosis/step_bench.h"
-#include "estimator/parallel.h"
+#include "estimator/least_squares/parallel.h"
 
 namespace sagitta {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "estimator/joint_estimator.h"
-#include "estimator/linearization.h"
-#include "estimator/unit_guess.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/calibration/unit_guess.h"
+#include "estimator/least_squares/linearization.h"
 #include "problems/input_error.h"
 
 namespace sagitta {

@@ -6,7 +6,7 @@
 // cannot reproduce of the simulation cancels.
 #pragma once
 
-#include "estimator/estimate.h"
+#include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {

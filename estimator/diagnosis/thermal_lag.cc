@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "estimator/distributions.h"
+#include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 

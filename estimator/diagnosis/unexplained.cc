@@ -8,7 +8,7 @@
 #include <string>
 
 #include "estimator/diagnosis/candidate_bench.h"
-#include "estimator/parallel.h"
+#include "estimator/least_squares/parallel.h"
 
 namespace sagitta {
 namespace {

@@ -5,14 +5,14 @@
 #include <mutex>
 #include <random>
 
-#include "estimator/distributions.h"
-#include "estimator/linearization.h"
-#include "estimator/parallel.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/intervals/redraw.h"
-#include "estimator/intervals/refit.h"
-#include "estimator/intervals/sandwich.h"
-#include "estimator/intervals/table.h"
-#include "estimator/two_step.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/parallel.h"
+#include "estimator/least_squares/refit.h"
+#include "estimator/least_squares/sandwich.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 
 namespace sagitta {

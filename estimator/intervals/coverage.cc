@@ -3,13 +3,13 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/compare_methods.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/noise_loop.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/intervals/redraw.h"
-#include "estimator/intervals/refit.h"
-#include "estimator/linearization.h"
-#include "estimator/noise_loop.h"
-#include "estimator/two_step.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/refit.h"
 #include "problems/noise_checks.h"
 
 namespace sagitta {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/estimate.h"
+#include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {

@@ -2,7 +2,7 @@
 
 #include "estimator/intervals/bootstrap.h"
 #include "estimator/intervals/profile.h"
-#include "estimator/weighting.h"
+#include "estimator/noise/weighting.h"
 #include "problems/input_error.h"
 
 namespace sagitta {

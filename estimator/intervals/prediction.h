@@ -11,8 +11,8 @@
 
 #include <vector>
 
-#include "estimator/estimate.h"
-#include "estimator/linearization.h"
+#include "estimator/estimate/estimate.h"
+#include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
 

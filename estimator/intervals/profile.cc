@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/distributions.h"
-#include "estimator/parallel.h"
-#include "estimator/intervals/refit.h"
-#include "estimator/intervals/table.h"
-#include "estimator/two_step.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/estimate/parameter_table.h"
+#include "estimator/least_squares/parallel.h"
+#include "estimator/least_squares/refit.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {

@@ -12,7 +12,7 @@
 #include <functional>
 #include <string>
 
-#include "estimator/estimate.h"
+#include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {

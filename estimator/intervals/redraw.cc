@@ -4,8 +4,8 @@
 #include <Eigen/QR>
 #include <numeric>
 
-#include "estimator/linearization.h"
-#include "estimator/spring_tie_cost.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/spring_tie_cost.h"
 #include "problems/simulation.h"
 
 namespace sagitta {

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "estimator/intervals/sandwich.h"
+#include "estimator/least_squares/sandwich.h"
 #include "tests/support/agreement.h"
 #include "tests/support/noise_experiment.h"
 

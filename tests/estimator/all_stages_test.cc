@@ -6,20 +6,21 @@
 #include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/statistics/distributions.h"
+#include "models/constants.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/robot_file.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
 
 using nlohmann::json;
 
-const std::string kFolder = std::string(SAGITTA_SOURCE_DIR) + "/problems/published/kr270/";
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+const std::string kFolder = test::SourceFolder() + "/problems/published/kr270/";
 
 CalibrationProblem AllStages() {
   const Experiment experiment = ReadExperimentFile(kFolder + "all_stages.yaml");

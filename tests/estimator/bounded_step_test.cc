@@ -1,5 +1,5 @@
 // Bounded Gauss-Newton steps against the exhaustive active set.
-#include "estimator/bounded_step.h"
+#include "estimator/least_squares/bounded_step.h"
 
 #include <gtest/gtest.h>
 

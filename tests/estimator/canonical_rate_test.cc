@@ -1,12 +1,12 @@
-#include "estimator/canonical_rate.h"
+#include "estimator/baselines/canonical_rate.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "estimator/ceres_problem.h"
-#include "estimator/joint_estimator.h"
-#include "estimator/two_step.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/ceres_problem.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {

@@ -1,10 +1,10 @@
-#include "estimator/ceres_problem.h"
+#include "estimator/least_squares/ceres_problem.h"
 
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include "estimator/joint_estimator.h"
-#include "estimator/linearization.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/linearization.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {

@@ -11,8 +11,8 @@
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/screening.h"
 #include "estimator/diagnosis/selection.h"
-#include "estimator/linearization.h"
-#include "estimator/parallel.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/parallel.h"
 #include "problems/loads.h"
 #include "tests/support/kr270_experiment.h"
 

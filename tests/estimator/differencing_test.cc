@@ -1,10 +1,10 @@
-#include "estimator/differencing.h"
+#include "estimator/baselines/differencing.h"
 
 #include <gtest/gtest.h>
 
-#include "estimator/compare_methods.h"
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {

@@ -1,4 +1,4 @@
-#include "estimator/distributions.h"
+#include "estimator/statistics/distributions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "estimator/full_pose.h"
+#include "estimator/baselines/full_pose.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/joint_estimator.h"
-#include "estimator/pose_registration.h"
-#include "estimator/two_step.h"
+#include "estimator/alignment/pose_registration.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/joint_estimator.h"
 #include "tests/support/agreement.h"
 #include "tests/support/kr270_experiment.h"
 

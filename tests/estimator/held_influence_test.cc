@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "estimator/intervals/held_influence.h"
+#include "estimator/calibration/joint_estimator.h"
 #include "estimator/intervals/prediction.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/least_squares/held_influence.h"
 #include "problems/loads.h"
 #include "problems/simulation.h"
 #include "tests/support/constant_orientation.h"

@@ -1,4 +1,4 @@
-#include "estimator/identifiability.h"
+#include "estimator/least_squares/identifiability.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Every lint fires on data made for it by a generator that shares nothing with the model, and keeps silent on clean
 // data; rank, expected sigmas and leverage against what theory and the estimate say.
-#include "estimator/inspect/inspect.h"
+#include "estimator/inspection/inspect.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "estimator/joint_estimator.h"
+#include "estimator/calibration/joint_estimator.h"
 #include "tests/support/arms.h"
 #include "tests/support/loaded_kr270.h"
 

@@ -1,9 +1,9 @@
-#include "estimator/joint_estimator.h"
+#include "estimator/calibration/joint_estimator.h"
 
 #include <gtest/gtest.h>
 
-#include "estimator/distributions.h"
-#include "estimator/linearization.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {

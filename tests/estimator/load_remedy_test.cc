@@ -1,12 +1,12 @@
 // The words are a promise: the experiment they name is simulated, by the
 // independent generator, and must bring the precision they state.
-#include "estimator/load_remedy.h"
+#include "estimator/calibration/load_remedy.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "estimator/joint_estimator.h"
-#include "estimator/linearization.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/linearization.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {

@@ -6,11 +6,12 @@
 #include <fstream>
 #include <sstream>
 
-#include "estimator/compare_methods.h"
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
-#include "estimator/two_step.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/loaded_kr270.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
@@ -239,7 +240,7 @@ TEST(LoadedEstimate, PriorsPullAsTheClosedFormSays) {
 
 // The 15 configurations of paper 000, Table II.
 void AsPublished(std::vector<Configuration>* configurations) {
-  std::ifstream file(SAGITTA_SOURCE_DIR "/problems/published/kr270/elastostatic_configurations.csv");
+  std::ifstream file(test::SourceFolder() + "/problems/published/kr270/elastostatic_configurations.csv");
   std::string line, cell;
   std::map<std::string, int> seen;
   while (std::getline(file, line)) {

@@ -1,9 +1,9 @@
-#include "estimator/noise_loop.h"
+#include "estimator/calibration/noise_loop.h"
 
 #include <gtest/gtest.h>
 
-#include "estimator/distributions.h"
-#include "estimator/linearization.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/noise_experiment.h"
 
 namespace sagitta {

@@ -1,5 +1,5 @@
 // What flagged rows share: a region of the workspace, a range of a joint, a marker; or nothing.
-#include "estimator/outliers.h"
+#include "estimator/noise/outliers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

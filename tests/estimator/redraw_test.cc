@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/distributions.h"
 #include "estimator/intervals/intervals.h"
-#include "estimator/intervals/sandwich.h"
-#include "estimator/spring_tie_cost.h"
+#include "estimator/least_squares/sandwich.h"
+#include "estimator/least_squares/spring_tie_cost.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/noise_experiment.h"
 

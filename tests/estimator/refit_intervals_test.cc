@@ -3,13 +3,13 @@
 
 #include <cmath>
 
-#include "estimator/distributions.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/joint_estimator.h"
 #include "estimator/intervals/bootstrap.h"
 #include "estimator/intervals/profile.h"
 #include "estimator/intervals/redraw.h"
-#include "estimator/intervals/refit.h"
-#include "estimator/joint_estimator.h"
-#include "estimator/two_step.h"
+#include "estimator/least_squares/refit.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
 

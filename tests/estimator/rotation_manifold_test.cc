@@ -1,4 +1,4 @@
-#include "estimator/rotation_manifold.h"
+#include "estimator/least_squares/rotation_manifold.h"
 
 #include <ceres/manifold_test_utils.h>
 #include <gtest/gtest.h>

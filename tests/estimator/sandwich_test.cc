@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "estimator/distributions.h"
-#include "estimator/intervals/sandwich.h"
+#include "estimator/least_squares/sandwich.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/simulation.h"
 
 namespace sagitta {

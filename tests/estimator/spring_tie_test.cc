@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/compare_methods.h"
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
-#include "estimator/linearization.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
 

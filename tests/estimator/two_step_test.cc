@@ -1,12 +1,12 @@
-#include "estimator/two_step.h"
+#include "estimator/baselines/two_step.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/compare_methods.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/joint_estimator.h"
 #include "tests/support/agreement.h"
 #include "tests/support/loaded_kr270.h"
 

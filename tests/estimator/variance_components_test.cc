@@ -1,10 +1,10 @@
-#include "estimator/variance_components.h"
+#include "estimator/noise/variance_components.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 
-#include "estimator/repeatability.h"
+#include "estimator/noise/repeatability.h"
 #include "tests/support/noise_experiment.h"
 
 namespace sagitta {

@@ -1,14 +1,14 @@
 // `weights: equal` and `weights: eq14`: the estimate is made with the weights and judged by the noise.
-#include "estimator/weighting.h"
+#include "estimator/noise/weighting.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "estimator/distributions.h"
+#include "estimator/calibration/noise_loop.h"
 #include "estimator/intervals/coverage.h"
-#include "estimator/noise_loop.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/noise_experiment.h"
 
 namespace sagitta {

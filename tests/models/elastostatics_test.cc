@@ -11,6 +11,7 @@
 #include "models/forward_model.h"
 #include "tests/support/arms.h"
 #include "tests/support/kr270.h"
+#include "tests/support/paths.h"
 #include "tests/support/ridders.h"
 
 namespace sagitta {
@@ -235,7 +236,7 @@ TEST(GravityCompensator, ScaleGaugeLeavesTheTorque) {
 }
 
 TEST(CompensatorReference, EquivalentComplianceOfJoint2) {
-  std::ifstream file(std::string(SAGITTA_SHARED_DIR) + "/reference/kr270_reference.json");
+  std::ifstream file(test::SharedFolder() + "/reference/kr270_reference.json");
   if (!file) GTEST_SKIP() << "no kr270_reference.json: the reference values are not part of this repository";
   const nlohmann::json c = nlohmann::json::parse(file)["comp"];
   const double a = c["a"].get<double>() * 1e-3, alpha = c["alpha"];
@@ -252,7 +253,7 @@ TEST(CompensatorReference, EquivalentComplianceOfJoint2) {
 // Torques at the undeflected arm and first-order loaded markers (the reference
 // is first order; the equilibrium differs by up to 0.017 mm).
 TEST(LoadedReference, TorquesAndFirstOrderMarkers) {
-  std::ifstream file(std::string(SAGITTA_SHARED_DIR) + "/reference/kr270_reference.json");
+  std::ifstream file(test::SharedFolder() + "/reference/kr270_reference.json");
   if (!file) GTEST_SKIP() << "no kr270_reference.json: the reference values are not part of this repository";
   const nlohmann::json reference = nlohmann::json::parse(file);
   const auto vector = [](const nlohmann::json& v) { return Vector3<double>(v[0], v[1], v[2]); };

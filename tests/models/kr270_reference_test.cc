@@ -8,6 +8,7 @@
 
 #include "models/forward_model.h"
 #include "tests/support/kr270.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
@@ -21,7 +22,7 @@ Vector3<double> VectorFrom(const nlohmann::json& json) {
 class Kr270Reference : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string path = std::string(SAGITTA_SHARED_DIR) + "/reference/kr270_reference.json";
+    const std::string path = test::SharedFolder() + "/reference/kr270_reference.json";
     std::ifstream file(path);
     if (!file) GTEST_SKIP() << "no " << path << ": the reference values are not part of this repository";
     reference_ = nlohmann::json::parse(file);

@@ -4,6 +4,7 @@
 
 #include "problems/io/files.h"
 #include "tests/problems/file_test_support.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
@@ -164,7 +165,7 @@ TEST_F(ExperimentFileTest, PathsFollowTheFile) {
 }
 
 TEST_F(ExperimentFileTest, ReadsThePracticeCases) {
-  const std::string folder = std::string(SAGITTA_SHARED_DIR) + "/data/practice/";
+  const std::string folder = test::SharedFolder() + "/data/practice/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here: " << folder;
   for (const char* name : {"case000", "case007", "case010", "case014", "case021"}) {
     const Experiment experiment = ReadExperimentFile(folder + name + "/experiment.yaml");

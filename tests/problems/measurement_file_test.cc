@@ -8,6 +8,7 @@
 #include "models/effects/effect.h"
 #include "problems/io/files.h"
 #include "tests/problems/file_test_support.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
@@ -329,7 +330,7 @@ TEST_F(MeasurementFileTest, ManyRowsAreQuick) {
 }
 
 TEST_F(MeasurementFileTest, ReadsTheSharedData) {
-  const std::string folder = std::string(SAGITTA_SHARED_DIR) + "/data/";
+  const std::string folder = test::SharedFolder() + "/data/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here: " << folder;
   const std::vector<std::string> joints = {"j1", "j2", "j3", "j4", "j5", "j6"};
   const auto read = [&](const std::vector<std::string>& names) {

@@ -18,13 +18,14 @@
 #include "problems/simulation.h"
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
 
 using test::kDegree;
 
-const std::string kPublished = std::string(SAGITTA_SOURCE_DIR) + "/problems/published/";
+const std::string kPublished = test::SourceFolder() + "/problems/published/";
 constexpr double kMm = 1e-3;
 
 Vector3<double> VectorFrom(const nlohmann::json& json) {
@@ -179,7 +180,7 @@ TEST_F(PublishedKr270, ElastostaticConfigurationsAreThoseOfTheReference) {
   const Measurements rows = ReadRows("kr270/elastostatic_configurations.csv", robot_, false);
   ASSERT_EQ(rows.configurations.size(), 15u);
   EXPECT_EQ(rows.observations.size(), 45u);
-  std::ifstream file(std::string(SAGITTA_SHARED_DIR) + "/reference/kr270_reference.json");
+  std::ifstream file(test::SharedFolder() + "/reference/kr270_reference.json");
   if (!file) GTEST_SKIP() << "no reference values beside this repository: the joint values are not compared";
   const nlohmann::json reference = nlohmann::json::parse(file);
   for (int c = 0; c < 15; ++c) {

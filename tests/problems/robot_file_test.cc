@@ -6,6 +6,7 @@
 
 #include "models/forward_model.h"
 #include "tests/problems/file_test_support.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
@@ -201,7 +202,7 @@ TEST(RobotFileTest, YamlKeepsShortMapsOnOneLine) {
 }
 
 TEST(RobotFileTest, ReadsTheSharedRobots) {
-  const std::string folder = std::string(SAGITTA_SHARED_DIR) + "/data/";
+  const std::string folder = test::SharedFolder() + "/data/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here: " << folder;
   for (const char* file : {"ur5_gts3800/robot.yaml", "ur10_leica/robot.yaml", "practice/case000/robot.yaml",
                            "practice/case007/robot.yaml", "practice/case021/robot.yaml"}) {

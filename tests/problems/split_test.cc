@@ -8,6 +8,7 @@
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
 #include "tests/problems/file_test_support.h"
+#include "tests/support/paths.h"
 
 namespace sagitta {
 namespace {
@@ -146,7 +147,7 @@ TEST(SplitTest, RefusesImpossibleFractions) {
 }
 
 TEST(SplitTest, SharedUr5SplitIsThePublishedOne) {
-  const std::string path = std::string(SAGITTA_SHARED_DIR) + "/data/ur5_gts3800/measurements.csv";
+  const std::string path = test::SharedFolder() + "/data/ur5_gts3800/measurements.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "the shared data are not here: " << path;
   Measurements data = ReadMeasurements({path}, {"j1", "j2", "j3", "j4", "j5", "j6"}, std::vector<bool>(6, false));
   SplitConfigurations(Fraction(0.3, 1), &data);

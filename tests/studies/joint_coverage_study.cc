@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/linear_bound.h"
 

@@ -13,9 +13,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "estimator/compare_methods.h"
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/linear_bound.h"
 #include "tests/support/loaded_kr270.h"
 

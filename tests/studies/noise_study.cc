@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "estimator/distributions.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/noise_experiment.h"
 
 namespace sagitta {

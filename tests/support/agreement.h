@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "estimator/distributions.h"
-#include "estimator/joint_estimator.h"
-#include "estimator/two_step.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta::test {
 

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "models/chain.h"
+#include "models/constants.h"
 #include "models/denavit_hartenberg.h"
 #include "tests/support/random_numbers.h"
 
 namespace sagitta::test {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180.0;
+
 
 inline ElementaryTransform Translate(Axis axis, double nominal_m, const std::string& error = "") {
   return {Motion::kTranslation, axis, nominal_m, -1, 1.0, error};

@@ -6,9 +6,9 @@
 #include <functional>
 #include <string>
 
-#include "estimator/intervals/refit.h"
-#include "estimator/spring_tie_cost.h"
-#include "estimator/two_step.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/least_squares/refit.h"
+#include "estimator/least_squares/spring_tie_cost.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta::test {

@@ -9,7 +9,7 @@
 #include <map>
 #include <optional>
 
-#include "estimator/estimate.h"
+#include "estimator/estimate/estimate.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta::test {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "estimator/median.h"
-#include "estimator/noise_loop.h"
+#include "estimator/calibration/noise_loop.h"
+#include "estimator/statistics/median.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta::test {

@@ -8,10 +8,11 @@
 #include "problems/calibration_problem.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/robot_file.h"
+#include "tests/support/paths.h"
 
 namespace sagitta::test {
 
-inline std::string RealData(const std::string& name) { return std::string(SAGITTA_SHARED_DIR) + "/data/" + name; }
+inline std::string RealData(const std::string& name) { return test::SharedFolder() + "/data/" + name; }
 inline bool HasRealData() { return std::filesystem::exists(RealData("ur10_leica/robot.yaml")); }
 
 inline CalibrationProblem RealProblem(const std::string& folder, const std::vector<std::string>& files,

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "tests/support/paths.h"
 #include "tests/tools/program.h"
 
 namespace sagitta::test {
@@ -52,7 +53,7 @@ TEST_F(InspectTest, AWrongUnitIsAFindingNotAnError) {
 }
 
 TEST_F(InspectTest, RealDataRaiseNoSeriousAlarm) {
-  const std::string shared = SAGITTA_SHARED_DIR "/data/";
+  const std::string shared = test::SharedFolder() + "/data/";
   if (!std::filesystem::exists(shared)) GTEST_SKIP() << "the real measurements are not beside this checkout";
   const std::vector<std::vector<std::string>> sets = {
       {shared + "ur5_gts3800/robot.yaml", shared + "ur5_gts3800/measurements.csv"},

@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string>
 #include <vector>
+#include "tests/support/paths.h"
 
 namespace sagitta::test {
 
@@ -54,7 +55,7 @@ class ProgramTest : public ::testing::Test {
   }
 
   Outcome Run(const std::vector<std::string>& arguments) const {
-    std::string command = "'" SAGITTA_PROGRAM "'";
+    std::string command = "'" + test::Program() + "'";
     for (const std::string& argument : arguments) command += " '" + argument + "'";
     command += " >'" + Path("stdout") + "' 2>'" + Path("stderr") + "' </dev/null";
     const int status = std::system(command.c_str());
@@ -65,7 +66,7 @@ class ProgramTest : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-inline std::string Published(const std::string& name) { return SAGITTA_SOURCE_DIR "/problems/published/" + name; }
+inline std::string Published(const std::string& name) { return test::SourceFolder() + "/problems/published/" + name; }
 
 // Lines of a CSV text as cells; no quotes in these files.
 inline std::vector<std::vector<std::string>> Cells(const std::string& csv) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "tests/support/paths.h"
 #include "tests/tools/program.h"
 
 namespace sagitta::test {
@@ -143,7 +144,7 @@ TEST_F(ReproduceTest, BadTrialsAreUsageErrors) {
 
 TEST_F(ReproduceTest, DataFolderByFlagAndEnvironment) {
   const std::filesystem::path copy = Path("data");
-  std::filesystem::copy(SAGITTA_SOURCE_DIR "/problems/published", copy, std::filesystem::copy_options::recursive);
+  std::filesystem::copy(test::SourceFolder() + "/problems/published", copy, std::filesystem::copy_options::recursive);
   EXPECT_EQ(Reproduce({"002-VIII", "--data=" + copy.string()}, "a").status, 0);
   auto tables = nlohmann::json::parse(ReadAll(copy / "kr270/published.json"));
   tables["scene"]["load_kg"] = 500.0;  // twice the load, twice the deflection
@@ -166,7 +167,7 @@ TEST_F(ReproduceTest, MissingAndMutilatedDataAreInputErrors) {
   EXPECT_EQ(missing.status, 2);
   EXPECT_NE(missing.err.find("published.json"), std::string::npos) << missing.err;
   const std::filesystem::path copy = Path("data");
-  std::filesystem::copy(SAGITTA_SOURCE_DIR "/problems/published", copy, std::filesystem::copy_options::recursive);
+  std::filesystem::copy(test::SourceFolder() + "/problems/published", copy, std::filesystem::copy_options::recursive);
   auto tables = nlohmann::json::parse(ReadAll(copy / "kr270/published.json"));
   tables.erase("002-VIII");
   Write("data/kr270/published.json", tables.dump());

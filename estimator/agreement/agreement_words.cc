@@ -1,0 +1,102 @@
+#include "estimator/agreement/agreement_words.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kWorst = 3;  // splits that are named
+
+std::string Number(const char* format, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string Percent(double share) { return Number("%.0f", 100.0 * share) + " %"; }
+
+std::string KindInWords(const PartComparison& kind) {
+  if (kind.by == "random") return "random halves of the configurations";
+  if (kind.by == "region") return "halves of the workspace (by each joint and by x, y, z of the base)";
+  if (kind.by == "station") return "series (stations)";
+  return "the first and the last half of the time";
+}
+
+std::string SplitInWords(const PartComparison& split) {
+  if (split.by == "station") return split.key;
+  if (split.by == "time") return "time";
+  return "by " + split.key;
+}
+
+std::string Worst(const AgreementReport& report) {
+  std::vector<PartComparison> splits = report.splits;
+  std::stable_sort(splits.begin(), splits.end(),
+                   [](const auto& a, const auto& b) { return a.inflation > b.inflation; });
+  std::string text;
+  for (size_t i = 0; i < std::min(kWorst, splits.size()); ++i) {
+    text += (text.empty() ? "" : ", ") + SplitInWords(splits[i]) + " " + Number("%.2g", splits[i].inflation);
+  }
+  return text;
+}
+
+void DescribeRepeats(const CalibrationProblem& problem, AgreementReport* report) {
+  const RepeatFit& repeats = report->repeats;
+  if (!repeats.known || repeats.p_value >= problem.experiment.significance) return;
+  std::string words =
+      "Repeated shots of one arrival agree with each other " + Number("%.2g", std::sqrt(repeats.ratio)) +
+      " times better than the model agrees with them (lack of fit, p = " + Number("%.2g", repeats.p_value) +
+      "): they share an error, of the robot or of the model, and are not independent.";
+  if (report->covariance != "sandwich" && problem.latent.empty()) {
+    words +=
+        " Intervals that count them as independent are too short; state repeatability_urad: estimate, or "
+        "covariance: sandwich.";
+  }
+  report->words.push_back(words);
+}
+
+void DescribeSandwich(AgreementReport* report) {
+  if (!report->sandwich_advised) return;
+  std::string words =
+      "The intervals take the rows for independent and alike. Judged by whole configurations "
+      "(covariance: sandwich) they would be " +
+      Number("%.2g", report->sandwich_ratio) + " times as wide (median)";
+  if (report->random_share_model > 0.0) {
+    words += "; of the differences between random halves their joint 95 % intervals hold " +
+             Percent(report->random_share_model) + ", with the sandwich " + Percent(report->random_share_sandwich);
+  }
+  report->words.push_back(words + ". covariance: sandwich is recommended.");
+}
+
+}  // namespace
+
+void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* report) {
+  report->words.clear();
+  DescribeRepeats(problem, report);
+  DescribeSandwich(report);
+  if (report->kinds.empty()) {
+    report->words.push_back("Too few configurations to compare one part of them with another.");
+    return;
+  }
+  std::string shares;
+  for (const PartComparison& kind : report->kinds) {
+    shares += (shares.empty() ? "" : "; ") + KindInWords(kind) + " " + Percent(kind.share()) + " of " +
+              std::to_string(kind.compared);
+  }
+  report->words.push_back(
+      "Differences of parameters between parts of the data that lie within their joint 95 % interval: " + shares + ".");
+  if (!report->disagrees) {
+    report->words.push_back(
+        "No part of the data contradicts another: the intervals need no allowance for model error.");
+    return;
+  }
+  report->words.push_back(
+      "Parts of the data contradict each other: the model's error differs between them. For 95 % of the differences "
+      "the intervals would have to be " +
+      Number("%.2g", report->inflation) + " times as wide (largest: " + Worst(*report) +
+      "). The intervals hold for the configurations as they were measured; for another region or series take them, and "
+      "the standard deviations that predict gives, times " +
+      Number("%.2g", report->inflation) + ", or find what the model lacks (sagitta diagnose).");
+}
+
+}  // namespace sagitta

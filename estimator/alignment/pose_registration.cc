@@ -1,0 +1,50 @@
+#include "estimator/alignment/pose_registration.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "estimator/alignment/starting_values.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFlattest = 1e-3;  // m, second principal size a marker set must have
+constexpr int kWeightedRounds = 5;
+
+}  // namespace
+
+bool SpansAPlane(const Eigen::Matrix3Xd& points) {
+  if (points.cols() < 3) return false;
+  const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues()[1] > kFlattest;
+}
+
+Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<double>& reference) {
+  Eigen::MatrixXd columns(3 * points.cols(), 6);
+  for (int i = 0; i < points.cols(); ++i) {
+    columns.block<3, 3>(3 * i, 0).setIdentity();
+    columns.block<3, 3>(3 * i, 3) = -Skew<double>(points.col(i) - reference);
+  }
+  return columns;
+}
+
+Vector6 RegisterPose(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets, const Eigen::VectorXd& sigmas,
+                     const Vector3<double>& reference) {
+  Pose<double> pose = RegisterRigid(points, targets);
+  for (int round = 0; sigmas.minCoeff() < sigmas.maxCoeff() && round < kWeightedRounds; ++round) {
+    const Eigen::Matrix3Xd moved = (pose.rotation * points).colwise() + pose.translation;
+    const Vector3<double> here = pose * reference;
+    const Eigen::MatrixXd columns = sigmas.cwiseInverse().asDiagonal() * RigidColumns(moved, here);
+    const Eigen::Matrix3Xd gap = targets - moved;
+    const Eigen::VectorXd whitened = Eigen::Map<const Eigen::VectorXd>(gap.data(), gap.size()).cwiseQuotient(sigmas);
+    const Vector6 step = columns.householderQr().solve(whitened);
+    const Vector3<double> turn = step.tail<3>();
+    const Matrix3<double> rotation = RotationFromVector(turn);
+    pose = {rotation * pose.rotation, here + step.head<3>() + rotation * (pose.translation - here)};
+  }
+  Vector6 motion;
+  motion << pose * reference - reference, RotationVector(Eigen::Quaterniond(pose.rotation));
+  return motion;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,171 @@
+#include "estimator/alignment/starting_values.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <random>
+
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/minimize.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kTie = 1e-6;  // relative difference of RMS below which starts count as equal
+
+bool AllFree(const ParameterSet& parameters, const ParameterBlock& block) {
+  for (int i = 0; i < block.tangent_size; ++i) {
+    if (!parameters.coordinates()[block.first_coordinate + i].estimated()) return false;
+  }
+  return true;
+}
+
+// One observation with its marker frame already evaluated.
+struct FramedObservation {
+  int station;
+  int marker;
+  Pose<double> base_from_frame;
+  Vector3<double> point_in_station;
+};
+
+std::vector<FramedObservation> EvaluateFrames(const CalibrationProblem& problem, const std::vector<int>& observations,
+                                              const ParameterSet& parameters) {
+  const std::vector<double> theta = parameters.ModelValues();
+  std::vector<FramedObservation> framed;
+  framed.reserve(observations.size());
+  ChainState<double> state;
+  int evaluated_shot = -1;
+  for (const int i : observations) {
+    const Observation& observation = problem.data.observations[i];
+    const Shot& shot = problem.data.shots[observation.shot];
+    if (observation.shot != evaluated_shot) {
+      const ShotInput& input = problem.shot_inputs[observation.shot];
+      EvaluateChain(problem.model.chain(), problem.model.TransformValues(input, theta.data()).data(), &state);
+      evaluated_shot = observation.shot;
+    }
+    framed.push_back({shot.station, observation.marker, state.frames[problem.marker_frames[observation.marker]],
+                      observation.point_in_station});
+  }
+  return framed;
+}
+
+void RegisterStations(const std::vector<FramedObservation>& framed, ParameterSet* parameters) {
+  for (int s = 0; s < parameters->num_stations(); ++s) {
+    if (!AllFree(*parameters, parameters->station_translation(s)) ||
+        !AllFree(*parameters, parameters->station_rotation(s))) {
+      continue;
+    }
+    std::vector<const FramedObservation*> seen;
+    for (const FramedObservation& f : framed) {
+      if (f.station == s) seen.push_back(&f);
+    }
+    Eigen::Matrix3Xd points(3, seen.size()), targets(3, seen.size());
+    for (size_t k = 0; k < seen.size(); ++k) {
+      points.col(k) = seen[k]->base_from_frame * parameters->MarkerPoint(seen[k]->marker);
+      targets.col(k) = seen[k]->point_in_station;
+    }
+    parameters->SetBaseInStation(s, RegisterRigid(points, targets));
+  }
+}
+
+void AverageMarkers(const std::vector<FramedObservation>& framed, ParameterSet* parameters) {
+  std::vector<Vector3<double>> sum(parameters->num_markers(), Vector3<double>::Zero());
+  std::vector<int> count(parameters->num_markers(), 0);
+  for (const FramedObservation& f : framed) {
+    const Pose<double> base_in_station = parameters->BaseInStation(f.station);
+    const Vector3<double> in_base =
+        base_in_station.rotation.transpose() * (f.point_in_station - base_in_station.translation);
+    sum[f.marker] += f.base_from_frame.rotation.transpose() * (in_base - f.base_from_frame.translation);
+    ++count[f.marker];
+  }
+  for (int m = 0; m < parameters->num_markers(); ++m) {
+    if (count[m] > 0 && AllFree(*parameters, parameters->marker(m))) {
+      parameters->SetMarkerPoint(m, sum[m] / count[m]);
+    }
+  }
+}
+
+double DistanceRms(const std::vector<FramedObservation>& framed, const ParameterSet& parameters) {
+  double sum = 0.0;
+  for (const FramedObservation& f : framed) {
+    const Vector3<double> predicted =
+        parameters.BaseInStation(f.station) * (f.base_from_frame * parameters.MarkerPoint(f.marker));
+    sum += (predicted - f.point_in_station).squaredNorm();
+  }
+  return std::sqrt(sum / framed.size());
+}
+
+struct Candidate {
+  double rms;
+  ParameterSet parameters;
+};
+
+// Base and markers only; the model's parameters keep their values.
+void HoldModel(ParameterSet* parameters) {
+  for (int i = 0; i < parameters->num_coordinates(); ++i) {
+    Coordinate& coordinate = parameters->coordinate(i);
+    const BlockKind kind = parameters->blocks()[coordinate.block].kind;
+    if (kind == BlockKind::kModelParameter) coordinate.free = false;
+  }
+}
+
+}  // namespace
+
+Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets) {
+  const Vector3<double> point_mean = points.rowwise().mean();
+  const Vector3<double> target_mean = targets.rowwise().mean();
+  const Matrix3<double> correlation = (targets.colwise() - target_mean) * (points.colwise() - point_mean).transpose();
+  const Eigen::JacobiSVD<Matrix3<double>> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3<double> flip = Matrix3<double>::Identity();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
+  Pose<double> pose;
+  pose.rotation = svd.matrixU() * flip * svd.matrixV().transpose();
+  pose.translation = target_mean - pose.rotation * point_mean;
+  return pose;
+}
+
+double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
+                          const StartingValueOptions& options, ParameterSet* parameters) {
+  const std::vector<FramedObservation> framed = EvaluateFrames(problem, observations, *parameters);
+  std::mt19937_64 random(options.seed);
+  std::normal_distribution<double> normal(0.0, options.marker_spread);
+  std::vector<Candidate> candidates;
+  for (int start = 0; start <= options.random_marker_starts; ++start) {
+    ParameterSet trial = *parameters;
+    for (int m = 0; start > 0 && m < trial.num_markers(); ++m) {
+      const Vector3<double> guess(normal(random), normal(random), normal(random));
+      if (AllFree(trial, trial.marker(m))) trial.SetMarkerPoint(m, guess);
+    }
+    for (int i = 0; i < options.alternations; ++i) {
+      RegisterStations(framed, &trial);
+      AverageMarkers(framed, &trial);
+    }
+    candidates.push_back({DistanceRms(framed, trial), std::move(trial)});
+  }
+  // Where the data cannot tell the markers, all starts fit alike: then the one
+  // without random markers counts.
+  candidates[0].rms *= 1.0 - kTie;
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
+  candidates.resize(std::min<size_t>(candidates.size(), options.polished));
+  const NoiseRoots noise = FitRoots(problem, observations, kFallbackSigma);
+  for (Candidate& candidate : candidates) {
+    ParameterSet polished = candidate.parameters;
+    HoldModel(&polished);
+    MinimizeOptions minimize;
+    minimize.cautious = true;
+    MinimizeJointly(problem, {observations, noise, CostGranularity::kShot}, minimize, &polished);
+    const double rms = DistanceRms(framed, polished);
+    if (!(rms <= candidate.rms * 1.5)) continue;  // weighted and unweighted optimum differ a little
+    for (int s = 0; s < polished.num_stations(); ++s)
+      candidate.parameters.SetBaseInStation(s, polished.BaseInStation(s));
+    for (int m = 0; m < polished.num_markers(); ++m) candidate.parameters.SetMarkerPoint(m, polished.MarkerPoint(m));
+    candidate.rms = rms;
+  }
+  const Candidate* best = &candidates[0];
+  for (const Candidate& candidate : candidates) {
+    if (candidate.rms < best->rms * (1.0 - kTie)) best = &candidate;
+  }
+  *parameters = best->parameters;
+  return best->rms;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,45 @@
+#include "estimator/baselines/canonical_rate.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <vector>
+
+namespace sagitta {
+namespace {
+
+constexpr double kRankThreshold = 1e-12;  // of column-normalised pivots
+
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
+  const Eigen::VectorXd scale = columns.colwise().norm().cwiseMax(1e-300);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * scale.cwiseInverse().asDiagonal());
+  qr.setThreshold(kRankThreshold);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+}
+
+Eigen::MatrixXd ColumnsOf(const Linearization& linearization, const ParameterSet& parameters, bool of_the_model) {
+  std::vector<int> chosen;
+  for (int c = 0; c < linearization.num_columns(); ++c) {
+    const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
+    if ((parameters.blocks()[coordinate.block].kind == BlockKind::kModelParameter) == of_the_model) chosen.push_back(c);
+  }
+  Eigen::MatrixXd columns(linearization.num_rows(), chosen.size());
+  for (size_t k = 0; k < chosen.size(); ++k) columns.col(k) = linearization.jacobian.col(chosen[k]);
+  return columns;
+}
+
+}  // namespace
+
+Eigen::VectorXd CanonicalCorrelations(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  if (a.cols() == 0 || b.cols() == 0) return {};
+  const Eigen::MatrixXd product = OrthonormalBasis(a).transpose() * OrthonormalBasis(b);
+  if (product.size() == 0) return {};
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(product).singularValues();
+}
+
+double PredictTwoStepRate(const Linearization& linearization, const ParameterSet& parameters) {
+  const Eigen::VectorXd cosines =
+      CanonicalCorrelations(ColumnsOf(linearization, parameters, false), ColumnsOf(linearization, parameters, true));
+  return cosines.size() == 0 ? 0.0 : cosines[0] * cosines[0];
+}
+
+}  // namespace sagitta

@@ -1,0 +1,127 @@
+#include "estimator/baselines/compare_methods.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "estimator/baselines/canonical_rate.h"
+#include "estimator/baselines/differencing.h"
+#include "estimator/baselines/full_pose.h"
+#include "estimator/baselines/two_step.h"
+#include "estimator/least_squares/ceres_problem.h"
+#include "estimator/noise/residual_noise.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// The problem with the joint decision of what to hold, and where.
+CalibrationProblem WithHeld(const CalibrationProblem& problem, const Estimate& joint) {
+  CalibrationProblem result = problem;
+  if (!IsUsable(joint.status)) return result;
+  result.parameters = joint.aligned;
+  for (int i = 0; i < result.parameters.num_coordinates(); ++i) {
+    result.parameters.coordinate(i).held = joint.parameters.coordinates()[i].held;
+  }
+  return result;
+}
+
+double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
+  if (!IsUsable(estimate.status) || !IsUsable(joint.status)) return kNone;
+  const Eigen::VectorXd difference = TangentDifference(estimate.parameters, joint.parameters);
+  double largest = 0.0;
+  for (const int c : joint.estimated) largest = std::max(largest, std::abs(difference[c]) / joint.table[c].sigma);
+  return largest;
+}
+
+// On parameters of one family; of all (""), the tie of markers to a spring too.
+bool HasPriors(const ParameterSet& parameters, const std::string& family) {
+  const std::vector<Coordinate>& coordinates = parameters.coordinates();
+  const bool any = std::any_of(coordinates.begin(), coordinates.end(), [&](const Coordinate& c) {
+    return c.estimated() && c.prior_sigma > 0.0 && c.name.rfind(family, 0) == 0;
+  });
+  return any || (family.empty() && parameters.spring_tie());
+}
+
+// The halves find the joint optimum under the noise that the joint estimate found.
+void TakeNoise(const CalibrationProblem& problem, const Estimate& joint, Estimate* estimate) {
+  if (joint.noise_report.components.empty()) return;
+  estimate->noise_report = joint.noise_report;
+  if (joint.interval_dof.size() != estimate->covariance.rows()) return;
+  ReplaceCovariance(problem, estimate->covariance, joint.interval_dof, estimate);
+}
+
+double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
+  if (!IsUsable(joint.status)) return kNone;
+  const ResidualSelection residuals = CalibrationResiduals(problem);
+  return PredictTwoStepRate(
+      Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise), joint.parameters);
+}
+
+}  // namespace
+
+const std::vector<std::string>& MethodNames() {
+  static const std::vector<std::string> names = {
+      "joint", "two-step", "two-step-literal", "two-step-relinearised", "full-pose", "differencing"};
+  return names;
+}
+
+std::string MethodObstacle(const CalibrationProblem& problem, const std::string& method) {
+  if (method == "joint") return "";
+  if (problem.experiment.loss != "none") return method + " knows no robust loss";
+  if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
+  const bool takes_rows_only = method == "full-pose" || method == "two-step-literal";
+  if (takes_rows_only && HasPriors(problem.parameters, "")) return method + " knows no priors";
+  for (const char* family : {"base/", "marker/"}) {  // in its first half, which solves for these
+    const bool is_ignored = method == "two-step-relinearised" && HasPriors(problem.parameters, family);
+    if (is_ignored) return method + " knows no priors of " + family + "…";
+  }
+  if (method == "full-pose" && problem.experiment.covariance == "sandwich") return "full-pose knows no sandwich";
+  if (!problem.latent.empty() || problem.experiment.repeatability.IsEstimated()) {
+    return method + " knows no joint deviations (repeatability)";
+  }
+  if (!IsDiagonal(CalibrationResiduals(problem).noise)) {
+    return method + " knows standard deviations per axis, not an instrument's covariances";
+  }
+  return "";
+}
+
+MethodResult RunMethod(const CalibrationProblem& problem, const std::string& method, const Estimate& joint,
+                       const std::function<void(const std::string&)>& progress) {
+  MethodResult result{method, {}, kNone, kNone, kNone};
+  const std::string obstacle = MethodObstacle(problem, method);
+  if (method == "joint") {
+    result.estimate = joint;
+  } else if (!obstacle.empty()) {
+    result.estimate.parameters = result.estimate.aligned = problem.parameters;
+    result.estimate.message = "not run: " + obstacle;
+  } else if (method == "full-pose") {
+    result.estimate = EstimateFromFullPoses(WithHeld(problem, joint));
+  } else if (method == "differencing") {
+    result.estimate = EstimateByDifferencing(WithHeld(problem, joint), progress);
+  } else {
+    TwoStepOptions options;
+    options.progress = progress;
+    if (method == "two-step-literal")
+      options.variant = TwoStepVariant::kLiteral;
+    else if (method == "two-step-relinearised")
+      options.variant = TwoStepVariant::kRelinearised;
+    else
+      CHECK_EQ(method, "two-step") << "no such method";
+    TwoStepResult two_step = EstimateInTwoSteps(WithHeld(problem, joint), options);
+    result.estimate = std::move(two_step.estimate);
+    result.rate_measured = two_step.rate;
+    if (method == "two-step") result.rate_predicted = PredictedRate(problem, joint);
+    if (method == "two-step" && IsUsable(result.estimate.status)) TakeNoise(problem, joint, &result.estimate);
+  }
+  if (IsUsable(result.estimate.status)) {
+    result.estimate.identifiability.unidentifiable = joint.identifiability.unidentifiable;
+  }
+  result.max_deviation_sigma = LargestDeviation(result.estimate, joint);
+  return result;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,300 @@
+#include "estimator/baselines/full_pose.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/QR>
+#include <chrono>
+#include <cmath>
+#include <tuple>
+
+#include "estimator/alignment/pose_registration.h"
+#include "estimator/alignment/starting_values.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/linearization.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kShapeRounds = 30;
+constexpr double kConvergedStep = 1e-6;  // standard deviations
+
+// One shot with a pose: rows [first, first + markers) of the observations used.
+struct PoseShot {
+  int first = 0;
+  int markers = 0;
+};
+
+struct Context {
+  const CalibrationProblem& problem;
+  const FullPoseOptions& options;
+  std::vector<int> observations;  // of the shots with a pose
+  Eigen::VectorXd sigmas;         // 3 per observation, m; full covariances are refused (MethodObstacle)
+  std::vector<PoseShot> shots;
+  int free_marker_coordinates = 0;
+
+  bool tool_is_free() const { return free_marker_coordinates > 0; }
+
+  const Observation& observation(int k) const { return problem.data.observations[observations[k]]; }
+};
+
+Eigen::Matrix3Xd MarkerPoints(const Context& context, const PoseShot& shot, const ParameterSet& parameters) {
+  Eigen::Matrix3Xd points(3, shot.markers);
+  for (int i = 0; i < shot.markers; ++i)
+    points.col(i) = parameters.MarkerPoint(context.observation(shot.first + i).marker);
+  return points;
+}
+
+Eigen::Matrix3Xd MeasuredPoints(const Context& context, const PoseShot& shot) {
+  Eigen::Matrix3Xd points(3, shot.markers);
+  for (int i = 0; i < shot.markers; ++i) points.col(i) = context.observation(shot.first + i).point_in_station;
+  return points;
+}
+
+// Shots whose markers span a plane. Observations of a shot are consecutive.
+void CollectShots(const ParameterSet& aligned, Context* context) {
+  const CalibrationProblem& problem = context->problem;
+  const std::vector<int> all = problem.CalibrationObservations();
+  for (size_t first = 0, last = 0; first < all.size(); first = last) {
+    const int shot = problem.data.observations[all[first]].shot;
+    Eigen::Matrix3Xd points(3, 0);
+    for (last = first; last < all.size() && problem.data.observations[all[last]].shot == shot; ++last) {
+      points.conservativeResize(3, points.cols() + 1);
+      points.rightCols<1>() = aligned.MarkerPoint(problem.data.observations[all[last]].marker);
+    }
+    if (!SpansAPlane(points)) continue;
+    context->shots.push_back({static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
+    context->observations.insert(context->observations.end(), all.begin() + first, all.begin() + last);
+  }
+  const NoiseRoots noise = FitRoots(problem, context->observations, kFallbackSigma);
+  context->sigmas.resize(3 * noise.size());
+  for (size_t k = 0; k < noise.size(); ++k) context->sigmas.segment<3>(3 * k) = noise[k].diagonal();
+}
+
+// Generalised Procrustes: the markers' mean shape over all shots, placed where the
+// aligned points are.
+void AverageShape(const Context& context, ParameterSet* parameters) {
+  const int n = parameters->num_markers();
+  const ParameterSet aligned = *parameters;
+  for (int round = 0; round < kShapeRounds; ++round) {
+    Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, n);
+    std::vector<int> count(n, 0);
+    for (const PoseShot& shot : context.shots) {
+      const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+      const Pose<double> flange_from_station = RegisterRigid(measured, MarkerPoints(context, shot, *parameters));
+      for (int i = 0; i < shot.markers; ++i) {
+        const int m = context.observation(shot.first + i).marker;
+        sum.col(m) += flange_from_station * Vector3<double>(measured.col(i));
+        ++count[m];
+      }
+    }
+    for (int m = 0; m < n; ++m) {
+      if (count[m] > 0) parameters->SetMarkerPoint(m, sum.col(m) / count[m]);
+    }
+  }
+}
+
+// Empty if there is an estimate from poses.
+std::string Obstacle(const Context& context, int unknowns) {
+  const CalibrationProblem& problem = context.problem;
+  for (const int frame : problem.marker_frames) {
+    if (frame != problem.marker_frames[0])
+      return "not run: the markers ride on different links, they are no rigid body";
+  }
+  if (context.tool_is_free() && context.free_marker_coordinates != 3 * problem.parameters.num_markers()) {
+    return "not run: some marker coordinates are fixed or held and others free; full-pose wants all or none";
+  }
+  if (context.shots.empty())
+    return "not run: no shot sees three markers that are not on one line; there is no full pose";
+  if (6 * static_cast<int>(context.shots.size()) < unknowns) {
+    return "not run: " + std::to_string(context.shots.size()) + " full poses are fewer equations than " +
+           std::to_string(unknowns) + " unknowns";
+  }
+  return "";
+}
+
+// Estimated coordinates from the unknowns of this method: base and geometry as
+// they are, all markers from one rigid motion of the tool.
+Eigen::MatrixXd CoordinatesFromUnknowns(const ParameterSet& parameters, const std::vector<int>& coordinates,
+                                        bool tool_is_free) {
+  const int markers = tool_is_free ? 3 * parameters.num_markers() : 0;
+  const int kept = static_cast<int>(coordinates.size()) - markers;
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(coordinates.size(), kept + (tool_is_free ? 6 : 0));
+  for (int c = 0, k = 0; c < map.rows(); ++c) {
+    const Coordinate& coordinate = parameters.coordinates()[coordinates[c]];
+    const ParameterBlock& block = parameters.blocks()[coordinate.block];
+    if (block.kind != BlockKind::kMarker) {
+      map(c, k++) = 1.0;
+    } else {
+      const Eigen::MatrixXd motion = RigidColumns(parameters.MarkerPoint(block.owner), Vector3<double>::Zero());
+      map.block<1, 6>(c, kept) = motion.row(coordinate.index_in_block);
+    }
+  }
+  return map;
+}
+
+// The weighted pose equations at one point: residual z, Jacobian B, square root
+// weights L, and the covariance of the z of each shot.
+struct PoseEquations {
+  bool valid = true;         // false: an equilibrium diverged
+  Eigen::MatrixXd jacobian;  // L B
+  Eigen::VectorXd residual;  // L z, z = measured - predicted
+  Eigen::MatrixXd noise;     // 6 x 6 per shot, side by side: L C L'
+};
+
+// Fills the six rows of one shot; `residual` and `jacobian` are its marker rows, m.
+void EvaluateShot(const Context& context, int s, const ParameterSet& parameters, const Eigen::VectorXd& residual,
+                  const Eigen::MatrixXd& jacobian, PoseEquations* equations) {
+  const PoseShot& shot = context.shots[s];
+  const Eigen::VectorXd sigmas = context.sigmas.segment(3 * shot.first, 3 * shot.markers);
+  const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+  const Eigen::Matrix3Xd predicted = measured + Eigen::Map<const Eigen::Matrix3Xd>(residual.data(), 3, shot.markers);
+  const Pose<double> flange_in_station = RegisterRigid(MarkerPoints(context, shot, parameters), predicted);
+  const Vector3<double> reference = flange_in_station * context.options.reference_in_flange;
+  const Eigen::MatrixXd rigid = RigidColumns(predicted, reference);
+  const Eigen::MatrixXd whitened = sigmas.cwiseInverse().asDiagonal() * rigid;
+  const Eigen::MatrixXd information = whitened.transpose() * whitened;  // C^-1, propagated
+  Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(information).matrixU();
+  if (!context.options.propagated_covariance) {
+    const double w = context.options.weight;
+    root = (Vector6() << 1, 1, 1, w, w, w).finished().asDiagonal().toDenseMatrix() / sigmas.mean();
+  }
+  // The markers move rigidly with every unknown: marker rows = rigid * pose rows.
+  equations->jacobian.middleRows(6 * s, 6) = root * rigid.householderQr().solve(jacobian);
+  equations->residual.segment<6>(6 * s) = root * RegisterPose(predicted, measured, sigmas, reference);
+  equations->noise.middleCols(6 * s, 6) = root * information.inverse() * root.transpose();
+}
+
+PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, const std::vector<int>& coordinates,
+                       const Eigen::MatrixXd& map) {
+  const NoiseRoots ones(context.observations.size(), Matrix3<double>::Identity());
+  const Linearization markers = Linearize(context.problem, parameters, context.observations, coordinates, ones);
+  const Eigen::MatrixXd jacobian = markers.jacobian * map;
+  const int poses = static_cast<int>(context.shots.size());
+  PoseEquations equations{markers.valid, Eigen::MatrixXd(6 * poses, map.cols()), Eigen::VectorXd(6 * poses),
+                          Eigen::MatrixXd(6, 6 * poses)};
+  for (int s = 0; s < poses; ++s) {
+    const int first = 3 * context.shots[s].first, rows = 3 * context.shots[s].markers;
+    EvaluateShot(context, s, parameters, markers.residual.segment(first, rows), jacobian.middleRows(first, rows),
+                 &equations);
+  }
+  return equations;
+}
+
+// (H^-1) B'L' (L C L') L B (H^-1), H = B'L'L B; H^-1 itself where weights are optimal.
+Eigen::MatrixXd Sandwich(const PoseEquations& equations, const Eigen::MatrixXd& inverse) {
+  Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
+  for (int s = 0; s < equations.noise.cols() / 6; ++s) {
+    const Eigen::MatrixXd rows = equations.jacobian.middleRows(6 * s, 6);
+    middle += rows.transpose() * equations.noise.middleCols(6 * s, 6) * rows;
+  }
+  return inverse * middle * inverse;
+}
+
+// Base and geometry move by the step, the markers rigidly: their shape stays.
+void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, const Eigen::MatrixXd& map,
+              bool tool_is_free, ParameterSet* parameters) {
+  const ParameterSet before = *parameters;
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters->num_coordinates());
+  const Eigen::VectorXd moved = map * step;
+  for (size_t c = 0; c < coordinates.size(); ++c) delta[coordinates[c]] = moved[c];
+  parameters->Plus(delta);
+  if (!tool_is_free) return;
+  const Vector3<double> turn = step.tail<3>();
+  const Pose<double> motion{RotationFromVector(turn), step.tail<6>().head<3>()};
+  for (int m = 0; m < before.num_markers(); ++m) parameters->SetMarkerPoint(m, motion * before.MarkerPoint(m));
+}
+
+// This method's own standard deviations in place of the joint ones.
+void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
+  double scale = 1.0;
+  if (!estimate->sigma.stated) scale = estimate->sigma.estimated / kFallbackSigma;
+  if (estimate->sigma.scaled) scale = estimate->sigma.a_posteriori;
+  estimate->covariance = scale * scale * covariance;
+  estimate->intervals = IntervalReport();
+  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
+    ParameterEstimate& row = estimate->table[estimate->estimated[c]];
+    const double sigma = std::sqrt(estimate->covariance(c, c));
+    const double half = row.sigma > 0.0 ? (row.ci95.high - row.value) / row.sigma * sigma : 0.0;
+    row.sigma = sigma;
+    row.ci95 = {row.value - half, row.value + half};
+  }
+}
+
+void Stop(Status status, const std::string& message, Estimate* estimate) {
+  std::tie(estimate->status, estimate->message) = std::tie(status, message);
+}
+
+// Gauss-Newton on the pose equations; returns the covariance over the coordinates.
+Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordinates, Estimate* estimate) {
+  Stop(Status::kNoConvergence, "stopped after " + std::to_string(context.options.max_iterations) + " iterations",
+       estimate);
+  Eigen::MatrixXd covariance;
+  for (int i = 0; i < context.options.max_iterations; ++i) {
+    const Eigen::MatrixXd map = CoordinatesFromUnknowns(estimate->parameters, coordinates, context.tool_is_free());
+    const PoseEquations equations = Evaluate(context, estimate->parameters, coordinates, map);
+    Linearization poses;
+    poses.jacobian = equations.jacobian;
+    poses.residual = -equations.residual;
+    const LinearSolution solution = SolveLinearization(poses);
+    if (!equations.valid || !solution.full_rank) {
+      Stop(Status::kSingular, "the pose equations are singular, or the equilibrium of a loaded shot diverges",
+           estimate);
+      break;
+    }
+    const Eigen::MatrixXd of_unknowns = Sandwich(equations, solution.covariance);
+    covariance = map * of_unknowns * map.transpose();
+    const Eigen::ArrayXd sigmas = of_unknowns.diagonal().array().sqrt();
+    const double size = (solution.step.array().abs() / sigmas).maxCoeff();
+    if (!std::isfinite(size)) break;
+    TakeStep(solution.step, coordinates, map, context.tool_is_free(), &estimate->parameters);
+    estimate->iterations = i + 1;
+    if (size < kConvergedStep) {
+      Stop(Status::kConverged, "the pose least squares stands still", estimate);
+      break;
+    }
+  }
+  return covariance;
+}
+
+}  // namespace
+
+bool FullPoseOptions::IsValid(std::string* error) const {
+  if (!(weight > 0.0)) *error = "weight must be positive";
+  if (max_iterations < 1) *error = "max_iterations must be at least 1";
+  return weight > 0.0 && max_iterations >= 1;
+}
+
+Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPoseOptions& options) {
+  std::string error;
+  CHECK(options.IsValid(&error)) << error;
+  const auto start = std::chrono::steady_clock::now();
+  Estimate estimate;
+  estimate.aligned = problem.parameters;
+  AlignNominal(problem, &estimate.aligned);
+  estimate.parameters = estimate.aligned;
+  const std::vector<int> coordinates = problem.parameters.EstimatedCoordinates();
+  Context context{problem, options, {}, {}, {}, 0};
+  for (const int c : coordinates) {
+    const BlockKind kind = problem.parameters.blocks()[problem.parameters.coordinates()[c].block].kind;
+    context.free_marker_coordinates += kind == BlockKind::kMarker;
+  }
+  CollectShots(estimate.aligned, &context);
+  const int known_shape = context.tool_is_free() ? context.free_marker_coordinates - 6 : 0;
+  const std::string obstacle = Obstacle(context, static_cast<int>(coordinates.size()) - known_shape);
+  if (!obstacle.empty()) {
+    estimate.message = obstacle;
+    return estimate;
+  }
+  if (context.tool_is_free()) AverageShape(context, &estimate.parameters);
+  const Eigen::MatrixXd covariance = Iterate(context, coordinates, &estimate);
+  estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!IsUsable(estimate.status)) return estimate;
+  for (const Coordinate& coordinate : problem.parameters.coordinates()) {
+    if (coordinate.held) estimate.status = Status::kConvergedWithHeldParameters;
+  }
+  JudgeEstimate(problem, &estimate);
+  ReplaceCovariance(covariance, &estimate);
+  return estimate;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,305 @@
+#include "estimator/calibration/joint_estimator.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "estimator/alignment/starting_values.h"
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/least_squares/bounded_step.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/refit.h"
+#include "estimator/least_squares/spring_tie_cost.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kMaxHoldRounds = 8;
+constexpr int kFreshRounds = 3;       // afterwards what is held stays held
+constexpr int kMaxPolishSteps = 60;   // a bent valley (a compensator's shape) halves the step only
+constexpr double kPolishReach = 1.0;  // standard deviations: farther off, Ceres has failed
+constexpr int kMaxBoundedSteps = 60;
+constexpr int kMaxWarmSteps = 12;
+constexpr double kWarmReach = 1e3;        // standard deviations, from the round before
+constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
+
+void Report(const JointOptions& options, const std::string& what) {
+  if (options.progress) options.progress(what);
+}
+
+// The scale of the whitened noise seen at a linearization: a-posteriori sigma,
+// not below the stated one.
+double NoiseScale(const CalibrationProblem& problem, const Linearization& linearization) {
+  const LinearSolution solution = SolveLinearization(linearization);
+  const double dof = linearization.num_rows() - linearization.num_columns();
+  const double scale = dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
+  return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
+}
+
+// Coordinates held go back to where nominal robot and alignment put them.
+void ResetHeld(const ParameterSet& aligned, ParameterSet* parameters) {
+  for (const ParameterBlock& block : aligned.blocks()) {
+    for (int i = 0; i < block.tangent_size; ++i) {
+      const Coordinate& coordinate = parameters->coordinates()[block.first_coordinate + i];
+      if (!coordinate.held) continue;
+      ParameterBlock* own = nullptr;
+      switch (block.kind) {
+        case BlockKind::kMarker:
+          own = &parameters->marker(block.owner);
+          break;
+        case BlockKind::kModelParameter:
+          own = &parameters->model_parameter(block.owner);
+          break;
+        case BlockKind::kStationTranslation:
+          own = &parameters->station_translation(block.owner);
+          break;
+        case BlockKind::kStationRotation:
+          own = &parameters->station_rotation(block.owner);
+          break;
+      }
+      if (block.kind == BlockKind::kStationRotation) {
+        own->values = block.values;  // single axes of a rotation have no value of their own
+      } else {
+        own->values[i] = block.values[i];
+      }
+    }
+  }
+}
+
+// All coordinates that were asked for, held or not.
+std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
+  std::vector<int> requested;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    if (parameters.coordinates()[i].free) requested.push_back(i);
+  }
+  return requested;
+}
+
+// Decides afresh, from all requested coordinates, which of them the data cannot
+// tell here; true if the set of held ones changed. With `only_add`, what is
+// held already stays held (no cycles).
+bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& residuals, bool only_add,
+                Estimate* estimate) {
+  ParameterSet& parameters = estimate->parameters;
+  Linearization all =
+      Linearize(problem, parameters, residuals.observations,
+                only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters), residuals.noise);
+  if (!all.valid) return false;
+  AppendPriors(parameters, &all);
+  const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
+  std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
+  std::vector<bool> hold(parameters.num_coordinates(), false);
+  if (!only_add) directions.clear();
+  for (size_t k = 0; k < found.columns.size(); ++k) {
+    hold[all.columns[found.columns[k]]] = true;
+    directions.push_back(found.directions[k]);
+  }
+  bool changed = false;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    Coordinate& coordinate = parameters.coordinate(i);
+    const bool held = hold[i] || (only_add && coordinate.held);
+    changed |= held != coordinate.held;
+    coordinate.held = held;
+  }
+  return changed;
+}
+
+// Gauss-Newton step that is left, in standard deviations.
+double RemainingStep(const LinearSolution& solution, double noise_scale) {
+  if (!solution.full_rank) return std::numeric_limits<double>::infinity();
+  const Eigen::ArrayXd sigmas = solution.covariance.diagonal().array().sqrt() * noise_scale;
+  return solution.step.size() == 0 ? 0.0 : (solution.step.array().abs() / sigmas).maxCoeff();
+}
+
+// What the last Gauss-Newton step says of the optimum.
+struct Certificate {
+  bool valid = false;  // the equilibria converge
+  bool full_rank = false;
+  bool exact_fit = false;  // nothing left to explain
+  int columns = 0;
+  double step = std::numeric_limits<double>::infinity();  // that was left, standard deviations
+};
+
+// Columns that rest on their bound, or would end there: they have no say in the optimum.
+std::vector<int> PinnedColumns(const Linearization& here, const ParameterSet& parameters) {
+  const auto lower = [&](int c) { return parameters.coordinates()[here.columns[c]].lower; };
+  const LinearSolution free = SolveLinearization(here);
+  std::vector<int> resting;
+  bool is_inside = free.full_rank;
+  for (int c = 0; c < here.num_columns(); ++c) {
+    const double value = parameters.Value(here.columns[c]);
+    if (value <= lower(c)) resting.push_back(c);
+    is_inside = is_inside && value + free.step[c] >= lower(c);
+  }
+  if (is_inside) return {};
+  const BoundedStep bounded = SolveBounded(here, parameters);
+  return bounded.valid ? bounded.pinned : resting;
+}
+
+// One bounded Gauss-Newton step: certificate before it, delta per column.
+Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Linearization& here,
+                                   const ParameterSet& parameters, Certificate* certificate) {
+  const std::vector<int> pinned = PinnedColumns(here, parameters);
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(here.num_columns());
+  std::vector<bool> is_pinned(here.num_columns(), false);
+  Linearization inside = here;
+  for (const int c : pinned) {
+    is_pinned[c] = true;
+    const double to_bound = parameters.coordinates()[here.columns[c]].lower - parameters.Value(here.columns[c]);
+    delta[c] = std::min(0.0, to_bound);
+    inside.residual += delta[c] * here.jacobian.col(c);
+  }
+  std::vector<int> kept;
+  for (int c = 0; c < here.num_columns(); ++c) {
+    if (!is_pinned[c]) kept.push_back(c);
+  }
+  inside.jacobian = here.jacobian(Eigen::all, kept);
+  inside.columns.assign(kept.size(), 0);
+  const LinearSolution solution = SolveLinearization(inside);
+  const double scale = std::max(1e-12, NoiseScale(problem, inside));
+  certificate->columns = static_cast<int>(kept.size());
+  certificate->full_rank = solution.full_rank;
+  certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(here.num_rows());
+  certificate->step = RemainingStep(solution, scale);
+  for (const int c : pinned) {
+    certificate->step = std::max(certificate->step, std::abs(delta[c]) * here.jacobian.col(c).norm() / scale);
+  }
+  if (solution.full_rank && !kept.empty()) delta(kept) = solution.step;
+  return delta;
+}
+
+// Ceres stops where the cost cannot tell (1e-5 standard deviations away), and
+// with joint deviations at the mode instead of the marginal optimum; the
+// gradient still can: a few Gauss-Newton steps bring 1e-7.
+Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& residuals, double reach, int steps,
+                   ParameterSet* parameters) {
+  Certificate certificate;
+  for (int i = 0; i < steps && certificate.step >= kConvergedSteps; ++i) {
+    Linearization here =
+        Linearize(problem, *parameters, residuals.observations, parameters->EstimatedCoordinates(), residuals.noise);
+    certificate.valid = here.valid;
+    if (!here.valid) return certificate;
+    AppendPriors(*parameters, &here);
+    const Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
+    if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
+    Move(here.columns, delta, 1.0, parameters);
+  }
+  return certificate;
+}
+
+// Where bounds rule, Ceres' projected steps stop early; damped bounded Gauss-Newton steps go on from there.
+Certificate PolishAtBounds(const CalibrationProblem& problem, const ResidualSelection& residuals,
+                           const Certificate& before, ParameterSet* parameters) {
+  bool any_bound = false;
+  for (const int i : parameters->EstimatedCoordinates()) {
+    any_bound |= std::isfinite(parameters->coordinates()[i].lower);
+  }
+  if (!any_bound || !before.valid || before.exact_fit || before.step < kConvergedSteps) return before;
+  RefitOptions options;
+  options.max_steps = kMaxBoundedSteps;
+  ParameterSet refitted = RefitFrom(problem, *parameters, options).parameters;
+  const Certificate after = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &refitted);
+  if (!(after.step < before.step)) return before;
+  *parameters = refitted;
+  return after;
+}
+
+void FailEquilibrium(const CalibrationProblem& problem, Estimate* estimate) {
+  estimate->status = Status::kEquilibriumDiverged;
+  estimate->message = FoldedInWords(problem, estimate->parameters);
+}
+
+void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
+            Estimate* estimate) {
+  Certificate certificate = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &estimate->parameters);
+  certificate = PolishAtBounds(problem, residuals, certificate, &estimate->parameters);
+  if (!certificate.valid) return FailEquilibrium(problem, estimate);
+  if (certificate.columns == 0) {
+    estimate->status = Status::kSingular;
+    estimate->message =
+        "the scatter is so large that every unknown had to be held; check signs and zero positions of "
+        "the joints, the kinematics and the units";
+  } else if (!certificate.full_rank) {
+    estimate->status = Status::kSingular;
+    estimate->message = "the identification Jacobian is singular at the optimum although nothing is held";
+  } else if (!minimized.usable || !(certificate.step < kConvergedSteps || certificate.exact_fit)) {
+    estimate->status = Status::kNoConvergence;
+    estimate->message =
+        "stopped " + std::to_string(certificate.step) + " standard deviations from the optimum: " + minimized.message;
+  } else if (!estimate->identifiability.unidentifiable.empty()) {
+    estimate->status = Status::kConvergedWithHeldParameters;
+    estimate->message = std::to_string(estimate->identifiability.unidentifiable.size()) +
+                        " parameter(s) held: the data cannot tell them";
+  } else {
+    estimate->status = Status::kConverged;
+    estimate->message = "the remaining Gauss-Newton step is below 1e-5 standard deviations";
+  }
+}
+
+// Between the rounds of an outer loop the start is near, and Gauss-Newton on the marginal rows is there in a few
+// steps. With tight readings and loose joints it also goes where Ceres creeps: the valley of a visit's deviations
+// bends by more than the instrument's sigma.
+bool SolveFromNear(const CalibrationProblem& problem, const ResidualSelection& residuals, const JointOptions& options,
+                   ParameterSet* parameters) {
+  if (options.aligned == nullptr || problem.latent.empty()) return false;
+  ParameterSet trial = *parameters;
+  const Certificate certificate = Polish(problem, residuals, kWarmReach, kMaxWarmSteps, &trial);
+  if (!certificate.valid || !certificate.full_rank || !(certificate.step < kConvergedSteps)) return false;
+  *parameters = trial;
+  return true;
+}
+
+}  // namespace
+
+double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters) {
+  const double misfit =
+      FindStartingValues(problem, problem.CalibrationObservations(), StartingValueOptions(), parameters);
+  DropImplausibleTie(parameters);
+  return misfit;
+}
+
+Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
+  Report(options, "aligning the nominal robot: base poses and markers");
+  ParameterSet start = problem.parameters;
+  AlignNominal(problem, &start);
+  return EstimateFrom(problem, start, options);
+}
+
+Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start_values,
+                      const JointOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Estimate estimate;
+  estimate.parameters = start_values;
+  DropImplausibleTie(&estimate.parameters);
+  estimate.aligned = options.aligned != nullptr ? *options.aligned : estimate.parameters;
+
+  ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
+  residuals.granularity = options.granularity;
+  DecideHeld(problem, residuals, /*only_add=*/false, &estimate);
+
+  MinimizeOptions minimize;
+  minimize.max_iterations = options.max_iterations;
+  minimize.num_threads = options.num_threads;
+  MinimizeSummary minimized;
+  for (int round = 0; round < kMaxHoldRounds; ++round) {
+    Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
+                        " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
+    ResetHeld(estimate.aligned, &estimate.parameters);
+    if (SolveFromNear(problem, residuals, options, &estimate.parameters)) {
+      minimized.usable = minimized.converged = true;
+    } else {
+      minimized = MinimizeJointly(problem, residuals, minimize, &estimate.parameters);
+      estimate.iterations += minimized.iterations;
+    }
+    if (!DecideHeld(problem, residuals, /*only_add=*/round >= kFreshRounds, &estimate)) break;
+  }
+  Finish(problem, residuals, minimized, &estimate);
+  estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (IsUsable(estimate.status) && options.judge) {
+    Report(options, "intervals, identifiability and hold-out");
+    JudgeEstimate(problem, &estimate);
+    AddLoadRemedies(problem, &estimate);
+  }
+  return estimate;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,322 @@
+// JudgeEstimate: covariance, intervals, leverage and hold-out of an estimate,
+// all from one Linearization at its parameters.
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/estimate/parameter_table.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/sandwich.h"
+#include "estimator/least_squares/spring_tie_cost.h"
+#include "estimator/noise/weighting.h"
+#include "estimator/statistics/distributions.h"
+#include "problems/loads.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFarBelow = 4.0;  // standard deviations
+
+Eigen::Matrix3Xd Residuals(const Measurements& data, const std::vector<int>& observations,
+                           const Eigen::Matrix3Xd& predicted) {
+  Eigen::Matrix3Xd residuals(3, observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    residuals.col(k) = data.observations[observations[k]].point_in_station - predicted.col(k);
+  }
+  return residuals;
+}
+
+ResidualSize SizeAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+                    const std::vector<int>& observations) {
+  return MeasureResiduals(Residuals(problem.data, observations, PredictPoints(problem, parameters, observations)));
+}
+
+// Where the fit has weights of its own, chi-square is the least that the known noise allows near the estimate.
+double SquaredMisfit(const CalibrationProblem& problem, const Linearization& linearization) {
+  const bool is_known = problem.experiment.noise.from != NoiseSpec::From::kResiduals;
+  if (problem.weight_roots.empty() || !is_known) return linearization.residual.squaredNorm();
+  return SolveLinearization(linearization).residual_norm_squared;
+}
+
+void JudgeNoise(const CalibrationProblem& problem, const Linearization& linearization, Estimate* estimate) {
+  SigmaReport& sigma = estimate->sigma;
+  sigma.stated = problem.sigma_is_stated();
+  const double sum = SquaredMisfit(problem, linearization);
+  estimate->rows = linearization.num_rows();
+  estimate->dof = linearization.num_rows() - linearization.num_columns();
+  if (!sigma.stated) {
+    // What is held was fitted first: rows that are no more than all unknowns show no noise.
+    const auto held = static_cast<int>(HeldCoordinates(estimate->parameters).size());
+    if (estimate->dof <= held) estimate->dof = std::min(estimate->dof, 0);
+    const double dof = estimate->dof;
+    sigma.estimated = dof > 0 ? kFallbackSigma * std::sqrt(sum / dof) : 0.0;
+    estimate->chi2 = dof;  // by construction: sigma is what makes it so
+    return;
+  }
+  estimate->chi2 = sum;
+  const double dof = estimate->dof;
+  if (dof <= 0) return;
+  sigma.a_posteriori = std::sqrt(sum / dof);
+  sigma.p_value = FSurvival(sum / dof, dof, SigmaDof(problem.repeat_scatter));
+  sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment.significance;
+}
+
+// Multiplies covariance at the whitening sigmas into one at the true noise.
+double CovarianceScale(const SigmaReport& sigma) {
+  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
+  return sigma.scaled ? sigma.a_posteriori : 1.0;
+}
+
+// Variance of each row's prediction / sigma^2 under a covariance of the estimated columns.
+Eigen::VectorXd RowVariances(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& covariance) {
+  return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
+}
+
+// The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
+// one visit share; C = (J' V^-1 J)^-1.
+Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, const Linearization& all,
+                                         const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& inverse_normal) {
+  std::map<std::pair<int, int>, std::vector<int>> rows_of;  // by visit; an outlier is alone
+  for (int k = 0; k < static_cast<int>(all.observations.size()); ++k) {
+    const Observation& observation = problem.data.observations[k];
+    std::vector<int>& rows =
+        rows_of[{problem.latent.visit_of_shot[observation.shot], observation.excluded ? 1 + k : 0}];
+    for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * k + axis);
+  }
+  Eigen::VectorXd leverage = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.observations.size()));
+  for (const auto& [visit, rows] : rows_of) {
+    const Eigen::MatrixXd own = jacobian(rows, Eigen::all), latent = all.latent(rows, Eigen::all);
+    const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + latent * latent.transpose();
+    const Eigen::VectorXd diagonal = (own * inverse_normal).cwiseProduct(v.llt().solve(own)).rowwise().sum();
+    for (size_t i = 0; i < rows.size(); ++i) leverage[rows[i] / 3] += diagonal[static_cast<Eigen::Index>(i)] / 3.0;
+  }
+  return leverage;
+}
+
+// Leverage of every row and the parameters' share of the predicted hold-out
+// error. `all` has the columns of the estimated, then of the held coordinates;
+// inverse_normal: (J'W^2 J)^-1 of the fit.
+void JudgeRows(const CalibrationProblem& problem, const Linearization& all, const Eigen::MatrixXd& inverse_normal,
+               double scale, Estimate* estimate) {
+  const int n = static_cast<int>(all.observations.size());
+  const auto estimated = static_cast<int>(estimate->estimated.size());
+  const Eigen::MatrixXd jacobian = all.jacobian.leftCols(estimated);
+  const HeldInfluence& held = estimate->held;
+  const Eigen::MatrixXd open = all.jacobian.rightCols(held.coordinates.size()) + jacobian * held.slopes;
+  estimate->leverage.resize(n);
+  estimate->scatter.resize(n);
+  std::vector<int> rows(n);
+  std::iota(rows.begin(), rows.end(), 0);
+  const NoiseRoots weights = FitRoots(problem, rows, kFallbackSigma);
+  double sum = 0.0;
+  double floor = 0.0;
+  int coordinates = 0;
+  for (int k = 0; k < n; ++k) {
+    const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
+    estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
+    const Eigen::MatrixXd latent = all.latent.middleRows<3>(3 * k);  // in units of the instrument's noise
+    const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
+    estimate->scatter[k] = estimate->noise[k] * Matrix3<double>(relative.llt().matrixL());
+    const Observation& observation = problem.data.observations[k];
+    if (observation.excluded || !problem.data.IsValidation(observation)) continue;
+    // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
+    const Matrix3<double>& own = estimate->noise[k];
+    const double noise = own.squaredNorm() + (own * latent).squaredNorm();
+    const auto variance = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
+      const Eigen::MatrixXd metres = own * columns.middleRows<3>(3 * k);
+      return (metres * covariance * metres.transpose()).trace();
+    };
+    sum += scale * scale * noise + variance(jacobian, estimate->covariance) + variance(open, held.second_moment);
+    floor += noise + variance(jacobian, estimate->model_covariance) / (scale * scale);
+    coordinates += 3;
+  }
+  if (!problem.latent.empty() && problem.weight_roots.empty()) {
+    estimate->leverage = LeverageBesideDeviations(problem, all, jacobian, inverse_normal);
+  }
+  estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
+  estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
+}
+
+// A linearization with the information that the estimate has at unit scale: what is weak is so under its own weights.
+Linearization Known(const CalibrationProblem& problem, const Linearization& fit, const Eigen::MatrixXd& covariance) {
+  if (problem.weight_roots.empty()) return fit;
+  Linearization known = fit;
+  const Eigen::MatrixXd root = covariance.llt().matrixL();
+  known.jacobian = root.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(root.rows(), root.cols()));
+  known.residual.setZero(root.rows());
+  return known;
+}
+
+// Covariance of the estimated parameters, and what the held ones add. `linearization`
+// is whitened by the weights of the fit, `noise` is what its rows scatter by. False
+// where the Jacobian is singular.
+bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& linearization, double scale,
+                     const NoiseRoots& noise, Eigen::MatrixXd* inverse_normal, Estimate* estimate) {
+  const LinearSolution solution = SolveLinearization(linearization);
+  if (!solution.full_rank) return false;
+  *inverse_normal = solution.covariance;
+  estimate->model_covariance = scale * scale * solution.covariance;
+  const NoiseRoots weights = FitRoots(problem, linearization.observations, kFallbackSigma);
+  if (!problem.weight_roots.empty()) {
+    estimate->model_covariance = scale * scale * CovarianceOfWeighted(linearization, solution, noise, weights);
+  }
+  estimate->covariance = estimate->model_covariance;
+  estimate->identifiability.rank = linearization.num_columns();
+  estimate->identifiability.condition = solution.condition;
+  estimate->identifiability.weak = FindWeak(Known(problem, linearization, estimate->model_covariance / (scale * scale)),
+                                            estimate->parameters, scale);
+  std::vector<int> columns = estimate->estimated;
+  const std::vector<int> held = HeldCoordinates(estimate->parameters);
+  columns.insert(columns.end(), held.begin(), held.end());
+  Linearization both = linearization;
+  if (!held.empty()) {
+    both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
+    AppendPriors(estimate->parameters, &both);
+  }
+  estimate->held = FindHeldInfluence(both, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
+  estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
+  estimate->intervals = IntervalReport();
+  if (problem.repeat_scatter && !estimate->sigma.scaled) {
+    estimate->interval_dof.setConstant(SigmaDof(problem.repeat_scatter));
+  }
+  if (problem.experiment.covariance != "sandwich" || scale == 0.0) return true;
+  const RobustCovariance robust =
+      SandwichCovariance(linearization, ConfigurationClusters(problem.data, linearization.observations));
+  estimate->covariance = robust.covariance;
+  estimate->interval_dof = robust.dof;
+  estimate->intervals.method = "sandwich";
+  estimate->intervals.clusters = robust.clusters;
+  estimate->intervals.words =
+      "robust covariance, clustered by configuration (" + std::to_string(robust.clusters) +
+      "): whatever rows of one configuration share, and whatever differs between configurations, counts as it is seen";
+  return true;
+}
+
+// Each loaded observation that was fitted against the mean of the unloaded ones of its configuration, visit and marker.
+void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
+  struct Mean {
+    Vector3<double> measured = Vector3<double>::Zero();
+    Vector3<double> predicted = Vector3<double>::Zero();
+    int count = 0;
+  };
+  const Measurements& data = problem.data;
+  const auto key_of = [&](const Observation& observation) {
+    const Shot& shot = data.shots[observation.shot];
+    return std::make_tuple(shot.configuration, shot.visit, shot.station, observation.marker);
+  };
+  std::map<decltype(key_of(data.observations[0])), Mean> unloaded;
+  const std::vector<int> fitted = problem.CalibrationObservations();
+  for (const int k : fitted) {
+    const Observation& observation = data.observations[k];
+    if (IsLoaded(data.shots[observation.shot])) continue;
+    Mean& mean = unloaded[key_of(observation)];
+    mean.measured += observation.point_in_station;
+    mean.predicted += estimate->predicted.col(k);
+    ++mean.count;
+  }
+  std::vector<Vector3<double>> measured, remaining;
+  for (const int k : fitted) {
+    const Observation& observation = data.observations[k];
+    const auto mean = unloaded.find(key_of(observation));
+    if (!IsLoaded(data.shots[observation.shot]) || mean == unloaded.end()) continue;
+    measured.push_back(observation.point_in_station - mean->second.measured / mean->second.count);
+    remaining.push_back(measured.back() - (estimate->predicted.col(k) - mean->second.predicted / mean->second.count));
+  }
+  const auto size_of = [](const std::vector<Vector3<double>>& points) {
+    Eigen::Matrix3Xd columns(3, points.size());
+    for (size_t i = 0; i < points.size(); ++i) columns.col(i) = points[i];
+    return MeasureResiduals(columns);
+  };
+  estimate->deflection_before = size_of(measured);
+  estimate->deflection_after = size_of(remaining);
+}
+
+// A value on its bound that the data would push far below it: not a small compliance but a contradiction.
+void WarnOfBounds(const Linearization& fit, double scale, Estimate* estimate) {
+  const ParameterSet& parameters = estimate->parameters;
+  std::vector<int> resting;
+  for (int c = 0; c < fit.num_columns(); ++c) {
+    if (parameters.Value(fit.columns[c]) <= parameters.coordinates()[fit.columns[c]].lower) resting.push_back(c);
+  }
+  if (resting.empty()) return;
+  const LinearSolution free = SolveLinearization(fit);
+  if (!free.full_rank) return;
+  for (const int c : resting) {
+    const double below = -free.step[c] / (scale * std::sqrt(free.covariance(c, c)));
+    if (below < kFarBelow) continue;
+    std::ostringstream words;
+    words.precision(2);
+    words << parameters.coordinates()[fit.columns[c]].name << " stands on its bound, 0, but the data want it " << below
+          << " standard deviations below: check the sign and the unit of the loads, the load point and what is held; "
+             "or the model lacks an effect (sagitta diagnose)";
+    estimate->warnings.push_back(words.str());
+  }
+}
+
+}  // namespace
+
+void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
+  const std::vector<int> calibration = problem.CalibrationObservations();
+  const std::vector<int> validation = problem.ValidationObservations();
+  const ParameterSet& parameters = estimate->parameters;
+  estimate->estimated = parameters.EstimatedCoordinates();
+  const NoiseRoots noise = ObservationNoise(problem, calibration, kFallbackSigma);
+  const auto linearize = [&](const NoiseRoots& roots) {
+    Linearization whitened = Linearize(problem, parameters, calibration, estimate->estimated, roots);
+    AppendPriors(parameters, &whitened);
+    return whitened;
+  };
+  const Linearization fit = linearize(FitRoots(problem, calibration, kFallbackSigma));
+  if (!fit.valid) {  // the last step to the optimum folded the arm
+    estimate->status = Status::kEquilibriumDiverged;
+    estimate->message = FoldedInWords(problem, parameters);
+    return;
+  }
+  estimate->cost = 0.5 * fit.residual.squaredNorm();
+  JudgeNoise(problem, problem.weight_roots.empty() ? fit : linearize(noise), estimate);
+  const double scale = CovarianceScale(estimate->sigma);
+  Eigen::MatrixXd inverse_normal;
+  if (!JudgeCovariance(problem, fit, scale, noise, &inverse_normal, estimate)) {
+    estimate->status = Status::kSingular;
+    estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
+    return;
+  }
+  FillTable(problem, estimate);
+  WarnOfBounds(fit, scale, estimate);
+
+  std::vector<int> all(problem.data.observations.size());
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
+  estimate->predicted = PredictPoints(problem, parameters, all);
+  std::vector<int> columns = estimate->estimated;
+  columns.insert(columns.end(), estimate->held.coordinates.begin(), estimate->held.coordinates.end());
+  JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore),
+            inverse_normal, scale, estimate);
+  if (!estimate->sigma.stated) {
+    for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
+      for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;
+    }
+  }
+
+  std::set<int> configurations;
+  for (const int i : calibration)
+    configurations.insert(problem.data.shots[problem.data.observations[i].shot].configuration);
+  estimate->calibration_configurations = static_cast<int>(configurations.size());
+  estimate->fit = SizeAt(problem, parameters, calibration);
+  estimate->validation = SizeAt(problem, parameters, validation);
+  JudgeDeflections(problem, estimate);
+  const std::string tie = TieInWords(problem, parameters);
+  if (!tie.empty()) estimate->warnings.push_back(tie);
+  if (estimate->aligned.num_coordinates() > 0) {
+    estimate->fit_before = SizeAt(problem, estimate->aligned, calibration);
+    estimate->validation_before = SizeAt(problem, estimate->aligned, validation);
+  }
+}
+
+}  // namespace sagitta

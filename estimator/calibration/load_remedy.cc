@@ -1,0 +1,288 @@
+#include "estimator/calibration/load_remedy.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+
+#include "estimator/least_squares/linearization.h"
+#include "problems/loads.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kPull = 500.0;          // N
+constexpr double kOffAxis = 0.1;         // m
+constexpr int kPulls = 3;
+constexpr int kHeadings = 8;
+constexpr size_t kMostConfigurations = 60;  // tried
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
+
+double NoiseScale(const SigmaReport& sigma) {
+  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
+  return sigma.scaled ? sigma.a_posteriori : 1.0;
+}
+
+// Where and how the data's loads act: the first loaded shot's own wrench.
+AppliedWrench LoadAtHand(const CalibrationProblem& problem) {
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    if (IsLoaded(problem.data.shots[s])) return problem.shot_inputs[s].wrenches.back();
+  }
+  AppliedWrench at_flange;
+  at_flange.frame = problem.robot.chain.FlangeFrame();
+  return at_flange;
+}
+
+// One shot of each configuration that is fitted, unloaded where there is one.
+std::vector<int> ShotPerConfiguration(const CalibrationProblem& problem) {
+  std::vector<int> shot_of(problem.data.configurations.size(), -1);
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    const Shot& shot = problem.data.shots[s];
+    int& chosen = shot_of[shot.configuration];
+    if (problem.data.configurations[shot.configuration].is_validation) continue;
+    if (chosen < 0 || (IsLoaded(problem.data.shots[chosen]) && !IsLoaded(shot))) chosen = static_cast<int>(s);
+  }
+  std::vector<int> shots;
+  for (const int s : shot_of) {
+    if (s >= 0) shots.push_back(s);
+  }
+  const size_t stride = (shots.size() + kMostConfigurations - 1) / kMostConfigurations;
+  std::vector<int> thinned;
+  for (size_t i = 0; i < shots.size(); i += stride) thinned.push_back(shots[i]);
+  return thinned;
+}
+
+// What the data at hand say of the held coordinate.
+struct Background {
+  std::vector<int> columns;    // estimated, then the held one
+  Eigen::MatrixXd covariance;  // C, of what is estimated, whitened units
+  Eigen::VectorXd follow;      // w
+  double information = 0.0;    // i0
+};
+
+Background MakeBackground(const CalibrationProblem& problem, const Estimate& estimate, int held) {
+  Background background;
+  background.columns = estimate.estimated;
+  background.columns.push_back(held);
+  const double scale = NoiseScale(estimate.sigma);
+  background.covariance = estimate.model_covariance / (scale * scale);
+  const std::vector<int> rows = problem.CalibrationObservations();
+  Linearization here = Linearize(problem, estimate.parameters, rows, background.columns,
+                                 ObservationNoise(problem, rows, kFallbackSigma));
+  AppendPriors(estimate.parameters, &here);
+  const int n = static_cast<int>(estimate.estimated.size());
+  const Eigen::VectorXd column = here.jacobian.col(n);
+  background.follow = background.covariance * (here.jacobian.leftCols(n).transpose() * column);
+  background.information = std::max(0.0, (column - here.jacobian.leftCols(n) * background.follow).squaredNorm());
+  return background;
+}
+
+struct Candidate {
+  int configuration;
+  AppliedWrench wrench;
+  Eigen::VectorXd held;       // b~
+  Eigen::MatrixXd others;     // A
+  Eigen::MatrixXd deviation;  // L
+};
+
+// Rows of `shot`'s markers with `wrench` in place of its load.
+Candidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estimate, const Background& background,
+                        int shot, const AppliedWrench& wrench, CalibrationProblem* scratch) {
+  ShotInput& input = scratch->shot_inputs[shot];
+  const ShotInput original = problem.shot_inputs[shot];
+  input = original;
+  if (IsLoaded(problem.data.shots[shot])) input.wrenches.pop_back();
+  input.wrenches.push_back(wrench);
+  const std::vector<int>& rows = problem.data.shots[shot].observations;
+  const Linearization there = Linearize(*scratch, estimate.parameters, rows, background.columns,
+                                        ObservationNoise(problem, rows, kFallbackSigma), LatentTreatment::kIgnore);
+  input = original;
+  Candidate candidate{problem.data.shots[shot].configuration, wrench, {}, {}, {}};
+  if (!there.valid) return candidate;  // folds the arm
+  const int n = static_cast<int>(background.columns.size()) - 1;
+  candidate.others = there.jacobian.leftCols(n);
+  candidate.held = there.jacobian.col(n) - candidate.others * background.follow;
+  candidate.deviation = there.latent;
+  return candidate;
+}
+
+double Information(const std::vector<const Candidate*>& chosen, const Background& background) {
+  int rows = 0;
+  for (const Candidate* c : chosen) rows += static_cast<int>(c->held.size());
+  Eigen::VectorXd held(rows);
+  Eigen::MatrixXd others(rows, background.covariance.cols());
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Identity(rows, rows);
+  int row = 0;
+  for (const Candidate* c : chosen) {
+    const int size = static_cast<int>(c->held.size());
+    held.segment(row, size) = c->held;
+    others.middleRows(row, size) = c->others;
+    noise.block(row, row, size, size) += c->deviation * c->deviation.transpose();
+    row += size;
+  }
+  noise += others * background.covariance * others.transpose();
+  return background.information + held.dot(noise.llt().solve(held));
+}
+
+LoadPlan ChooseBest(const CalibrationProblem& problem, const Estimate& estimate, const Background& background,
+                    const std::vector<Candidate>& candidates, int count) {
+  LoadPlan plan;
+  plan.sigma = kInfinity;
+  std::vector<const Candidate*> chosen;
+  for (int i = 0; i < count; ++i) {
+    const Candidate* best = nullptr;
+    double most = 0.0;
+    for (const Candidate& candidate : candidates) {
+      const bool used = std::any_of(chosen.begin(), chosen.end(),
+                                    [&](const Candidate* c) { return c->configuration == candidate.configuration; });
+      if (used || candidate.held.size() == 0) continue;
+      chosen.push_back(&candidate);
+      const double information = Information(chosen, background);
+      chosen.pop_back();
+      if (information > most * (1 + 1e-9)) {
+        most = information;
+        best = &candidate;
+      }
+    }
+    if (best == nullptr) return plan;
+    chosen.push_back(best);
+    plan.configurations.push_back(problem.data.configurations[best->configuration].id);
+    plan.wrenches.push_back(best->wrench);
+    plan.sigma = NoiseScale(estimate.sigma) / std::sqrt(most);
+  }
+  return plan;
+}
+
+LoadPlan PlanLoads(const CalibrationProblem& problem, const Estimate& estimate, int held,
+                   const std::vector<AppliedWrench>& wrenches, int count) {
+  const Background background = MakeBackground(problem, estimate, held);
+  CalibrationProblem scratch = problem;
+  std::vector<Candidate> candidates;
+  for (const int shot : ShotPerConfiguration(problem)) {
+    for (const AppliedWrench& wrench : wrenches) {
+      candidates.push_back(MakeCandidate(problem, estimate, background, shot, wrench, &scratch));
+    }
+  }
+  return ChooseBest(problem, estimate, background, candidates, count);
+}
+
+// The load at hand, 100 mm to each side of where it acts.
+LoadPlan PlanDisplacedLoad(const CalibrationProblem& problem, const Estimate& estimate, int held) {
+  std::vector<AppliedWrench> wrenches;
+  for (int side = 0; side < 6; ++side) {
+    AppliedWrench wrench = LoadAtHand(problem);
+    if (wrench.force.isZero()) wrench.force = kPull * problem.experiment.gravity_direction;
+    wrench.point[side / 2] += side % 2 == 0 ? kOffAxis : -kOffAxis;
+    wrenches.push_back(wrench);
+  }
+  return PlanLoads(problem, estimate, held, wrenches, kPulls);
+}
+
+std::string Format(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string Places(const LoadPlan& plan) {
+  std::string names;
+  for (const std::string& id : plan.configurations) names += (names.empty() ? "" : ", ") + id;
+  return "in three configurations, e.g. " + names;
+}
+
+std::string Outcome(const Coordinate& coordinate, double sigma) {
+  const QuantityTraits& traits = TraitsOf(coordinate.quantity);
+  return ": " + coordinate.name + " to about " + Format("%.2g ", sigma / traits.si_per_unit) + traits.unit;
+}
+
+std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& estimate, int held) {
+  const Coordinate& coordinate = estimate.parameters.coordinates()[held];
+  const double limit = TraitsOf(coordinate.quantity).hold_limit;
+  const LoadPlan pulls = PlanPulls(problem, estimate, held, kPull, kPulls);
+  if (pulls.sigma < limit) {
+    return "pull sideways with " + Format("%.0f N ", kPull) + Places(pulls) + Outcome(coordinate, pulls.sigma);
+  }
+  const LoadPlan displaced = PlanDisplacedLoad(problem, estimate, held);
+  if (displaced.sigma < limit) {
+    const Vector3<double> point = 1e3 * displaced.wrenches[0].point;
+    return "no sideways pull at this load point tells it: hang the load 100 mm off the axis (e.g. at [" +
+           Format("%.0f, ", point.x()) + Format("%.0f, ", point.y()) + Format("%.0f", point.z()) + "] mm) " +
+           Places(displaced) + Outcome(coordinate, displaced.sigma);
+  }
+  return "no load at this load point turns the joint enough: use a longer arm or a heavier load, or state a prior";
+}
+
+std::string SpringRemedy(const Direction& direction, bool tied) {
+  if (tied) {
+    return "load the arm more heavily with the spring's joint spread over its range, or state a prior (priors: "
+           "{compensator/...})";
+  }
+  for (const auto& [name, value] : direction.components) {
+    if (name == "compensator/L") return "measure L with markers on the links, or hold it";
+  }
+  return "measure where the spring is fixed with markers on the links and state it, or state a prior "
+         "(priors: {compensator/...})";
+}
+
+}  // namespace
+
+LoadPlan PlanPulls(const CalibrationProblem& problem, const Estimate& estimate, int held, double force, int count) {
+  const Vector3<double> down = problem.experiment.gravity_direction;
+  const Vector3<double> u = down.unitOrthogonal(), v = down.cross(u);
+  std::vector<AppliedWrench> wrenches;
+  for (int heading = 0; heading < kHeadings; ++heading) {
+    const double angle = heading * 2 * EIGEN_PI / kHeadings;
+    AppliedWrench wrench = LoadAtHand(problem);
+    wrench.force = force * (std::cos(angle) * u + std::sin(angle) * v);
+    wrench.moment.setZero();
+    wrench.expressed_in = problem.experiment.gravity_in_base ? WrenchFrame::kBase : WrenchFrame::kMeasurement;
+    wrenches.push_back(wrench);
+  }
+  return PlanLoads(problem, estimate, held, wrenches, count);
+}
+
+void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate) {
+  const bool tied = estimate->parameters.spring_tie().has_value();
+  for (Direction& direction : estimate->identifiability.weak) {
+    if (StartsWith(direction.components[0].first, "compensator/")) direction.remedy = SpringRemedy(direction, tied);
+  }
+  for (Direction& direction : estimate->identifiability.unidentifiable) {
+    int held = -1;
+    bool compliance = false, spring = false;
+    for (const auto& [name, value] : direction.components) {
+      const int coordinate = estimate->parameters.FindCoordinate(name);
+      if (held < 0 && estimate->parameters.coordinates()[coordinate].held) held = coordinate;
+      compliance |= StartsWith(name, "compliance/");
+      spring |= StartsWith(name, "compensator/");
+    }
+    if (held < 0 || !(compliance || spring)) continue;
+    const bool spring_held = StartsWith(estimate->parameters.coordinates()[held].name, "compensator/");
+    direction.remedy = spring_held ? SpringRemedy(direction, tied) : ComplianceRemedy(problem, *estimate, held);
+  }
+}
+
+std::string FoldedShot(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::vector<double> theta = parameters.ModelValues();
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    const Shot& shot = problem.data.shots[s];
+    const Matrix3<double> rotation = parameters.BaseInStation(shot.station).rotation;
+    if (problem.model.Equilibrate(problem.shot_inputs[s], theta.data(), rotation).converged) continue;
+    return (IsLoaded(shot) ? "load '" + shot.load + "'" : std::string("the spring or the tool's weight")) +
+           " at configuration '" + problem.data.configurations[shot.configuration].id + "' (" +
+           problem.data.SourceOf(problem.data.observations[shot.observations.front()]) + ")";
+  }
+  return "";
+}
+
+std::string FoldedInWords(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const std::string folded = FoldedShot(problem, parameters);
+  return (folded.empty() ? "a load" : folded) +
+         " folds the arm: the deflections find no equilibrium at the current compliances; check the units of loads, "
+         "load points and compliances";
+}
+
+}  // namespace sagitta

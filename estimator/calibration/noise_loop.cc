@@ -1,0 +1,278 @@
+#include "estimator/calibration/noise_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/noise/noise_words.h"
+#include "estimator/noise/outliers.h"
+#include "estimator/noise/repeatability.h"
+#include "estimator/noise/residual_noise.h"
+#include "estimator/noise/robust.h"
+#include "estimator/noise/weighting.h"
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kTinySigma = 1e-6;  // m, where none is stated: below any noise, so that nothing is held for it
+constexpr int kMostRounds = 60;
+constexpr double kSettled = 1e-4;           // largest relative change of a standard deviation
+constexpr double kWeightSettled = 1e-4;     // largest change of the root of a weight
+constexpr double kSmallWeight = 0.2;        // an outlier to variance components
+constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of times
+
+bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from == NoiseSpec::From::kResiduals; }
+
+NoiseRoots AllRoots(const CalibrationProblem& problem) {
+  std::vector<int> all(problem.data.observations.size());
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  return ObservationNoise(problem, all, kTinySigma);
+}
+
+// What the rounds carry.
+struct Loop {
+  CalibrationProblem problem;  // at the noise of this round
+  NoiseRoots base;             // roots before weights and components
+  bool stated = false;         // something states the instrument's noise
+  LossKind loss = LossKind::kNone;
+  std::vector<double> weights;  // of the calibration observations
+  std::vector<Outlier> outliers;
+  RepeatabilityChoice choice;
+  RowGroups groups;
+  NoiseRoots spread;  // of residuals
+  NoiseReport report;
+
+  explicit Loop(const CalibrationProblem& given) : problem(given), base(AllRoots(given)) {
+    stated = given.sigma_is_stated();
+    loss = LossNamed(given.experiment.loss);
+    report.loss = given.experiment.loss;
+    report.loss_tuning = loss == LossKind::kNone ? 0.0 : LossTuning(loss);
+    weights.assign(given.CalibrationObservations().size(), 1.0);
+    if (UsesResiduals(given.experiment)) groups = GroupRows(given.data, given.experiment.noise.group);
+  }
+};
+
+// Roots over the root of the weights: the next round's least squares.
+void ApplyWeights(const std::vector<int>& observations, double scale, Loop* loop) {
+  if (loop->loss == LossKind::kNone) return;
+  if (loop->problem.resolved_noise.empty()) loop->problem.resolved_noise = loop->base;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    loop->problem.resolved_noise[observations[k]] *= scale / std::sqrt(std::max(1e-8, loop->weights[k]));
+  }
+}
+
+// The problem without weights; what they tell to be an outlier is left out.
+CalibrationProblem Cleaned(const Loop& loop, const NoiseRoots& roots) {
+  CalibrationProblem cleaned = loop.problem;
+  cleaned.resolved_noise = roots;
+  const std::vector<int> observations = loop.problem.CalibrationObservations();
+  for (size_t k = 0; k < observations.size(); ++k) {
+    if (loop.weights[k] < kSmallWeight) cleaned.data.observations[observations[k]].excluded = true;
+  }
+  for (const Outlier& outlier : loop.outliers) cleaned.data.observations[outlier.observation].excluded = true;
+  return cleaned;
+}
+
+double UpdateComponents(const Estimate& estimate, int round, Loop* loop, NoiseRoots* roots) {
+  if (!EstimatesComponents(loop->problem.experiment)) return 0.0;
+  const CalibrationProblem at_base = Cleaned(*loop, loop->base);
+  const double change = FindComponents(at_base, estimate.parameters, loop->stated, round, &loop->choice);
+  loop->problem.latent = loop->choice.latent;
+  for (Matrix3<double>& root : *roots) root *= loop->choice.instrument;
+  return change;
+}
+
+// {from: residuals} weighs by eq. (14), unless equal weights are asked for.
+NoiseRoots ResidualWeights(const Experiment& experiment, const NoiseRoots& spread) {
+  if (experiment.weights == "equal") return RootsOfWeights(experiment, spread);
+  return Eq14Roots(spread, experiment.noise.sigma0, experiment.noise.lambda);
+}
+
+double UpdateSpread(const Estimate& estimate, Loop* loop, NoiseRoots* roots) {
+  const Experiment& experiment = loop->problem.experiment;
+  if (!UsesResiduals(experiment)) return 0.0;
+  const NoiseRoots before = loop->spread;
+  loop->spread = SpreadOfResiduals(loop->problem, estimate, loop->groups, &loop->report.groups);
+  *roots = loop->spread;
+  loop->problem.weight_roots = ResidualWeights(experiment, loop->spread);
+  double change = before.empty() ? 1.0 : 0.0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    const Vector3<double> ratio = loop->spread[i].diagonal().cwiseQuotient(before[i].diagonal());
+    change = std::max(change, ratio.array().log().abs().maxCoeff());
+  }
+  return change;
+}
+
+// Weights at this fit; returns the largest change of their roots.
+double UpdateWeights(const Estimate& estimate, const NoiseRoots& roots, Loop* loop, double* scale) {
+  *scale = 1.0;
+  if (loop->loss == LossKind::kNone) return 0.0;
+  CalibrationProblem& problem = loop->problem;
+  const std::vector<int> observations = problem.CalibrationObservations();
+  NoiseRoots noise;
+  for (const int i : observations) noise.push_back(roots[i]);
+  PointCheck check = CheckPoints(problem, estimate.parameters, noise, loop->weights, loop->report.robust_scale);
+  *scale = loop->report.robust_scale * RobustScale(check);
+  // Where components are estimated they set the scale; where sigmas are stated it only grows.
+  if (loop->stated && !EstimatesComponents(problem.experiment)) *scale = std::max(1.0, *scale);
+  check = CheckPoints(problem, estimate.parameters, noise, loop->weights, *scale);
+  double change = std::abs(*scale / loop->report.robust_scale - 1.0);
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const double weight = LossWeight(loop->loss, check.distance[k]);
+    change = std::max(change, std::abs(std::sqrt(weight) - std::sqrt(loop->weights[k])));
+    loop->weights[k] = weight;
+  }
+  loop->report.robust_scale = *scale;
+  loop->outliers = FlagOutliers(problem, check, estimate.parameters, problem.experiment.significance);
+  return change;
+}
+
+// The noise at a fit; true when it stands still.
+bool Update(const Estimate& estimate, int round, Loop* loop) {
+  NoiseRoots roots = loop->base;
+  const double component_change = UpdateComponents(estimate, round, loop, &roots);
+  const double spread_change = UpdateSpread(estimate, loop, &roots);
+  double scale = 1.0;
+  const double weight_change = UpdateWeights(estimate, roots, loop, &scale);
+  loop->problem.resolved_noise = roots;
+  ApplyWeights(loop->problem.CalibrationObservations(), scale, loop);
+  if (UsesResiduals(loop->problem.experiment)) {
+    loop->report.converged = spread_change < kSettledResiduals;
+    return round >= loop->problem.experiment.noise.iterations;
+  }
+  loop->report.converged = component_change < kSettled && weight_change < kWeightSettled;
+  return loop->report.converged;
+}
+
+// Isolated outliers are left out of every figure, a pattern is not; the price of the loss is in the intervals.
+void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
+  NoiseReport& report = loop->report;
+  report.outliers = loop->outliers;
+  report.shared =
+      WhatTheyShare(loop->problem, estimate->parameters, loop->outliers, loop->problem.experiment.significance);
+  report.systematic = !report.shared.empty();
+  const std::vector<int> observations = loop->problem.CalibrationObservations();
+  NoiseRoots noise;
+  for (const int i : observations) noise.push_back(judged->NoiseRoot(i));
+  for (Matrix3<double>& root : noise) {
+    if (!IsStated(root)) root = kTinySigma * Matrix3<double>::Identity();
+  }
+  const PointCheck check = CheckPoints(loop->problem, estimate->parameters, noise, loop->weights, report.robust_scale);
+  std::vector<bool> kept(observations.size(), true);
+  for (size_t k = 0; k < observations.size(); ++k) {
+    for (const Outlier& outlier : loop->outliers) kept[k] = kept[k] && outlier.observation != observations[k];
+  }
+  report.loss_inflation = report.systematic ? 1.0 : std::max(1.0, LossInflation(loop->loss, check, kept));
+  if (report.systematic) return;
+  for (const Outlier& outlier : loop->outliers) judged->data.observations[outlier.observation].excluded = true;
+}
+
+// Degrees of freedom of each interval where variances were estimated. The sandwich has its own: it does not use them.
+Eigen::VectorXd IntervalDof(const Loop& loop, const Estimate& estimate) {
+  if (estimate.intervals.method == "sandwich") return estimate.interval_dof;
+  if (estimate.sigma.scaled || !estimate.sigma.stated) {
+    return Eigen::VectorXd::Constant(estimate.covariance.rows(), std::max(1, estimate.dof));
+  }
+  if (loop.choice.interval_dof.size() == estimate.covariance.rows()) return loop.choice.interval_dof;
+  return Eigen::VectorXd::Constant(estimate.covariance.rows(), std::numeric_limits<double>::infinity());
+}
+
+void ToMetres(VarianceComponent* instrument) {
+  for (double* number : {&instrument->value, &instrument->sigma, &instrument->low, &instrument->high}) {
+    *number *= kTinySigma;
+  }
+}
+
+// Judged without weights: chi2, residuals and hold-out are those of the noise that was found.
+CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
+  const Experiment& experiment = loop->problem.experiment;
+  CalibrationProblem judged = loop->problem;
+  judged.resolved_noise = loop->base;
+  for (Matrix3<double>& root : judged.resolved_noise) root *= loop->choice.instrument;
+  if (UsesResiduals(experiment)) {
+    judged.resolved_noise = loop->spread;
+    judged.weight_roots = ResidualWeights(experiment, loop->spread);
+  } else if (!loop->stated && !EstimatesComponents(experiment)) {
+    judged.resolved_noise.clear();  // one common sigma, estimated
+  }
+  if (loop->loss != LossKind::kNone) FinishRobust(loop, &judged, estimate);
+  JudgeEstimate(judged, estimate);
+  if (EstimatesComponents(experiment)) {
+    FinishComponents(judged, estimate->parameters, &loop->choice, &loop->report);
+    loop->report.instrument_is_factor = loop->stated;
+    if (!loop->stated) ToMetres(&loop->report.components[0]);
+  }
+  if (loop->loss != LossKind::kNone || loop->choice.interval_dof.size() > 0) {
+    ReplaceCovariance(judged, loop->report.loss_inflation * estimate->covariance, IntervalDof(*loop, *estimate),
+                      estimate);
+  }
+  return judged;
+}
+
+ParameterSet Align(const JointOptions& options, Loop* loop) {
+  if (options.progress) options.progress("aligning the nominal robot: base poses and markers");
+  ParameterSet aligned = loop->problem.parameters;
+  if (loop->loss == LossKind::kNone) {
+    AlignNominal(loop->problem, &aligned);
+    return aligned;
+  }
+  loop->weights = AlignRobustly(loop->problem, loop->loss, &aligned);
+  ApplyWeights(loop->problem.CalibrationObservations(), 1.0, loop);
+  return aligned;
+}
+
+}  // namespace
+
+bool FindsNoise(const CalibrationProblem& problem) {
+  const Experiment& experiment = problem.experiment;
+  return EstimatesComponents(experiment) || UsesResiduals(experiment) || WeighsOtherwise(problem) ||
+         LossNamed(experiment.loss) != LossKind::kNone;
+}
+
+ResolvedEstimate EstimateWithNoise(const CalibrationProblem& problem, const JointOptions& options) {
+  if (!FindsNoise(problem)) {
+    ResolvedEstimate plain{problem, EstimateJointly(problem, options)};
+    DescribeNoise(plain.problem, &plain.estimate);
+    return plain;
+  }
+  if (WeighsOtherwise(problem)) {
+    CalibrationProblem weighted = problem;
+    weighted.weight_roots = RootsOfWeights(problem.experiment, AllRoots(problem));
+    ResolvedEstimate result{weighted, EstimateJointly(weighted, options)};
+    DescribeNoise(result.problem, &result.estimate);
+    return result;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  Loop loop(problem);
+  const ParameterSet aligned = Align(options, &loop);
+  JointOptions inner = options;
+  inner.judge = false;
+  inner.aligned = &aligned;
+  ParameterSet values = aligned;
+  Estimate estimate;
+  int iterations = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    estimate = EstimateFrom(loop.problem, values, inner);
+    iterations += estimate.iterations;
+    if (!IsUsable(estimate.status)) break;
+    values = estimate.parameters;
+    loop.report.rounds = round + 1;
+    if (options.progress) options.progress("noise, round " + std::to_string(round + 1));
+    if (Update(estimate, round, &loop)) break;
+  }
+  estimate.iterations = iterations;
+  ResolvedEstimate result{loop.problem, std::move(estimate)};
+  if (IsUsable(result.estimate.status)) {
+    result.problem = Judge(&loop, &result.estimate);
+    AddLoadRemedies(result.problem, &result.estimate);
+  }
+  result.estimate.noise_report = loop.report;
+  result.estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  DescribeNoise(result.problem, &result.estimate);
+  return result;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,144 @@
+#include "estimator/calibration/unit_guess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "estimator/alignment/aligned_misfit.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSuspicious = 0.05;  // of the reach
+constexpr double kMisfit = 0.01;      // of the reach
+constexpr double kImprovement = 10.0;
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+
+struct Reading {
+  bool is_joint = true;  // joint columns, else x, y, z
+  const char* suffix;    // what the header says
+  const char* better;    // what the numbers look like
+  const char* better_words;
+  double factor;       // SI value in the better reading over SI value as read
+  double least, most;  // of the largest number in the columns, for the reading to be worth a try
+};
+
+const Reading kReadings[] = {
+    {true, "_deg", "_rad", "radians", 1.0 / kRadiansPerDegree, 0.0, 7.0},
+    {true, "_rad", "_deg", "degrees", kRadiansPerDegree, 7.0, 1e4},
+    {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
+    {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
+};
+
+std::vector<std::string> ColumnsOf(const Reading& reading, const std::string& point_prefix, const Chain& chain,
+                                   const MeasurementFile& file) {
+  std::vector<std::string> columns;
+  const auto add = [&](const std::string& name) {
+    if (file.FindColumn(name) >= 0) columns.push_back(name);
+  };
+  if (reading.is_joint) {
+    for (int j = 0; j < chain.num_joints(); ++j) {
+      if (chain.joints[j].type == JointType::kRevolute) add("q" + std::to_string(j + 1) + reading.suffix);
+    }
+  } else {
+    for (const char* axis : {"x", "y", "z"}) add(point_prefix + axis + reading.suffix);
+  }
+  return columns;
+}
+
+double LargestNumber(const MeasurementFile& file, const std::vector<std::string>& columns) {
+  double largest = 0.0;
+  for (const std::string& column : columns) {
+    const int index = file.FindColumn(column);
+    for (const MeasurementFile::Row& row : file.rows) {
+      largest = std::max(largest, std::abs(std::strtod(row.cells[index].c_str(), nullptr)));
+    }
+  }
+  return largest;
+}
+
+// Files whose columns may be meant in the other unit.
+std::vector<bool> FilesConcerned(const Reading& reading, const std::string& point_prefix,
+                                 const CalibrationProblem& problem) {
+  std::vector<bool> concerned;
+  for (const MeasurementFile& file : problem.data.files) {
+    const std::vector<std::string> columns = ColumnsOf(reading, point_prefix, problem.robot.chain, file);
+    const double largest = LargestNumber(file, columns);
+    concerned.push_back(!columns.empty() && largest > reading.least && largest <= reading.most);
+  }
+  return concerned;
+}
+
+CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading,
+                          const std::vector<bool>& concerned) {
+  CalibrationProblem reread = problem;
+  std::vector<bool> done(reread.data.configurations.size());
+  for (Observation& observation : reread.data.observations) {
+    if (!concerned[observation.file]) continue;
+    if (!reading.is_joint) {
+      observation.point_in_station *= reading.factor;
+      continue;
+    }
+    const int index = reread.data.shots[observation.shot].configuration;
+    if (done[index]) continue;
+    done[index] = true;
+    const MeasurementFile& file = reread.data.files[observation.file];
+    for (int j = 0; j < reread.robot.num_joints(); ++j) {
+      const bool meant = file.FindColumn("q" + std::to_string(j + 1) + reading.suffix) >= 0;
+      const bool revolute = reread.robot.chain.joints[j].type == JointType::kRevolute;
+      if (meant && revolute) reread.data.configurations[index].q[j] *= reading.factor;
+    }
+  }
+  for (size_t s = 0; s < reread.shot_inputs.size(); ++s) {
+    reread.shot_inputs[s].conditions.q = reread.data.configurations[reread.data.shots[s].configuration].q;
+    reread.model.Prepare(&reread.shot_inputs[s]);
+  }
+  return reread;
+}
+
+UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, const std::string& point_prefix,
+                     int file_index, double before, double after) {
+  const MeasurementFile& file = problem.data.files[file_index];
+  UnitFinding finding;
+  finding.file = file.path;
+  finding.line = file.rows.empty() ? 0 : file.rows.front().line;
+  finding.column = ColumnsOf(reading, point_prefix, problem.robot.chain, file).front();
+  const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
+  finding.words = std::string("the numbers look like ") + reading.better_words +
+                  ": the aligned nominal robot misses by " + WholeMillimetres(before) +
+                  " (RMS) as the columns say, by " + WholeMillimetres(after) + " if they are " + reading.better_words;
+  finding.hint = "convert the numbers";
+  if (point_prefix.empty()) {
+    finding.hint = "name the column " + stem + reading.better + " (and those like it), or " + finding.hint;
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix) {
+  const std::vector<int> sample = SampleOfRows(problem);
+  const double before = AlignedMisfit(problem, sample);
+  const double tolerance = kSuspicious * Reach(problem.robot.chain);
+  if (!(before > tolerance)) return std::nullopt;
+  for (const Reading& reading : kReadings) {
+    if (reading.is_joint && !point_prefix.empty()) continue;
+    const std::vector<bool> concerned = FilesConcerned(reading, point_prefix, problem);
+    const auto first = std::find(concerned.begin(), concerned.end(), true);
+    if (first == concerned.end()) continue;
+    const double after = AlignedMisfit(Reread(problem, reading, concerned), sample);
+    if (after * kImprovement > before || after > tolerance) continue;
+    return Describe(problem, reading, point_prefix, static_cast<int>(first - concerned.begin()), before, after);
+  }
+  return std::nullopt;
+}
+
+std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {
+  if (!(distance_rms > kMisfit * Reach(problem.robot.chain))) return "";
+  return "the calibrated robot still misses by " + WholeMillimetres(distance_rms) +
+         " (RMS): this robot did not make these measurements as described; check signs and zero positions of the "
+         "joints, the kinematics and the units ('sagitta inspect' tries them)";
+}
+
+}  // namespace sagitta

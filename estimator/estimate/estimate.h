@@ -1,0 +1,130 @@
+// What came out: the answer of every method, in SI; tools/ states it in the
+// units of FORMATS section 4.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/estimate/agreement_report.h"
+#include "estimator/estimate/noise_report.h"
+#include "estimator/least_squares/held_influence.h"
+#include "estimator/least_squares/identifiability.h"
+#include "models/robot.h"
+#include "problems/noise_model.h"
+#include "problems/parameter_set.h"
+
+namespace sagitta {
+
+enum class Status { kConverged, kConvergedWithHeldParameters, kNoConvergence, kSingular, kEquilibriumDiverged };
+// "converged", "converged_with_held_parameters", ...
+const char* StatusName(Status status);
+inline bool IsUsable(Status status) {
+  return status == Status::kConverged || status == Status::kConvergedWithHeldParameters;
+}
+
+// Unweighted residual sizes, m. RMS and max over single coordinates (divisor
+// N); distance_* over 3-D distances, as in the tables of papers 002 and 003.
+struct ResidualSize {
+  int observations = 0;
+  double rms = 0.0;
+  double max = 0.0;
+  Vector3<double> rms_axis = Vector3<double>::Zero();
+  double distance_rms = 0.0;
+  double distance_max = 0.0;
+};
+// residuals: 3 x N, m.
+ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals);
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+struct ParameterEstimate {
+  std::string name;
+  Quantity quantity = Quantity::kLength;
+  double value = 0.0;    // SI
+  double nominal = 0.0;  // SI; geometric errors 0, base and markers the aligned start
+  double sigma = 0.0;    // 0 unless estimated
+  Interval ci95;
+  bool free = false;         // estimated
+  bool identifiable = true;  // false: held, the data cannot tell it
+  bool at_bound = false;     // the value or its interval meets the physical bound
+  bool weak = false;         // known worse than 1 mm, 1 mrad or half its value
+
+  double dof = std::numeric_limits<double>::infinity();  // of the interval: Student's t; infinity: normal
+  // With what held parameters may do to it (held_influence.h): the value tied to
+  // them, and they themselves. Equal to sigma and ci95 where nothing is held.
+  bool tied = false;
+  double unconditional_sigma = 0.0;
+  Interval unconditional_ci95;
+  bool open_low = false, open_high = false;  // profile likelihood: no end on that side
+};
+
+// How the intervals came about (experiment key `covariance`).
+struct IntervalReport {
+  std::string method = "model";  // model, sandwich, bootstrap, profile
+  std::string kind;              // bootstrap: parametric, configurations
+  int clusters = 0;              // sandwich and bootstrap of configurations
+  int replicates = 0;            // bootstrap: refits used
+  int failed = 0;                // refits that did not converge, ends that did not close
+  unsigned long long seed = 0;   // bootstrap
+  std::string words;
+
+  // Seen in the residuals of whole configurations instead of scaled into the model's covariance.
+  bool is_empirical() const { return method == "sandwich" || kind == "configurations"; }
+};
+
+struct SigmaReport {
+  bool stated = false;        // by rows, experiment or flag
+  double estimated = 0.0;     // m, the common sigma where none is stated
+  double a_posteriori = 1.0;  // root of reduced chi-square
+  bool scaled = false;        // the noise is taken as a_posteriori times the stated sigmas
+  double p_value = 1.0;       // of chi-square at the stated sigmas
+};
+
+struct Estimate {
+  Status status = Status::kNoConvergence;
+  std::string message = "not run";
+  int iterations = 0;
+  double seconds = 0.0;
+  double cost = 0.0;  // 1/2 sum of squared whitened residuals
+
+  ParameterSet parameters;               // the optimum
+  ParameterSet aligned;                  // nominal robot, base and markers fitted: "before"
+  std::vector<ParameterEstimate> table;  // one per coordinate
+
+  std::vector<int> estimated;        // coordinates behind the rows of `covariance`
+  Eigen::MatrixXd covariance;        // SI, by intervals.method; profile: that of the model
+  Eigen::MatrixXd model_covariance;  // SI, (J'J)^-1, scaled where sigma.scaled or not stated
+  Eigen::VectorXd interval_dof;      // of each estimated one's interval; infinity: normal
+  HeldInfluence held;                // what held parameters do to the estimated ones
+  IntervalReport intervals;
+  Identifiability identifiability;
+  SigmaReport sigma;
+  NoiseReport noise_report;
+  AgreementReport agreement;  // between parts of the data; filled by CheckAgreement
+  double chi2 = 0.0;
+  int dof = 0;
+  int rows = 0;  // residuals fitted
+
+  int calibration_configurations = 0;
+  ResidualSize fit, fit_before;
+  ResidualSize validation, validation_before;
+  // Loaded minus unloaded of equal (configuration, visit, marker): measured, and
+  // measured minus predicted. `observations` counts the pairs.
+  ResidualSize deflection_before, deflection_after;
+  double validation_predicted_rms = 0.0;  // m, per coordinate: noise and parameters
+  double noise_floor = 0.0;               // m: the same at the sigmas as stated
+
+  // Per observation of the data, in row order.
+  Eigen::Matrix3Xd predicted;  // m, station frame
+  NoiseRoots noise;            // m, the instrument's, as used for whitening
+  NoiseRoots scatter;          // m, of a row by itself: the instrument's and what joint repeatability adds
+  Eigen::VectorXd leverage;    // mean over the axes of the hat matrix's diagonal
+  std::vector<std::string> warnings;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,75 @@
+#include "estimator/estimate/parameter_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+namespace {
+
+// Held parameters add less than this share of a variance (5 % of the interval): not worth a word.
+constexpr double kTied = 0.1;
+
+bool IsWeak(const ParameterEstimate& row) {
+  const double limit = TraitsOf(row.quantity).weak_limit;
+  return row.sigma > (limit > 0.0 ? limit : 0.5 * std::abs(row.value));
+}
+
+Interval Around(double value, double half, double lower) { return {std::max(lower, value - half), value + half}; }
+
+ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estimate, int i) {
+  const Coordinate& coordinate = estimate.parameters.coordinates()[i];
+  ParameterEstimate row;
+  row.name = coordinate.name;
+  row.quantity = coordinate.quantity;
+  row.value = estimate.parameters.Value(i);
+  row.nominal = estimate.aligned.num_coordinates() > 0 ? estimate.aligned.Value(i) : problem.parameters.Value(i);
+  row.free = coordinate.estimated();
+  row.identifiable = !coordinate.held;
+  row.ci95 = {row.value, row.value};
+  row.unconditional_ci95 = row.ci95;
+  return row;
+}
+
+}  // namespace
+
+double ModelDof(const Estimate& estimate) {
+  const bool is_student = !estimate.sigma.stated || estimate.sigma.scaled;
+  return is_student ? std::max(1, estimate.dof) : std::numeric_limits<double>::infinity();
+}
+
+void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
+  const ParameterSet& parameters = estimate->parameters;
+  estimate->table.clear();
+  for (int i = 0; i < parameters.num_coordinates(); ++i) estimate->table.push_back(Line(problem, *estimate, i));
+  const Eigen::MatrixXd added = AddedCovariance(estimate->held);
+  for (size_t c = 0; c < estimate->estimated.size(); ++c) {
+    ParameterEstimate& row = estimate->table[estimate->estimated[c]];
+    const double lower = parameters.coordinates()[estimate->estimated[c]].lower;
+    row.sigma = std::sqrt(estimate->covariance(c, c));
+    row.dof = estimate->interval_dof[c];
+    const double quantile = StudentQuantile(0.975, row.dof);
+    row.weak = IsWeak(row);
+    row.at_bound = row.value - quantile * row.sigma < lower;
+    row.ci95 = Around(row.value, quantile * row.sigma, lower);
+    row.tied = added(c, c) > kTied * row.sigma * row.sigma;
+    row.unconditional_sigma = std::sqrt(row.sigma * row.sigma + added(c, c));
+    row.unconditional_ci95 = Around(row.value, quantile * row.unconditional_sigma, lower);
+  }
+  for (size_t h = 0; h < estimate->held.coordinates.size(); ++h) {
+    ParameterEstimate& row = estimate->table[estimate->held.coordinates[h]];
+    const double lower = parameters.coordinates()[estimate->held.coordinates[h]].lower;
+    row.unconditional_sigma = std::sqrt(estimate->held.second_moment(h, h));
+    row.unconditional_ci95 = Around(row.value, NormalQuantile(0.975) * row.unconditional_sigma, lower);
+  }
+}
+
+bool IsEven(const ParameterEstimate& row) {
+  constexpr double kEven = 0.02;                     // of an interval's width: its arms count as equal
+  const double down = row.value - row.ci95.low, up = row.ci95.high - row.value;
+  return std::abs(up - down) <= kEven * (up + down) && !row.open_low && !row.open_high;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,20 @@
+// The result table: one line per coordinate, with its interval.
+#pragma once
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// Degrees of freedom of an interval by the model's covariance: those of the fit
+// where the noise is estimated or scaled, infinity where it is taken as stated.
+double ModelDof(const Estimate& estimate);
+
+// Fills estimate->table from parameters, covariance, dof and held influence;
+// intervals value -+ t sigma, cut at the physical bound.
+void FillTable(const CalibrationProblem& problem, Estimate* estimate);
+
+// Whether the interval's arms are alike, so that one figure says both.
+bool IsEven(const ParameterEstimate& row);
+
+}  // namespace sagitta

@@ -1,0 +1,21 @@
+// What the rows show by themselves, before anything is fitted: coverage of the joints, variety of the flange's
+// orientation, copies, loads without their unloaded counterpart, columns that are absent and what they would allow.
+#pragma once
+
+#include <vector>
+
+#include "estimator/inspection/finding.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct JointRange {
+  int joint = -1;
+  double least = 0.0, most = 0.0;  // rad or m, over the calibration configurations
+  double share = 0.0;              // of the limits; 0 where the robot file has none
+};
+std::vector<JointRange> JointRangesOf(const CalibrationProblem& problem);
+
+std::vector<Finding> LintData(const CalibrationProblem& problem);
+
+}  // namespace sagitta

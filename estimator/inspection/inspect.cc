@@ -1,0 +1,223 @@
+#include "estimator/inspection/inspect.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/inspection/linear_state.h"
+#include "estimator/least_squares/ceres_problem.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kClose = 0.95;   // |correlation| that makes a group
+constexpr double kAlone = 0.999;  // leverage of a configuration that nothing else checks
+
+// With the experiments that would tell compliances and spring, as an estimate proposes them.
+Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution& solution) {
+  Estimate expected;
+  expected.parameters = state.parameters;
+  for (const int c : state.lost.columns) expected.parameters.coordinate(state.all.columns[c]).held = true;
+  expected.estimated = state.estimated.columns;
+  expected.identifiability = {state.estimated.num_columns(), solution.condition, state.lost.directions,
+                              FindWeak(state.estimated, state.parameters, state.scale)};
+  if (!solution.full_rank) return expected.identifiability;
+  expected.covariance = state.scale * state.scale * solution.covariance;
+  expected.model_covariance = expected.covariance;
+  expected.sigma.stated = state.problem.sigma_is_stated();
+  expected.sigma.a_posteriori = expected.sigma.stated ? state.scale : 1.0;
+  expected.sigma.scaled = expected.sigma.a_posteriori > 1.0;
+  expected.sigma.estimated = expected.sigma.stated ? 0.0 : kUnstatedSigma * state.scale;
+  AddLoadRemedies(state.problem, &expected);
+  return expected.identifiability;
+}
+
+void FillParameters(const LinearState& state, Inspection* inspection) {
+  const LinearSolution solution = SolveLinearization(state.estimated);
+  inspection->identifiability = IdentifiabilityOf(state, solution);
+  for (const int i : state.all.columns) {
+    const Coordinate& coordinate = state.parameters.coordinates()[i];
+    ParameterEstimate row;
+    row.name = coordinate.name;
+    row.quantity = coordinate.quantity;
+    row.value = row.nominal = state.parameters.Value(i);
+    row.free = true;
+    const auto column = std::find(state.estimated.columns.begin(), state.estimated.columns.end(), i);
+    row.identifiable = column != state.estimated.columns.end();
+    if (row.identifiable && solution.full_rank) {
+      const int c = static_cast<int>(column - state.estimated.columns.begin());
+      row.sigma = state.scale * std::sqrt(solution.covariance(c, c));
+      const double limit = TraitsOf(row.quantity).weak_limit;
+      row.weak = limit > 0.0 && row.sigma > limit;
+    }
+    inspection->parameters.push_back(row);
+  }
+}
+
+// Connected by |correlation| above kClose.
+std::vector<CorrelationGroup> FindGroups(const LinearState& state) {
+  const LinearSolution solution = SolveLinearization(state.estimated);
+  std::vector<CorrelationGroup> groups;
+  if (!solution.full_rank) return groups;
+  const int n = state.estimated.num_columns();
+  const Eigen::VectorXd inverse = solution.covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation = inverse.asDiagonal() * solution.covariance * inverse.asDiagonal();
+  std::vector<int> group(n);
+  std::iota(group.begin(), group.end(), 0);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (std::abs(correlation(i, j)) <= kClose || group[i] == group[j]) continue;
+      const int from = std::max(group[i], group[j]), to = std::min(group[i], group[j]);
+      std::replace(group.begin(), group.end(), from, to);
+    }
+  }
+  for (int g = 0; g < n; ++g) {
+    CorrelationGroup found;
+    for (int i = 0; i < n; ++i) {
+      if (group[i] != g) continue;
+      found.names.push_back(state.parameters.coordinates()[state.estimated.columns[i]].name);
+      for (int j = 0; j < i; ++j) {
+        if (group[j] == g) found.largest = std::max(found.largest, std::abs(correlation(i, j)));
+      }
+    }
+    if (found.names.size() > 1) groups.push_back(found);
+  }
+  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.largest > b.largest; });
+  return groups;
+}
+
+std::vector<ConfigurationLeverage> FindLeverage(const LinearState& state) {
+  std::vector<ConfigurationLeverage> leverage;
+  const int n = state.estimated.num_columns();
+  if (n == 0) return leverage;
+  const Eigen::VectorXd scale = state.estimated.jacobian.colwise().norm().cwiseMax(1e-300);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(state.estimated.jacobian * scale.cwiseInverse().asDiagonal());
+  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(state.estimated.num_rows(), n);
+  std::map<int, std::vector<int>> rows;
+  for (size_t k = 0; k < state.estimated.observations.size(); ++k) {
+    const Observation& observation = state.problem.data.observations[state.estimated.observations[k]];
+    for (int axis = 0; axis < 3; ++axis)
+      rows[state.problem.data.shots[observation.shot].configuration].push_back(static_cast<int>(3 * k) + axis);
+  }
+  for (const auto& [configuration, own] : rows) {
+    const Eigen::MatrixXd block = q(own, Eigen::all);
+    const Eigen::MatrixXd smaller =
+        block.rows() < n ? Eigen::MatrixXd(block * block.transpose()) : Eigen::MatrixXd(block.transpose() * block);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(smaller, Eigen::EigenvaluesOnly);
+    leverage.push_back({configuration, block.squaredNorm() / block.rows(), eigen.eigenvalues().tail(1)[0]});
+  }
+  std::stable_sort(leverage.begin(), leverage.end(), [](const auto& a, const auto& b) { return a.mean > b.mean; });
+  return leverage;
+}
+
+void AddDirectionFindings(const Inspection& inspection, std::vector<Finding>* findings) {
+  for (const Direction& direction : inspection.identifiability.unidentifiable)
+    findings->push_back({Severity::kWarning, "unidentifiable", direction.words, direction.remedy, {}});
+  for (const Direction& direction : inspection.identifiability.weak)
+    findings->push_back({Severity::kNote, "weak", direction.words, direction.remedy, {}});
+}
+
+void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& inspection,
+                        std::vector<Finding>* findings) {
+  Finding finding{Severity::kWarning, "alone", "", "measure more configurations like these", {}};
+  std::string names;
+  for (const ConfigurationLeverage& entry : inspection.leverage) {
+    if (entry.most < kAlone) continue;
+    const std::string& id = problem.data.configurations[entry.configuration].id;
+    if (finding.rows.size() < 6) names += (names.empty() ? "" : ", ") + id;
+    for (const Observation& observation : problem.data.observations) {
+      if (problem.data.shots[observation.shot].configuration != entry.configuration) continue;
+      finding.rows.push_back(problem.data.SourceOf(observation));
+      break;
+    }
+  }
+  if (finding.rows.empty()) return;
+  finding.words = "some combination of the unknowns rests on one configuration alone (" + names +
+                  (finding.rows.size() > 6 ? ", …" : "") + "): an error there would go unseen";
+  findings->push_back(finding);
+}
+
+// What a linear fit leaves, unweighted.
+double LinearRms(const LinearState& state, const NoiseRoots& noise) {
+  Eigen::VectorXd residual = state.estimated.residual;
+  const LinearSolution solution = SolveLinearization(state.estimated);
+  if (solution.step.size() == state.estimated.num_columns()) residual += state.estimated.jacobian * solution.step;
+  double sum = 0.0;
+  for (size_t k = 0; k < noise.size(); ++k) sum += (noise[k] * residual.segment<3>(3 * k)).squaredNorm();
+  return std::sqrt(sum / (3.0 * noise.size()));
+}
+
+void FillNoise(const LinearState& state, Inspection* inspection) {
+  const NoiseRoots noise = CalibrationResiduals(state.problem, kUnstatedSigma).noise;
+  double sum = 0.0;
+  for (const Matrix3<double>& root : noise) sum += root.squaredNorm();
+  inspection->sigma_is_stated = state.problem.sigma_is_stated();
+  inspection->stated_rms = inspection->sigma_is_stated ? std::sqrt(sum / (3.0 * noise.size())) : 0.0;
+  inspection->scale = state.scale;
+  if (state.all.valid) inspection->linear_rms = LinearRms(state, noise);
+}
+
+// A misfit that no reading explains may be that of a few rows: then those are the finding.
+LinearState AlignOrExplain(const CalibrationProblem& problem, Inspection* inspection) {
+  ReadingLint& reading = inspection->reading;
+  if (reading.is_suspicious && !reading.is_explained) {
+    std::vector<Finding> rows;
+    LinearState state = Align(problem, false, &rows);
+    if (!rows.empty() && state.aligned.distance_rms <= SuspiciousMisfit(problem.robot.chain)) {
+      reading.is_suspicious = false;
+      reading.findings.clear();
+      reading.readings.resize(1);
+      inspection->findings.insert(inspection->findings.end(), rows.begin(), rows.end());
+      return state;
+    }
+  }
+  inspection->findings.insert(inspection->findings.end(), reading.findings.begin(), reading.findings.end());
+  return Align(problem, reading.is_suspicious, &inspection->findings);
+}
+
+}  // namespace
+
+int Inspection::Count(Severity severity) const {
+  return static_cast<int>(std::count_if(findings.begin(), findings.end(),
+                                        [&](const Finding& finding) { return finding.severity == severity; }));
+}
+
+Inspection Inspect(const CalibrationProblem& problem, const std::function<void(const std::string&)>& progress) {
+  const auto say = [&](const std::string& what) {
+    if (progress) progress(what);
+  };
+  Inspection inspection;
+  inspection.findings = LintData(problem);
+  inspection.joints = JointRangesOf(problem);
+  inspection.orientation = OrientationVarietyOf(problem);
+  say("reading robot and rows in other ways");
+  inspection.reading = LintReadings(problem);
+  say("linearizing at the aligned nominal robot");
+  const LinearState state = AlignOrExplain(problem, &inspection);
+  inspection.aligned = state.aligned;
+  FillNoise(state, &inspection);
+  inspection.unknowns = state.all.num_columns();
+  if (!state.all.valid) {
+    const std::string folded = FoldedShot(problem, problem.parameters);
+    inspection.findings.push_back({Severity::kSerious,
+                                   "folded",
+                                   (folded.empty() ? "a load" : folded) + " folds the arm at the nominal compliances",
+                                   "check the units of loads, load points and compliances",
+                                   {}});
+  } else {
+    FillParameters(state, &inspection);
+    inspection.groups = FindGroups(state);
+    inspection.leverage = FindLeverage(state);
+    AddDirectionFindings(inspection, &inspection.findings);
+    AddLeverageFinding(problem, inspection, &inspection.findings);
+  }
+  std::stable_sort(inspection.findings.begin(), inspection.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity < b.severity; });
+  return inspection;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,104 @@
+#include "estimator/inspection/load_lint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <tuple>
+
+#include "estimator/statistics/median.h"
+#include "problems/loads.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSoftest = 1e-3;   // m/N at the flange: 1 N/mm; the lightest arms have ten times more
+constexpr double kStiffest = 1e-8;  // m/N: 100 kN/mm, a machine tool
+constexpr double kSeen = 5.0;       // deflections above the noise, where one is stated
+constexpr double kAgainst = -0.5;   // cosine between force and motion, mean over the pairs
+
+// Loaded minus unloaded of equal configuration, visit, station and marker, for the loads of one id.
+struct Deflections {
+  std::vector<double> sizes;      // m
+  std::vector<double> per_force;  // m/N
+  double cosines = 0.0;           // sum, force against motion
+  int directed = 0;               // pairs whose force is stated in the frame of the points
+  double noise = 0.0;             // m, largest root of a row
+  int first_row = -1;             // observation
+};
+
+using Key = std::tuple<int, std::string, int, int>;
+
+Key KeyOf(const Shot& shot, const Observation& row) {
+  return {shot.configuration, shot.visit, shot.station, row.marker};
+}
+
+void AddPair(const CalibrationProblem& problem, int loaded, const Vector3<double>& unloaded, Deflections* all) {
+  const Observation& row = problem.data.observations[loaded];
+  const std::vector<AppliedWrench>& wrenches = problem.shot_inputs[row.shot].conditions.load_wrenches;
+  if (wrenches.empty() || wrenches.front().force.norm() == 0.0) return;
+  const AppliedWrench& wrench = wrenches.front();
+  const Vector3<double> moved = row.point_in_station - unloaded;
+  if (all->first_row < 0) all->first_row = loaded;
+  all->sizes.push_back(moved.norm());
+  all->per_force.push_back(moved.norm() / wrench.force.norm());
+  all->noise = std::max(all->noise, problem.NoiseRoot(loaded).norm());
+  if (wrench.expressed_in != WrenchFrame::kMeasurement || moved.norm() == 0.0) return;
+  all->cosines += moved.dot(wrench.force) / (moved.norm() * wrench.force.norm());
+  ++all->directed;
+}
+
+std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
+  const Measurements& data = problem.data;
+  std::map<Key, Vector3<double>> unloaded;
+  for (const Observation& row : data.observations) {
+    if (!IsLoaded(data.shots[row.shot])) unloaded.try_emplace(KeyOf(data.shots[row.shot], row), row.point_in_station);
+  }
+  std::map<std::string, Deflections> found;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const Observation& row = data.observations[i];
+    const Shot& shot = data.shots[row.shot];
+    const auto rest = unloaded.find(KeyOf(shot, row));
+    if (!IsLoaded(shot) || rest == unloaded.end()) continue;
+    AddPair(problem, static_cast<int>(i), rest->second, &found[shot.load]);
+  }
+  return found;
+}
+
+std::string Short(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+Finding At(const CalibrationProblem& problem, const Deflections& deflections, Severity severity,
+           const std::string& code, const std::string& words, const std::string& remedy) {
+  return {severity, code, words, remedy, {problem.data.SourceOf(problem.data.observations[deflections.first_row])}};
+}
+
+}  // namespace
+
+std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
+  std::vector<Finding> findings;
+  for (const auto& [load, deflections] : Collect(problem)) {
+    if (deflections.sizes.empty()) continue;
+    const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
+    if (size <= kSeen * deflections.noise) continue;
+    if (flexibility > kSoftest || flexibility < kStiffest) {
+      findings.push_back(At(problem, deflections, Severity::kSerious, "load_unit",
+                            "load '" + load + "': " + Short(size / flexibility) + " N move the markers by " +
+                                Short(1e3 * size) + " mm (median), a stiffness of " + Short(1e-3 / flexibility) +
+                                " N/mm: no arm is that " + (flexibility > kSoftest ? "soft" : "stiff"),
+                            "check the unit of the force columns (N, not kN, kg or mN), or mass_kg"));
+    }
+    if (deflections.directed > 0 && deflections.cosines < kAgainst * deflections.directed) {
+      findings.push_back(At(problem, deflections, Severity::kSerious, "load_sign",
+                            "load '" + load + "': the markers move against its force",
+                            "check the signs of fx_N, fy_N, fz_N (the force on the tool, in the measurement frame "
+                            "unless loads: says otherwise), and which rows are loaded"));
+    }
+  }
+  return findings;
+}
+
+}  // namespace sagitta

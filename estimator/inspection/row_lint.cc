@@ -1,0 +1,142 @@
+#include "estimator/inspection/row_lint.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "estimator/statistics/median.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kReweightings = 12;
+constexpr double kCauchy = 1.5;     // median distances: where a row's weight has fallen to a half
+constexpr double kGross = 10.0;     // median distances; 15 sigma of normal noise
+constexpr double kSwapGain = 25.0;  // of the squared residual when two markers are exchanged
+
+std::vector<double> Distances(const Eigen::Matrix3Xd& residuals) {
+  std::vector<double> distances(residuals.cols());
+  for (int k = 0; k < residuals.cols(); ++k) distances[k] = residuals.col(k).norm();
+  return distances;
+}
+
+struct Swap {
+  int first, second;  // positions
+};
+
+// Pairs of outlying rows of one shot that fit when exchanged.
+std::vector<Swap> FindSwaps(const CalibrationProblem& problem, const Linearization& linearization,
+                            const Eigen::Matrix3Xd& residuals, const std::vector<int>& outliers) {
+  std::map<int, std::vector<int>> of_shot;
+  for (const int k : outliers) {
+    of_shot[problem.data.observations[linearization.observations[k]].shot].push_back(k);
+  }
+  const auto measured = [&](int k) -> Vector3<double> {
+    return problem.data.observations[linearization.observations[k]].point_in_station;
+  };
+  const auto predicted = [&](int k) -> Vector3<double> { return measured(k) + residuals.col(k); };
+  std::vector<Swap> swaps;
+  std::set<int> taken;
+  for (const auto& [shot, positions] : of_shot) {
+    for (size_t a = 0; a < positions.size(); ++a) {
+      for (size_t b = a + 1; b < positions.size(); ++b) {
+        const int i = positions[a], j = positions[b];
+        if (taken.count(i) + taken.count(j) > 0) continue;
+        const double as_is = residuals.col(i).squaredNorm() + residuals.col(j).squaredNorm();
+        const double exchanged =
+            (predicted(i) - measured(j)).squaredNorm() + (predicted(j) - measured(i)).squaredNorm();
+        if (exchanged * kSwapGain > as_is) continue;
+        swaps.push_back({i, j});
+        taken.insert({i, j});
+      }
+    }
+  }
+  return swaps;
+}
+
+std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
+
+}  // namespace
+
+Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise) {
+  const int n = static_cast<int>(linearization.observations.size());
+  const auto residuals_of = [&](const Eigen::VectorXd& whitened) {
+    Eigen::Matrix3Xd metres(3, n);
+    for (int k = 0; k < n; ++k) metres.col(k) = noise[k] * whitened.segment<3>(3 * k);
+    return metres;
+  };
+  Eigen::Matrix3Xd residuals = residuals_of(linearization.residual);
+  if (linearization.num_columns() == 0) return residuals;
+  Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(linearization.num_rows());
+  for (int i = 0; i < kReweightings; ++i) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root_weights.asDiagonal() * linearization.jacobian);
+    const Eigen::VectorXd step = qr.solve(Eigen::VectorXd(-root_weights.cwiseProduct(linearization.residual)));
+    residuals = residuals_of(linearization.residual + linearization.jacobian * step);
+    const std::vector<double> distances = Distances(residuals);
+    const double scale = kCauchy * std::max(1e-12, Median(distances));
+    for (int k = 0; k < n; ++k) {
+      const double ratio = distances[k] / scale;
+      root_weights.segment<3>(3 * k).setConstant(1.0 / std::sqrt(1.0 + ratio * ratio));
+    }
+  }
+  return residuals;
+}
+
+std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals) {
+  const std::vector<double> distances = Distances(residuals);
+  const double limit = kGross * Median(distances);
+  std::vector<int> outliers;
+  for (int k = 0; k < residuals.cols(); ++k) {
+    if (distances[k] > limit && distances[k] > 1e-9) outliers.push_back(k);
+  }
+  return outliers;
+}
+
+std::vector<Finding> LintRows(const CalibrationProblem& problem, const Linearization& linearization,
+                              const Eigen::Matrix3Xd& residuals) {
+  std::vector<Finding> findings;
+  const std::vector<int> outliers = GrossOutliers(residuals);
+  if (outliers.empty()) return findings;
+  const auto observation = [&](int k) -> const Observation& {
+    return problem.data.observations[linearization.observations[k]];
+  };
+  const std::vector<Swap> swaps = FindSwaps(problem, linearization, residuals, outliers);
+  std::set<int> swapped;
+  Finding exchange{Severity::kSerious, "marker_swap", "", "exchange the marker names of these rows", {}};
+  std::set<std::string> pairs;
+  for (const Swap& swap : swaps) {
+    for (const int k : {swap.first, swap.second}) {
+      swapped.insert(k);
+      exchange.rows.push_back(problem.data.SourceOf(observation(k)));
+    }
+    pairs.insert(problem.data.markers[observation(swap.first).marker] + " and " +
+                 problem.data.markers[observation(swap.second).marker]);
+  }
+  if (!swaps.empty()) {
+    exchange.words = std::to_string(swaps.size()) + (swaps.size() == 1 ? " shot fits" : " shots fit") +
+                     " with two markers exchanged (" + *pairs.begin() + (pairs.size() > 1 ? ", …" : "") + ")";
+    findings.push_back(exchange);
+  }
+  Finding gross{Severity::kSerious, "outliers", "", "measure these rows again or take them out", {}};
+  double least = 0.0, most = 0.0;
+  for (const int k : outliers) {
+    if (swapped.count(k) > 0) continue;
+    const double distance = residuals.col(k).norm();
+    least = gross.rows.empty() ? distance : std::min(least, distance);
+    most = std::max(most, distance);
+    gross.rows.push_back(problem.data.SourceOf(observation(k)));
+  }
+  if (gross.rows.empty()) return findings;
+  gross.words = std::to_string(gross.rows.size()) + (gross.rows.size() == 1 ? " row is" : " rows are") + " off by " +
+                Millimetres(least) + (gross.rows.size() == 1 ? "" : " to " + Millimetres(most)) + ", more than " +
+                std::to_string(static_cast<int>(kGross)) + " times the median of all (" +
+                Millimetres(Median(Distances(residuals))) + ")";
+  findings.push_back(gross);
+  return findings;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,87 @@
+#include "estimator/least_squares/bounded_step.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+// The Gauss-Newton step of the columns listed in `active`; the others move by `delta`.
+bool SolveActive(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, const std::vector<int>& active,
+                 BoundedStep* step) {
+  const Eigen::MatrixXd reduced = normal(active, active);
+  const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt();
+  if (!(scale.size() == 0 || scale.minCoeff() > 0.0)) return false;
+  const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * reduced * scale.cwiseInverse().asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
+  if (factor.info() != Eigen::Success) return false;
+  Eigen::VectorXd pinned = step->delta;
+  pinned(active).setZero();
+  const Eigen::VectorXd right = -(gradient + normal * pinned)(active);
+  step->delta(active) = scale.cwiseInverse().cwiseProduct(factor.solve(right.cwiseQuotient(scale)));
+  const auto n = static_cast<int>(active.size());
+  const Eigen::MatrixXd inverse = factor.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
+  step->root.setZero(normal.rows(), n);
+  step->root(active, Eigen::all) = scale.cwiseInverse().asDiagonal() * inverse;
+  return true;
+}
+
+constexpr double kReleases = 1e-9;  // of the gradient's own size: round-off does not release
+
+// The pinned column whose cost falls most if it leaves its bound; -1: none does.
+int WorstPinned(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, const BoundedStep& step) {
+  const Eigen::VectorXd slope = gradient + normal * step.delta;
+  int worst = -1;
+  double gain = 0.0;
+  for (const int c : step.pinned) {
+    const double unit = std::sqrt(normal(c, c));
+    const double own = -slope[c] / unit;
+    if (own <= std::max(gain, kReleases * std::abs(gradient[c]) / unit)) continue;
+    gain = own;
+    worst = c;
+  }
+  return worst;
+}
+
+}  // namespace
+
+BoundedStep SolveBounded(const Linearization& here, const ParameterSet& parameters) {
+  const int n = here.num_columns();
+  const Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+  const Eigen::VectorXd gradient = here.jacobian.transpose() * here.residual;
+  BoundedStep step;
+  step.delta.setZero(n);
+  std::vector<int> active(n);
+  for (int c = 0; c < n; ++c) active[c] = c;
+  int releases = n;
+  while (true) {
+    if (!SolveActive(normal, gradient, active, &step)) return step;
+    std::vector<int> inside;
+    for (const int c : active) {
+      const double lowest = parameters.coordinates()[here.columns[c]].lower - parameters.Value(here.columns[c]);
+      const bool is_below = step.delta[c] < lowest;
+      if (is_below) step.delta[c] = std::min(0.0, lowest);
+      (is_below ? step.pinned : inside).push_back(c);
+    }
+    if (inside.size() == active.size()) {
+      const int worst = releases-- > 0 ? WorstPinned(normal, gradient, step) : -1;
+      if (worst < 0) break;
+      step.pinned.erase(std::find(step.pinned.begin(), step.pinned.end(), worst));
+      inside.push_back(worst);
+    }
+    active = inside;
+  }
+  for (const int c : active) step.size = std::max(step.size, std::abs(step.delta[c]) / step.root.row(c).norm());
+  for (const int c : step.pinned) step.size = std::max(step.size, std::abs(step.delta[c]) * std::sqrt(normal(c, c)));
+  step.valid = std::isfinite(step.size);
+  return step;
+}
+
+void Move(const std::vector<int>& columns, const Eigen::VectorXd& delta, double share, ParameterSet* parameters) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(parameters->num_coordinates());
+  for (size_t c = 0; c < columns.size(); ++c) all[columns[c]] = share * delta[c];
+  parameters->Plus(all);
+}
+
+}  // namespace sagitta

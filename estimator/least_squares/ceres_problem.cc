@@ -1,0 +1,128 @@
+#include "estimator/least_squares/ceres_problem.h"
+
+#include <ceres/normal_prior.h>
+
+#include <cmath>
+#include <utility>
+
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/rotation_manifold.h"
+#include "estimator/least_squares/shot_cost.h"
+#include "estimator/least_squares/spring_tie_cost.h"
+
+namespace sagitta {
+namespace {
+
+// Model parameters that are estimated, in model order.
+std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
+  std::vector<int> active;
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    if (parameters.coordinates()[parameters.model_parameter(i).first_coordinate].estimated()) active.push_back(i);
+  }
+  return active;
+}
+
+void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
+             const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem,
+             LatentBlocks* latents) {
+  const int shot_index = problem.data.observations[selection.observations[first]].shot;
+  const Shot& shot = problem.data.shots[shot_index];
+  std::vector<double*> blocks = {parameters->station_translation(shot.station).values.data(),
+                                 parameters->station_rotation(shot.station).values.data()};
+  std::vector<MarkerMeasurement> markers;
+  for (size_t k = first; k < last; ++k) {
+    const Observation& observation = problem.data.observations[selection.observations[k]];
+    markers.push_back({problem.marker_frames[observation.marker], observation.point_in_station,
+                       selection.noise[k].inverse(), observation.marker});
+    blocks.push_back(parameters->marker(observation.marker).values.data());
+  }
+  for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());
+  std::vector<int> latent_joints;
+  if (latents != nullptr && !problem.latent.empty()) {
+    latent_joints = problem.latent.joints;
+    blocks.push_back((*latents)[problem.latent.visit_of_shot[shot_index]].data());
+  }
+  ceres_problem->AddResidualBlock(ShotCost::Create(&problem.model, problem.shot_inputs[shot_index], std::move(markers),
+                                                   parameters->ModelValues(), active, latent_joints)
+                                      .release(),
+                                  nullptr, blocks);
+}
+
+// Holds what is not estimated: whole blocks, or single coordinates.
+void ConstrainBlock(const ParameterSet& parameters, const ParameterBlock& block, double* values,
+                    ceres::Problem* ceres_problem) {
+  std::vector<int> estimated;
+  std::vector<int> held;
+  for (int i = 0; i < block.tangent_size; ++i) {
+    (parameters.coordinates()[block.first_coordinate + i].estimated() ? estimated : held).push_back(i);
+  }
+  if (estimated.empty()) {
+    ceres_problem->SetParameterBlockConstant(values);
+  } else if (block.kind == BlockKind::kStationRotation) {
+    ceres_problem->SetManifold(values, new RotationManifold(estimated));
+  } else if (!held.empty()) {
+    ceres_problem->SetManifold(values, new ceres::SubsetManifold(block.tangent_size, held));
+  }
+  if (estimated.empty()) return;
+  for (const int i : estimated) {
+    const double lower = parameters.coordinates()[block.first_coordinate + i].lower;
+    if (std::isfinite(lower)) ceres_problem->SetParameterLowerBound(values, i, lower);
+  }
+}
+
+// One residual (value - prior) / sigma per estimated coordinate that has one.
+void AddPriors(const ParameterSet* parameters, ceres::Problem* ceres_problem) {
+  for (const Coordinate& coordinate : parameters->coordinates()) {
+    if (coordinate.prior_sigma <= 0.0 || !coordinate.estimated()) continue;
+    const ParameterBlock& block = parameters->blocks()[coordinate.block];
+    double* values = const_cast<double*>(block.values.data());
+    if (!ceres_problem->HasParameterBlock(values)) continue;
+    ceres::Matrix weight = ceres::Matrix::Zero(1, block.tangent_size);
+    weight(0, coordinate.index_in_block) = 1.0 / coordinate.prior_sigma;
+    ceres::Vector center = ceres::Vector::Constant(block.tangent_size, coordinate.prior_value);
+    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, center), nullptr, values);
+  }
+}
+
+// delta_j / sigma_j per visit that is observed.
+void AddLatentPriors(const LatentModel& latent, LatentBlocks* latents, ceres::Problem* ceres_problem) {
+  const ceres::Matrix weight = latent.sigmas.cwiseInverse().asDiagonal();
+  for (std::vector<double>& block : *latents) {
+    if (!ceres_problem->HasParameterBlock(block.data())) continue;
+    ceres_problem->AddResidualBlock(new ceres::NormalPrior(weight, ceres::Vector::Zero(latent.size())), nullptr,
+                                    block.data());
+  }
+}
+
+}  // namespace
+
+ResidualSelection CalibrationResiduals(const CalibrationProblem& problem, double fallback) {
+  ResidualSelection selection;
+  selection.observations = problem.CalibrationObservations();
+  selection.noise = FitRoots(problem, selection.observations, fallback);
+  return selection;
+}
+
+void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& selection, ParameterSet* parameters,
+                  ceres::Problem* ceres_problem, LatentBlocks* latents) {
+  const std::vector<int> active = ActiveModelParameters(*parameters);
+  if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));
+  const auto shot_of = [&](size_t k) { return problem.data.observations[selection.observations[k]].shot; };
+  for (size_t first = 0; first < selection.observations.size();) {
+    size_t last = first + 1;
+    if (selection.granularity == CostGranularity::kShot) {
+      while (last < selection.observations.size() && shot_of(last) == shot_of(first)) ++last;
+    }
+    AddShot(problem, selection, first, last, active, parameters, ceres_problem, latents);
+    first = last;
+  }
+  AddPriors(parameters, ceres_problem);
+  AddSpringTie(parameters, ceres_problem);
+  if (latents != nullptr && !problem.latent.empty()) AddLatentPriors(problem.latent, latents, ceres_problem);
+  for (const ParameterBlock& block : parameters->blocks()) {
+    double* values = const_cast<double*>(block.values.data());
+    if (ceres_problem->HasParameterBlock(values)) ConstrainBlock(*parameters, block, values, ceres_problem);
+  }
+}
+
+}  // namespace sagitta

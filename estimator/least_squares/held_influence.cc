@@ -1,0 +1,57 @@
+#include "estimator/least_squares/held_influence.h"
+
+#include <Eigen/Cholesky>
+
+namespace sagitta {
+namespace {
+
+constexpr double kAboutTheArm = 1.0;  // m, rad
+
+}  // namespace
+
+std::vector<int> HeldCoordinates(const ParameterSet& parameters) {
+  std::vector<int> held;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    if (parameters.coordinates()[i].free && parameters.coordinates()[i].held) held.push_back(i);
+  }
+  return held;
+}
+
+double PhysicalRange(const Coordinate& coordinate) {
+  if (coordinate.prior_sigma > 0.0) return coordinate.prior_sigma;
+  const bool is_placed = coordinate.name.rfind("base/", 0) == 0 || coordinate.name.rfind("marker/", 0) == 0;
+  return is_placed ? kAboutTheArm : TraitsOf(coordinate.quantity).hold_limit;
+}
+
+HeldInfluence FindHeldInfluence(const Linearization& both, const ParameterSet& parameters, int estimated,
+                                double noise_scale) {
+  HeldInfluence held;
+  held.coordinates.assign(both.columns.begin() + estimated, both.columns.end());
+  const auto n = static_cast<int>(held.coordinates.size());
+  held.slopes.setZero(estimated, n);
+  held.second_moment.setZero(n, n);
+  if (n == 0) return held;
+  Linearization own = both;
+  own.columns.resize(estimated);
+  own.jacobian = both.jacobian.leftCols(estimated);
+  const Eigen::MatrixXd jacobian = both.jacobian.rightCols(n);
+  const Eigen::MatrixXd root = SolveLinearization(own).covariance_root;
+  held.slopes = -root * (root.transpose() * (own.jacobian.transpose() * jacobian));
+  const Eigen::MatrixXd remaining = jacobian + own.jacobian * held.slopes;  // what no estimated one can imitate
+  Eigen::VectorXd range(n);
+  for (int i = 0; i < n; ++i) range[i] = PhysicalRange(parameters.coordinates()[held.coordinates[i]]);
+  // In units of the ranges, so that the inverse is well scaled.
+  const Eigen::MatrixXd scaled = remaining * range.asDiagonal() / noise_scale;
+  const Eigen::MatrixXd information = Eigen::MatrixXd::Identity(n, n) + scaled.transpose() * scaled;
+  const Eigen::LLT<Eigen::MatrixXd> factor(information);
+  const Eigen::VectorXd pull = factor.solve(Eigen::VectorXd(-scaled.transpose() * both.residual / noise_scale));
+  const Eigen::MatrixXd moment = factor.solve(Eigen::MatrixXd::Identity(n, n)) + pull * pull.transpose();
+  held.second_moment = range.asDiagonal() * moment * range.asDiagonal();
+  return held;
+}
+
+Eigen::MatrixXd AddedCovariance(const HeldInfluence& held) {
+  return held.slopes * held.second_moment * held.slopes.transpose();
+}
+
+}  // namespace sagitta

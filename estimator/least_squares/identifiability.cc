@@ -1,0 +1,182 @@
+#include "estimator/least_squares/identifiability.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kShownComponent = 0.05;  // of the largest
+constexpr double kNumericallyZero = 1e-13;
+constexpr size_t kMostNames = 6;  // in words
+
+bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
+
+// Which member of a direction is held first: a geometric error has a nominal
+// value to fall back on, a marker sometimes, a base never.
+double HoldPreference(const std::string& name) {
+  if (name == "compensator/L") return 10.0;  // the scale gauge is fixed by its file value
+  if (StartsWith(name, "marker/")) return 0.5;
+  if (StartsWith(name, "base/")) return 0.2;
+  return 1.0;
+}
+
+Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSet& parameters) {
+  Eigen::VectorXd limits(linearization.num_columns());
+  for (int c = 0; c < limits.size(); ++c) {
+    const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
+    // A stated prior is knowledge: what it alone tells is not held.
+    limits[c] = std::max(TraitsOf(coordinate.quantity).hold_limit, 2.0 * coordinate.prior_sigma);
+  }
+  return limits;
+}
+
+struct ScaledSvd {
+  Eigen::VectorXd singular_values;
+  Eigen::MatrixXd v;
+};
+
+// Through the R factor, so that tall problems stay cheap; exact for fewer rows
+// than columns too.
+ScaledSvd DecomposeScaled(const Linearization& linearization, const Eigen::VectorXd& limits) {
+  const int n = linearization.num_columns();
+  Eigen::MatrixXd scaled = linearization.jacobian * limits.asDiagonal();
+  if (scaled.rows() < n) scaled.conservativeResizeLike(Eigen::MatrixXd::Zero(n, n));
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
+  const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullV);
+  return {svd.singularValues(), svd.matrixV()};
+}
+
+// Largest first, small ones left out, unit norm.
+std::vector<std::pair<std::string, double>> Components(const Eigen::VectorXd& direction,
+                                                       const Linearization& linearization,
+                                                       const ParameterSet& parameters) {
+  std::vector<std::pair<std::string, double>> components;
+  const double largest = direction.cwiseAbs().maxCoeff();
+  double squared = 0.0;
+  for (int c = 0; c < direction.size(); ++c) {
+    if (std::abs(direction[c]) < kShownComponent * largest) continue;
+    components.emplace_back(parameters.coordinates()[linearization.columns[c]].name, direction[c]);
+    squared += direction[c] * direction[c];
+  }
+  std::stable_sort(components.begin(), components.end(),
+                   [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second) * (1 + 1e-9); });
+  for (auto& component : components) component.second /= std::sqrt(squared);
+  return components;
+}
+
+std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components) {
+  bool base = false, marker = false, geometry = false;
+  for (const auto& [name, value] : components) {
+    base |= StartsWith(name, "base/");
+    marker |= StartsWith(name, "marker/");
+    geometry |= StartsWith(name, "geometry/");
+  }
+  if (base && marker) {
+    return "measure with the flange turned about at least two axes (wrist joints spread over 60 degrees or more), or "
+           "state the marker's point";
+  }
+  if (marker && geometry)
+    return "only where the marker ends up matters: leave the error at nominal, or state the marker's point";
+  if (base && geometry)
+    return "only where the robot ends up matters: leave the error at nominal, or state the base pose";
+  if (marker) return "observe the marker at more configurations with different flange orientations";
+  if (base) return "observe from this station at more configurations spread over the workspace";
+  return "move the joints near these transforms over a wider range, or leave the error at nominal";
+}
+
+Direction MakeDirection(const Eigen::VectorXd& vector, double sigma, const Linearization& linearization,
+                        const ParameterSet& parameters) {
+  Direction direction;
+  direction.components = Components(vector, linearization, parameters);
+  direction.sigma = sigma;
+  direction.words = DirectionInWords(direction.components);
+  direction.remedy = RemedyFor(direction.components);
+  return direction;
+}
+
+}  // namespace
+
+std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& components) {
+  if (components.empty()) return "";
+  if (components.size() == 1) return components[0].first + " is not measured by these data";
+  std::vector<std::string> names;
+  for (const auto& [name, weight] : components) names.push_back(name);
+  const std::string listed = Enumerate(names, kMostNames);
+  if (components.size() > 2) {
+    return listed + " move together: only " + std::to_string(components.size() - 1) +
+           " combinations of them are measured";
+  }
+  const double ratio = -components[1].second / components[0].second;
+  const bool alike = std::abs(std::abs(ratio) - 1.0) < 0.05;
+  const std::string kind = ratio > 0.0 ? "sum" : "difference";
+  return listed + " move together: only their " + (alike ? "" : "weighted ") + kind + " is measured";
+}
+
+Unidentifiable FindUnidentifiable(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
+  Unidentifiable result;
+  const int n = linearization.num_columns();
+  if (n == 0) return result;
+  const Eigen::VectorXd limits = HoldLimits(linearization, parameters);
+  const ScaledSvd svd = DecomposeScaled(linearization, limits);
+  std::vector<int> lost;
+  for (int i = 0; i < n; ++i) {
+    const bool zero = svd.singular_values[i] <= kNumericallyZero * svd.singular_values[0];
+    if (zero || sigma > svd.singular_values[i]) lost.push_back(i);
+  }
+  if (lost.empty()) return result;
+  Eigen::MatrixXd null_space(n, lost.size());
+  for (size_t k = 0; k < lost.size(); ++k) null_space.col(k) = svd.v.col(lost[k]);
+  // One column to hold per lost direction: pivots of the (preferred) rows.
+  Eigen::MatrixXd preferred = null_space.transpose();
+  for (int c = 0; c < n; ++c) {
+    preferred.col(c) *= HoldPreference(parameters.coordinates()[linearization.columns[c]].name);
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(preferred);
+  Eigen::MatrixXd pivot_rows(lost.size(), lost.size());
+  for (size_t k = 0; k < lost.size(); ++k) {
+    result.columns.push_back(qr.colsPermutation().indices()[k]);
+    pivot_rows.row(k) = null_space.row(result.columns[k]);
+  }
+  // Reduced form: direction k moves held column k by one and no other held one.
+  const Eigen::MatrixXd reduced = null_space * pivot_rows.inverse();
+  for (size_t k = 0; k < lost.size(); ++k) {
+    const Eigen::VectorXd column = reduced.col(k).normalized();
+    const double information = (svd.singular_values.asDiagonal() * (svd.v.transpose() * column)).norm();
+    const bool zero = information <= kNumericallyZero * svd.singular_values[0];
+    const double standard_deviation = zero ? std::numeric_limits<double>::infinity() : sigma / information;
+    result.directions.push_back(MakeDirection(column, standard_deviation, linearization, parameters));
+  }
+  return result;
+}
+
+std::vector<Direction> FindWeak(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
+  std::vector<Direction> weak;
+  const int n = linearization.num_columns();
+  if (n == 0) return weak;
+  Eigen::VectorXd limits(n);
+  for (int c = 0; c < n; ++c) {
+    const int coordinate = linearization.columns[c];
+    const QuantityTraits& traits = TraitsOf(parameters.coordinates()[coordinate].quantity);
+    const double half = 0.5 * std::abs(parameters.Value(coordinate));
+    const double of_value =
+        half > kNumericallyZero * traits.hold_limit ? half : traits.hold_limit;  // on its bound, or not yet estimated
+    limits[c] = traits.weak_limit > 0.0 ? traits.weak_limit : of_value;
+  }
+  const ScaledSvd svd = DecomposeScaled(linearization, limits);
+  for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) {
+    weak.push_back(MakeDirection(svd.v.col(i), sigma / svd.singular_values[i], linearization, parameters));
+    Direction& direction = weak.back();
+    direction.words = direction.components.size() == 1 ? direction.components[0].first + " is measured poorly"
+                                                       : "poorly told apart: " + direction.words;
+  }
+  return weak;
+}
+
+}  // namespace sagitta

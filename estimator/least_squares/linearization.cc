@@ -1,0 +1,213 @@
+#include "estimator/least_squares/linearization.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/least_squares/spring_tie_cost.h"
+
+namespace sagitta {
+namespace {
+
+// Which column of the linearization a coordinate has; -1: none.
+std::vector<int> ColumnOfCoordinate(const ParameterSet& parameters, const std::vector<int>& columns) {
+  std::vector<int> column_of(parameters.num_coordinates(), -1);
+  for (size_t c = 0; c < columns.size(); ++c) column_of[columns[c]] = c;
+  return column_of;
+}
+
+struct ActiveParameters {
+  std::vector<int> model_parameters;
+  std::vector<int> columns;
+};
+
+ActiveParameters FindActive(const ParameterSet& parameters, const std::vector<int>& column_of) {
+  ActiveParameters active;
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    const int column = column_of[parameters.model_parameter(i).first_coordinate];
+    if (column < 0) continue;
+    active.model_parameters.push_back(i);
+    active.columns.push_back(column);
+  }
+  return active;
+}
+
+// Calls visit(k, prediction) for each listed observation, one kinematic pass
+// per run of observations of the same shot. False: an equilibrium diverged.
+template <typename Visit>
+bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& parameters,
+                       const std::vector<int>& observations, const std::vector<int>& active, bool with_latents,
+                       const Visit& visit) {
+  const std::vector<double> no_deviation(problem.robot.num_joints(), 0.0);
+  const std::vector<double> theta = parameters.ModelValues();
+  std::vector<MarkerInFrame> markers;
+  std::vector<PointPrediction> predictions;
+  for (size_t first = 0; first < observations.size();) {
+    const int shot_index = problem.data.observations[observations[first]].shot;
+    const Shot& shot = problem.data.shots[shot_index];
+    markers.clear();
+    size_t last = first;
+    for (; last < observations.size() && problem.data.observations[observations[last]].shot == shot_index; ++last) {
+      const int marker = problem.data.observations[observations[last]].marker;
+      markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker), marker});
+    }
+    const bool found = problem.model.Predict(problem.shot_inputs[shot_index], theta.data(), active,
+                                             parameters.BaseInStation(shot.station), markers, &predictions,
+                                             with_latents ? no_deviation.data() : nullptr);
+    if (!found) return false;
+    for (size_t k = first; k < last; ++k) visit(k, predictions[k - first]);
+    first = last;
+  }
+  return true;
+}
+
+// Rows of one visit, whitened together: C = I + L L', rows <- chol(C)^-1 rows.
+// Equal to estimating the deviations with their prior and projecting them out.
+void Marginalise(const CalibrationProblem& problem, Linearization* linearization) {
+  for (const auto& [visit, rows] : RowsByVisit(problem, linearization->observations)) {
+    const Eigen::MatrixXd l = linearization->latent(rows, Eigen::all);
+    const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> root(c);
+    const Eigen::VectorXd residual = root.matrixL().solve(Eigen::VectorXd(linearization->residual(rows)));
+    const Eigen::MatrixXd jacobian = root.matrixL().solve(Eigen::MatrixXd(linearization->jacobian(rows, Eigen::all)));
+    linearization->residual(rows) = residual;
+    linearization->jacobian(rows, Eigen::all) = jacobian;
+  }
+}
+
+}  // namespace
+
+std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  std::map<int, std::vector<int>> rows;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const int visit = problem.latent.visit_of_shot[problem.data.observations[observations[k]].shot];
+    for (int axis = 0; axis < 3; ++axis) rows[visit].push_back(static_cast<int>(3 * k) + axis);
+  }
+  return rows;
+}
+
+NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback) {
+  NoiseRoots noise;
+  noise.reserve(observations.size());
+  for (const int i : observations) {
+    noise.push_back(problem.NoiseRoot(i));
+    if (!IsStated(noise.back())) noise.back() = fallback * Matrix3<double>::Identity();
+  }
+  return noise;
+}
+
+NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback) {
+  if (problem.weight_roots.empty()) return ObservationNoise(problem, observations, fallback);
+  NoiseRoots roots;
+  roots.reserve(observations.size());
+  for (const int i : observations) roots.push_back(problem.weight_roots[i]);
+  return roots;
+}
+
+Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
+                        const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
+                        LatentTreatment treatment) {
+  const LatentModel& latent = problem.latent;
+  Linearization result;
+  result.columns = columns;
+  result.observations = observations;
+  result.residual.setConstant(3 * observations.size(), std::nan(""));  // where no equilibrium is found
+  result.jacobian.setZero(3 * observations.size(), columns.size());
+  result.latent.setZero(3 * observations.size(), latent.size());
+  const std::vector<int> column_of = ColumnOfCoordinate(parameters, columns);
+  const ActiveParameters active = FindActive(parameters, column_of);
+  result.valid = ForEachPrediction(
+      problem, parameters, observations, active.model_parameters, !latent.empty(),
+      [&](size_t k, const PointPrediction& prediction) {
+        const Observation& observation = problem.data.observations[observations[k]];
+        const Shot& shot = problem.data.shots[observation.shot];
+        const Matrix3<double> whitener = noise[k].inverse();
+        result.residual.segment<3>(3 * k) = whitener * (prediction.point - observation.point_in_station);
+        auto rows = result.jacobian.middleRows(3 * k, 3);
+        const auto write = [&](int first_coordinate, const auto& derivative) {
+          for (int i = 0; i < 3; ++i) {
+            const int column = column_of[first_coordinate + i];
+            if (column >= 0) rows.col(column) = whitener * derivative.col(i);
+          }
+        };
+        write(parameters.station_translation(shot.station).first_coordinate, prediction.d_translation);
+        write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
+        write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
+        for (size_t i = 0; i < active.columns.size(); ++i) {
+          rows.col(active.columns[i]) = whitener * prediction.d_theta.col(i);
+        }
+        for (int i = 0; i < latent.size(); ++i) {
+          result.latent.block<3, 1>(3 * k, i) =
+              latent.sigmas[i] * (whitener * prediction.d_latent.col(latent.joints[i]));
+        }
+      });
+  if (treatment == LatentTreatment::kMarginalise && !latent.empty()) Marginalise(problem, &result);
+  return result;
+}
+
+void AppendPriors(const ParameterSet& parameters, Linearization* linearization) {
+  std::vector<int> held_softly;  // columns
+  for (int c = 0; c < linearization->num_columns(); ++c) {
+    if (parameters.coordinates()[linearization->columns[c]].prior_sigma > 0.0) held_softly.push_back(c);
+  }
+  const int rows = linearization->num_rows();
+  const int priors = static_cast<int>(held_softly.size());
+  linearization->residual.conservativeResize(rows + priors);
+  linearization->jacobian.conservativeResize(rows + priors, Eigen::NoChange);
+  linearization->jacobian.bottomRows(priors).setZero();
+  for (int k = 0; k < priors; ++k) {
+    const int c = held_softly[k];
+    const Coordinate& coordinate = parameters.coordinates()[linearization->columns[c]];
+    linearization->jacobian(rows + k, c) = 1.0 / coordinate.prior_sigma;
+    linearization->residual[rows + k] =
+        (parameters.Value(linearization->columns[c]) - coordinate.prior_value) / coordinate.prior_sigma;
+  }
+  AppendSpringTie(parameters, linearization);
+}
+
+Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                               const std::vector<int>& observations) {
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, observations.size(), std::nan(""));
+  ForEachPrediction(problem, parameters, observations, {}, false,
+                    [&](size_t k, const PointPrediction& prediction) { points.col(k) = prediction.point; });
+  return points;
+}
+
+LinearSolution SolveLinearization(const Linearization& linearization) {
+  LinearSolution solution;
+  const int n = linearization.num_columns();
+  if (n == 0) {  // everything is held; Eigen's SVD takes no empty matrix
+    solution.step.resize(0);
+    solution.covariance.resize(0, 0);
+    solution.covariance_root.resize(0, 0);
+    solution.residual_norm_squared = linearization.residual.squaredNorm();
+    return solution;
+  }
+  if (linearization.num_rows() < n) {  // fewer equations than unknowns
+    solution.full_rank = false;
+    solution.condition = std::numeric_limits<double>::infinity();
+    return solution;
+  }
+  Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
+  const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
+  const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r);
+  const double largest = n > 0 ? svd.singularValues()[0] : 0.0;
+  const double smallest = n > 0 ? svd.singularValues()[n - 1] : 0.0;
+  solution.condition = smallest > 0.0 ? largest / smallest : std::numeric_limits<double>::infinity();
+  solution.full_rank = n == 0 || smallest > 1e-12 * largest;
+  const Eigen::VectorXd rotated = qr.householderQ().transpose() * linearization.residual;
+  solution.residual_norm_squared = rotated.tail(linearization.num_rows() - n).squaredNorm();
+  if (!solution.full_rank) return solution;
+  const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd unscaled = scale.cwiseInverse().asDiagonal() * inverse;
+  solution.step = -unscaled * rotated.head(n);
+  solution.covariance_root = unscaled;
+  solution.covariance = unscaled * unscaled.transpose();
+  return solution;
+}
+
+}  // namespace sagitta

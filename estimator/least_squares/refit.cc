@@ -1,0 +1,81 @@
+#include "estimator/least_squares/refit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/least_squares/bounded_step.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kNoGain = 1e-9;  // of chi-square, round-off of the equilibria
+constexpr int kMaxHalvings = 8;
+
+void Weigh(const std::vector<double>& weights, Linearization* linearization) {
+  for (size_t k = 0; k < weights.size(); ++k) {
+    if (weights[k] == 1.0) continue;
+    linearization->jacobian.middleRows(3 * k, 3) *= std::sqrt(weights[k]);
+    linearization->residual.segment<3>(3 * k) *= std::sqrt(weights[k]);
+  }
+}
+
+// Of the coordinate that is kept: no column, but part of the fit.
+double PriorPenalty(const ParameterSet& parameters, int kept) {
+  if (kept < 0 || parameters.coordinates()[kept].prior_sigma <= 0.0) return 0.0;
+  const Coordinate& coordinate = parameters.coordinates()[kept];
+  const double off = (parameters.Value(kept) - coordinate.prior_value) / coordinate.prior_sigma;
+  return off * off;
+}
+
+}  // namespace
+
+Linearization LinearizeFit(const CalibrationProblem& problem, const ParameterSet& parameters,
+                           const std::vector<int>& columns) {
+  const std::vector<int> observations = problem.CalibrationObservations();
+  Linearization fit =
+      Linearize(problem, parameters, observations, columns, FitRoots(problem, observations, kFallbackSigma));
+  if (fit.valid) AppendPriors(parameters, &fit);
+  return fit;
+}
+
+Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, const RefitOptions& options) {
+  std::vector<int> columns = start.EstimatedCoordinates();
+  columns.erase(std::remove(columns.begin(), columns.end(), options.kept), columns.end());
+  Refit refit;
+  refit.parameters = start;
+  ParameterSet next = start;
+  Eigen::VectorXd delta;
+  double share = 1.0;
+  for (int i = 0, halvings = 0; i < options.max_steps; ++i) {
+    Linearization here = LinearizeFit(problem, next, columns);
+    if (here.valid) Weigh(options.weights, &here);
+    const double chi2 = here.valid ? here.residual.squaredNorm() + PriorPenalty(next, options.kept)
+                                   : std::numeric_limits<double>::infinity();
+    const bool first = delta.size() == 0;
+    if (!std::isfinite(chi2) || (!first && chi2 > refit.chi2 * (1.0 + kNoGain) + kNoGain)) {
+      if (first || ++halvings > kMaxHalvings) return refit;
+      share *= 0.5;
+      next = refit.parameters;
+      Move(columns, delta, share, &next);
+      continue;
+    }
+    halvings = 0;
+    share = 1.0;
+    refit.parameters = next;
+    refit.chi2 = chi2;
+    refit.linearization = std::move(here);
+    const BoundedStep step = SolveBounded(refit.linearization, refit.parameters);
+    if (!step.valid) return refit;
+    refit.root = step.root;
+    const double noise = std::sqrt(chi2 / std::max(1, refit.linearization.num_rows()));
+    if (step.size < options.tolerance * std::max(1e-9, noise)) {
+      refit.converged = true;
+      return refit;
+    }
+    delta = step.delta;
+    Move(columns, delta, share, &next);
+  }
+  return refit;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,34 @@
+// Refits from a solution nearby: other data, other weights, one coordinate kept.
+// Gauss-Newton on the one Linearization, with lower bounds; a few steps where
+// the optimum is a few standard deviations away.
+#pragma once
+
+#include <vector>
+
+#include "estimator/least_squares/linearization.h"
+
+namespace sagitta {
+
+struct RefitOptions {
+  std::vector<double> weights;  // of each calibration observation: how often it counts; empty: once
+  int kept = -1;                // a coordinate that stays where the start has it
+  int max_steps = 30;
+  double tolerance = 1e-4;  // step left, standard deviations at the noise seen
+};
+
+struct Refit {
+  bool converged = false;
+  ParameterSet parameters;
+  Linearization linearization;  // at the optimum, rows times the root of their weight
+  Eigen::MatrixXd root;         // W W' = (J'J)^-1
+  double chi2 = 0.0;            // at the optimum
+};
+
+// Estimates what `start` estimates, beginning there.
+Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, const RefitOptions& options = {});
+
+// Whitened rows of everything that is fitted, priors included, at `parameters`.
+Linearization LinearizeFit(const CalibrationProblem& problem, const ParameterSet& parameters,
+                           const std::vector<int>& columns);
+
+}  // namespace sagitta

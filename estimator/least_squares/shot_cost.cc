@@ -1,0 +1,92 @@
+#include "estimator/least_squares/shot_cost.h"
+
+#include <utility>
+
+#include "estimator/least_squares/rotation_manifold.h"
+
+namespace sagitta {
+namespace {
+
+// Ceres wants row-major Jacobians; a single column counts as either.
+using RowMajorBlock = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+
+}  // namespace
+
+std::unique_ptr<ShotCost> ShotCost::Create(const ForwardModel* model, ShotInput shot,
+                                           std::vector<MarkerMeasurement> markers, std::vector<double> theta,
+                                           std::vector<int> active, std::vector<int> latent_joints) {
+  return std::unique_ptr<ShotCost>(new ShotCost(model, std::move(shot), std::move(markers), std::move(theta),
+                                                std::move(active), std::move(latent_joints)));
+}
+
+ShotCost::ShotCost(const ForwardModel* model, ShotInput shot, std::vector<MarkerMeasurement> markers,
+                   std::vector<double> theta, std::vector<int> active, std::vector<int> latent_joints)
+    : model_(model),
+      shot_(std::move(shot)),
+      markers_(std::move(markers)),
+      theta_(std::move(theta)),
+      active_(std::move(active)),
+      latent_joints_(std::move(latent_joints)) {
+  set_num_residuals(3 * static_cast<int>(markers_.size()));
+  mutable_parameter_block_sizes()->assign({3, 4});
+  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), markers_.size(), 3);
+  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), active_.size(), 1);
+  if (!latent_joints_.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(latent_joints_.size()));
+}
+
+bool ShotCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  const int num_markers = static_cast<int>(markers_.size());
+  const Eigen::Map<const Eigen::Quaterniond> rotation(parameters[1]);
+  Pose<double> base_in_station;
+  base_in_station.translation = Eigen::Map<const Vector3<double>>(parameters[0]);
+  base_in_station.rotation = rotation.normalized().toRotationMatrix();
+  std::vector<MarkerInFrame> markers(num_markers);
+  for (int m = 0; m < num_markers; ++m) {
+    markers[m] = {markers_[m].frame, Eigen::Map<const Vector3<double>>(parameters[2 + m]), markers_[m].id};
+  }
+  std::vector<double> theta = theta_;
+  for (size_t i = 0; i < active_.size(); ++i) theta[active_[i]] = *parameters[2 + num_markers + i];
+
+  const int latent_block = 2 + num_markers + static_cast<int>(active_.size());
+  std::vector<double> latent(latent_joints_.empty() ? 0 : model_->chain().num_joints(), 0.0);
+  for (size_t i = 0; i < latent_joints_.size(); ++i) latent[latent_joints_[i]] = parameters[latent_block][i];
+
+  static const std::vector<int> kNone;
+  std::vector<PointPrediction> predictions;
+  if (!model_->Predict(shot_, theta.data(), jacobians != nullptr ? active_ : kNone, base_in_station, markers,
+                       &predictions, latent.empty() ? nullptr : latent.data())) {
+    return false;
+  }
+
+  for (int m = 0; m < num_markers; ++m) {
+    Eigen::Map<Vector3<double>>(residuals + 3 * m) =
+        markers_[m].whitener * (predictions[m].point - markers_[m].point_in_station);
+  }
+  if (jacobians == nullptr) return true;
+  // Ambient = tangent * pseudo-inverse of PlusJacobian (orthogonal columns of norm 1/2).
+  const Eigen::Matrix<double, 3, 4> tangent_from_ambient = 4.0 * QuaternionPlusJacobian(parameters[1]).transpose();
+  for (int m = 0; m < num_markers; ++m) {
+    const PointPrediction& prediction = predictions[m];
+    const Matrix3<double>& whiten = markers_[m].whitener;
+    const auto write = [&](int block, int size, const auto& derivative) {
+      if (jacobians[block] != nullptr) {
+        RowMajorBlock(jacobians[block], num_residuals(), size).middleRows(3 * m, 3) = derivative;
+      }
+    };
+    write(0, 3, whiten * prediction.d_translation);
+    write(1, 4, whiten * prediction.d_rotation * tangent_from_ambient);
+    for (int other = 0; other < num_markers; ++other) {
+      write(2 + other, 3, other == m ? Matrix3<double>(whiten * prediction.d_marker) : Matrix3<double>::Zero());
+    }
+    for (size_t i = 0; i < active_.size(); ++i) {
+      write(2 + num_markers + static_cast<int>(i), 1, whiten * prediction.d_theta.col(i));
+    }
+    if (latent_joints_.empty()) continue;
+    Eigen::Matrix3Xd d_latent(3, latent_joints_.size());
+    for (size_t i = 0; i < latent_joints_.size(); ++i) d_latent.col(i) = prediction.d_latent.col(latent_joints_[i]);
+    write(latent_block, d_latent.cols(), whiten * d_latent);
+  }
+  return true;
+}
+
+}  // namespace sagitta

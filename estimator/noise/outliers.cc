@@ -1,0 +1,168 @@
+#include "estimator/noise/outliers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kExchanged = 0.2;      // distance left after exchanging two readings, over before
+constexpr double kMostOutliers = 0.25;  // of the points: more is no minority
+constexpr int kFewest = 3;              // events that can show a pattern
+
+// P(Binomial(n, p) >= k).
+double BinomialSurvival(int k, int n, double p) {
+  double sum = 0.0;
+  for (int i = k; i <= n; ++i) {
+    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) +
+                    i * std::log(std::max(p, 1e-300)) + (n - i) * std::log(std::max(1.0 - p, 1e-300)));
+  }
+  return std::min(1.0, sum);
+}
+
+// Readings that are off together for a reason of the readings themselves count once.
+std::vector<int> Events(const std::vector<Outlier>& outliers) {
+  std::vector<int> events;
+  for (const Outlier& outlier : outliers) {
+    if (outlier.swapped_with < 0 || outlier.observation < outlier.swapped_with) events.push_back(outlier.observation);
+  }
+  return events;
+}
+
+std::string Percent(double p) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f", 100.0 * p);
+  return text;
+}
+
+// One category holds more of the events than its share of the rows explains.
+void TestCategory(const std::string& what, const std::vector<int>& events, const std::vector<int>& all,
+                  const std::function<std::string(int)>& key, double level, std::vector<std::string>* words) {
+  std::map<std::string, int> rows, hits;
+  for (const int i : all) ++rows[key(i)];
+  for (const int i : events) ++hits[key(i)];
+  if (rows.size() < 2) return;
+  for (const auto& [name, count] : hits) {
+    if (count < kFewest) continue;
+    const double share = rows[name] / static_cast<double>(all.size());
+    const int n = static_cast<int>(events.size());
+    if (BinomialSurvival(count, n, share) * static_cast<double>(rows.size()) >= level) continue;
+    words->push_back(std::to_string(count) + " of " + std::to_string(n) + " are of " + what + " " + name +
+                     ", which has " + Percent(share) + " % of the rows");
+  }
+}
+
+// Two-sample Kolmogorov-Smirnov on a number of every row; the range that holds the surplus.
+void TestNumber(const std::string& what, const std::string& unit, double scale, const std::vector<int>& events,
+                const std::vector<int>& all, const std::function<double(int)>& number, double level,
+                std::vector<std::string>* words) {
+  std::vector<double> rows, hits;
+  for (const int i : all) rows.push_back(number(i));
+  for (const int i : events) hits.push_back(number(i));
+  std::sort(rows.begin(), rows.end());
+  std::sort(hits.begin(), hits.end());
+  if (rows.front() == rows.back() || static_cast<int>(hits.size()) < kFewest) return;
+  double distance = 0.0;
+  for (const double x : rows) {
+    const auto below = [x](const std::vector<double>& sorted) {
+      return (std::upper_bound(sorted.begin(), sorted.end(), x) - sorted.begin()) / static_cast<double>(sorted.size());
+    };
+    distance = std::max(distance, std::abs(below(hits) - below(rows)));
+  }
+  const double n = static_cast<double>(hits.size()) * rows.size() / (hits.size() + rows.size());
+  if (KolmogorovSurvival(distance, n) >= level) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "they lie at %s from %.4g to %.4g %s more often than the rows do", what.c_str(),
+                scale * hits[hits.size() / 8], scale * hits[hits.size() - 1 - hits.size() / 8], unit.c_str());
+  words->push_back(text);
+}
+
+void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parameters, std::vector<Outlier>* outliers) {
+  std::vector<int> rows;
+  for (const Outlier& outlier : *outliers) rows.push_back(outlier.observation);
+  std::sort(rows.begin(), rows.end());
+  const Eigen::Matrix3Xd sorted = PredictPoints(problem, parameters, rows);
+  const auto predicted = [&](int observation) -> Vector3<double> {
+    return sorted.col(std::lower_bound(rows.begin(), rows.end(), observation) - rows.begin());
+  };
+  const std::vector<Observation>& all = problem.data.observations;
+  for (Outlier& a : *outliers) {
+    for (Outlier& b : *outliers) {
+      if (a.observation >= b.observation || all[a.observation].shot != all[b.observation].shot) continue;
+      const Vector3<double> pa = all[a.observation].point_in_station, pb = all[b.observation].point_in_station;
+      const Vector3<double> ma = predicted(a.observation), mb = predicted(b.observation);
+      const double before = std::hypot((pa - ma).norm(), (pb - mb).norm());
+      const double after = std::hypot((pa - mb).norm(), (pb - ma).norm());
+      if (after > kExchanged * before) continue;
+      a.swapped_with = b.observation;
+      b.swapped_with = a.observation;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const PointCheck& check,
+                                  const ParameterSet& parameters, double significance) {
+  const double limit = ChiSquareQuantile(1.0 - significance / std::max<size_t>(1, check.observations.size()), 3.0);
+  std::vector<Outlier> outliers;
+  for (size_t k = 0; k < check.observations.size(); ++k) {
+    if (check.leave_one_out[k] <= limit) continue;
+    outliers.push_back({check.observations[k], check.error.col(k).norm(), std::sqrt(check.leave_one_out[k]), -1});
+  }
+  MarkExchanges(problem, parameters, &outliers);
+  std::stable_sort(outliers.begin(), outliers.end(),
+                   [](const auto& a, const auto& b) { return a.whitened > b.whitened; });
+  return outliers;
+}
+
+std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                       const std::vector<Outlier>& outliers, double significance) {
+  const Measurements& data = problem.data;
+  const std::vector<int> all = problem.CalibrationObservations();
+  const std::vector<int> events = Events(outliers);
+  std::vector<std::string> words;
+  if (static_cast<double>(events.size()) > kMostOutliers * static_cast<double>(all.size())) {
+    words.push_back(Percent(events.size() / static_cast<double>(all.size())) + " % of the rows are no minority");
+  }
+  const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
+  const int joints = problem.robot.num_joints();
+  const double level = significance / (8 + joints);  // all tests together
+  TestCategory(
+      "configuration", events, all, [&](int i) { return data.configurations[shot_of(i).configuration].id; }, level,
+      &words);
+  TestCategory(
+      "marker", events, all, [&](int i) { return data.markers[data.observations[i].marker]; }, level, &words);
+  TestCategory(
+      "load", events, all, [&](int i) { return shot_of(i).load; }, level, &words);
+  TestCategory(
+      "station", events, all, [&](int i) { return data.stations[shot_of(i).station]; }, level, &words);
+  if (std::all_of(all.begin(), all.end(), [&](int i) { return shot_of(i).has_time; })) {
+    TestNumber(
+        "times", "s", 1.0, events, all, [&](int i) { return shot_of(i).time; }, level, &words);
+  }
+  for (int j = 0; j < joints; ++j) {
+    const Joint& joint = problem.robot.chain.joints[j];
+    const bool turns = joint.type != JointType::kPrismatic;
+    TestNumber(
+        "joint " + joint.name, turns ? "deg" : "mm", turns ? 180.0 / EIGEN_PI : 1e3, events, all,
+        [&](int i) { return data.configurations[shot_of(i).configuration].q[j]; }, level, &words);
+  }
+  const auto in_base = [&](int i) -> Vector3<double> {
+    const Pose<double> base = parameters.BaseInStation(shot_of(i).station);
+    return base.rotation.transpose() * (data.observations[i].point_in_station - base.translation);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    TestNumber(
+        std::string("base ") + "xyz"[axis], "mm", 1e3, events, all, [&](int i) { return in_base(i)[axis]; }, level,
+        &words);
+  }
+  return words;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,43 @@
+// Sigmas that residuals suggest, and the weights of paper 003, eq. (14). Used by
+// the weight study as printed and by calibrate.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+constexpr double kResidualFloor = 1e-7;  // m, of a residual read as a sigma: the last digit of the instrument
+
+// w = s0 / (s0 + lambda s), paper 003 eq. (14); s0 = 0: w = 1 / s.
+double Eq14Weight(double sigma0, double lambda, double sigma);
+
+// Root mean square per group of `groups` (indices from 0), given to each of its rows, not below `floor`:
+// s_g^2 = sum r^2 / sum f. freedom f: 1 per row as the paper, or 1 - leverage: what the fit leaves of each.
+Eigen::VectorXd GroupSigmas(const std::vector<int>& groups, const Eigen::VectorXd& residuals,
+                            const Eigen::VectorXd& freedom, double floor);
+
+// Groups of rows by the word of the experiment file: axis, config-axis, marker-axis, station-axis or residual.
+struct RowGroups {
+  std::vector<int> group;          // 3 per observation of the data
+  std::vector<std::string> names;  // of each group
+};
+RowGroups GroupRows(const Measurements& data, const std::string& word);
+
+// Root of every observation from the residuals of an estimate: diagonal, sigma per axis. Groups without a calibration
+// row take the spread of their axis.
+NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& estimate, const RowGroups& groups,
+                             std::vector<NoiseGroup>* report);
+
+// sigma = s0 + lambda s per axis: what eq. (14) whitens with. `spread` is diagonal.
+NoiseRoots Eq14Roots(const NoiseRoots& spread, double sigma0, double lambda);
+
+// Puts a covariance in place of the estimate's: sigmas, intervals and weak marks follow. `dof` of each interval,
+// infinite for normal ones.
+void ReplaceCovariance(const CalibrationProblem& problem, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& dof,
+                       Estimate* estimate);
+
+}  // namespace sagitta

@@ -1,0 +1,88 @@
+// Variance components by restricted maximum likelihood (REML): how much of the
+// scatter is the instrument, how much the joints.
+//
+//   r = J x + e,   e ~ N(0, V),   V = a I + sum_g v_g sum_{j in g} L_j L_j'   block diagonal by visit
+//
+// r, J whitened by the roots S at hand; a scales S S'; L_j is what one reference deviation of
+// joint j does in the rows of a visit. The parameters x are projected out (hence
+// restricted: plain maximum likelihood takes their degrees of freedom for
+// precision):
+//
+//   D(a, v) = ln|V| + ln|J'V^-1 J| + r'P r,   P = V^-1 - V^-1 J (J'V^-1 J)^-1 J'V^-1
+//
+// minimised by Newton steps on average information, y'P V_i P V_k P y; variances stay
+// at or above 0 (active set). Each visit is rotated once so that its deviations touch at most as
+// many rows as there are joints: one evaluation costs visits x joints^2 x parameters.
+#pragma once
+
+#include <vector>
+
+#include "estimator/estimate/noise_report.h"
+#include "estimator/least_squares/linearization.h"
+
+namespace sagitta {
+
+// Joints that share one variance, and where it starts.
+struct DeviationGroup {
+  std::vector<int> joints;
+  double variance = 0.0;  // rad^2 or m^2
+  bool estimated = true;
+};
+
+struct RemlFit {
+  bool converged = false;
+  double deviance = 0.0;
+  double chi2 = 0.0;           // r'P r
+  Eigen::VectorXd variances;   // a, then one per group, SI
+  Eigen::MatrixXd covariance;  // of them, from the information; 0 where stated or at 0
+};
+
+class RestrictedLikelihood {
+ public:
+  // At `parameters`, over their estimated coordinates; calibration rows.
+  RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters);
+
+  RemlFit Maximise(bool estimate_instrument, const std::vector<DeviationGroup>& groups) const;
+  // 95 % interval of component i (0: instrument) as standard deviation, the others refitted.
+  void ProfileInterval(const RemlFit& fit, bool estimate_instrument, const std::vector<DeviationGroup>& groups, int i,
+                       double* low, double* high) const;
+  // -2 ln of the restricted likelihood, but for a constant; SI variances.
+  double Deviance(double instrument, const std::vector<DeviationGroup>& groups) const;
+  // Degrees of freedom that carry information on variances: rows minus parameters.
+  int dof() const { return dof_; }
+  // How much a deviation of each joint shows in the rows, whitened: root of the sum of squares.
+  Eigen::VectorXd Levers() const;
+  // Student degrees of freedom of each estimated coordinate's interval (Satterthwaite).
+  Eigen::VectorXd Satterthwaite(const RemlFit& fit, const std::vector<DeviationGroup>& groups) const;
+
+ private:
+  struct Visit {
+    Eigen::VectorXd residual;   // rows that deviations touch
+    Eigen::MatrixXd jacobian;   // columns of unit norm over all rows
+    Eigen::MatrixXd deviation;  // one column per joint, of a reference deviation
+  };
+  struct Evaluation {
+    double deviance = 0.0, chi2 = 0.0;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;                  // average information
+    Eigen::MatrixXd inverse;                  // (J'V^-1 J)^-1
+    std::vector<Eigen::MatrixXd> derivative;  // J'V^-1 V_i V^-1 J
+  };
+  // Variances in units of the reference: a, then per group.
+  Evaluation Evaluate(const Eigen::VectorXd& variances, const std::vector<DeviationGroup>& groups,
+                      bool with_derivatives) const;
+  bool Minimise(const std::vector<bool>& is_free, const std::vector<DeviationGroup>& groups,
+                Eigen::VectorXd* variances) const;
+  Eigen::VectorXd StartVariances(const std::vector<DeviationGroup>& groups) const;
+
+  std::vector<Visit> visits_;
+  // Rows that no deviation touches, and priors (not scaled by a).
+  Eigen::MatrixXd rest_normal_, prior_normal_;
+  Eigen::VectorXd rest_product_, prior_product_;
+  double rest_square_ = 0.0, prior_square_ = 0.0;
+  int rest_rows_ = 0;
+  int columns_ = 0;
+  int dof_ = 0;
+};
+
+}  // namespace sagitta

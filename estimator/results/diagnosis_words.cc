@@ -1,0 +1,264 @@
+#include "estimator/results/diagnosis_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "estimator/estimate/parameter_table.h"
+#include "problems/text.h"
+#include "models/effects/catalogue.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
+constexpr double kNotWorthAWord = 0.05;  // of sigma
+constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
+
+std::string SettingsInWords(const EffectSpec& spec) {
+  std::string words;
+  for (const auto& [name, text] : spec.settings) {
+    words +=
+        name == "after_s" ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
+  }
+  return words;
+}
+
+std::string GapInWords(const Diagnosis& d) {
+  const std::string words =
+      "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
+  if (d.steps.empty()) return words + " mm\n";
+  return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
+}
+
+std::string HoldoutInWords(const Estimate& estimate) {
+  if (estimate.validation.observations == 0) return "no hold-out";
+  return "hold-out RMS " + Significant(1e3 * estimate.validation.rms, 3) + " mm";
+}
+
+// 210 ± 8 urad, or 7.55 (6.21 to 8.21) ppm/K where the arms of the interval differ.
+std::string WithInterval(const ParameterEstimate& row) {
+  const QuantityTraits& traits = TraitsOf(row.quantity);
+  const auto shown = [&](double value) { return Significant(value / traits.si_per_unit, 3); };
+  const std::string interval = IsEven(row) ? " ± " + shown(row.ci95.high - row.value)
+                                           : " (" + shown(row.ci95.low) + " to " + shown(row.ci95.high) + ")";
+  return shown(row.value) + interval + " " + traits.unit;
+}
+
+std::string LagInWords(const ThermalLag& lag) {
+  const auto minutes = [](double seconds) { return Fixed(seconds / 60.0, 0); };
+  return "Here the arm may follow the thermometer " + minutes(lag.shortest) + " to " + minutes(lag.longest) +
+         " min late, best " + minutes(lag.best) +
+         (lag.is_timed ? "" : ", if the rows stand in the order of measuring, one shot a minute") +
+         "; the interval allows for that, the value does not.";
+}
+
+std::string RepeatabilityInWords(const NoiseFinding& noise) {
+  const std::string about = "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) + " urad ";
+  if (noise.repeatability_is_bound) {
+    return about + "is taken, " + Significant(1e6 * noise.repeatability_high, 3) +
+           " at most: what has no name is part of it. ";
+  }
+  return about + "(95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
+         Significant(1e6 * noise.repeatability_high, 3) +
+         (noise.asks_repeatability            ? ") is found, as asked. "
+          : noise.repeatability_is_overstated ? ") is found; more is stated. "
+                                              : ") was not declared. ");
+}
+
+// Of the verdict `noise`: what is wrong with it.
+std::string WrongNoiseInWords(const NoiseFinding& noise) {
+  std::vector<std::string> wrong;
+  if (noise.scale_differs || noise.repeatability_is_overstated) wrong.push_back("the stated noise is wrong");
+  if (noise.HasUndeclaredRepeatability() && !noise.repeatability_is_overstated) {
+    wrong.push_back("joint repeatability was not declared");
+  }
+  if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
+  return Enumerate(wrong);
+}
+
+}  // namespace
+
+std::string Title(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
+  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
+}
+
+std::string VerdictInWords(const Diagnosis& d) {
+  if (d.verdict == "consistent") {
+    return d.cautions.empty()
+               ? "Nothing is missing at this significance."
+               : "Nothing is missing at this significance, as far as these data can tell: see the cautions.";
+  }
+  if (d.verdict == "noise") return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
+  std::string names;
+  for (const DiagnosisStep& step : d.steps)
+    names += (names.empty() ? "" : "; ") + Title(d.final.problem->robot, step.chosen.candidate.spec);
+  if (d.verdict == "explained") return "Found: " + names + ". Nothing significant is left.";
+  if (d.verdict == "partly") return "Found: " + names + ". A significant rest has no name in the catalogue.";
+  return "There is a significant gap that no effect of the catalogue explains well.";
+}
+
+bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row) {
+  const std::vector<std::string>& vague = step.chosen.candidate.vague;
+  return std::find(vague.begin(), vague.end(), row.name) == vague.end();
+}
+
+std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
+  std::string words = Title(robot, step.chosen.candidate.spec) + ":";
+  const std::vector<std::string>& vague = step.chosen.candidate.vague;
+  for (const ParameterEstimate& row : step.parameters) {
+    if (!IsTold(step, row)) continue;
+    words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
+  }
+  words.back() = ';';
+  if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
+  if (std::isfinite(step.holdout_after)) {
+    const bool is_change = std::isfinite(step.holdout_before);
+    words += " hold-out RMS " + (is_change ? Significant(1e3 * step.holdout_before, 3) + " -> " : "") +
+             Significant(1e3 * step.holdout_after, 3) + " mm.";
+  } else {
+    words.back() = '.';
+  }
+  const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
+  if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
+  if (step.lag) words += " " + LagInWords(*step.lag);
+  return words;
+}
+
+std::string AlternativeInWords(const Robot& robot, const Alternative& alternative) {
+  return Title(robot, alternative.spec) + " would explain " + Significant(100 * alternative.overlap, 3) + " % of it" +
+         (alternative.tied ? "; the data cannot tell the two apart" : "");
+}
+
+std::string SeparateBy(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  // The compensator, whose home is the robot: as a weight.
+  std::string words = definition == nullptr ? kSeparateByWeight : definition->separate_by;
+  const std::string place = "{target}";
+  const size_t at = words.find(place);
+  return at == std::string::npos ? words : words.replace(at, place.size(), spec.target);
+}
+
+std::string HalvesInWords(const Confirmation& confirmation) {
+  int named = 0, telling = 0;
+  for (const HalfResult& half : confirmation.halves) {
+    named += half.named;
+    telling += half.telling;
+  }
+  std::string words = "On two disjoint halves of the configurations: ";
+  if (telling == 0) return words + "neither is large enough to name anything.";
+  words += named == 2 ? "named in both" : named == 1 ? "named in one" : "named in neither";
+  if (telling < 2) words += " (one is too small to name anything)";
+  if (std::isnan(confirmation.compatible_p)) return words + ".";
+  return words +
+         (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
+         " (p " + Significant(confirmation.compatible_p, 3) + ").";
+}
+
+std::string UnexplainedInWords(const Decoy& decoy) {
+  return decoy.words.empty() ? "no driving variable stands out" : decoy.words;
+}
+
+std::string NoiseInWords(const NoiseFinding& noise) {
+  std::string words;
+  if (std::abs(noise.taken_of_repeats - 1.0) > kNotWorthAWord) {
+    words += "Repeats are too few to fix their sigma; " + Significant(noise.taken_of_repeats, 3) +
+             " times what they show is taken, as the scatter about the model says. ";
+  }
+  if (noise.scale_differs) {
+    words += "The instrument's noise is " + Significant(noise.scale, 3) +
+             " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
+  }
+  if (noise.repeatability_is_overstated && noise.repeatability == 0.0) {
+    words += "The rows scatter less than the stated joint repeatability lets them: none is found. ";
+  }
+  if (noise.repeatability > 0.0) {
+    words += RepeatabilityInWords(noise);
+  }
+  if (!noise.outliers.empty()) {
+    words +=
+        std::to_string(noise.outliers.size()) + (noise.outliers.size() == 1 ? " outlier" : " outliers") + " left out";
+    if (noise.outliers_held_out > 0) words += ", " + std::to_string(noise.outliers_held_out) + " of them held out";
+    words += ". ";
+  }
+  if (!words.empty()) return words.substr(0, words.size() - 1);  // without the blank before another sentence
+  if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
+  if (std::isnan(noise.high)) return "The noise is taken as stated: nothing is left over that would tell it.";
+  if (!noise.is_bound) return "The noise is as stated.";
+  return "The noise is taken as stated: what has no name is part of the scatter, which bounds it at " +
+         Significant(noise.high, 3) + " times that.";
+}
+
+std::string ShareInWords(const WhereShare& share) {
+  return Significant(100 * share.share, 3) + " % of the excess is at " + share.by + " " + share.key;
+}
+
+// A spring within metres of the joint, with a rest length and a rate.
+bool IsPlausibleSpring(const DiagnosisStep& step) {
+  for (const ParameterEstimate& row : step.parameters) {
+    if (row.quantity == Quantity::kLength && std::abs(row.value) > kFarthestAnchor) return false;
+    const bool is_size = row.name == "compensator/s0" || row.name == "compensator/Kc";
+    if (is_size && row.ci95.high < 0.0) return false;
+  }
+  return true;
+}
+
+// Whether a machine could show it: sign, and size within what its definition allows.
+bool IsPlausible(const Robot& robot, const DiagnosisStep& step) {
+  const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
+  if (definition == nullptr) return IsPlausibleSpring(step);
+  for (const ParameterEstimate& row : step.parameters) {
+    const bool is_compliance = row.quantity == Quantity::kCompliance;
+    if (is_compliance && row.ci95.high < 0.0) return false;
+    if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
+    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity")
+      return false;
+  }
+  return true;
+}
+
+std::string PhysicalInWords(const Robot& robot, const DiagnosisStep& step) {
+  return IsPlausible(robot, step) ? "the size is one that machines show"
+                                  : "sign or size is not physical: take it as a description, not as a cause";
+}
+
+std::string ClosedInWords(const GapReport& gap) {
+  const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
+  if (std::isnan(gap.closed_ci95.low)) return words;
+  return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +
+         Significant(100 * gap.closed_ci95.high, 3) + ")";
+}
+
+std::string DiagnosisToText(const Diagnosis& d) {
+  std::ostringstream text;
+  const Robot& robot = d.final.problem->robot;
+  const Estimate& before = d.baseline.estimate;
+  const Estimate& after = d.final.estimate;
+  text << "Verdict: " << d.verdict << ". " << VerdictInWords(d) << "\n\n";
+  text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", "
+       << HoldoutInWords(before) << "\n";
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    text << "Step " << i + 1 << ": " << StepInWords(robot, d.steps[i]) << "\n";
+    text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
+    if (!IsPlausible(robot, d.steps[i])) text << "    " << PhysicalInWords(robot, d.steps[i]) << "\n";
+    for (const Alternative& alternative : d.steps[i].alternatives) {
+      text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3)
+           << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
+    }
+  }
+  text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
+       << HoldoutInWords(after);
+  if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * after.noise_floor, 3) << " mm";
+  text << "\n";
+  if (!std::isnan(d.gap.before)) text << GapInWords(d);
+  text << "Noise: " << NoiseInWords(d.noise) << "\n";
+  if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d.unexplained) << "\n";
+  for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
+  for (const std::string& warning : d.baseline.problem->data.warnings) text << "Warning: " << warning << "\n";
+  return text.str();
+}
+
+}  // namespace sagitta

@@ -1,0 +1,238 @@
+#include "estimator/results/estimate_json.h"
+
+#include <cmath>
+
+#include "estimator/results/agreement_json.h"
+#include "estimator/results/intervals_json.h"
+#include "estimator/results/loading_json.h"
+#include "estimator/results/noise_json.h"
+#include "estimator/results/prediction_noise.h"
+#include "problems/io/robot_file.h"
+#include "problems/io/units.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double Millimetres(double metres) { return ToUnit(metres, UnitNamed("mm")); }
+
+Json MillimetresOf(const Vector3<double>& metres) {
+  return Json::array({Millimetres(metres.x()), Millimetres(metres.y()), Millimetres(metres.z())});
+}
+
+Json SizeToJson(const ResidualSize& size) {
+  Json json;
+  json["rms_mm"] = Millimetres(size.rms);
+  json["max_mm"] = Millimetres(size.max);
+  json["rms_axis_mm"] = size.observations > 0 ? MillimetresOf(size.rms_axis) : Json::array();
+  json["distance_rms_mm"] = Millimetres(size.distance_rms);
+  json["distance_max_mm"] = Millimetres(size.distance_max);
+  return json;
+}
+
+Json FitToJson(const Estimate& estimate) {
+  Json json = {{"observations", estimate.fit.observations},
+               {"configurations", estimate.calibration_configurations},
+               {"free_parameters", estimate.estimated.size()}};
+  json.update(SizeToJson(estimate.fit));
+  json["before"] = SizeToJson(estimate.fit_before);
+  json["chi2"] = estimate.chi2;
+  json["dof"] = estimate.dof;
+  json["reduced_chi2"] = estimate.dof > 0 ? Json(estimate.chi2 / estimate.dof) : Json(nullptr);
+  return json;
+}
+
+Json ValidationToJson(const Estimate& estimate) {
+  Json json = {{"observations", estimate.validation.observations}};
+  json.update(SizeToJson(estimate.validation));
+  json["before"] = estimate.validation.observations > 0 ? SizeToJson(estimate.validation_before) : Json::object();
+  json["predicted_rms_mm"] = Millimetres(estimate.validation_predicted_rms);
+  return json;
+}
+
+Json DeflectionToJson(const Estimate& estimate) {
+  Json json = {{"pairs", estimate.deflection_before.observations}};
+  json["before"] = SizeToJson(estimate.deflection_before);
+  json["after"] = SizeToJson(estimate.deflection_after);
+  return json;
+}
+
+// Held parameters that this one moves together with: its value and interval
+// take them as exact.
+Json ConditionalOn(const ParameterEstimate& row, const Estimate& estimate) {
+  Json held = Json::array();
+  if (!row.free) return held;
+  for (const Direction& direction : estimate.identifiability.unidentifiable) {
+    bool is_in = false;
+    for (const auto& [name, share] : direction.components) is_in |= name == row.name;
+    for (const auto& [name, share] : direction.components) {
+      const int i = estimate.parameters.FindCoordinate(name);
+      if (is_in && i >= 0 && estimate.parameters.coordinates()[i].held) held.push_back(name);
+    }
+  }
+  return held;
+}
+
+Json ParameterToJson(const ParameterEstimate& row, const Estimate& estimate) {
+  const QuantityTraits& traits = TraitsOf(row.quantity);
+  const auto in_unit = [&](double si) { return si / traits.si_per_unit; };
+  Json json = {
+      {"name", row.name}, {"value", in_unit(row.value)}, {"unit", traits.unit}, {"nominal", in_unit(row.nominal)}};
+  AddIntervalTo(row, estimate, &json);
+  const Json conditional = ConditionalOn(row, estimate);
+  if (!conditional.empty()) json["conditional_on"] = conditional;
+  return json;
+}
+
+Json CorrelationToJson(const Estimate& estimate) {
+  const Eigen::VectorXd deviations = estimate.covariance.diagonal().cwiseSqrt();
+  Json names = Json::array(), matrix = Json::array();
+  for (const int i : estimate.estimated) names.push_back(estimate.parameters.coordinates()[i].name);
+  for (int r = 0; r < deviations.size(); ++r) {
+    Json row = Json::array();
+    for (int c = 0; c < deviations.size(); ++c) {
+      const double correlation = estimate.covariance(r, c) / (deviations[r] * deviations[c]);
+      row.push_back(r == c ? 1.0 : std::isfinite(correlation) ? correlation : 0.0);
+    }
+    matrix.push_back(row);
+  }
+  return {{"names", names}, {"matrix", matrix}};
+}
+
+Json DirectionsToJson(const std::vector<Direction>& directions) {
+  Json json = Json::array();
+  for (const Direction& direction : directions) {
+    Json components = Json::object();
+    for (const auto& [name, value] : direction.components) components[name] = value;
+    json.push_back({{"direction", components},
+                    {"sigma_over_limit", direction.sigma},
+                    {"words", direction.words},
+                    {"remedy", direction.remedy}});
+  }
+  return json;
+}
+
+Json SigmaToJson(const SigmaReport& sigma, const IntervalReport& intervals) {
+  const bool scaled = sigma.scaled && !intervals.is_empirical();
+  Json json = {{"a_posteriori", sigma.a_posteriori}, {"scaled", scaled}, {"stated", sigma.stated}};
+  json["estimated_mm"] = sigma.stated ? Json(nullptr) : Json(Millimetres(sigma.estimated));
+  json["p_value"] = sigma.p_value;
+  return json;
+}
+
+Json StationsToJson(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  Json json = Json::object();
+  for (size_t s = 0; s < problem.data.stations.size(); ++s) {
+    const Vector3<double> rotation =
+        RotationVector(Eigen::Map<const Eigen::Quaterniond>(parameters.station_rotation(s).values.data()));
+    Json station = {{"xyz_mm", MillimetresOf(parameters.BaseInStation(s).translation)},
+                    {"rotvec_mrad", MillimetresOf(rotation)}};  // mrad of rad, as mm of m
+    const auto spec = problem.experiment.stations.find(problem.data.stations[s]);
+    if (spec != problem.experiment.stations.end()) {
+      if (spec->second.instrument_xyz) station["instrument_mm"] = MillimetresOf(*spec->second.instrument_xyz);
+      if (spec->second.levelled) station["levelled"] = *spec->second.levelled;
+    }
+    json[problem.data.stations[s]] = station;
+  }
+  return json;
+}
+
+Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  Json json = Json::object();
+  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
+    const auto spec = problem.experiment.markers.find(problem.data.markers[m]);
+    const std::string on = spec == problem.experiment.markers.end() ? "flange" : spec->second.on;
+    json[problem.data.markers[m]] = {{"xyz_mm", MillimetresOf(parameters.MarkerPoint(m))}, {"on", on}};
+  }
+  return json;
+}
+
+Json WarningsOf(const CalibrationProblem& problem, const Estimate& estimate) {
+  Json json = problem.data.warnings;
+  for (const std::string& warning : estimate.warnings) json.push_back(warning);
+  return json;
+}
+
+// Names come from files, which may hold bytes that are no UTF-8.
+std::string OnOneLine(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+bool IsShort(const Json& json) {
+  for (const Json& item : json) {
+    if (item.is_object() || (item.is_array() && json.is_array())) return false;
+  }
+  return OnOneLine(json).size() < 400;
+}
+
+void Dump(const Json& json, const std::string& indent, std::string* text) {
+  if (!json.is_structured() || json.empty() || IsShort(json) || (json.is_array() && json.front().is_number())) {
+    *text += OnOneLine(json);
+    return;
+  }
+  const std::string deeper = indent + " ";
+  const bool is_object = json.is_object();
+  *text += is_object ? "{" : "[";
+  bool first = true;
+  for (const auto& [key, value] : json.items()) {
+    *text += (first ? "\n" : ",\n") + deeper + (is_object ? OnOneLine(key) + ": " : "");
+    Dump(value, deeper, text);
+    first = false;
+  }
+  *text += "\n" + indent + (is_object ? "}" : "]");
+}
+
+}  // namespace
+
+Json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability) {
+  Json json = {{"rank", identifiability.rank}, {"condition", identifiability.condition}};
+  json["unidentifiable"] = DirectionsToJson(identifiability.unidentifiable);
+  json["weak"] = DirectionsToJson(identifiability.weak);
+  json["redundant"] = Json::array();
+  for (const std::string& error : problem.redundant_errors) json["redundant"].push_back("geometry/" + error);
+  return json;
+}
+
+Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance) {
+  Json json;
+  json["schema"] = "sagitta/estimate/1";
+  json["version"] = SAGITTA_VERSION;
+  json["command"] = provenance.command;
+  json["method"] = provenance.method;
+  if (!provenance.simulation.empty()) json["simulation"] = provenance.simulation;
+  json["inputs"] = Json::array();
+  for (const InputFile& input : provenance.inputs) {
+    json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
+  }
+  json["status"] = StatusName(estimate.status);
+  json["message"] = estimate.message;
+  json["iterations"] = estimate.iterations;
+  json["seconds"] = estimate.seconds;
+  json["cost"] = estimate.cost;
+  json["fit"] = FitToJson(estimate);
+  json["validation"] = ValidationToJson(estimate);
+  json["deflection"] = DeflectionToJson(estimate);
+  json["parameters"] = Json::array();
+  for (const ParameterEstimate& row : estimate.table) json["parameters"].push_back(ParameterToJson(row, estimate));
+  json["correlation"] = CorrelationToJson(estimate);
+  json["intervals"] = IntervalsToJson(estimate.intervals);
+  json["agreement"] = AgreementToJson(estimate.agreement);
+  json["held"] = HeldToJson(estimate);
+  json["identifiability"] = IdentifiabilityToJson(problem, estimate.identifiability);
+  json["sigma"] = SigmaToJson(estimate.sigma, estimate.intervals);
+  json["noise"] = NoiseToJson(problem, estimate);
+  json["prediction_noise"] = PredictionNoiseToJson(problem, estimate);
+  json["warnings"] = WarningsOf(problem, estimate);
+  json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
+  json["stations"] = StationsToJson(problem, estimate.parameters);
+  json["markers"] = MarkersToJson(problem, estimate.parameters);
+  json["loading"] = LoadingToJson(problem.experiment, problem.data);
+  return json;
+}
+
+std::string DumpJson(const Json& json) {
+  std::string text;
+  Dump(json, "", &text);
+  return text + "\n";
+}
+
+}  // namespace sagitta

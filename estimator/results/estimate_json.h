@@ -1,0 +1,60 @@
+// estimate.json (sagitta/estimate/1, FORMATS section 4): writing, and reading
+// what predict and simulate need of it.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "estimator/estimate/estimate.h"
+#include "estimator/intervals/prediction.h"
+#include "estimator/results/prediction_noise.h"
+#include "estimator/results/provenance.h"
+#include "problems/calibration_problem.h"
+#include "problems/measurements.h"
+
+namespace sagitta {
+
+nlohmann::ordered_json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
+                                      const Provenance& provenance);
+
+nlohmann::ordered_json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability);
+
+// Pretty enough to read, one line per parameter.
+std::string DumpJson(const nlohmann::ordered_json& json);
+
+// A robot with its surroundings, as an estimate or an experiment states it; SI.
+struct KnownRobot {
+  std::string file;
+  Robot robot;
+  std::map<std::string, Pose<double>> base_in_station;
+  std::map<std::string, MarkerSpec> markers;  // points are set
+  Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
+  ParameterUncertainty uncertainty;
+  PredictionNoise noise;
+  double model_error =
+      1.0;  // factor on standard deviations away from the calibrated configurations (agreement.inflation)
+  struct Parameter {
+    double value = 0.0, nominal = 0.0;  // SI
+  };
+  std::map<std::string, Parameter> parameters;  // by coordinate name
+  std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
+};
+
+// What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.
+std::string ModelErrorInWords(const KnownRobot& known);
+
+// Throws InputError.
+KnownRobot ReadEstimateFile(const std::string& path);
+
+// The robot before the estimate: nominal, with base poses and markers aligned to the rows it was estimated from.
+// `problem`: a PredictionProblem of `known`.
+ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem);
+
+// The problem of predicting `data`: stations and markers of the data placed
+// where `known` has them, robot at its calibrated nominal, noise as at the predicted
+// points. Throws InputError for a station, marker or load that is not known.
+CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data);
+
+}  // namespace sagitta

@@ -1,0 +1,26 @@
+// What estimate.json says of intervals beyond sigma and ci95: how they came
+// about, and what held parameters leave open.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "estimator/estimate/estimate.h"
+#include "estimator/intervals/prediction.h"
+
+namespace sagitta {
+
+// {"method", "words", "clusters", "kind", "replicates", "failed", "seed"}.
+nlohmann::ordered_json IntervalsToJson(const IntervalReport& intervals);
+
+// Adds ci95, interval, dof, open and unconditional to a parameter's entry.
+void AddIntervalTo(const ParameterEstimate& row, const Estimate& estimate, nlohmann::ordered_json* json);
+
+// {"names", "sigma", "unit", "correlation", "estimated", "slopes"}: the held
+// parameters, how far each may be off, and by how much the estimated ones move
+// with them (rows as in `correlation.names`), in units of results.
+nlohmann::ordered_json HeldToJson(const Estimate& estimate);
+
+// The inverse of HeldToJson; throws nlohmann::json::exception on a wrong shape.
+void ReadHeld(const nlohmann::ordered_json& json, ParameterUncertainty* uncertainty);
+
+}  // namespace sagitta

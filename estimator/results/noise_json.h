@@ -1,0 +1,13 @@
+// The key `noise` of estimate.json: variance components, spreads, outliers.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+nlohmann::ordered_json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
+
+}  // namespace sagitta

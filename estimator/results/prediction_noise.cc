@@ -1,0 +1,113 @@
+#include "estimator/results/prediction_noise.h"
+
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using From = NoiseSpec::From;
+
+const VarianceComponent* InstrumentComponent(const Estimate& estimate) {
+  const std::vector<VarianceComponent>& components = estimate.noise_report.components;
+  return components.empty() ? nullptr : &components[0];
+}
+
+// One sigma for all coordinates, m; 0: there is none.
+double CommonSigma(const CalibrationProblem& problem, const Estimate& estimate) {
+  const VarianceComponent* instrument = InstrumentComponent(estimate);
+  if (instrument != nullptr && !estimate.noise_report.instrument_is_factor) return instrument->value;
+  return estimate.sigma.stated ? problem.experiment.noise.sigma.value_or(0.0) : estimate.sigma.estimated;
+}
+
+// Spread of the residuals, pooled over the groups of each axis.
+std::optional<Vector3<double>> SpreadPerAxis(const NoiseReport& report) {
+  Vector3<double> squares = Vector3<double>::Zero(), rows = Vector3<double>::Zero();
+  for (const NoiseGroup& group : report.groups) {
+    const int axis = group.name.back() - 'x';
+    squares[axis] += group.rows * group.sigma * group.sigma;
+    rows[axis] += group.rows;
+  }
+  if (!(rows.minCoeff() > 0.0)) return std::nullopt;
+  return squares.cwiseQuotient(rows).cwiseSqrt();
+}
+
+std::optional<Vector3<double>> SigmaPerAxis(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (problem.repeat_scatter) return problem.repeat_scatter->sigma;
+  return SpreadPerAxis(estimate.noise_report);
+}
+
+Json InstrumentToJson(const NoiseSpec& noise) {
+  return {{"range_um", 1e6 * noise.range},
+          {"range_um_per_m", 1e6 * noise.range_per_m},
+          {"angle_um", 1e6 * noise.angle},
+          {"angle_um_per_m", 1e6 * noise.angle_per_m}};
+}
+
+void ReadInstrument(const Json& json, NoiseSpec* noise) {
+  noise->from = From::kInstrument;
+  noise->range = json.at("range_um").get<double>() / 1e6;
+  noise->range_per_m = json.at("range_um_per_m").get<double>() / 1e6;
+  noise->angle = json.at("angle_um").get<double>() / 1e6;
+  noise->angle_per_m = json.at("angle_um_per_m").get<double>() / 1e6;
+}
+
+}  // namespace
+
+Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
+  const SigmaReport& sigma = estimate.sigma;
+  const bool by_instrument = problem.experiment.noise.from == From::kInstrument;
+  Json json = Json::object();
+  const double common = CommonSigma(problem, estimate);
+  json["sigma_mm"] = !by_instrument && common > 0.0 && std::isfinite(common) ? Json(1e3 * common) : Json(nullptr);
+  if (by_instrument) json["instrument"] = InstrumentToJson(problem.experiment.noise);
+  if (const auto axes = SigmaPerAxis(problem, estimate)) {
+    json["sigma_axis_mm"] = {1e3 * axes->x(), 1e3 * axes->y(), 1e3 * axes->z()};
+  }
+  const VarianceComponent* instrument = InstrumentComponent(estimate);
+  const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
+  json["instrument_factor"] = is_factor ? instrument->value : 1.0;
+  json["scale"] = sigma.stated && sigma.scaled ? sigma.a_posteriori : 1.0;
+  json["repeatability_urad"] = Json::object();
+  json["repeatability_um"] = Json::object();
+  for (int i = 0; i < problem.latent.size(); ++i) {
+    const Joint& joint = problem.robot.chain.joints[problem.latent.joints[i]];
+    const char* key = joint.type == JointType::kRevolute ? "repeatability_urad" : "repeatability_um";
+    json[key][joint.name] = 1e6 * problem.latent.sigmas[i];
+  }
+  return json;
+}
+
+PredictionNoise ReadPredictionNoise(const Json& json, Experiment* experiment) {
+  PredictionNoise noise;
+  if (json.at("sigma_mm").is_number()) experiment->noise.sigma = json.at("sigma_mm").get<double>() / 1e3;
+  if (json.contains("instrument")) ReadInstrument(json.at("instrument"), &experiment->noise);
+  if (json.contains("sigma_axis_mm")) {
+    const Json& axes = json.at("sigma_axis_mm");
+    noise.sigma_axis.emplace(axes.at(0).get<double>(), axes.at(1).get<double>(), axes.at(2).get<double>());
+    *noise.sigma_axis /= 1e3;
+  }
+  noise.instrument_factor = json.value("instrument_factor", 1.0);
+  const auto read = [&json](const char* key, RepeatabilitySpec::OfKind* kind) {
+    if (!json.contains(key)) return;
+    for (const auto& [joint, value] : json.at(key).items()) kind->per_joint[joint] = value.get<double>() / 1e6;
+  };
+  read("repeatability_urad", &experiment->repeatability.angle);
+  read("repeatability_um", &experiment->repeatability.length);
+  noise.scale = json.at("scale").get<double>();
+  return noise;
+}
+
+NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNoise& noise,
+                           const Eigen::Matrix3Xd& points) {
+  NoiseRoots roots;
+  const Measurements& data = problem.data;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    Matrix3<double> root = StatedRoot(problem.experiment, data, data.observations[i], points.col(i));
+    if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
+    roots.push_back(noise.instrument_factor * root);
+  }
+  return roots;
+}
+
+}  // namespace sagitta

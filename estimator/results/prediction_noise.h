@@ -1,0 +1,30 @@
+// The noise that predict and validate need of an estimate: what one more measurement, and one more arrival, will
+// show. Whatever the noise model was, it is written as something that gives a covariance at any point.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct PredictionNoise {
+  double scale = 1.0;              // of stated sigmas and repeatability
+  double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: found by variance components
+  // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
+  std::optional<Vector3<double>> sigma_axis;
+};
+
+// {"sigma_mm", "sigma_axis_mm", "instrument", "instrument_factor", "scale", "repeatability_urad", "repeatability_um"}.
+nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
+
+// The inverse; sigma, instrument and repeatability go to `experiment`.
+PredictionNoise ReadPredictionNoise(const nlohmann::ordered_json& json, Experiment* experiment);
+
+// Roots of each observation's covariance seen at `points` (m, station frame), before `scale`; zero: not known.
+NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNoise& noise,
+                           const Eigen::Matrix3Xd& points);
+
+}  // namespace sagitta

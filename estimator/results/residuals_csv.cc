@@ -1,0 +1,121 @@
+#include "estimator/results/residuals_csv.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problems/io/files.h"
+
+namespace sagitta {
+namespace {
+
+std::string Quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.rfind("#", 0) != 0) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::vector<std::string> UnionOfColumns(const Measurements& data, const std::vector<AddedColumn>& added) {
+  std::vector<std::string> names;
+  const auto add = [&names](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const MeasurementFile& file : data.files) {
+    for (const std::string& name : file.header) add(name);
+  }
+  for (const AddedColumn& column : added) add(column.name);
+  return names;
+}
+
+const AddedColumn* Find(const std::vector<AddedColumn>& added, const std::string& name) {
+  const auto found = std::find_if(added.begin(), added.end(), [&](const AddedColumn& c) { return c.name == name; });
+  return found == added.end() ? nullptr : &*found;
+}
+
+Eigen::Matrix3Xd MeasuredPoints(const Measurements& data) {
+  Eigen::Matrix3Xd points(3, data.observations.size());
+  for (size_t i = 0; i < data.observations.size(); ++i) points.col(i) = data.observations[i].point_in_station;
+  return points;
+}
+
+// Columns <prefix><axis><suffix> of numbers as they are.
+std::vector<AddedColumn> AxisColumns(const std::string& prefix, const std::string& suffix,
+                                     const Eigen::Matrix3Xd& numbers) {
+  std::vector<AddedColumn> columns;
+  for (int axis = 0; axis < 3; ++axis) {
+    AddedColumn column{prefix + "xyz"[axis] + suffix, {}};
+    for (int i = 0; i < numbers.cols(); ++i) {
+      const double number = numbers(axis, i);
+      column.cells.push_back(std::isfinite(number) ? FormatNumber(number) : "");
+    }
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+// 1 where a robust loss flagged the row.
+AddedColumn OutlierColumn(const Measurements& data, const NoiseReport& report) {
+  AddedColumn column{"outlier", std::vector<std::string>(data.observations.size(), "0")};
+  for (const Outlier& outlier : report.outliers) column.cells[outlier.observation] = "1";
+  return column;
+}
+
+}  // namespace
+
+std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added) {
+  const std::vector<std::string> names = UnionOfColumns(data, added);
+  std::vector<const AddedColumn*> replaced;
+  std::vector<std::vector<int>> index(data.files.size());  // of each column in each file, -1: none
+  std::string csv;
+  for (const std::string& name : names) {
+    csv += (csv.empty() ? "" : ",") + Quoted(name);
+    replaced.push_back(Find(added, name));
+    for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
+  }
+  csv += "\n";
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const Observation& observation = data.observations[i];
+    const std::vector<std::string>& cells = data.files[observation.file].rows[observation.row].cells;
+    for (size_t c = 0; c < names.size(); ++c) {
+      if (c > 0) csv += ",";
+      const int source = index[observation.file][c];
+      if (replaced[c] != nullptr) {
+        csv += replaced[c]->cells[i];
+      } else if (source >= 0) {
+        csv += Quoted(cells[source]);
+      }
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+std::vector<AddedColumn> PointColumns(const std::string& prefix, const Eigen::Matrix3Xd& points) {
+  return AxisColumns(prefix, "_mm", 1e3 * points);
+}
+
+Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate) {
+  Eigen::Matrix3Xd whitened = MeasuredPoints(problem.data) - estimate.predicted;
+  for (int i = 0; i < whitened.cols(); ++i) whitened.col(i) = estimate.scatter[i].inverse() * whitened.col(i);
+  return whitened;
+}
+
+std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
+  const Measurements& data = problem.data;
+  std::vector<AddedColumn> added = PointColumns("pred_", estimate.predicted);
+  const auto append = [&added](const std::vector<AddedColumn>& columns) {
+    added.insert(added.end(), columns.begin(), columns.end());
+  };
+  append(PointColumns("res_", MeasuredPoints(data) - estimate.predicted));
+  append(AxisColumns("whitened_", "", WhitenedResiduals(problem, estimate)));
+  AddedColumn leverage{"leverage", {}}, set{"set", {}};
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    leverage.cells.push_back(FormatNumber(estimate.leverage[i]));
+    set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
+  }
+  append({leverage, set});
+  if (estimate.noise_report.loss != "none") append({OutlierColumn(data, estimate.noise_report)});
+  return RowsToCsv(data, added);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,31 @@
+// EXP of FORMATS section 7: an experiment file, or ROBOT.yaml MEAS.csv….
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/robot.h"
+#include "problems/experiment.h"
+#include "problems/io/input_file.h"
+#include "problems/io/measurement_file.h"
+#include "problems/measurements.h"
+
+namespace sagitta {
+
+// What the files say, before anything is put together.
+struct ExperimentInputs {
+  Experiment experiment;
+  Robot robot;
+  Measurements data;
+  std::vector<InputFile> files;
+};
+
+// Throws InputError.
+ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths,
+                                      const MeasurementReadOptions& options = {});
+
+bool IsExperimentFile(const std::string& path);
+
+InputFile DescribeInput(const std::string& path);
+
+}  // namespace sagitta

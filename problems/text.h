@@ -1,0 +1,22 @@
+// How numbers and lists read in sentences and tables: one style for messages, reports and the terminal.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+// "12.30" with two decimals; "-" where the value is not known (NaN). Zero has no sign.
+std::string Fixed(double value, int decimals);
+
+// Rounded to that many significant digits, without a power of ten up to 1e6: "1660", "0.023". "-": not known.
+std::string Significant(double value, int digits);
+
+// "a", "a and b", "a, b and c"; of more than `most` items "a, b and 3 more".
+std::string Enumerate(const std::vector<std::string>& items, size_t most = std::string::npos);
+
+// The parts between separators, empty ones included; one at least.
+std::vector<std::string> SplitText(const std::string& text, char separator);
+
+}  // namespace sagitta

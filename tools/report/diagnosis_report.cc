@@ -1,0 +1,188 @@
+#include "tools/report/diagnosis_report.h"
+
+#include <algorithm>
+#include <map>
+
+#include "tools/report/charts.h"
+#include "estimator/results/diagnosis_words.h"
+#include "tools/report/report_html.h"
+#include "tools/report/summary.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kBarsPerMap = 8;
+
+std::string Probability(double p) { return p > 0.0 ? Significant(p, 2) : "below 1e-300"; }
+
+std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
+
+std::string Labelled(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + ", " + unit;
+}
+
+std::string Waterfall(const Diagnosis& d) {
+  std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
+  for (const DiagnosisStep& step : d.steps) {
+    stages.push_back({Title(d.final.problem->robot, step.chosen.candidate.spec), 1e3 * step.holdout_after});
+  }
+  return WaterfallChart("hold-out RMS per coordinate, mm", stages, 1e3 * d.final.estimate.noise_floor, "noise floor");
+}
+
+// Before: what the measurements ask for with the step taken out of the model, and what the step says. After: the rest.
+std::string StepCharts(const StepView& view) {
+  std::vector<double> rest;
+  for (size_t k = 0; k < view.x.size(); ++k) rest.push_back(view.measured[k] - view.simulated[k]);
+  const std::string driver = Labelled(view.driver, view.driver_unit);
+  return ScatterChart("before: " + Labelled(view.quantity, view.unit), driver, view.x, view.measured, view.simulated) +
+         ScatterChart("after: " + Labelled("the rest", view.unit), driver, view.x, rest, {});
+}
+
+Section GapSection(const Diagnosis& d) {
+  const Estimate& before = d.baseline.estimate;
+  const Estimate& after = d.final.estimate;
+  const auto reduced = [](const Estimate& e) { return Significant(e.chi2 / std::max(1, e.dof), 4); };
+  Section section;
+  section.title = "The gap, before and after";
+  section.header = {"", "before", "after", "unit"};
+  section.rows = {{"reduced chi-square of the fit", reduced(before), reduced(after), ""},
+                  {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""}};
+  if (before.validation.observations == 0) {
+    section.paragraphs = {"Nothing is held out: what the steps do on other data is not known."};
+    return section;
+  }
+  const auto add = [&section](const char* what, double was, double is) {
+    section.rows.push_back({what, Millimetres(was), Millimetres(is), "mm"});
+  };
+  add("hold-out RMS per coordinate", before.validation.rms, after.validation.rms);
+  add("hold-out RMS distance", before.validation.distance_rms, after.validation.distance_rms);
+  add("gap beyond the noise floor", d.gap.before, d.gap.after);
+  section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
+                        Millimetres(after.noise_floor) + " mm per coordinate" +
+                        (d.steps.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
+  section.figure = Waterfall(d);
+  return section;
+}
+
+Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number) {
+  Section section;
+  section.title = "Step " + std::to_string(number) + ": " + Title(robot, step.chosen.candidate.spec);
+  section.header = {"parameter", "value", "95 % from", "to", "unit", ""};
+  for (const ParameterEstimate& row : step.parameters) {
+    const QuantityTraits& traits = TraitsOf(row.quantity);
+    section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
+                            Significant(row.ci95.low / traits.si_per_unit, 4),
+                            Significant(row.ci95.high / traits.si_per_unit, 4), traits.unit,
+                            IsTold(step, row) ? "" : "not told by these data"});
+  }
+  section.paragraphs = {StepInWords(robot, step), HalvesInWords(step.confirmation),
+                        "Cross-validated chi-square per row: " + Significant(step.confirmation.cv_before, 4) + " -> " +
+                            Significant(step.confirmation.cv_after, 4) + " (" +
+                            std::to_string(step.confirmation.folds) + " folds of configurations).",
+                        "Physical bounds: " + PhysicalInWords(robot, step) + "."};
+  for (const Alternative& alternative : step.alternatives) {
+    section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
+                                 ". To separate them: " + SeparateBy(robot, alternative.spec) + ".");
+  }
+  section.paragraphs.push_back(
+      "Below, one blue point per visit: what the measurements ask for with the step taken out of the model; red: what "
+      "the step says; beside it, what is left.");
+  section.figure = StepCharts(step.view);
+  return section;
+}
+
+Section CandidateSection(const Diagnosis& d) {
+  Section section;
+  section.title = "What was screened";
+  section.header = {"effect", "chi-square explained", "parameters", "p, corrected", "hold-out RMS, mm"};
+  for (size_t i = 0; i < d.candidates.size() && i < 12; ++i) {
+    const ScreenedCandidate& entry = d.candidates[i];
+    if (entry.score.rank == 0) break;
+    section.rows.push_back({Title(d.final.problem->robot, entry.candidate.spec), Fixed(entry.score.reduction, 1),
+                            std::to_string(entry.score.rank), Probability(entry.corrected_p),
+                            entry.holdout_rms ? Millimetres(*entry.holdout_rms) : ""});
+  }
+  section.paragraphs = {std::to_string(d.candidates.size()) +
+                        " candidates, each alone beside the believed model; p counts the whole search."};
+  std::map<std::string, int> missing;
+  for (const NotTestable& entry : d.not_testable) ++missing[entry.effect + " needs " + entry.needs];
+  for (const auto& [what, count] : missing) section.paragraphs.push_back("Cannot be tested: " + what + ".");
+  return section;
+}
+
+// The deviation of each joint that would explain the gap, over what may drive it.
+Section GapMapSection(const Diagnosis& d) {
+  Section section;
+  section.title = "The gap in joint space";
+  section.paragraphs = {
+      "Per shot, the deviation of one joint alone that would explain best what is measured and not predicted, over "
+      "that joint's angle, the torque of the known loads on it, the direction of its approach and the time, where "
+      "these vary. Blue: beside the believed model" +
+      std::string(d.steps.empty() ? "." : "; red: beside the extended one.")};
+  for (const JointGap& gap : d.gap_map) {
+    const std::vector<double> red = d.steps.empty() ? std::vector<double>() : gap.after;
+    for (const Driver& driver : gap.over) {
+      const Eigen::VectorXd x = driver.of_shot(gap.shots);
+      if (!(x.maxCoeff() > x.minCoeff())) continue;  // it varies over shots that are not shown
+      section.figure += ScatterChart("deviation of " + Labelled(gap.joint, gap.unit),
+                                     Labelled(driver.name, driver.unit), {x.begin(), x.end()}, gap.before, red);
+    }
+  }
+  return section;
+}
+
+// Share of the excess chi-square by joint, marker, load and so on.
+Section WhereSection(const Diagnosis& d) {
+  std::map<std::string, std::vector<Stage>> families;
+  for (const WhereShare& share : d.where) {
+    std::vector<Stage>& bars = families[share.by];
+    if (bars.size() < kBarsPerMap) bars.push_back({share.key, share.share});
+  }
+  Section section;
+  section.title = "Where they disagree";
+  section.paragraphs = {"Share of the excess chi-square of the believed model."};
+  for (const auto& [family, bars] : families) {
+    if (bars.size() > 1) section.figure += BarChart("by " + family, bars);
+  }
+  return section;
+}
+
+// The verdict, and the steps in a table.
+Section VerdictSection(const Diagnosis& d) {
+  Section section;
+  section.title = "Diagnosis: " + d.verdict;
+  section.paragraphs = {VerdictInWords(d), "Noise: " + NoiseInWords(d.noise)};
+  if (d.has_unexplained) {
+    section.paragraphs.push_back("Without a name: " + UnexplainedInWords(d.unexplained) + ".");
+  }
+  for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
+  if (d.steps.empty()) return section;
+  section.header = {"step", "named", "hold-out RMS, mm", "on two halves", "a machine shows that"};
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    const DiagnosisStep& step = d.steps[i];
+    const auto& halves = step.confirmation.halves;
+    const auto named = std::count_if(halves.begin(), halves.end(), [](const HalfResult& half) { return half.named; });
+    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot, step.chosen.candidate.spec),
+                            Millimetres(step.holdout_after), "named in " + std::to_string(named),
+                            IsPlausible(d.final.problem->robot, step) ? "yes" : "no: a description"});
+  }
+  return section;
+}
+
+}  // namespace
+
+std::string DiagnosisToHtml(const Diagnosis& d, const Provenance& provenance) {
+  std::vector<Section> sections = {VerdictSection(d), GapSection(d)};
+  if (d.verdict != "consistent") {
+    sections.push_back(WhereSection(d));
+    sections.push_back(GapMapSection(d));
+  }
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    sections.push_back(StepSection(d.final.problem->robot, d.steps[i], i + 1));
+  }
+  sections.push_back(CandidateSection(d));
+  for (Section& section : Summarise(*d.final.problem, d.final.estimate)) sections.push_back(std::move(section));
+  return SectionsToPage(sections, ResidualCharts(*d.final.problem, d.final.estimate), provenance);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,313 @@
+#include "tools/report/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+namespace sagitta {
+namespace {
+
+constexpr double kInstrumentIsNotTheNoise = 10.0;  // reduced chi-square
+
+std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
+
+Section ResultSection(const CalibrationProblem& problem, const Estimate& estimate) {
+  Section section;
+  section.title = problem.robot.name.empty() ? "Calibration" : problem.robot.name;
+  section.paragraphs = {std::string("Status: ") + StatusName(estimate.status) + " (" + estimate.message + ").",
+                        Plural(estimate.fit.observations, "observation") + " of " +
+                            Plural(estimate.calibration_configurations, "configuration") + ", " +
+                            Plural(problem.data.stations.size(), "station") + ", " +
+                            Plural(problem.data.markers.size(), "marker") + "; " +
+                            Plural(estimate.estimated.size(), "unknown") + " estimated in " +
+                            Plural(estimate.iterations, "iteration") + ", " + Fixed(estimate.seconds, 2) + " s."};
+  return section;
+}
+
+std::string Factor(double before, double after) {
+  if (!(after > 0.0 && before > 0.0)) return "-";
+  return before / after < 1e5 ? Fixed(before / after, 1) : "> 100000";
+}
+
+}  // namespace
+
+Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after) {
+  Section section;
+  section.title = title;
+  section.header = {"mm", "before", "after", "factor"};
+  const auto add = [&section](const std::string& name, double b, double a) {
+    section.rows.push_back({name, Millimetres(b), Millimetres(a), Factor(b, a)});
+  };
+  add("coordinate max", before.max, after.max);
+  add("coordinate RMS", before.rms, after.rms);
+  for (int axis = 0; axis < 3; ++axis) {
+    add(std::string("  ") + "xyz"[axis] + " RMS", before.rms_axis[axis], after.rms_axis[axis]);
+  }
+  add("distance max", before.distance_max, after.distance_max);
+  add("distance RMS", before.distance_rms, after.distance_rms);
+  return section;
+}
+
+namespace {
+
+Section ValidationSection(const Estimate& estimate) {
+  Section section =
+      ResidualSection("Residuals on " + Plural(estimate.validation.observations, "validation observation"),
+                      estimate.validation_before, estimate.validation);
+  section.paragraphs = {"Predicted coordinate RMS from noise and parameter uncertainty: " +
+                        Millimetres(estimate.validation_predicted_rms) + " mm."};
+  return section;
+}
+
+std::string StatedSigmaInWords(const Estimate& estimate, double significance) {
+  const double reduced = estimate.chi2 / std::max(1, estimate.dof);
+  const SigmaReport& sigma = estimate.sigma;
+  if (sigma.scaled && estimate.intervals.is_empirical()) {
+    return "The residuals are " + Significant(sigma.a_posteriori, 3) +
+           " times the stated sigmas (p = " + Significant(sigma.p_value, 2) +
+           "); the intervals take the scatter as it is seen between configurations.";
+  }
+  if (sigma.scaled && reduced > kInstrumentIsNotTheNoise) {
+    return "The stated sigmas explain 1/" + Fixed(reduced, 0) +
+           " of the scatter: the robot or the model, not the instrument, is the noise; all intervals are scaled by " +
+           Significant(sigma.a_posteriori, 3) + ".";
+  }
+  if (sigma.scaled) {
+    return "The residuals are larger than the stated sigmas (p = " + Significant(sigma.p_value, 2) +
+           "); all intervals are scaled by " + Significant(sigma.a_posteriori, 3) + ".";
+  }
+  if (1.0 - sigma.p_value < significance) {
+    return "The residuals are smaller than the stated sigmas: those are too large by about a factor " +
+           Significant(1.0 / sigma.a_posteriori, 3) + "; intervals use them as stated.";
+  }
+  return "The residuals agree with the stated sigmas (p = " + Significant(sigma.p_value, 2) + ").";
+}
+
+Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate) {
+  Section section;
+  section.title = "Noise";
+  const std::string dof = Plural(estimate.dof, "degree") + " of freedom";
+  if (estimate.dof <= 0) {
+    section.paragraphs = {"As many equations as unknowns: the data fit by construction and cannot check themselves."};
+  } else if (!estimate.sigma.stated) {
+    section.paragraphs = {"No standard deviation is stated; one for all coordinates is estimated: " +
+                          Millimetres(estimate.sigma.estimated) + " mm (" + dof + ")."};
+  } else {
+    section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
+                              Significant(estimate.chi2 / estimate.dof, 4) + ".",
+                          StatedSigmaInWords(estimate, problem.experiment.significance)};
+    // Fitted by REML, chi-square is what it should be by construction.
+    if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
+    const bool misfit = estimate.sigma.scaled && estimate.chi2 > kInstrumentIsNotTheNoise * estimate.dof;
+    if (misfit && problem.latent.empty()) {
+      section.paragraphs.push_back(
+          "Where it is the arm that repeats no better ('sagitta diagnose' tells that from a missing effect), "
+          "repeatability_urad: estimate keeps the instrument's sigma as stated, and predictions as narrow as they "
+          "are.");
+    }
+  }
+  for (const std::string& words : estimate.noise_report.words) section.paragraphs.push_back(words);
+  return section;
+}
+
+std::string KindName(const PartComparison& kind) {
+  if (kind.by == "random") return "random halves";
+  if (kind.by == "region") return "halves of the workspace";
+  return kind.by == "station" ? "series (stations)" : "halves of the time";
+}
+
+// How the intervals came about, and whether parts of the data agree within them.
+Section IntervalSection(const Estimate& estimate) {
+  Section section;
+  section.title = "Intervals: " + estimate.intervals.method;
+  const AgreementReport& agreement = estimate.agreement;
+  if (!agreement.kinds.empty()) {
+    section.header = {"parts compared", "differences", "within 95 %", "inflation"};
+    for (const PartComparison& kind : agreement.kinds) {
+      section.rows.push_back({KindName(kind), std::to_string(kind.compared), Fixed(100.0 * kind.share(), 1) + " %",
+                              Significant(kind.inflation, 3)});
+    }
+  }
+  if (!estimate.intervals.words.empty()) section.paragraphs.push_back(estimate.intervals.words + ".");
+  for (const std::string& words : agreement.words) section.paragraphs.push_back(words);
+  return section;
+}
+
+// Decimals that show two digits of `size`.
+int DecimalsFor(double size) {
+  if (!(size > 0.0) || !std::isfinite(size)) return 4;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9);
+}
+
+// Estimated, but on the condition that a held parameter is where it was put.
+bool IsTied(const ParameterEstimate& row, const Identifiability& identifiability) {
+  for (const Direction& direction : identifiability.unidentifiable) {
+    for (const auto& [name, value] : direction.components) {
+      if (name == row.name && row.free) return true;
+    }
+  }
+  return false;
+}
+
+std::string StateOf(const ParameterEstimate& row, const Identifiability& identifiability) {
+  if (!row.identifiable) return "held";
+  if (!row.free) return "fixed";
+  if (IsTied(row, identifiability)) return "tied";
+  if (row.at_bound) return "at bound";
+  return row.weak ? "weak" : "";
+}
+
+// "0.034", or "-0.012/+0.034" where the interval is not even about the value.
+std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
+  const double down = (row.value - row.ci95.low) / unit, up = (row.ci95.high - row.value) / unit;
+  if (IsEven(row)) return Fixed(0.5 * (up + down), decimals);
+  return "-" + (row.open_low ? "open" : Fixed(down, decimals)) + "/+" + (row.open_high ? "open" : Fixed(up, decimals));
+}
+
+Section ParameterSection(const Estimate& estimate) {
+  Section section;
+  section.title = "Parameters, with 95 % intervals";
+  section.header = {"name", "value", "±", "unit", ""};
+  bool any_at_bound = false;
+  for (const ParameterEstimate& row : estimate.table) {
+    if (!row.free && row.identifiable && row.value == 0.0) continue;
+    const QuantityTraits& traits = TraitsOf(row.quantity);
+    const double half = 0.5 * (row.ci95.high - row.ci95.low) / traits.si_per_unit;
+    const bool known = row.free && half > 0.0 && std::isfinite(half);
+    const int decimals = DecimalsFor(known ? half : 0.0);
+    section.rows.push_back({row.name, Fixed(row.value / traits.si_per_unit, decimals),
+                            known ? Arms(row, traits.si_per_unit, decimals) : "-", traits.unit,
+                            StateOf(row, estimate.identifiability)});
+    any_at_bound |= row.at_bound;
+  }
+  if (any_at_bound) {
+    section.paragraphs.push_back(
+        "at bound: the interval meets a physical bound (a compliance is not below 0) and ends there; such a value "
+        "is known as \"at most\". Its interval holds the truth more often than 95 %: what it would have beyond the "
+        "bound is cut off.");
+  }
+  if (!estimate.identifiability.unidentifiable.empty()) {
+    section.paragraphs.insert(
+        section.paragraphs.begin(),
+        "held: stays where nominal robot and alignment put it. tied: moves with a held one; the "
+        "interval takes that one as exact; with what that one may be: `unconditional` in estimate.json.");
+  }
+  return section;
+}
+
+std::string List(const std::vector<std::string>& names, const std::string& prefix) {
+  std::string text;
+  for (const std::string& name : names) {
+    if (!text.empty()) text += ", ";
+    text += prefix;
+    text += name;
+  }
+  return text;
+}
+
+void AddIdentifiability(const CalibrationProblem& problem, const Estimate& estimate, std::vector<Section>* sections) {
+  const Identifiability& found = estimate.identifiability;
+  Section held, weak;
+  held.title = "What the data cannot tell (held)";
+  for (const Direction& direction : found.unidentifiable) {
+    held.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
+  }
+  if (!held.paragraphs.empty()) sections->push_back(held);
+  weak.title = "What the data tell poorly (worse than 1 mm, 1 mrad or half its value)";
+  for (const Direction& direction : found.weak) {
+    weak.paragraphs.push_back("- " + direction.words + " (" + Significant(direction.sigma, 2) +
+                              " of that limit). Remedy: " + direction.remedy + ".");
+  }
+  if (!weak.paragraphs.empty()) sections->push_back(weak);
+  Section rank;
+  rank.title = "Identifiability";
+  rank.paragraphs = {"Rank " + std::to_string(found.rank) + ", condition " + Significant(found.condition, 3) +
+                     " of the column-normalised Jacobian."};
+  if (!problem.redundant_errors.empty()) {
+    rank.paragraphs.push_back("Redundant, left at nominal (their effect is in the estimated ones): " +
+                              List(problem.redundant_errors, "geometry/") + ".");
+  }
+  sections->push_back(rank);
+}
+
+size_t Width(const std::string& utf8) {
+  return std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; });
+}
+
+// Column 0 and units flush left, numbers flush right.
+std::string TableToText(const Section& section) {
+  std::vector<std::vector<std::string>> rows = section.rows;
+  rows.insert(rows.begin(), section.header);
+  std::vector<size_t> widths(section.header.size());
+  for (const auto& row : rows) {
+    for (size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], Width(row[c]));
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = " ";
+    for (size_t c = 0; c < row.size(); ++c) {
+      const std::string padding(widths[c] - Width(row[c]), ' ');
+      const bool left = c == 0 || section.header[c] == "unit" || section.header[c].empty();
+      line += " " + (left ? row[c] + padding : padding + row[c]) + " ";
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+constexpr size_t kTerminalWidth = 110;
+
+std::string Wrapped(const std::string& paragraph) {
+  const std::string indent = paragraph.rfind("- ", 0) == 0 ? "    " : "  ";
+  std::string text, line = " ";
+  std::istringstream words(paragraph);
+  for (std::string word; words >> word;) {
+    if (Width(line) + 1 + Width(word) > kTerminalWidth && line.size() > indent.size()) {
+      text += line + "\n";
+      line = indent.substr(1);
+    }
+    line += " " + word;
+  }
+  return text + line + "\n";
+}
+
+}  // namespace
+
+std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate) {
+  std::vector<Section> sections = {ResultSection(problem, estimate)};
+  sections.push_back(ResidualSection("Residuals on calibration observations", estimate.fit_before, estimate.fit));
+  if (estimate.validation.observations > 0) sections.push_back(ValidationSection(estimate));
+  if (estimate.deflection_before.observations > 0) {
+    sections.push_back(ResidualSection("Deflections, loaded minus unloaded, " +
+                                           Plural(estimate.deflection_before.observations, "pair") +
+                                           ": measured, and measured minus predicted",
+                                       estimate.deflection_before, estimate.deflection_after));
+  }
+  sections.push_back(NoiseSection(problem, estimate));
+  const Section intervals = IntervalSection(estimate);
+  if (!intervals.paragraphs.empty()) sections.push_back(intervals);
+  sections.push_back(ParameterSection(estimate));
+  AddIdentifiability(problem, estimate, &sections);
+  Section warnings;
+  warnings.title = "Warnings";
+  for (const std::string& warning : problem.data.warnings) warnings.paragraphs.push_back("- " + warning);
+  for (const std::string& warning : estimate.warnings) warnings.paragraphs.push_back("- " + warning);
+  if (!warnings.paragraphs.empty()) sections.push_back(warnings);
+  return sections;
+}
+
+std::string SectionsToText(const std::vector<Section>& sections) {
+  std::string text;
+  for (const Section& section : sections) {
+    text += (text.empty() ? "" : "\n") + section.title + "\n";
+    if (!section.header.empty()) text += TableToText(section);
+    for (const std::string& paragraph : section.paragraphs) text += Wrapped(paragraph);
+  }
+  return text;
+}
+
+}  // namespace sagitta

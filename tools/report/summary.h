@@ -1,0 +1,29 @@
+// What an estimate says to people: the same sections for the terminal and for
+// report.html.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/estimate/estimate.h"
+#include "estimator/estimate/parameter_table.h"
+#include "problems/calibration_problem.h"
+#include "problems/text.h"
+
+namespace sagitta {
+
+struct Section {
+  std::string title;
+  std::vector<std::string> paragraphs;
+  std::vector<std::string> header;             // of the table; empty: none
+  std::vector<std::vector<std::string>> rows;  // the first cell of a row is text, the others numbers
+  std::string figure;                          // SVG, for pages only
+};
+
+std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate);
+// As paper 002, Tables IV and XI.
+Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after);
+
+std::string SectionsToText(const std::vector<Section>& sections);
+
+}  // namespace sagitta

@@ -1,0 +1,143 @@
+// sagitta-reproduce (also: sagitta reproduce): the published tables side by side.
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+
+#include "estimator/results/estimate_json.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "tools/progress.h"
+#include "tools/reproduce/data.h"
+#include "tools/run_command.h"
+
+DEFINE_int32(trials, 2000, "of the Monte-Carlo study");
+DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, else as built)");
+
+namespace sagitta {
+namespace {
+
+constexpr int kMostTrials = 1000000;
+
+std::string DataFolder() {
+  if (!FLAGS_data.empty()) return FLAGS_data;
+  const char* set = std::getenv("SAGITTA_DATA");
+  return set != nullptr && *set != '\0' ? set : SAGITTA_DATA_DIR;
+}
+
+std::vector<ReproducibleTable> AllTables() {
+  std::vector<ReproducibleTable> all;
+  for (const auto& tables : {PoseTables(), GeometryTables(), CompensatorTables(), ElastostaticTables(),
+                             ValidationTables(), WeightTables()}) {
+    all.insert(all.end(), tables.begin(), tables.end());
+  }
+  // Papers in order; within one the tables as numbered, then the figures.
+  const std::vector<std::string> order = {"000-I",    "000-II",   "000-III",  "000-IV",   "002-I",    "002-II",
+                                          "002-III",  "002-IV",   "002-V",    "002-VI",   "002-VII",  "002-VIII",
+                                          "002-IX",   "002-X",    "002-XI",   "002-XII",  "002-XIII", "002-fig4",
+                                          "002-fig5", "002-fig8", "002-fig9", "002-fig10"};
+  const auto rank = [&order](const ReproducibleTable& table) {
+    return std::find(order.begin(), order.end(), table.id) - order.begin();  // 003 stands behind, as listed
+  };
+  std::stable_sort(all.begin(), all.end(), [&rank](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  return all;
+}
+
+// all | 002 | 002-VI, in any number; nothing: all.
+std::vector<ReproducibleTable> TablesAsked(const std::vector<std::string>& arguments) {
+  const std::vector<ReproducibleTable> all = AllTables();
+  std::vector<std::string> names = {"all", "000", "002", "003"};
+  for (const ReproducibleTable& table : all) names.push_back(table.id);
+  for (const std::string& argument : arguments) {
+    if (std::find(names.begin(), names.end(), argument) != names.end()) continue;
+    throw InputError({"", 0, "sagitta reproduce"}, "there is no table '" + argument + "'",
+                     SpellingHint(argument, names));
+  }
+  std::vector<ReproducibleTable> asked;
+  for (const ReproducibleTable& table : all) {
+    const bool wanted = arguments.empty() || std::any_of(arguments.begin(), arguments.end(), [&](const std::string& a) {
+                          return a == "all" || a == table.id || table.id.rfind(a + "-", 0) == 0;
+                        });
+    if (wanted) asked.push_back(table);
+  }
+  return asked;
+}
+
+// A file of another version or a mutilated one: an input error, not a crash.
+std::vector<ReproducedTable> Compute(const std::vector<ReproducibleTable>& asked, Reproduction* reproduction) {
+  std::vector<ReproducedTable> tables;
+  Progress progress(FLAGS_quiet);
+  for (const ReproducibleTable& table : asked) {
+    progress.Say("computing " + table.id);
+    try {
+      tables.push_back(table.make(reproduction));
+    } catch (const nlohmann::json::exception& error) {
+      throw InputError({DataFolder(), 0, table.id}, std::string("the published data lack something: ") + error.what());
+    }
+  }
+  return tables;
+}
+
+nlohmann::ordered_json ToJson(const std::vector<ReproducedTable>& tables, const CommandLine& line) {
+  nlohmann::ordered_json json = {
+      {"schema", "sagitta/reproduction/1"}, {"version", SAGITTA_VERSION}, {"command", line.text},
+      {"note", SimulationNote()},           {"trials", FLAGS_trials},     {"seed", FLAGS_seed}};
+  json["tables"] = nlohmann::ordered_json::array();
+  for (const ReproducedTable& table : tables) json["tables"].push_back(TableToJson(table));
+  return json;
+}
+
+std::string ToText(const std::vector<ReproducedTable>& tables) {
+  std::vector<Section> sections;
+  for (const ReproducedTable& table : tables) sections.push_back(TableToSection(table));
+  if (tables.size() > 1) sections.push_back(OverviewSection(tables));
+  return SectionsToText(sections);
+}
+
+int RunReproduce(const CommandLine& line) {
+  if (FLAGS_trials < 2 || FLAGS_trials > kMostTrials) {
+    throw InputError({"", 0, "--trials"}, "between 2 and " + std::to_string(kMostTrials) + " trials are possible");
+  }
+  const std::vector<ReproducibleTable> asked = TablesAsked(line.arguments);
+  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  Reproduction reproduction(ReadPublishedData(DataFolder()), {FLAGS_trials, FLAGS_seed});
+  const std::vector<ReproducedTable> tables = Compute(asked, &reproduction);
+  const std::string report = ReproductionToHtml(tables, line.text), json = DumpJson(ToJson(tables, line));
+  std::cout << ToText(tables);
+  if (FLAGS_out.empty()) {
+    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    return 0;
+  }
+  WriteTextFile(FLAGS_out + "/report.html", report);
+  WriteTextFile(FLAGS_out + "/reproduce.json", json);
+  std::cout << "\nResults in " << FLAGS_out << ": report.html, reproduce.json\n";
+  return 0;
+}
+
+Command ReproduceCommand() {
+  return {"reproduce",
+          "the published tables side by side",
+          R"(sagitta reproduce [all | PAPER | TABLE…] --out=DIR
+
+Every numbered table of papers 000, 002 and 003, and the figures that can be computed: published, computed, and a
+verdict on each row with its reason. No raw measurements are published; the published parameters, configurations,
+loads and noise drive the simulation. Tables: 000-I … 000-IV, 002-I … 002-XIII, 002-fig4, -fig5, -fig8, -fig9,
+-fig10, 003-1 … 003-4, 003-fig3. Writes report.html and reproduce.json to DIR.
+
+Examples
+  sagitta reproduce --out=results
+  sagitta reproduce 003-4 --trials=20000
+  sagitta reproduce 002-VIII 002-XIII 003 --seed=7 --out=results
+)",
+          {"trials", "data", "out", "seed", "threads", "quiet"},
+          RunReproduce};
+}
+
+}  // namespace
+}  // namespace sagitta
+
+int main(int argc, char** argv) {
+  return sagitta::RunGuarded(argv[0],
+                             [&] { return sagitta::RunCommand(sagitta::ReproduceCommand(), {argv + 1, argv + argc}); });
+}

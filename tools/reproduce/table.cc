@@ -1,0 +1,221 @@
+#include "tools/reproduce/table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/report/svg.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kNear = 0.10;
+constexpr double kFactor = 3.0;
+
+constexpr const char* kStyle = R"(body{font:15px/1.5 sans-serif;max-width:72em;margin:2em auto;padding:0 1em;color:#222}
+h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em;border-bottom:1px solid #ccc}
+table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:left;vertical-align:top}
+.n{text-align:right}td+td{white-space:nowrap}td.n{font-variant-numeric:tabular-nums;white-space:pre}
+ol{margin:.5em 0;padding-left:1.8em}
+tr:nth-child(even) td{background:#f5f5f5}
+svg{margin:.8em 2em .5em 0}svg text{font:11px sans-serif;fill:#444}.bar{fill:#4a78b0}.axis{stroke:#888}
+.line{stroke:#b33;fill:none;stroke-width:1.5}.reproduced{color:#1a6b2f}.order{color:#8a5a00}.not{color:#a11}.input{color:#555}.note{color:#555}code{background:#f5f5f5}
+@media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr{break-inside:avoid}}
+)";
+
+const char* StyleOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kReproduced:
+      return "reproduced";
+    case Verdict::kOrderOfMagnitude:
+      return "order";
+    case Verdict::kNotReproducible:
+      return "not";
+    case Verdict::kInput:
+    case Verdict::kAddition:
+      break;
+  }
+  return "input";
+}
+
+std::string Paragraph(const std::string& text) { return "<p>" + EscapeHtml(text) + "</p>\n"; }
+
+// The reasons of a table, once each.
+std::vector<std::string> ReasonsOf(const ReproducedTable& table) {
+  std::vector<std::string> reasons;
+  for (const ReproducedRow& row : table.rows) {
+    const bool is_new = std::find(reasons.begin(), reasons.end(), row.why) == reasons.end();
+    if (!row.why.empty() && is_new) reasons.push_back(row.why);
+  }
+  return reasons;
+}
+
+// " (2)": which of the reasons; "": none.
+std::string ReasonNumber(const ReproducedRow& row, const std::vector<std::string>& reasons) {
+  if (row.why.empty()) return "";
+  const auto at = std::find(reasons.begin(), reasons.end(), row.why) - reasons.begin();
+  return " (" + std::to_string(at + 1) + ")";
+}
+
+std::string RowToHtml(const ReproducedRow& row, const std::vector<std::string>& reasons) {
+  return "<tr title=\"" + EscapeHtml(row.why) + "\"><td>" + EscapeHtml(row.quantity) + "</td><td class=\"n\">" +
+         EscapeHtml(row.published) + "</td><td class=\"n\">" + EscapeHtml(row.computed) + "</td><td class=\"" +
+         StyleOf(row.verdict) + "\">" + VerdictName(row.verdict) + ReasonNumber(row, reasons) + "</td></tr>\n";
+}
+
+std::string TableToHtml(const ReproducedTable& table) {
+  const std::vector<std::string> reasons = ReasonsOf(table);
+  std::string html = "<h2 id=\"" + EscapeHtml(table.id) + "\">" + EscapeHtml(table.id + "  " + table.title) +
+                     "</h2>\n<p class=\"note\">" + EscapeHtml(SimulationNote()) +
+                     "</p>\n<table><thead><tr><th>quantity</th><th class=\"n\">published</th><th "
+                     "class=\"n\">computed</th><th>verdict</th></tr></thead><tbody>\n";
+  for (const ReproducedRow& row : table.rows) html += RowToHtml(row, reasons);
+  html += "</tbody></table>\n";
+  if (!reasons.empty()) {
+    html += "<ol class=\"note\">\n";
+    for (const std::string& reason : reasons) html += "<li>" + EscapeHtml(reason) + "</li>\n";
+    html += "</ol>\n";
+  }
+  html += table.figures;
+  for (const std::string& note : table.notes) html += Paragraph(note);
+  return html;
+}
+
+std::string OverviewToHtml(const std::vector<ReproducedTable>& tables) {
+  const Section overview = OverviewSection(tables);
+  std::string html = "<table><thead><tr>";
+  for (const std::string& cell : overview.header) html += "<th>" + EscapeHtml(cell) + "</th>";
+  html += "</tr></thead><tbody>\n";
+  for (size_t t = 0; t < tables.size(); ++t) {
+    html += "<tr><td><a href=\"#" + EscapeHtml(tables[t].id) + "\">" + EscapeHtml(overview.rows[t][0]) + "</a></td>";
+    for (size_t c = 1; c < overview.rows[t].size(); ++c) {
+      html += "<td class=\"n\">" + EscapeHtml(overview.rows[t][c]) + "</td>";
+    }
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table>\n";
+}
+
+}  // namespace
+
+const char* VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kReproduced:
+      return "reproduced";
+    case Verdict::kOrderOfMagnitude:
+      return "order of magnitude";
+    case Verdict::kNotReproducible:
+      return "not reproducible";
+    case Verdict::kAddition:
+      return "not in the paper";
+    case Verdict::kInput:
+      break;
+  }
+  return "input";
+}
+
+int ReproducedTable::Count(Verdict verdict) const {
+  int count = 0;
+  for (const ReproducedRow& row : rows) count += row.verdict == verdict ? 1 : 0;
+  return count;
+}
+
+Verdict JudgeRatio(double published, double computed, Verdict best) {
+  const double ratio = computed / published;
+  if (!(ratio > 1.0 / kFactor && ratio < kFactor)) return Verdict::kNotReproducible;
+  if (std::abs(ratio - 1.0) <= kNear) return best;
+  return Verdict::kOrderOfMagnitude;
+}
+
+ReproducedRow& ReproducedTable::Compare(const std::string& quantity, double published_value, double computed_value,
+                                        int decimals, const std::string& why, Verdict best) {
+  State(quantity, Fixed(published_value, decimals), Fixed(computed_value, decimals),
+        JudgeRatio(published_value, computed_value, best), why);
+  rows.back().published_value = published_value;
+  rows.back().computed_value = computed_value;
+  return rows.back();
+}
+
+ReproducedRow& ReproducedTable::State(const std::string& quantity, const std::string& published_text,
+                                      const std::string& computed_text, Verdict verdict, const std::string& why) {
+  ReproducedRow row;
+  row.quantity = quantity;
+  row.published = published_text;
+  row.computed = computed_text;
+  row.verdict = verdict;
+  row.why = why;
+  rows.push_back(row);
+  return rows.back();
+}
+
+const std::string& SimulationNote() {
+  static const std::string note =
+      "No raw measurements are published: the published parameters, configurations, loads and noise drive the "
+      "simulation behind every computed number.";
+  return note;
+}
+
+Section TableToSection(const ReproducedTable& table) {
+  Section section;
+  section.title = table.id + "  " + table.title;
+  section.header = {"quantity", "published", "computed", "verdict"};
+  const std::vector<std::string> reasons = ReasonsOf(table);
+  for (const ReproducedRow& row : table.rows) {
+    section.rows.push_back(
+        {row.quantity, row.published, row.computed, VerdictName(row.verdict) + ReasonNumber(row, reasons)});
+  }
+  for (size_t i = 0; i < reasons.size(); ++i) {
+    section.paragraphs.push_back("(" + std::to_string(i + 1) + ") " + reasons[i]);
+  }
+  for (const std::string& note : table.notes) section.paragraphs.push_back(note);
+  section.paragraphs.push_back(SimulationNote());
+  return section;
+}
+
+Section OverviewSection(const std::vector<ReproducedTable>& tables) {
+  Section section;
+  section.title = "Published tables and figures: rows by verdict";
+  section.header = {"table", "reproduced", "order of magnitude", "not reproducible", "input"};
+  for (const ReproducedTable& table : tables) {
+    section.rows.push_back({table.id + "  " + table.title});
+    for (const Verdict verdict :
+         {Verdict::kReproduced, Verdict::kOrderOfMagnitude, Verdict::kNotReproducible, Verdict::kInput}) {
+      section.rows.back().push_back(std::to_string(table.Count(verdict)));
+    }
+  }
+  return section;
+}
+
+nlohmann::ordered_json TableToJson(const ReproducedTable& table) {
+  nlohmann::ordered_json json = {{"id", table.id}, {"title", table.title}, {"note", SimulationNote()}};
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const ReproducedRow& row : table.rows) {
+    nlohmann::ordered_json entry = {{"quantity", row.quantity}};
+    const bool numbers = std::isfinite(row.published_value) && std::isfinite(row.computed_value);
+    if (numbers) {
+      entry["published"] = row.published_value;
+      entry["computed"] = row.computed_value;
+    } else {
+      entry["published"] = row.published;
+      entry["computed"] = row.computed;
+    }
+    if (!row.numbers.empty()) entry["numbers"] = row.numbers;
+    entry["verdict"] = VerdictName(row.verdict);
+    if (!row.why.empty()) entry["why"] = row.why;
+    json["rows"].push_back(entry);
+  }
+  json["notes"] = table.notes;
+  return json;
+}
+
+std::string ReproductionToHtml(const std::vector<ReproducedTable>& tables, const std::string& command) {
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Published tables side by side - "
+      "sagitta</title>\n<style>" +
+      std::string(kStyle) + "</style></head><body>\n<h1>Published tables side by side</h1>\n";
+  html += Paragraph(SimulationNote()) + OverviewToHtml(tables);
+  for (const ReproducedTable& table : tables) html += TableToHtml(table);
+  return html + "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION "</p>\n<p><code>" + EscapeHtml(command) +
+         "</code></p>\n</body></html>\n";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,67 @@
+#include "tools/run_command.h"
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+#include <unistd.h>
+
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+void Print(const InputError& error) {
+  std::string message = error.what();
+  const std::string in_brackets = " (" + error.hint() + ")";
+  if (!error.hint().empty()) message.resize(message.size() - in_brackets.size());
+  std::cerr << "sagitta: error: " << message << "\n";
+  if (!error.hint().empty()) std::cerr << "  hint: " << error.hint() << "\n";
+}
+
+}  // namespace
+
+int RunGuarded(const char* program_path, const std::function<int()>& program) {
+  google::InitGoogleLogging(program_path);
+  FLAGS_logtostderr = true;
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what matters is said in the summary; Ceres' own words help nobody
+  try {
+    return program();
+  } catch (const InputError& error) {
+    Print(error);
+    return kUsageError;
+  } catch (const std::exception& error) {
+    std::cerr << "sagitta: error: " << error.what() << "\n";
+    return kNumericalFailure;
+  }
+}
+
+std::string HelpOf(const Command& command) {
+  std::string text = command.help + "\nFlags\n";
+  for (const std::string& flag : command.flags) text += DescribeFlag(flag);
+  return text;
+}
+
+int RunCommand(const Command& command, const std::vector<std::string>& arguments) {
+  const CommandLine line = ParseCommandLine(command, arguments);
+  if (line.help) {
+    std::cout << HelpOf(command);
+    return 0;
+  }
+  return command.run(line);
+}
+
+int HandOver(const std::string& program, const std::vector<std::string>& arguments) {
+  std::error_code error;
+  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string path = (own.parent_path() / program).string();
+  std::vector<char*> words = {const_cast<char*>(path.c_str())};
+  for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
+  execv(path.c_str(), words.data());
+  throw InputError({path, 0, ""}, "the program '" + program + "' is not installed in the folder of sagitta");
+}
+
+}  // namespace sagitta
