@@ -22,7 +22,7 @@ constexpr double kSigma = 3e-5;  // m
 constexpr double kRange = 1.0;   // m: PhysicalRange of a marker
 constexpr double kQuantile = 1.959964;
 const Vector3<double> kStatedTool(0.28, -0.05, -0.09);
-const Eigen::Matrix3d kDown = test::Turn(Eigen::Vector3d::UnitY(), 0.5 * test::kPi);
+const Eigen::Matrix3d kDown = test::Turn(Eigen::Vector3d::UnitY(), 0.5 * kPi);
 // Turned about all axes, so that every component of the tool point shows.
 const Eigen::Matrix3d kAskew = kDown * test::Turn(Eigen::Vector3d(1, 2, 3).normalized(), 1.2);
 

@@ -125,7 +125,7 @@ TEST(Inspect, TwoFlippedJointsAreNamed) {
 TEST(Inspect, AnotherZeroIsNamed) {
   for (const int j : {1, 2, 3, 4}) {  // the base absorbs the first, the markers the last
     const Inspection inspection =
-        InspectKr270({}, [j](Measurements* data) { Turn(data, [j](auto* q) { (*q)[j] += test::kPi / 2; }); });
+        InspectKr270({}, [j](Measurements* data) { Turn(data, [j](auto* q) { (*q)[j] += kPi / 2; }); });
     const Finding* finding = Find(inspection, "joint_offset");
     ASSERT_NE(finding, nullptr) << j;
     EXPECT_THAT(finding->words, HasSubstr("joint A" + std::to_string(j + 1) + " with its zero -90 deg away"));
@@ -140,7 +140,7 @@ TEST(Inspect, WhatNoReadingExplainsIsSaidToBeUnexplained) {
 
 // DH by 4 x 4 matrices of its own.
 Eigen::Matrix4d StandardLink(const test::DhRow& row, double q) {
-  const double t = row.theta_deg * test::kDegree + q, a = row.alpha_deg * test::kDegree;
+  const double t = row.theta_deg * kDegree + q, a = row.alpha_deg * kDegree;
   Eigen::Matrix4d m;
   m << std::cos(t), -std::sin(t) * std::cos(a), std::sin(t) * std::sin(a), row.a * std::cos(t),  //
       std::sin(t), std::cos(t) * std::cos(a), -std::cos(t) * std::sin(a), row.a * std::sin(t),   //
@@ -164,7 +164,7 @@ TEST(Inspect, TheOtherDhConventionIsNamed) {
     table.convention = right ? DhConvention::kStandard : DhConvention::kModified;
     for (int j = 0; j < 6; ++j) {
       const test::DhRow row = test::Ur5Rows()[j];
-      table.links.push_back({j, row.a, row.alpha_deg * test::kDegree, row.d, 0.0, 0.0});
+      table.links.push_back({j, row.a, row.alpha_deg * kDegree, row.d, 0.0, 0.0});
     }
     robot.chain = ChainFromDhTable(test::Revolutes(6), {}, table);
     robot.dh = table;

@@ -86,7 +86,7 @@ TEST(JointEstimator, AnyBaseRotationAndUnknownToolsConvergeToTheSameOptimum) {
   for (int k = 0; k < kStarts; ++k) {
     Kr270Truth truth;
     const Vector3<double> axis = random.Vector(1.0).normalized();
-    truth.base_rotvec[0] = random.Uniform(0.0, test::kPi) * axis;
+    truth.base_rotvec[0] = random.Uniform(0.0, kPi) * axis;
     truth.base_xyz[0] = random.Vector(5.0);
     CalibrationProblem problem = Kr270Problem(design, truth, 3);
     // The same noise seen from another base is other noise: rotate it along.

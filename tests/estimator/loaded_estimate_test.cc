@@ -249,7 +249,7 @@ void AsPublished(std::vector<Configuration>* configurations) {
     if (cell[0] != 'E' || !seen.emplace(cell, seen.size()).second) continue;
     Configuration& configuration = configurations->at(seen[cell]);
     for (int skipped = 0; skipped < 2; ++skipped) std::getline(cells, cell, ',');
-    for (int j = 0; j < 6 && std::getline(cells, cell, ','); ++j) configuration.q[j] = std::stod(cell) * test::kDegree;
+    for (int j = 0; j < 6 && std::getline(cells, cell, ','); ++j) configuration.q[j] = std::stod(cell) * kDegree;
   }
   EXPECT_EQ(seen.size(), 15u);
 }

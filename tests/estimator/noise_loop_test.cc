@@ -125,7 +125,7 @@ TEST(NoiseLoop, MisfitIsNotThrownOut) {
   Measurements data = SixtyConfigurations(8);
   int moved = 0;
   for (Observation& observation : data.observations) {
-    if (data.ConfigurationOf(observation).q[2] < 105 * test::kDegree) continue;
+    if (data.ConfigurationOf(observation).q[2] < 105 * kDegree) continue;
     observation.point_in_station += Vector3<double>(3e-3, 0, 0);
     ++moved;
   }

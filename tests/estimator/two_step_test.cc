@@ -133,7 +133,7 @@ TEST(TwoStep, LiteralWithoutRotationIsNearlyUnbiased) {
 
 // 160 degrees is far outside what eq. (9) means: no answer that looks like one.
 TEST(TwoStep, LiteralFarFromIdentityIsVisiblyWrong) {
-  const TwoStepResult literal = RunVariant(TurnedBase(160 * test::kDegree, 1), TwoStepVariant::kLiteral);
+  const TwoStepResult literal = RunVariant(TurnedBase(160 * kDegree, 1), TwoStepVariant::kLiteral);
   const Estimate& estimate = literal.estimate;
   EXPECT_TRUE(!IsUsable(estimate.status) || estimate.fit.rms > 0.1) << estimate.message;
 }

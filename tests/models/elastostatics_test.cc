@@ -270,7 +270,7 @@ TEST(LoadedReference, TorquesAndFirstOrderMarkers) {
       theta[i] = reference["geo_mm_rad"][i].get<double>() * (length ? 1e-3 : 1.0);
     }
     ShotInput shot(Eigen::VectorXd::Zero(6));
-    for (int j = 0; j < 6; ++j) shot.conditions.q[j] = reference["q_deg"][c][j].get<double>() * test::kDegree;
+    for (int j = 0; j < 6; ++j) shot.conditions.q[j] = reference["q_deg"][c][j].get<double>() * kDegree;
     const AppliedWrench wrench{model.chain().FlangeFrame(),
                                1e-3 * vector(reference["load_point_tool"]),
                                vector(reference["force_tracker"]),

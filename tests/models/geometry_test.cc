@@ -8,7 +8,6 @@
 namespace sagitta {
 namespace {
 
-using test::kPi;
 using test::RandomNumbers;
 
 Vector3<double> RandomAxis(RandomNumbers* random) {

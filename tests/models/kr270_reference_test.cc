@@ -41,7 +41,7 @@ class Kr270Reference : public ::testing::Test {
 
   Eigen::VectorXd JointValues(int configuration) const {
     Eigen::VectorXd q(6);
-    for (int j = 0; j < 6; ++j) q[j] = test::kDegree * reference_["q_deg"][configuration][j].get<double>();
+    for (int j = 0; j < 6; ++j) q[j] = kDegree * reference_["q_deg"][configuration][j].get<double>();
     return q;
   }
 

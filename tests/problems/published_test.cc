@@ -23,7 +23,6 @@
 namespace sagitta {
 namespace {
 
-using test::kDegree;
 
 const std::string kPublished = test::SourceFolder() + "/problems/published/";
 constexpr double kMm = 1e-3;

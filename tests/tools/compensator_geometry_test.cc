@@ -7,7 +7,6 @@
 namespace sagitta {
 namespace {
 
-using test::kDegree;
 
 // Paper 002's six angles; P1 and P2 built from distances: |P1 - P2| is the
 // spring's length of models/gravity_compensator.h at every angle.
