@@ -29,6 +29,7 @@ LIBRARIES = {
 LIBRARY_OF_LINK = {
     'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
     'nlohmann_json::nlohmann_json': 'nlohmann', 'OpenSSL::Crypto': 'openssl',
+    'urdfdom::urdfdom_model': 'urdfdom', 'console_bridge::console_bridge': 'console_bridge', 'EXPAT::EXPAT': 'expat',
     'Ceres::ceres': 'ceres', 'glog::glog': 'glog', 'gflags': 'gflags', 'fmt::fmt': 'fmt', 'Boost::boost': 'boost',
 }
 LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator',
