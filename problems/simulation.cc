@@ -32,24 +32,82 @@ std::vector<Vector3<double>> SigmaOfRows(const Measurements& rows, const Vector3
   return sigma;
 }
 
+Simulator::Simulator(const CalibrationProblem& problem, const ParameterSet& truth, NoiseRoots roots,
+                     double repeatability_scale)
+    : problem_(problem),
+      truth_(truth),
+      theta_(truth.ModelValues()),
+      roots_(std::move(roots)),
+      repeatability_scale_(repeatability_scale),
+      exact_(Eigen::Matrix3Xd::Constant(3, problem.data.observations.size(), std::nan(""))) {
+  assert(roots_.size() == problem.data.observations.size());
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    if (!PredictShot(static_cast<int>(s), nullptr, &exact_)) break;
+  }
+}
+
+bool Simulator::PredictShot(int s, const double* deviations, Eigen::Matrix3Xd* points) const {
+  const Shot& shot = problem_.data.shots[s];
+  std::vector<MarkerInFrame> markers;
+  for (const int k : shot.observations) {
+    const int marker = problem_.data.observations[k].marker;
+    markers.push_back({problem_.marker_frames[marker], truth_.MarkerPoint(marker), marker});
+  }
+  std::vector<PointPrediction> predictions;
+  if (!problem_.model.Predict(problem_.shot_inputs[s], theta_.data(), {}, truth_.BaseInStation(shot.station), markers,
+                              &predictions, deviations)) {
+    return false;
+  }
+  for (size_t m = 0; m < markers.size(); ++m) points->col(shot.observations[m]) = predictions[m].point;
+  return true;
+}
+
+bool Simulator::Draw(std::uint64_t seed, Measurements* data) const {
+  constexpr std::uint64_t kOtherStream = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio: far from any seed in use
+  const LatentModel& latent = problem_.latent;
+  Eigen::Matrix3Xd points = exact_;
+  if (!latent.empty()) {
+    NormalNumbers arm(seed + kOtherStream);
+    Eigen::MatrixXd deviations = Eigen::MatrixXd::Zero(problem_.robot.num_joints(), latent.num_visits);
+    for (int v = 0; v < latent.num_visits; ++v) {
+      for (int i = 0; i < latent.size(); ++i) {
+        deviations(latent.joints[i], v) = repeatability_scale_ * latent.sigmas[i] * arm();
+      }
+    }
+    for (size_t s = 0; s < data->shots.size(); ++s) {
+      if (!PredictShot(static_cast<int>(s), deviations.col(latent.visit_of_shot[s]).data(), &points)) return false;
+    }
+  }
+  if (!points.allFinite()) return false;
+  NormalNumbers instrument(seed);
+  for (size_t k = 0; k < data->observations.size(); ++k) {
+    Vector3<double> unit;
+    for (double& u : unit) u = instrument();
+    data->observations[k].point_in_station = points.col(k) + roots_[k] * unit;
+  }
+  return true;
+}
+
 Measurements SimulateMeasurements(const Measurements& rows, const SimulationTruth& truth,
                                   const std::vector<Vector3<double>>& sigma, std::uint64_t seed) {
   assert(truth.base_in_station.size() == rows.stations.size());
   assert(truth.markers.size() == rows.markers.size());
   assert(sigma.size() == rows.observations.size());
-  const ForwardModel model(truth.robot.chain);
-  const std::vector<double> no_errors(model.num_parameters(), 0.0);
-  NormalNumbers normal(seed);
-  Measurements simulated = rows;
-  for (size_t i = 0; i < simulated.observations.size(); ++i) {
-    Observation& observation = simulated.observations[i];
-    const MarkerInFrame& marker = truth.markers[observation.marker];
-    const Pose<double>& base_in_station = truth.base_in_station[simulated.shots[observation.shot].station];
-    const Vector3<double> point_in_base =
-        model.PointInBase(simulated.ConfigurationOf(observation).q, no_errors.data(), marker.frame, marker.point);
-    observation.point_in_station = base_in_station * point_in_base;
-    for (int axis = 0; axis < 3; ++axis) observation.point_in_station[axis] += sigma[i][axis] * normal();
+  Robot rigid;
+  rigid.chain = truth.robot.chain;
+  CalibrationProblem problem(std::move(rigid), rows, Experiment());
+  for (size_t s = 0; s < truth.base_in_station.size(); ++s) {
+    problem.parameters.SetBaseInStation(static_cast<int>(s), truth.base_in_station[s]);
   }
+  for (size_t m = 0; m < truth.markers.size(); ++m) {
+    problem.parameters.SetMarkerPoint(static_cast<int>(m), truth.markers[m].point);
+    problem.marker_frames.push_back(truth.markers[m].frame);
+  }
+  for (const Shot& shot : rows.shots) problem.shot_inputs.emplace_back(rows.configurations[shot.configuration].q);
+  NoiseRoots roots;
+  for (const Vector3<double>& axes : sigma) roots.emplace_back(axes.asDiagonal());
+  Measurements simulated = rows;
+  Simulator(problem, problem.parameters, std::move(roots)).Draw(seed, &simulated);
   return simulated;
 }
 

@@ -4,16 +4,9 @@
 #include <algorithm>
 #include <iostream>
 
-#include "estimator/agreement/agreement.h"
-#include "estimator/baselines/compare_methods.h"
-#include "estimator/calibration/noise_loop.h"
-#include "estimator/calibration/unit_guess.h"
-#include "estimator/intervals/intervals.h"
-#include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
-#include "problems/input_error.h"
+#include "estimator/sagitta.h"
 #include "problems/io/files.h"
-#include "problems/io/robot_file.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
@@ -29,34 +22,6 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kShownDirections = 5;
-// Random halves to compare: each costs two fits of half the rows.
-int RandomHalves(const CalibrationProblem& problem) {
-  return std::clamp(40000 / static_cast<int>(problem.data.observations.size() + 1), 4, 20);
-}
-
-void CheckMethod() {
-  for (const std::string& method : MethodNames()) {
-    if (FLAGS_method == method) return;
-  }
-  throw InputError({"", 0, "--method"}, "there is no method '" + FLAGS_method + "'",
-                   SpellingHint(FLAGS_method, MethodNames()));
-}
-
-void CheckMethodKnowsNoise(const CalibrationProblem& problem) {
-  const std::string obstacle = MethodObstacle(problem, FLAGS_method);
-  if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
-}
-
-ResolvedEstimate RunEstimate(const CalibrationProblem& problem, Progress* progress) {
-  JointOptions options;
-  options.num_threads = FLAGS_threads;
-  options.progress = [progress](const std::string& what) { progress->Say(what); };
-  ResolvedEstimate joint = EstimateWithNoise(problem, options);
-  if (FLAGS_method == "joint" || !IsUsable(joint.estimate.status)) return joint;
-  progress->Say("running " + FLAGS_method);
-  joint.estimate = RunMethod(joint.problem, FLAGS_method, joint.estimate, options.progress).estimate;
-  return joint;
-}
 
 int ReportFailure(const Estimate& estimate) {
   std::cerr << "sagitta: no estimate: " << StatusName(estimate.status) << ": " << estimate.message << "\n";
@@ -87,33 +52,23 @@ struct ResultFiles {
   }
 };
 
+Calibration CalibrateWithProgress(const CalibrationProblem& problem) {
+  Progress progress(FLAGS_quiet);
+  return Calibrate(problem, {FLAGS_method, FLAGS_threads, FLAGS_seed,
+                             [&progress](const std::string& what) { progress.Say(what); }});
+}
+
 int RunCalibrate(const CommandLine& line) {
   ExpectArguments(line, CalibrateCommand(), 1, 1000);
-  CheckMethod();
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
 
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
-  ResolvedEstimate resolved{ProblemFromInputs(inputs), {}};
-  CheckMethodKnowsNoise(resolved.problem);
-  CheckIntervalsFit(resolved.problem, FLAGS_method);
-  {
-    Progress progress(FLAGS_quiet);
-    resolved = RunEstimate(resolved.problem, &progress);
-    const IntervalOptions options{FLAGS_threads, [&progress](const std::string& what) { progress.Say(what); }};
-    if (IsUsable(resolved.estimate.status)) {
-      AddIntervals(resolved.problem, options, &resolved.estimate);
-      progress.Say("comparing parts of the data");
-      if (FLAGS_method == "joint")
-        CheckAgreement(resolved.problem, {FLAGS_seed, RandomHalves(resolved.problem)}, &resolved.estimate);
-    }
-  }
-  const CalibrationProblem& problem = resolved.problem;
-  Estimate& estimate = resolved.estimate;
+  const Calibration result = CalibrateWithProgress(ProblemFromInputs(inputs));
+  const CalibrationProblem& problem = result.problem;
+  const Estimate& estimate = result.estimate;
   if (!IsUsable(estimate.status)) return ReportFailure(estimate);
 
-  const std::string misfit = WarningOfMisfit(problem, estimate.fit.distance_rms);
-  if (!misfit.empty()) estimate.warnings.push_back(misfit);
   const ResultFiles files(problem, estimate, {line.text, FLAGS_method, inputs.files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(Summarise(problem, estimate));

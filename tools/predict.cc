@@ -5,17 +5,10 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <numeric>
-#include <stdexcept>
 
-#include "estimator/calibration/load_remedy.h"
-#include "estimator/intervals/prediction.h"
-#include "estimator/least_squares/linearization.h"
-#include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
-#include "problems/input_error.h"
+#include "estimator/sagitta.h"
 #include "problems/io/files.h"
-#include "problems/io/measurement_file.h"
 #include "tools/commands.h"
 #include "tools/report/summary.h"
 
@@ -55,23 +48,21 @@ Eigen::VectorXd Shares(const PredictionCovariance& point, const Matrix3<double>&
   return shares;
 }
 
-std::vector<AddedColumn> UncertaintyColumns(const CalibrationProblem& problem, const KnownRobot& known,
-                                            const std::vector<int>& observations, double* largest) {
+std::vector<AddedColumn> UncertaintyColumns(const Prediction& prediction, double* largest) {
   static const std::vector<std::string> kNames = {
       "psig_x_mm",   "psig_y_mm",   "psig_z_mm",   "psig_distance_mm", "pcov_xy_mm2",   "pcov_xz_mm2",  "pcov_yz_mm2",
       "paxis1_mm",   "paxis1_x",    "paxis1_y",    "paxis1_z",         "paxis2_mm",     "paxis2_x",     "paxis2_y",
       "paxis2_z",    "paxis3_mm",   "paxis3_x",    "paxis3_y",         "paxis3_z",      "pheld_x_mm",   "pheld_y_mm",
       "pheld_z_mm",  "parm_x_mm",   "parm_y_mm",   "parm_z_mm",        "pnoise_x_mm",   "pnoise_y_mm",  "pnoise_z_mm",
       "parm_xy_mm2", "parm_xz_mm2", "parm_yz_mm2", "pnoise_xy_mm2",    "pnoise_xz_mm2", "pnoise_yz_mm2"};
-  const std::vector<PredictionCovariance> points =
-      PredictionCovariances(problem, known.uncertainty, observations, known.noise.scale);
-  Eigen::MatrixXd values(kNames.size(), observations.size());
-  for (size_t k = 0; k < observations.size(); ++k) {
-    Matrix3<double> instrument = known.noise.scale * problem.NoiseRoot(observations[k]);
+  const size_t n = prediction.covariances.size();
+  Eigen::MatrixXd values(kNames.size(), n);
+  for (size_t k = 0; k < n; ++k) {
+    Matrix3<double> instrument = prediction.instrument[k];
     if (!IsStated(instrument)) instrument.setConstant(std::nan(""));
-    values.col(k) = Shares(points[k], instrument);
+    values.col(k) = Shares(prediction.covariances[k], instrument);
   }
-  *largest = observations.empty() ? 0.0 : values.topRows(3).maxCoeff<Eigen::PropagateNaN>();
+  *largest = n == 0 ? 0.0 : values.topRows(3).maxCoeff<Eigen::PropagateNaN>();
   return NumberColumns(kNames, values);
 }
 
@@ -82,24 +73,18 @@ int RunPredict(const CommandLine& line) {
   MeasurementReadOptions options;
   options.points_required = false;
   const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
-  const CalibrationProblem problem = PredictionProblem(known, ReadMeasurementsFor(known.robot, files, options));
-
-  std::vector<int> all(problem.data.observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
-  if (!points.allFinite()) {
-    throw std::runtime_error("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
-  }
-  std::vector<AddedColumn> added = PointColumns("pred_", points);
+  const Measurements rows = ReadMeasurementsFor(known.robot, files, options);
+  const Prediction prediction = Predict(known, rows);
+  std::vector<AddedColumn> added = PointColumns("pred_", prediction.points);
   double largest = 0.0;  // mm
-  for (const AddedColumn& column : UncertaintyColumns(problem, known, all, &largest)) added.push_back(column);
-  const std::string csv = RowsToCsv(problem.data, added);
+  for (const AddedColumn& column : UncertaintyColumns(prediction, &largest)) added.push_back(column);
+  const std::string csv = RowsToCsv(rows, added);
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
   const std::string deviation =
       std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
-  std::cout << all.size() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out << "\n";
+  std::cout << rows.observations.size() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;

@@ -94,9 +94,7 @@ CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs) {
 
 CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
   CalibrationProblem problem = ProblemAsStated(inputs);
-  if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem)) {
-    throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
-  }
+  CheckUnits(problem);
   return problem;
 }
 

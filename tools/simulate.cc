@@ -3,19 +3,11 @@
 
 #include <filesystem>
 #include <iostream>
-#include <numeric>
-#include <stdexcept>
 
-#include "estimator/calibration/load_remedy.h"
-#include "estimator/least_squares/linearization.h"
-#include "estimator/results/estimate_json.h"
-#include "problems/input_error.h"
+#include "estimator/sagitta.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
 #include "problems/io/measurement_writer.h"
-#include "problems/io/robot_file.h"
-#include "problems/problem_checks.h"
-#include "problems/simulation.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 
@@ -76,54 +68,19 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
   return known;
 }
 
-// Root of every row's covariance where it is seen at `points`.
-NoiseRoots NoiseOf(const ExperimentInputs& inputs, const Measurements& data, const Eigen::Matrix3Xd& points) {
-  if (IsGiven("sigma_mm")) {
-    if (!(FLAGS_sigma_mm >= 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation cannot be below 0");
-    return NoiseRoots(data.observations.size(), FLAGS_sigma_mm / 1e3 * Matrix3<double>::Identity());
-  }
-  NoiseRoots roots;
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    roots.push_back(StatedRoot(inputs.experiment, data, data.observations[i], points.col(i)));
-  }
-  return roots;
+std::optional<double> SigmaAsked() {
+  if (!IsGiven("sigma_mm")) return std::nullopt;
+  if (!(FLAGS_sigma_mm >= 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation cannot be below 0");
+  return FLAGS_sigma_mm / 1e3;
 }
 
-std::vector<int> AllRows(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data.observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
-// What a stated repeatability adds: one deviation of each joint per visit, to first order (1e-9 m for 30 urad). Drawn
-// from a stream of its own, so that the instrument's noise is the same with and without.
-Eigen::Matrix3Xd JointDeviations(CalibrationProblem problem, const Experiment& experiment) {
-  const std::vector<int> all = AllRows(problem);
-  Eigen::Matrix3Xd moved = Eigen::Matrix3Xd::Zero(3, all.size());
-  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, experiment);
-  if (problem.latent.empty()) return moved;
-  NormalNumbers normal(FLAGS_seed + 0x9e3779b97f4a7c15ULL);
-  Eigen::MatrixXd deviations(problem.latent.size(), problem.latent.num_visits);
-  for (double& deviation : deviations.reshaped()) deviation = normal();
-  const NoiseRoots metres(all.size(), Matrix3<double>::Identity());
-  const Linearization raw = Linearize(problem, problem.parameters, all, {}, metres, LatentTreatment::kIgnore);
-  for (size_t i = 0; i < all.size(); ++i) {
-    const int visit = problem.latent.visit_of_shot[problem.data.observations[i].shot];
-    moved.col(i) = raw.latent.middleRows<3>(3 * static_cast<Eigen::Index>(i)) * deviations.col(visit);
+// Nothing states a standard deviation: the rows are exact.
+bool IsExact(const Measurements& rows, const Experiment& experiment) {
+  if (SigmaAsked()) return *SigmaAsked() == 0.0;
+  for (const Observation& row : rows.observations) {
+    if (IsStated(StatedRoot(experiment, rows, row, Vector3<double>::Ones()))) return false;
   }
-  return moved;
-}
-
-// As SimulateMeasurements, which knows no loads: n standard normal numbers per axis, in row order.
-Measurements Simulate(const CalibrationProblem& problem, const Eigen::Matrix3Xd& points, const NoiseRoots& roots) {
-  Measurements simulated = problem.data;
-  NormalNumbers normal(FLAGS_seed);
-  for (size_t i = 0; i < roots.size(); ++i) {
-    Vector3<double> n;
-    for (int axis = 0; axis < 3; ++axis) n[axis] = normal();
-    simulated.observations[i].point_in_station = points.col(i) + roots[i] * n;
-  }
-  return simulated;
+  return true;
 }
 
 int RunSimulate(const CommandLine& line) {
@@ -132,23 +89,14 @@ int RunSimulate(const CommandLine& line) {
   MeasurementReadOptions options;
   options.points_required = false;
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
-  const CalibrationProblem problem = PredictionProblem(ReadTruth(line.arguments[0], inputs), inputs.data);
-  CheckLevelled(problem);
-
-  Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, AllRows(problem));
-  if (!points.allFinite()) {
-    throw std::runtime_error("nothing simulated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
-  }
-  points += JointDeviations(problem, inputs.experiment);
-  const NoiseRoots roots = NoiseOf(inputs, problem.data, points);
-  const std::string csv = MeasurementsToCsv(Simulate(problem, points, roots));
+  const Measurements simulated =
+      Simulate(ReadTruth(line.arguments[0], inputs), inputs.data, inputs.experiment, {SigmaAsked(), FLAGS_seed});
+  const std::string csv = MeasurementsToCsv(simulated);
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
-  double largest = 0.0;
-  for (const Matrix3<double>& root : roots) largest = std::max(largest, root.norm());
-  std::cout << roots.size() << " rows simulated with seed " << FLAGS_seed
-            << (largest > 0.0 ? "" : ", exact: nothing states a standard deviation") << ": " << FLAGS_out << "\n";
+  std::cout << simulated.observations.size() << " rows simulated with seed " << FLAGS_seed
+            << (!IsExact(inputs.data, inputs.experiment) ? "" : ", exact: nothing states a standard deviation") << ": " << FLAGS_out << "\n";
   return 0;
 }
 

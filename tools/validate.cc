@@ -1,21 +1,12 @@
 // sagitta validate: before and after on configurations that the estimate has not seen.
 #include <gflags/gflags.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iostream>
-#include <numeric>
-#include <stdexcept>
 
-#include "estimator/calibration/load_remedy.h"
-#include "estimator/intervals/prediction.h"
-#include "estimator/least_squares/linearization.h"
-#include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
-#include "problems/input_error.h"
+#include "estimator/sagitta.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
-#include "tools/problem_from_arguments.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
@@ -25,56 +16,6 @@ DECLARE_string(require);
 
 namespace sagitta {
 namespace {
-
-struct Validation {
-  ResidualSize before, after;
-  double predicted_rms = 0.0;  // m, per coordinate: noise and parameters; 0: the noise is not known
-  Eigen::Matrix3Xd predicted;
-  std::vector<std::string> warnings;
-};
-
-ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted) {
-  Eigen::Matrix3Xd residuals(3, predicted.cols());
-  for (int k = 0; k < predicted.cols(); ++k)
-    residuals.col(k) = problem.data.observations[k].point_in_station - predicted.col(k);
-  return MeasureResiduals(residuals);
-}
-
-// RMS to expect over coordinates: parameters, repeatability, instrument; 0 where nothing tells the noise of a row.
-double PredictedRms(const CalibrationProblem& problem, const KnownRobot& known, const std::vector<int>& rows) {
-  const std::vector<PredictionCovariance> points =
-      PredictionCovariances(problem, known.uncertainty, rows, known.noise.scale);
-  double sum = 0.0;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const Matrix3<double> root = known.noise.scale * problem.NoiseRoot(rows[k]);
-    if (!IsStated(root)) return 0.0;
-    sum += points[k].mean().trace() + points[k].arm.trace() + root.squaredNorm();
-  }
-  return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.size())) : 0.0;
-}
-
-Validation Validate(const KnownRobot& known, const CalibrationProblem& problem, const std::vector<InputFile>& inputs) {
-  Validation validation;
-  std::vector<int> all(problem.data.observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  validation.predicted = PredictPoints(problem, problem.parameters, all);
-  const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
-  if (!validation.predicted.allFinite() || !nominal.allFinite()) {
-    throw std::runtime_error("not validated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
-  }
-  validation.before = SizeOf(problem, nominal);
-  validation.after = SizeOf(problem, validation.predicted);
-  validation.predicted_rms = PredictedRms(problem, known, all);
-  validation.warnings = problem.data.warnings;
-  for (const InputFile& input : inputs) {
-    const auto& seen = known.input_hashes;
-    if (std::find(seen.begin(), seen.end(), input.sha256) == seen.end()) continue;
-    validation.warnings.push_back(input.path +
-                                  " is an input of the estimate: unless its rows were held out, these are "
-                                  "residuals of the fit, not a validation");
-  }
-  return validation;
-}
 
 nlohmann::ordered_json SizeToJson(const ResidualSize& size) {
   return {{"rms_mm", 1e3 * size.rms},
@@ -100,7 +41,7 @@ nlohmann::ordered_json ToJson(const Validation& validation, const Provenance& pr
   return json;
 }
 
-std::vector<Section> Summary(const KnownRobot& known, const CalibrationProblem& problem, const Validation& validation) {
+std::vector<Section> Summary(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
   Section section = ResidualSection("Residuals on " + std::to_string(validation.after.observations) + " observations",
                                     validation.before, validation.after);
   section.paragraphs.push_back("before: the nominal robot, base poses and markers fitted to the calibration rows.");
@@ -113,18 +54,18 @@ std::vector<Section> Summary(const KnownRobot& known, const CalibrationProblem& 
   for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
   Section head;
   head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
-  head.paragraphs = {std::to_string(problem.data.configurations.size()) + " configurations, estimate " + known.file +
+  head.paragraphs = {std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file +
                      "."};
   return {head, section};
 }
 
-std::string ResidualRows(const CalibrationProblem& problem, const Validation& validation) {
+std::string ResidualRows(const Measurements& rows, const Validation& validation) {
   Eigen::Matrix3Xd residuals(3, validation.predicted.cols());
   for (int k = 0; k < residuals.cols(); ++k)
-    residuals.col(k) = problem.data.observations[k].point_in_station - validation.predicted.col(k);
+    residuals.col(k) = rows.observations[k].point_in_station - validation.predicted.col(k);
   std::vector<AddedColumn> added = PointColumns("pred_", validation.predicted);
   for (const AddedColumn& column : PointColumns("res_", residuals)) added.push_back(column);
-  return RowsToCsv(problem.data, added);
+  return RowsToCsv(rows, added);
 }
 
 int RunValidate(const CommandLine& line) {
@@ -133,18 +74,18 @@ int RunValidate(const CommandLine& line) {
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
-  const CalibrationProblem problem = PredictionProblem(known, ReadMeasurementsFor(known.robot, files));
+  const Measurements rows = ReadMeasurementsFor(known.robot, files);
   Provenance provenance{line.text, "validation", {}};
   for (const std::string& path : line.arguments) provenance.inputs.push_back(DescribeInput(path));
-  const Validation validation = Validate(known, problem, provenance.inputs);
+  const Validation validation = Validate(known, rows);
   const nlohmann::ordered_json json = ToJson(validation, provenance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
-  const std::vector<Section> sections = Summary(known, problem, validation);
+  const std::vector<Section> sections = Summary(known, rows, validation);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    WriteTextFile(FLAGS_out + "/residuals.csv", ResidualRows(problem, validation));
+    WriteTextFile(FLAGS_out + "/residuals.csv", ResidualRows(rows, validation));
     WriteTextFile(FLAGS_out + "/report.html", SectionsToPage(sections, "", provenance));
     WriteTextFile(FLAGS_out + "/validation.json", DumpJson(json));
     std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";

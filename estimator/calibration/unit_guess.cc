@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "problems/input_error.h"
 
 namespace sagitta {
 namespace {
@@ -132,6 +133,12 @@ std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, con
     return Describe(problem, reading, point_prefix, static_cast<int>(first - concerned.begin()), before, after);
   }
   return std::nullopt;
+}
+
+void CheckUnits(const CalibrationProblem& problem) {
+  if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem)) {
+    throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
+  }
 }
 
 std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {

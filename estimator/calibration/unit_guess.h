@@ -24,6 +24,9 @@ struct UnitFinding {
 // other unit; joints are then taken as right.
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix = "");
 
+// Throws InputError where GuessWrongUnit finds one.
+void CheckUnits(const CalibrationProblem& problem);
+
 // A warning where even the estimate misses by more than 1 % of the reach: signs,
 // zero positions, kinematics or units do not belong to these data. "": none.
 std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms);

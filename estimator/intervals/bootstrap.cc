@@ -102,7 +102,7 @@ std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions&
       replicates[i] = MakeReplicate(setup, setup.problem, estimate, DrawConfigurations(setup, seed), prior_seed);
     } else {
       const ParameterSet truth = DrawTruth(estimate, SeedOf(~options.seed, i));
-      const Redraw redraw(setup.problem, truth, scale, fallback);
+      const Simulator redraw = RedrawAt(setup.problem, truth, scale, fallback);
       if (redraw.Draw(seed, &copies[worker].data)) {
         replicates[i] = MakeReplicate(setup, copies[worker], truth, {}, prior_seed);
       }

@@ -63,7 +63,7 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
   trial.sigma.assign(n, kNone);
   trial.covered.assign(n, -1);
   const ParameterSet truth = DrawTruth(truth_.parameters, SeedOf(~seed_, number));
-  const Redraw redraw(problem_, truth, noise_scale_, fallback_);
+  const Simulator redraw = RedrawAt(problem_, truth, noise_scale_, fallback_);
   if (!redraw.Draw(SeedOf(seed_, 2ULL * number), &own->data)) {
     trial.status = StatusName(Status::kEquilibriumDiverged);
     return trial;

@@ -52,47 +52,12 @@ ParameterSet DrawTruth(const ParameterSet& truth, std::uint64_t seed) {
   return drawn;
 }
 
-Redraw::Redraw(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback)
-    : problem_(problem), truth_(truth), theta_(truth.ModelValues()), noise_scale_(noise_scale) {
+Simulator RedrawAt(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback) {
   std::vector<int> all(problem.data.observations.size());
   std::iota(all.begin(), all.end(), 0);
-  roots_ = ObservationNoise(problem, all, fallback);
-  for (Matrix3<double>& root : roots_) root *= noise_scale;
-  exact_ = PredictPoints(problem, truth, all);
-}
-
-bool Redraw::Draw(std::uint64_t seed, Measurements* data) const {
-  NormalNumbers normal(seed);
-  const LatentModel& latent = problem_.latent;
-  std::vector<std::vector<double>> deviations;  // per visit, per joint
-  for (int v = 0; v < latent.num_visits && !latent.empty(); ++v) {
-    deviations.emplace_back(problem_.robot.num_joints(), 0.0);
-    for (int i = 0; i < latent.size(); ++i) {
-      deviations.back()[latent.joints[i]] = noise_scale_ * latent.sigmas[i] * normal();
-    }
-  }
-  Eigen::Matrix3Xd points = exact_;
-  for (size_t s = 0; s < data->shots.size() && !latent.empty(); ++s) {
-    const Shot& shot = data->shots[s];
-    std::vector<MarkerInFrame> markers;
-    for (const int k : shot.observations) {
-      const int marker = data->observations[k].marker;
-      markers.push_back({problem_.marker_frames[marker], truth_.MarkerPoint(marker), marker});
-    }
-    std::vector<PointPrediction> predictions;
-    if (!problem_.model.Predict(problem_.shot_inputs[s], theta_.data(), {}, truth_.BaseInStation(shot.station), markers,
-                                &predictions, deviations[latent.visit_of_shot[s]].data())) {
-      return false;
-    }
-    for (size_t m = 0; m < markers.size(); ++m) points.col(shot.observations[m]) = predictions[m].point;
-  }
-  if (!points.allFinite()) return false;
-  for (size_t k = 0; k < data->observations.size(); ++k) {
-    Vector3<double> unit;
-    for (double& u : unit) u = normal();
-    data->observations[k].point_in_station = points.col(k) + roots_[k] * unit;
-  }
-  return true;
+  NoiseRoots roots = ObservationNoise(problem, all, fallback);
+  for (Matrix3<double>& root : roots) root *= noise_scale;
+  return Simulator(problem, truth, std::move(roots), noise_scale);
 }
 
 }  // namespace sagitta

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "problems/calibration_problem.h"
+#include "problems/simulation.h"
 
 namespace sagitta {
 
@@ -18,23 +19,8 @@ void DrawPriors(const ParameterSet& truth, std::uint64_t seed, ParameterSet* par
 // every draw: their points are moved so that what they give of (L, a_x, a_y) is off by a draw of the tie's covariance.
 ParameterSet DrawTruth(const ParameterSet& truth, std::uint64_t seed);
 
-class Redraw {
- public:
-  // noise_scale multiplies stated sigmas and repeatability; `fallback` (m) is the
-  // sigma where none is stated.
-  Redraw(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback);
-
-  // False: an equilibrium diverged. `data` are the problem's own measurements;
-  // only points change.
-  bool Draw(std::uint64_t seed, Measurements* data) const;
-
- private:
-  const CalibrationProblem& problem_;
-  ParameterSet truth_;
-  std::vector<double> theta_;
-  double noise_scale_;
-  NoiseRoots roots_;        // of each observation's covariance, m
-  Eigen::Matrix3Xd exact_;  // without deviations
-};
+// The problem's own experiment at stated parameters. noise_scale multiplies stated sigmas and repeatability; `fallback`
+// (m) is the sigma where none is stated.
+Simulator RedrawAt(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback);
 
 }  // namespace sagitta

@@ -47,6 +47,7 @@ std::string ModelErrorInWords(const KnownRobot& known);
 
 // Throws InputError.
 KnownRobot ReadEstimateFile(const std::string& path);
+KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages);
 
 // The robot before the estimate: nominal, with base poses and markers aligned to the rows it was estimated from.
 // `problem`: a PredictionProblem of `known`.

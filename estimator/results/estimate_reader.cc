@@ -20,7 +20,8 @@ using Json = nlohmann::ordered_json;
 
 class EstimateReader {
  public:
-  explicit EstimateReader(const std::string& path) : path_(path) {}
+  // `path`: what messages call it.
+  EstimateReader(const std::string& path, const std::string& text) : path_(path), text_(text) {}
 
   KnownRobot Read() {
     const Json json = Parse();
@@ -50,7 +51,7 @@ class EstimateReader {
   }
 
   Json Parse() const {
-    Json json = Json::parse(ReadTextFile(path_), nullptr, false);
+    Json json = Json::parse(text_, nullptr, false);
     if (json.is_discarded() || !json.is_object()) {
       Fail("", "this is not JSON, an estimate is expected", "give the estimate.json that 'sagitta calibrate' wrote");
     }
@@ -163,6 +164,7 @@ class EstimateReader {
   }
 
   std::string path_;
+  const std::string& text_;
   KnownRobot known_;
 };
 
@@ -206,13 +208,15 @@ int FrameOf(const Chain& chain, const std::string& file, const std::string& mark
 
 }  // namespace
 
-KnownRobot ReadEstimateFile(const std::string& path) {
+KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages) {
   try {
-    return EstimateReader(path).Read();
+    return EstimateReader(file_in_messages, text).Read();
   } catch (const nlohmann::json::exception& error) {
-    throw InputError({path, 0, ""}, std::string("this estimate cannot be read: ") + error.what());
+    throw InputError({file_in_messages, 0, ""}, std::string("this estimate cannot be read: ") + error.what());
   }
 }
+
+KnownRobot ReadEstimateFile(const std::string& path) { return ReadEstimateText(ReadTextFile(path), path); }
 
 std::string ModelErrorInWords(const KnownRobot& known) {
   if (!(known.model_error > 1.0)) return "";

@@ -204,7 +204,7 @@ TEST(Redraw, HasTheNoiseAndRepeatabilityOfTheProblem) {
   ParameterSet truth = problem.parameters;
   const std::vector<int> row = {0};
   const Vector3<double> exact = PredictPoints(problem, truth, row);
-  const Redraw redraw(problem, truth, 2.0, 1e-3);
+  const Simulator redraw = RedrawAt(problem, truth, 2.0, 1e-3);
   Measurements data = problem.data;
   const int draws = 4000;
   Matrix3<double> covariance = Matrix3<double>::Zero();

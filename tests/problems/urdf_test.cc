@@ -13,7 +13,6 @@ namespace sagitta {
 namespace {
 
 using test::FlangeOf;
-using test::kPi;
 using test::UrdfRow;
 using test::UrdfText;
 

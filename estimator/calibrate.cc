@@ -1,0 +1,83 @@
+#include <algorithm>
+
+#include "estimator/agreement/agreement.h"
+#include "estimator/baselines/compare_methods.h"
+#include "estimator/calibration/noise_loop.h"
+#include "estimator/calibration/unit_guess.h"
+#include "estimator/intervals/intervals.h"
+#include "estimator/results/residuals_csv.h"
+#include "estimator/sagitta.h"
+#include "problems/io/files.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+// Random halves to compare: each costs two fits of half the rows.
+int RandomHalves(const CalibrationProblem& problem) {
+  return std::clamp(40000 / static_cast<int>(problem.data.observations.size() + 1), 4, 20);
+}
+
+void CheckMethod(const CalibrationProblem& problem, const std::string& method) {
+  const std::vector<std::string>& known = MethodNames();
+  if (std::find(known.begin(), known.end(), method) == known.end()) {
+    throw InputError({"", 0, "--method"}, "there is no method '" + method + "'", SpellingHint(method, known));
+  }
+  const std::string obstacle = MethodObstacle(problem, method);
+  if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
+  CheckIntervalsFit(problem, method);
+}
+
+}  // namespace
+
+CalibrationProblem ReadExperiment(const std::vector<std::string>& paths) {
+  ExperimentInputs inputs = ReadExperimentInputs(paths);
+  CalibrationProblem problem =
+      MakeCalibrationProblem(std::move(inputs.robot), std::move(inputs.data), std::move(inputs.experiment));
+  CheckUnits(problem);
+  return problem;
+}
+
+Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+  CheckMethod(problem, options.method);
+  const auto say = [&](const std::string& what) {
+    if (options.progress) options.progress(what);
+  };
+  JointOptions joint;
+  joint.num_threads = options.num_threads;
+  joint.progress = options.progress;
+  ResolvedEstimate resolved = EstimateWithNoise(problem, joint);
+  Calibration result{std::move(resolved.problem), std::move(resolved.estimate)};
+  Estimate& estimate = result.estimate;
+  if (options.method != "joint" && IsUsable(estimate.status)) {
+    say("running " + options.method);
+    estimate = RunMethod(result.problem, options.method, estimate, options.progress).estimate;
+  }
+  if (!IsUsable(estimate.status)) return result;
+  AddIntervals(result.problem, {options.num_threads, options.progress}, &estimate);
+  if (options.method == "joint") {
+    say("comparing parts of the data");
+    CheckAgreement(result.problem, {options.seed, RandomHalves(result.problem)}, &estimate);
+  }
+  const std::string misfit = WarningOfMisfit(result.problem, estimate.fit.distance_rms);
+  if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  return result;
+}
+
+void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance) {
+  const CalibrationProblem& problem = calibration.problem;
+  const Estimate& estimate = calibration.estimate;
+  const std::string json = DumpJson(EstimateToJson(problem, estimate, provenance));
+  const std::string residuals = ResidualsToCsv(problem, estimate);
+  const std::string robot = RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
+  PrepareOutputFolder(folder);
+  WriteTextFile(folder + "/robot.calibrated.yaml", robot);
+  WriteTextFile(folder + "/residuals.csv", residuals);
+  WriteTextFile(folder + "/estimate.json", json);  // last: where it is, the others are
+}
+
+KnownRobot KnownFrom(const Calibration& calibration) {
+  return ReadEstimateText(DumpJson(EstimateToJson(calibration.problem, calibration.estimate, {})), "estimate");
+}
+
+}  // namespace sagitta

@@ -1,0 +1,78 @@
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/sagitta.h"
+
+namespace sagitta {
+namespace {
+
+std::vector<int> AllRows(const CalibrationProblem& problem) {
+  std::vector<int> all(problem.data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const Eigen::Matrix3Xd points = PredictPoints(problem, parameters, AllRows(problem));
+  if (!points.allFinite()) {
+    throw std::runtime_error("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, parameters));
+  }
+  return points;
+}
+
+ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted) {
+  Eigen::Matrix3Xd residuals(3, predicted.cols());
+  for (int k = 0; k < predicted.cols(); ++k) {
+    residuals.col(k) = problem.data.observations[k].point_in_station - predicted.col(k);
+  }
+  return MeasureResiduals(residuals);
+}
+
+Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& known) {
+  const std::vector<int> all = AllRows(problem);
+  Prediction prediction;
+  prediction.points = PointsOrThrow(problem, problem.parameters);
+  prediction.covariances = PredictionCovariances(problem, known.uncertainty, all, known.noise.scale);
+  for (const int k : all) prediction.instrument.push_back(known.noise.scale * problem.NoiseRoot(k));
+  return prediction;
+}
+
+// RMS to expect over coordinates: parameters, repeatability, instrument; 0 where nothing states the noise of a row.
+double ExpectedRms(const Prediction& prediction) {
+  double sum = 0.0;
+  for (size_t k = 0; k < prediction.instrument.size(); ++k) {
+    if (!IsStated(prediction.instrument[k])) return 0.0;
+    sum += prediction.covariances[k].mean().trace() + prediction.covariances[k].arm.trace() +
+           prediction.instrument[k].squaredNorm();
+  }
+  return std::isfinite(sum) ? std::sqrt(sum / (3.0 * prediction.instrument.size())) : 0.0;
+}
+
+}  // namespace
+
+Prediction Predict(const KnownRobot& known, const Measurements& rows) {
+  return PredictWith(PredictionProblem(known, rows), known);
+}
+
+Validation Validate(const KnownRobot& known, const Measurements& rows) {
+  const CalibrationProblem problem = PredictionProblem(known, rows);
+  const Prediction prediction = PredictWith(problem, known);
+  Validation validation;
+  validation.predicted = prediction.points;
+  validation.before = SizeOf(problem, PointsOrThrow(problem, NominalParameters(known, problem)));
+  validation.after = SizeOf(problem, validation.predicted);
+  validation.predicted_rms = ExpectedRms(prediction);
+  validation.warnings = rows.warnings;
+  for (const MeasurementFile& file : rows.files) {
+    const auto& seen = known.input_hashes;
+    if (std::find(seen.begin(), seen.end(), file.sha256) == seen.end()) continue;
+    validation.warnings.push_back(file.path +
+                                  " is an input of the estimate: unless its rows were held out, these are "
+                                  "residuals of the fit, not a validation");
+  }
+  return validation;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,89 @@
+// Sagitta as a library: robot calibration from measured points. This header is the front door; installed as
+// <sagitta/sagitta.h>, linked as sagitta::sagitta. The program `sagitta` does what these functions do.
+//
+//   const sagitta::CalibrationProblem problem = sagitta::ReadExperiment({"robot.yaml", "measurements.csv"});
+//   const sagitta::Calibration result = sagitta::Calibrate(problem);
+//   sagitta::WriteCalibration(result, "results");
+//
+// Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta) R_hat.
+// Input that cannot be used throws InputError {file, line, key, what, hint}; a numerical failure is a Status with a
+// message, never an exception. Nothing here prints.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/diagnose.h"
+#include "estimator/estimate/estimate.h"
+#include "estimator/intervals/prediction.h"
+#include "estimator/least_squares/ceres_problem.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/results/estimate_json.h"
+#include "problems/calibration_problem.h"
+#include "problems/input_error.h"
+#include "problems/io/experiment_inputs.h"
+#include "problems/io/robot_file.h"
+#include "problems/simulation.h"
+
+namespace sagitta {
+
+// An experiment file, or ROBOT.yaml MEAS.csv…, read and put together. Throws InputError. Problems of one's own, without
+// files: MakeCalibrationProblem (problems/calibration_problem.h).
+CalibrationProblem ReadExperiment(const std::vector<std::string>& paths);
+
+struct CalibrateOptions {
+  std::string method = "joint";  // one of MethodNames() (estimator/baselines/compare_methods.h)
+  int num_threads = 1;
+  std::uint64_t seed = 1;  // of the random halves that are compared
+  std::function<void(const std::string&)> progress = {};
+};
+
+struct Calibration {
+  CalibrationProblem problem;  // with the noise that was found and outliers excluded: judge and refit with this one
+  Estimate estimate;
+};
+
+// Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, and the agreement
+// between parts of the data. Judge it by estimate.status (IsUsable). Throws InputError where the method cannot honour
+// what the problem states.
+Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
+
+// estimate.json, robot.calibrated.yaml and residuals.csv (FORMATS section 4) in a folder that is made if it is absent.
+void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance = {});
+
+// What prediction needs of a calibration: as ReadEstimateFile gives it of an estimate.json.
+KnownRobot KnownFrom(const Calibration& calibration);
+
+struct Prediction {
+  Eigen::Matrix3Xd points;                        // m, one column per observation, in its station's frame
+  std::vector<PredictionCovariance> covariances;  // m^2, by where they come from
+  NoiseRoots instrument;                          // root of one measurement's covariance, m; zero: not known
+};
+
+// Points of the rows (x, y, z may be absent). Throws InputError for a station, marker or load that is not known, and
+// std::runtime_error where a load folds the arm.
+Prediction Predict(const KnownRobot& known, const Measurements& rows);
+
+// Before (nominal robot; base and markers fitted to the calibration rows) and after, on rows that were not calibrated.
+struct Validation {
+  ResidualSize before, after;
+  double predicted_rms = 0.0;   // m, per coordinate: noise and parameters; 0: the noise is not known
+  Eigen::Matrix3Xd predicted;   // m
+  std::vector<std::string> warnings;
+};
+
+Validation Validate(const KnownRobot& known, const Measurements& rows);
+
+// The rows with points as the instrument would have read them. Noise: `sigma` (m) on every axis, else what rows or
+// experiment state; a stated repeatability moves each joint once per arrival. The same seed gives the same numbers on
+// every machine.
+struct SimulateOptions {
+  std::optional<double> sigma = {};
+  std::uint64_t seed = 1;
+};
+Measurements Simulate(const KnownRobot& known, const Measurements& rows, const Experiment& experiment,
+                      const SimulateOptions& options = {});
+
+}  // namespace sagitta

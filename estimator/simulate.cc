@@ -1,0 +1,43 @@
+#include <stdexcept>
+
+#include "estimator/calibration/load_remedy.h"
+#include "estimator/sagitta.h"
+#include "problems/latent_model.h"
+#include "problems/problem_checks.h"
+
+namespace sagitta {
+namespace {
+
+// Root of every row's covariance where it is seen at `points`.
+NoiseRoots RootsOf(const Experiment& experiment, const Measurements& rows, const Eigen::Matrix3Xd& points,
+                   const std::optional<double>& sigma) {
+  NoiseRoots roots;
+  for (size_t i = 0; i < rows.observations.size(); ++i) {
+    roots.push_back(sigma ? Matrix3<double>(*sigma * Matrix3<double>::Identity())
+                          : StatedRoot(experiment, rows, rows.observations[i], points.col(i)));
+  }
+  return roots;
+}
+
+}  // namespace
+
+Measurements Simulate(const KnownRobot& known, const Measurements& rows, const Experiment& experiment,
+                      const SimulateOptions& options) {
+  CalibrationProblem problem = PredictionProblem(known, rows);
+  CheckLevelled(problem);
+  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, experiment);
+  std::vector<int> all;
+  for (size_t i = 0; i < rows.observations.size(); ++i) all.push_back(static_cast<int>(i));
+  const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
+  if (!points.allFinite()) {
+    throw std::runtime_error("nothing simulated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
+  }
+  const Simulator simulator(problem, problem.parameters, RootsOf(experiment, rows, points, options.sigma));
+  Measurements simulated = problem.data;
+  if (!simulator.Draw(options.seed, &simulated)) {
+    throw std::runtime_error("nothing simulated: equilibrium_diverged: a joint's deviation folds the loaded arm");
+  }
+  return simulated;
+}
+
+}  // namespace sagitta
