@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "estimator/results/estimate_json.h"
@@ -13,7 +14,7 @@
 #include "tools/run_command.h"
 
 DEFINE_int32(trials, 2000, "of the Monte-Carlo study");
-DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, else as built)");
+DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, else as installed)");
 
 namespace sagitta {
 namespace {
@@ -23,7 +24,11 @@ constexpr int kMostTrials = 1000000;
 std::string DataFolder() {
   if (!FLAGS_data.empty()) return FLAGS_data;
   const char* set = std::getenv("SAGITTA_DATA");
-  return set != nullptr && *set != '\0' ? set : SAGITTA_DATA_DIR;
+  if (set != nullptr && *set != '\0') return set;
+  std::error_code error;  // where it is installed: bin/ beside share/
+  const std::filesystem::path bin = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  const std::filesystem::path installed = bin.parent_path() / "share/sagitta/published";
+  return std::filesystem::exists(installed, error) ? installed.string() : SAGITTA_DATA_DIR;
 }
 
 std::vector<ReproducibleTable> AllTables() {

@@ -1,0 +1,55 @@
+# cmake --install: programs, library, headers under one prefix, a CMake package and a pkg-config file.
+#
+# One header is for users: <sagitta/sagitta.h>. What it includes, directly or not, goes to sagitta/detail/ with its
+# #include lines rewritten, so that no header of ours lies outside sagitta/.
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+function(sagitta_collect_headers header collected)
+  set(seen ${${collected}})
+  if(header IN_LIST seen)
+    return()
+  endif()
+  list(APPEND seen ${header})
+  set(${collected} ${seen})
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} lines REGEX "^#include \"")
+  foreach(line ${lines})
+    string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" next "${line}")
+    sagitta_collect_headers(${next} ${collected})
+  endforeach()
+  set(${collected} ${${collected}} PARENT_SCOPE)
+endfunction()
+
+set(SAGITTA_HEADERS)
+sagitta_collect_headers(estimator/sagitta.h SAGITTA_HEADERS)
+set(SAGITTA_STAGE ${PROJECT_BINARY_DIR}/include/sagitta)
+file(REMOVE_RECURSE ${SAGITTA_STAGE})
+foreach(header ${SAGITTA_HEADERS})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
+  file(READ ${PROJECT_SOURCE_DIR}/${header} text)
+  string(REGEX REPLACE "#include \"(models|problems|estimator)/" "#include \"sagitta/detail/\\1/" text "${text}")
+  set(target ${SAGITTA_STAGE}/detail/${header})
+  if(header STREQUAL "estimator/sagitta.h")
+    set(target ${SAGITTA_STAGE}/sagitta.h)
+  endif()
+  file(WRITE ${target} "${text}")
+endforeach()
+
+install(DIRECTORY ${SAGITTA_STAGE} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS sagitta sagitta-reproduce RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY problems/published DESTINATION ${CMAKE_INSTALL_DATADIR}/sagitta)
+
+set_target_properties(sagitta_models PROPERTIES EXPORT_NAME models)
+set_target_properties(sagitta_problems PROPERTIES EXPORT_NAME problems)
+set_target_properties(sagitta_estimator PROPERTIES EXPORT_NAME sagitta)
+install(TARGETS sagitta_models sagitta_problems sagitta_estimator EXPORT sagitta
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT sagitta NAMESPACE sagitta:: FILE sagitta-targets.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
+configure_package_config_file(cmake/sagitta-config.cmake.in ${PROJECT_BINARY_DIR}/sagitta-config.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/sagitta-config-version.cmake COMPATIBILITY SameMinorVersion)
+configure_file(cmake/sagitta.pc.in ${PROJECT_BINARY_DIR}/sagitta.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/sagitta-config.cmake ${PROJECT_BINARY_DIR}/sagitta-config-version.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
+install(FILES ${PROJECT_BINARY_DIR}/sagitta.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
