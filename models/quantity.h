@@ -21,6 +21,7 @@ enum class Quantity {
   kDrift,             // m/s
   kTurnRate,          // rad/s
   kGrowth,            // 1/K
+  kShift,             // m, stated in um
 };
 
 struct QuantityTraits {

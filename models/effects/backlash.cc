@@ -1,5 +1,7 @@
-// Encoder side: -half_gap * approach, or +half_gap * sign(torque). Friction
-// wind-up has the same signature.
+// Encoder side: -half_gap * approach, or +half_gap * sign(torque): the torque
+// presses the output against one side of the gap. Friction holds it somewhere
+// between where the torque is small against it: with a width,
+// half_gap * tanh(torque / width). Friction wind-up has the same signature.
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
@@ -14,7 +16,8 @@ bool IsStated(const EffectContext& context) { return context.shot->StatesApproac
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const double sign = context.joint_sign();
   if (context.spec->TextSetting("by", "approach") == "torque") {
-    terms->elastic.push_back({context.joint_slot(), context.first_parameter, sign * sign, ElasticLaw::kSign});
+    const double width = context.spec->NumberSetting("width_Nm", 0.0);
+    terms->elastic.push_back({context.joint_slot(), context.first_parameter, sign * sign, ElasticLaw::kSign, width});
   } else if (IsStated(context)) {
     const double approach = context.shot->approach[context.joint()];
     terms->slots.push_back({context.joint_slot(), context.first_parameter, -sign * approach});
@@ -32,7 +35,11 @@ const EffectDefinition& Backlash() {
   static const EffectDefinition definition = [] {
     EffectDefinition effect{
         "backlash", "backlash (or friction wind-up)", "play of a gear", EffectTarget::kJoint, Parameters, Apply};
-    effect.settings = {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}}};
+    effect.settings = {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}},
+                       {"width_Nm", SettingDefinition::Kind::kNumber, "0", {"1", "3", "10", "30", "100", "300"}}};
+    effect.settings[1].silent = true;
+    effect.settings[1].above = 0.0;
+    effect.settings[1].only_with = "by=torque";
     effect.missing = Missing;
     effect.separate_by = "the same poses approached from both sides";
     effect.note = "Friction wind-up has the same signature.";

@@ -28,6 +28,12 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &StationDrift(),
       &StationScale(),
       &MarkerShift(),
+      &WarmUp(),
+      &StationEccentricity(),
+      &StationRangeOffset(),
+      &LoadCom(),
+      &Hysteresis(),
+      &MarkerAcceptance(),
   };
   return catalogue;
 }

@@ -18,7 +18,7 @@ const EffectDefinition& JointSlip() {
     EffectDefinition effect{
         "joint_slip", "zero shift of a joint", "slipped coupling, lost mastering", EffectTarget::kJoint, Parameters,
         Apply};
-    effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
+    effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
     effect.largest = 1.0;

@@ -24,7 +24,7 @@ const EffectDefinition& MarkerShift() {
   static const EffectDefinition definition = [] {
     EffectDefinition effect{"marker_shift",        "reseated marker", "reflector moved in its nest",
                             EffectTarget::kMarker, Parameters,        Apply};
-    effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
+    effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
     return effect;

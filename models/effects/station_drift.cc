@@ -11,7 +11,7 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;
-  const double t = context.shot->time;
+  const double t = context.shot->station_time;
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3<double> unit = Vector3<double>::Unit(axis);
     terms->station.push_back({context.first_parameter + axis, Matrix3<double>::Zero(), t * unit});

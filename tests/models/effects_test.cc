@@ -18,12 +18,30 @@ TEST_P(EffectContract, NeutralExactAndVisible) { test::ExpectEffectContract(Uses
 INSTANTIATE_TEST_SUITE_P(Catalogue, EffectContract, ::testing::Range(0, static_cast<int>(Uses().size())));
 
 TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
-  const std::vector<std::string> expected = {
-      "frozen_geometry", "joint_compliance", "compliance_hardening", "transverse_compliance",
-      "link_gravity",    "self_weight_sag",  "base_compliance",      "payload",
-      "joint_harmonic",  "axis_wobble",      "encoder_gain",         "joint_coupling",
-      "backlash",        "joint_slip",       "thermal_growth",       "station_drift",
-      "station_scale",   "marker_shift"};
+  const std::vector<std::string> expected = {"frozen_geometry",
+                                             "joint_compliance",
+                                             "compliance_hardening",
+                                             "transverse_compliance",
+                                             "link_gravity",
+                                             "self_weight_sag",
+                                             "base_compliance",
+                                             "payload",
+                                             "joint_harmonic",
+                                             "axis_wobble",
+                                             "encoder_gain",
+                                             "joint_coupling",
+                                             "backlash",
+                                             "joint_slip",
+                                             "thermal_growth",
+                                             "station_drift",
+                                             "station_scale",
+                                             "marker_shift",
+                                             "warm_up",
+                                             "station_eccentricity",
+                                             "station_range_offset",
+                                             "load_com",
+                                             "hysteresis",
+                                             "marker_acceptance"};
   EXPECT_EQ(EffectNames(), expected);
 }
 
