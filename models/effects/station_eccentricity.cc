@@ -18,9 +18,9 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;
   const std::pair<Sensed, SightLaw> errors[4] = {{Sensed::kAzimuth, SightLaw::kCosAzimuth},
-                                                  {Sensed::kAzimuth, SightLaw::kSinAzimuth},
-                                                  {Sensed::kElevation, SightLaw::kCosElevation},
-                                                  {Sensed::kElevation, SightLaw::kSinElevation}};
+                                                 {Sensed::kAzimuth, SightLaw::kSinAzimuth},
+                                                 {Sensed::kElevation, SightLaw::kCosElevation},
+                                                 {Sensed::kElevation, SightLaw::kSinElevation}};
   for (int i = 0; i < 4; ++i) {
     terms->sights.push_back({context.first_parameter + i, errors[i].first, errors[i].second, context.shot->instrument});
   }
