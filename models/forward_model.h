@@ -76,6 +76,8 @@ class ForwardModel {
   const Chain& chain() const { return robot_.chain; }
   const std::vector<ModelParameter>& parameters() const { return parameters_; }
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
+  // Transforms that may deflect: the order of Equilibrium's torques.
+  const std::vector<int>& elastic_slots() const { return elastic_slots_; }
   std::vector<double> NominalValues() const;
 
   // Fills the terms of the shots of a campaign: compliances and effects of this model. Effects that remember the

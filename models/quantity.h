@@ -22,6 +22,7 @@ enum class Quantity {
   kTurnRate,          // rad/s
   kGrowth,            // 1/K
   kShift,             // m, stated in um
+  kCurvature,         // rad/m
 };
 
 struct QuantityTraits {

@@ -6,14 +6,15 @@
 //   elevation b = atan2(d_z, h)      d p / d b = s (z - sin b e) / cos b = h z - d_z (d_x, d_y, 0) / h
 //   range s                          d p / d s = e
 //
-// A reading that is too large by theta * g moves the point by theta * g * d p / d reading: first order, as every
-// effect. g = cos a, sin a: the circle's centre is off the axis of rotation (ASME B89.4.19-2006; Muralikrishnan et al.,
-// Measuring scale errors in a laser tracker's horizontal angle encoder, J. Res. NIST 114 (2009) 291). g = psi^2, psi
-// the angle between the marker's axis and the direction to the instrument.
+// A reading that is too large by factor * theta * g moves the point by that times d p / d reading: first order, as
+// every effect. g = cos a, sin a: the circle's centre is off the axis of rotation (Muralikrishnan et al., ASME B89.4.19
+// performance evaluation tests and geometric misalignments in laser trackers, J. Res. NIST 114 (2009) 21). g = psi^2,
+// psi the angle between the marker's axis and the direction to the instrument. g = s: refraction.
 #pragma once
 
 #include <cmath>
 
+#include "models/constants.h"
 #include "models/effects/effect.h"
 
 namespace sagitta {
@@ -27,7 +28,7 @@ T SquaredAngle(const T& cosine) {
   using std::acos;
   const T x = T(1) - cosine;
   if (x < T(1e-3)) return x * (T(2) + x * (T(1.0 / 3.0) + x * (T(4.0 / 45.0) + x * T(1.0 / 70.0))));
-  if (cosine < T(-1.0 + 1e-12)) return T(9.869604401089358);  // pi^2: seen from behind
+  if (cosine < T(-1.0 + 1e-12)) return T(kPi * kPi);  // seen from behind
   const T angle = acos(cosine);
   return angle * angle;
 }
@@ -42,11 +43,13 @@ Vector3<T> SightDisplacement(const SightTerm& term, const Vector3<T>& point, con
   const T h = sqrt(squared_h);
   const T s = sqrt(squared_h + d.z() * d.z());
   T times(1);
+  if (term.law == SightLaw::kRange) times = s;
   if (term.law == SightLaw::kCosAzimuth) times = d.x() / h;
   if (term.law == SightLaw::kSinAzimuth) times = d.y() / h;
   if (term.law == SightLaw::kCosElevation) times = h / s;
   if (term.law == SightLaw::kSinElevation) times = d.z() / s;
   if (term.law == SightLaw::kSquaredIncidence) times = SquaredAngle(T(-axis.dot(d) / s));
+  times *= T(term.factor);
   if (term.sensed == Sensed::kAzimuth) return times * Vector3<T>(-d.y(), d.x(), T(0));
   if (term.sensed == Sensed::kElevation) return times * Vector3<T>(-d.z() * d.x() / h, -d.z() * d.y() / h, h);
   return times * Vector3<T>(d / s);

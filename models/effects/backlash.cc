@@ -8,7 +8,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"half_gap", Quantity::kSmallAngle}};
+  return {{"half_gap", Quantity::kSmallAngle, 50e-6}};
 }
 
 bool IsStated(const EffectContext& context) { return context.shot->StatesApproachOf(context.joint()); }
@@ -44,6 +44,8 @@ const EffectDefinition& Backlash() {
     effect.separate_by = "the same poses approached from both sides";
     effect.note = "Friction wind-up has the same signature.";
     effect.largest = 1.0;
+    effect.sizes =
+        "lost motion below 1 arcmin (291 urad) in data sheets of precision gears; a third of its half without load";
     return effect;
   }();
   return definition;

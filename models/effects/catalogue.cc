@@ -34,6 +34,7 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &LoadCom(),
       &Hysteresis(),
       &MarkerAcceptance(),
+      &StationRefraction(),
   };
   return catalogue;
 }

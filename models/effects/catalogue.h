@@ -35,6 +35,7 @@ const EffectDefinition& StationRangeOffset();
 const EffectDefinition& LoadCom();
 const EffectDefinition& Hysteresis();
 const EffectDefinition& MarkerAcceptance();
+const EffectDefinition& StationRefraction();
 
 // EffectDefinition::separate_by of several effects.
 constexpr char kSeparateByRange[] =

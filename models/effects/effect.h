@@ -88,15 +88,16 @@ struct StationTerm {
 // its y) and the range (m) along the line of sight.
 enum class Sensed { kAzimuth, kElevation, kRange };
 // What the error of a reading goes with.
-enum class SightLaw { kOne, kCosAzimuth, kSinAzimuth, kCosElevation, kSinElevation, kSquaredIncidence };
+enum class SightLaw { kOne, kRange, kCosAzimuth, kSinAzimuth, kCosElevation, kSinElevation, kSquaredIncidence };
 
-// The reading is too large by theta * g: g = 1, a harmonic of the angle, or the square (rad^2) of the angle between the
-// line of sight and a marker's axis (models/sight.h).
+// The reading is too large by factor * theta * g: g = 1, the range, a harmonic of the angle, or the square (rad^2) of
+// the angle between the line of sight and a marker's axis (models/sight.h).
 struct SightTerm {
   int parameter;
   Sensed sensed;
   SightLaw law;
-  Vector3<double> instrument;                       // m, in the measurement frame
+  Vector3<double> instrument;  // m, in the measurement frame
+  double factor = 1.0;
   int marker = -1;                                  // -1: every marker
   Vector3<double> axis = Vector3<double>::UnitZ();  // of kSquaredIncidence, unit, in the marker's frame
 };
@@ -139,7 +140,11 @@ enum class EffectTarget { kJoint, kError, kBase, kRobot, kStation, kLoad, kMarke
 struct EffectParameter {
   std::string name;  // cos; with its unit cos_urad in files
   Quantity quantity;
-  double typical = 0.0;  // SI, size that machines show (source: EffectDefinition::sizes); 0: TypicalOf(quantity)
+  // Size that machines show (source: EffectDefinition::sizes), SI. `of_motion`: what it turns (rad) or moves (m) at the
+  // largest excitation among the rows, because its own size goes with the machine's: 70 urad/Nm on the wrist of a
+  // small arm are 0.3 urad/Nm on a large one. 0: not stated.
+  double typical = 0.0;
+  bool of_motion = false;
 };
 
 struct SettingDefinition {

@@ -8,6 +8,7 @@
 // positive direction, +amplitude in the negative one, in between on a reversal.
 #include <algorithm>
 
+#include "models/constants.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
@@ -20,7 +21,6 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
 // (y - q) / r.
 std::vector<double> Remember(const Robot& robot, const EffectSpec& spec,
                              const std::vector<const ShotConditions*>& campaign) {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   const int joint = robot.chain.FindJoint(spec.target);
   const double r = 0.5 * kDegree * spec.NumberSetting("width_deg", 1.0);
   std::vector<double> behind;

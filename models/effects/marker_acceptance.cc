@@ -25,7 +25,7 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   for (size_t m = 0; m < context.markers->size(); ++m) {
     if ((*context.markers)[m] != context.spec->target) continue;
     terms->sights.push_back({context.first_parameter, Sensed::kRange, SightLaw::kSquaredIncidence,
-                             context.shot->instrument, static_cast<int>(m), AxisOfMarker(context)});
+                             context.shot->instrument, 1.0, static_cast<int>(m), AxisOfMarker(context)});
   }
 }
 

@@ -5,7 +5,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"x", Quantity::kLength}, {"y", Quantity::kLength}, {"z", Quantity::kLength}};
+  return {{"x", Quantity::kLength, 50e-6}, {"y", Quantity::kLength, 50e-6}, {"z", Quantity::kLength, 50e-6}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -27,6 +27,7 @@ const EffectDefinition& MarkerShift() {
     effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
+    effect.sizes = "a nest holds a reflector to some 10 um, glue and magnets to some 0.1 mm";
     return effect;
   }();
   return definition;

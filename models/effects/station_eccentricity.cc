@@ -32,7 +32,7 @@ const EffectDefinition& StationEccentricity() {
   static const EffectDefinition definition = [] {
     EffectDefinition effect{"station_eccentricity",
                             "eccentric circles of the instrument",
-                            "Muralikrishnan et al., J. Res. NIST 114 (2009) 291",
+                            "Muralikrishnan et al., J. Res. NIST 114 (2009) 21",
                             EffectTarget::kStation,
                             Parameters,
                             Apply};

@@ -60,6 +60,7 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
 // Lengths and angles may be stated in any of their units; nothing for everything else.
 std::optional<Dimension> DimensionOf(Quantity quantity) {
   if (quantity == Quantity::kLength) return Dimension::kLength;
+  if (quantity == Quantity::kShift) return Dimension::kSmallLength;
   if (quantity == Quantity::kAngle || quantity == Quantity::kSmallAngle) return Dimension::kAngle;
   return std::nullopt;
 }

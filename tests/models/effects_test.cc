@@ -41,15 +41,26 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "station_range_offset",
                                              "load_com",
                                              "hysteresis",
-                                             "marker_acceptance"};
+                                             "marker_acceptance",
+                                             "station_refraction"};
   EXPECT_EQ(EffectNames(), expected);
 }
 
 TEST(EffectCatalogue, SaysInWordsWhatItIsAndWhatTellsItApart) {
   for (const EffectDefinition* effect : EffectCatalogue()) {
     EXPECT_FALSE(effect->title.empty() || effect->reference.empty() || effect->separate_by.empty()) << effect->name;
+    EXPECT_FALSE(effect->sizes.empty()) << effect->name << " says where its typical sizes are from";
     if (effect->target == EffectTarget::kJoint) continue;
     EXPECT_EQ(effect->separate_by.find("{target}"), std::string::npos) << effect->name << " has no joint to speak of";
+  }
+}
+
+TEST(EffectCatalogue, StatesATypicalSizeOfEveryParameter) {
+  const Robot robot = test::ContractArm();
+  for (const EffectSpec& use : Uses()) {
+    for (const EffectParameter& parameter : FindEffect(use.effect)->parameters(robot, use)) {
+      EXPECT_GT(parameter.typical, 0.0) << use.Path() << " " << parameter.name;
+    }
   }
 }
 

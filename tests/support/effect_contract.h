@@ -96,7 +96,7 @@ inline ShotInput ContractShot(int flange, RandomNumbers* random) {
   shot.conditions.station_time = 3600.0;
   shot.conditions.temperature = 2.5;
   shot.conditions.approach = {1, -1, 1, -1, 1, -1};
-  shot.conditions.instrument = {3.0, -2.0, 1.0};
+  shot.conditions.instrument = {6.0, -4.0, 2.0};
   shot.wrenches = {
       {flange, {0.28, 0.06, -0.15}, random->Vector(2000.0), random->Vector(100.0), WrenchFrame::kMeasurement}};
   shot.conditions.load_wrenches = shot.wrenches;
@@ -109,7 +109,7 @@ inline std::map<std::string, double> TypicalSizes(const Robot& robot, const Effe
   std::map<std::string, double> sizes;
   for (const EffectParameter& parameter : FindEffect(robot, use.effect)->parameters(robot, use)) {
     const double general = TraitsOf(parameter.quantity).hold_limit * 0.1;
-    sizes[use.Path() + "/" + parameter.name] = parameter.typical > 0.0 ? parameter.typical : general;
+    sizes[use.Path() + "/" + parameter.name] = parameter.typical > 0.0 && !parameter.of_motion ? parameter.typical : general;
   }
   return sizes;
 }
