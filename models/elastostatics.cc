@@ -84,9 +84,11 @@ int SlotOf(const ElasticQuery& query, int transform) {
   return -1;
 }
 
-double PhiDerivative(ElasticLaw law, double torque) {
-  if (law == ElasticLaw::kCubic) return 3.0 * torque * torque;
-  return law == ElasticLaw::kLinear ? 1.0 : 0.0;
+double PhiDerivative(const ElasticTerm& term, double torque) {
+  if (term.law == ElasticLaw::kCubic) return 3.0 * torque * torque;
+  if (term.law == ElasticLaw::kLinear) return 1.0;
+  const double phi = ElasticPhi(term, torque);
+  return term.width > 0.0 ? (1.0 - phi * phi) / term.width : 0.0;
 }
 
 struct Law {
@@ -130,8 +132,8 @@ Law EvaluateLaw(const ElasticQuery& query, const double* theta, const Matrix3<do
   for (const ElasticTerm& term : query.terms->elastic) {
     const int s = SlotOf(query, term.transform);
     const double gain = term.factor * theta[term.parameter];
-    law.deflection[s] += gain * ElasticPhi(term.law, all.torque[s]);
-    equilibrium->flexibility[s] += gain * PhiDerivative(term.law, all.torque[s]);
+    law.deflection[s] += gain * ElasticPhi(term, all.torque[s]);
+    equilibrium->flexibility[s] += gain * PhiDerivative(term, all.torque[s]);
   }
   law.by_value = equilibrium->flexibility.asDiagonal() * all.by_value;
   AddSags(query, theta, base_rotation, equilibrium->state, &law);

@@ -73,12 +73,14 @@ Equilibrium SolveEquilibrium(const ElasticQuery& query, const double* theta, std
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
 
-// phi of an elastic law; its derivative is 0 for the sign.
+// phi of an elastic law; the derivative of a sign without width is 0.
 template <typename T>
-T ElasticPhi(ElasticLaw law, const T& torque) {
-  if (law == ElasticLaw::kCubic) return torque * torque * torque;
-  if (law == ElasticLaw::kSign) return T(torque > T(0) ? 1.0 : torque < T(0) ? -1.0 : 0.0);
-  return torque;
+T ElasticPhi(const ElasticTerm& term, const T& torque) {
+  using std::tanh;
+  if (term.law == ElasticLaw::kCubic) return torque * torque * torque;
+  if (term.law == ElasticLaw::kLinear) return torque;
+  if (term.width > 0.0) return tanh(torque / T(term.width));
+  return T(torque > T(0) ? 1.0 : torque < T(0) ? -1.0 : 0.0);
 }
 
 // The templated reference: plain fixed-point iteration, no derivative of ours.
@@ -101,7 +103,7 @@ std::vector<T> IterateEquilibrium(const ElasticQuery& query, const T* theta, con
       if (query.compensator != nullptr && query.compensator->transform == e) {
         torque += query.compensator->Torque(theta, deflected[e], (*query.q)[query.compensator->joint]);
       }
-      next[e] += term.factor * theta[term.parameter] * ElasticPhi(term.law, torque);
+      next[e] += term.factor * theta[term.parameter] * ElasticPhi(term, torque);
     }
     for (const SagTerm& sag : query.terms->sags) {
       next[sag.transform] += theta[sag.parameter] * torque_of(sag.transform, sag.wrenches);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <numeric>
 
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
@@ -37,18 +39,52 @@ Robot WithTiltSlots(Robot robot) {
   return robot;
 }
 
-// The instrument's side: scale of the arm (growth), and what the station sees.
-struct SeenFrom {
-  SeenFrom(const ShotTerms& terms, const double* theta, const Pose<double>& base_in_station, bool grows) {
-    for (const BaseTerm& term : terms.base) scale += grows ? theta[term.parameter] * term.factor : 0.0;
-    for (const StationTerm& term : terms.station) from_true += theta[term.parameter] * term.gradient;
-    from_base = scale * from_true * base_in_station.rotation;
+bool IsOf(const SightTerm& term, const MarkerInFrame& marker) { return term.marker < 0 || term.marker == marker.id; }
+
+// How far the arm and its markers have grown.
+double ScaleOf(const ShotTerms& terms, const double* theta) {
+  double scale = 1.0;
+  for (const BaseTerm& term : terms.base) scale += theta[term.parameter] * term.factor;
+  return scale;
+}
+
+// What the station sees of a true point: the point, and how it follows the truth.
+struct SeenPoint {
+  // station_from_frame: rotation of the frame that the marker rides on.
+  SeenPoint(const ShotTerms& terms, const double* theta, const MarkerInFrame& marker, const Vector3<double>& truth,
+            const Matrix3<double>& station_from_frame)
+      : point(truth) {
+    for (const StationTerm& term : terms.station) {
+      point += theta[term.parameter] * (term.gradient * truth + term.offset);
+      from_true += theta[term.parameter] * term.gradient;
+    }
+    for (const SightTerm& term : terms.sights) {
+      if (!IsOf(term, marker) || theta[term.parameter] == 0.0) continue;
+      const Vector3<double> axis = station_from_frame * term.axis;
+      const SightGradient sight = DifferentiateSight(term, truth, axis);
+      point += theta[term.parameter] * sight.displacement;
+      from_true += theta[term.parameter] * sight.by_point;
+      // An axis turned by omega moves by omega x axis.
+      if (term.law == SightLaw::kSquaredIncidence) by_turn -= theta[term.parameter] * sight.by_axis * Skew(axis);
+    }
   }
 
-  double scale = 1.0;
-  Matrix3<double> from_true = Matrix3<double>::Identity();  // of a displacement in the station frame
-  Matrix3<double> from_base;                                // of a displacement in the base frame
+  Vector3<double> point;
+  Matrix3<double> from_true = Matrix3<double>::Identity();  // of a displacement of the truth, station frame
+  Matrix3<double> by_turn = Matrix3<double>::Zero();        // of a small rotation of the marker's frame, station frame
+  bool turns() const { return !by_turn.isZero(0.0); }
 };
+
+// Indices of the shots as they were measured: by time where every one states it, else as given.
+std::vector<int> OrderOfTime(const std::vector<ShotInput>& shots) {
+  std::vector<int> order(shots.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto is_timed = [](const ShotInput& shot) { return shot.conditions.has_time; };
+  if (!std::all_of(shots.begin(), shots.end(), is_timed)) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return shots[a].conditions.time < shots[b].conditions.time; });
+  return order;
+}
 
 Vector3<double> OwnPoint(const ShotTerms& terms, const double* theta, const MarkerInFrame& marker) {
   Vector3<double> own = marker.point;
@@ -60,12 +96,13 @@ Vector3<double> OwnPoint(const ShotTerms& terms, const double* theta, const Mark
 
 }  // namespace
 
-// d point_base of one marker by everything, at the loaded arm.
+// d point_base of one marker, or the small rotation of its frame, by everything, at the loaded arm.
 class MarkerVelocities {
  public:
+  enum class Of { kPoint, kTurn };
   MarkerVelocities(const Chain& chain, const std::vector<int>& slots, const Equilibrium& equilibrium,
-                   const Vector3<double>& point_in_base, int frame)
-      : chain_(chain), equilibrium_(equilibrium), point_(point_in_base), frame_(frame) {
+                   const Vector3<double>& point_in_base, int frame, Of of = Of::kPoint)
+      : chain_(chain), equilibrium_(equilibrium), point_(point_in_base), frame_(frame), of_(of) {
     by_deflection_.setZero(3, equilibrium.response.rows());
     for (int s = 0; s < by_deflection_.cols(); ++s) by_deflection_.col(s) = Direct(slots[s]);
   }
@@ -89,6 +126,9 @@ class MarkerVelocities {
  private:
   Vector3<double> Direct(int e) const {
     if (e >= frame_) return Vector3<double>::Zero();
+    if (of_ == Of::kTurn) {
+      return chain_.transforms[e].is_rotation() ? equilibrium_.state.axis[e] : Vector3<double>(Vector3<double>::Zero());
+    }
     return PointVelocity(chain_, equilibrium_.state, e, point_);
   }
 
@@ -96,6 +136,7 @@ class MarkerVelocities {
   const Equilibrium& equilibrium_;
   const Vector3<double> point_;
   const int frame_;
+  const Of of_;
   Eigen::Matrix3Xd by_deflection_;
 };
 
@@ -175,7 +216,7 @@ void ForwardModel::AddEffects() {
     nothing.q = Eigen::VectorXd::Zero(chain().num_joints());
     nothing.approach.assign(chain().num_joints(), 0);
     ShotTerms terms;
-    definition.apply({&robot_, &spec, &nothing, &markers_, first_of_effect_.back()}, &terms);
+    definition.apply({&robot_, &spec, &nothing, &markers_, first_of_effect_.back(), 0.0}, &terms);
     for (const ElasticTerm& term : terms.elastic) elastic_slots_.push_back(term.transform);
     for (const SagTerm& term : terms.sags) elastic_slots_.push_back(term.transform);
   }
@@ -188,6 +229,28 @@ std::vector<double> ForwardModel::NominalValues() const {
 }
 
 void ForwardModel::Prepare(ShotInput* shot) const {
+  std::vector<ShotInput> alone = {std::move(*shot)};
+  Prepare(&alone);
+  *shot = std::move(alone[0]);
+}
+
+void ForwardModel::Prepare(std::vector<ShotInput>* campaign) const {
+  const std::vector<int> order = OrderOfTime(*campaign);
+  std::vector<const ShotConditions*> in_order;
+  for (const int s : order) in_order.push_back(&(*campaign)[s].conditions);
+  std::map<size_t, std::vector<double>> memories;  // by effect; in the order of time
+  for (size_t i = 0; i < robot_.effects.size(); ++i) {
+    if (definitions_[i]->remember != nullptr)
+      memories[i] = definitions_[i]->remember(robot_, robot_.effects[i], in_order);
+  }
+  std::vector<double> memory(robot_.effects.size(), 0.0);
+  for (size_t k = 0; k < order.size(); ++k) {
+    for (const auto& [effect, kept] : memories) memory[effect] = kept[k];
+    AddTerms(memory, &(*campaign)[order[k]]);
+  }
+}
+
+void ForwardModel::AddTerms(const std::vector<double>& memory, ShotInput* shot) const {
   shot->terms = ShotTerms();
   shot->prepared = true;
   const Eigen::VectorXd coupled = chain().CoupledJointValues(shot->conditions.q);
@@ -199,7 +262,7 @@ void ForwardModel::Prepare(ShotInput* shot) const {
     }
   }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
-    definitions_[i]->apply({&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i]},
+    definitions_[i]->apply({&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i], memory[i]},
                            &shot->terms);
   }
 }
@@ -237,46 +300,60 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
   if (!equilibrium.converged) return false;
   std::vector<int> column_of(num_parameters(), -1);
   for (size_t i = 0; i < active.size(); ++i) column_of[active[i]] = static_cast<int>(i);
-  const SeenFrom arm_seen(shot.terms, theta, base_in_station, true),
-      foot_seen(shot.terms, theta, base_in_station, false);
+  const double grown = ScaleOf(shot.terms, theta);
+  const Matrix3<double>& rotation = base_in_station.rotation;
   predictions->resize(markers.size());
   for (size_t m = 0; m < markers.size(); ++m) {
     const MarkerInFrame& marker = markers[m];
-    const SeenFrom& seen = Grows(marker) ? arm_seen : foot_seen;
+    const double scale = Grows(marker) ? grown : 1.0;
     PointPrediction& prediction = (*predictions)[m];
     const Pose<double>& base_from_frame = equilibrium.state.frames[marker.frame];
     const Vector3<double> in_base = base_from_frame * OwnPoint(shot.terms, theta, marker);
-    const MarkerVelocities velocities(chain(), elastic_slots_, equilibrium, in_base, marker.frame);
-    const Vector3<double> arm = seen.scale * (base_in_station.rotation * in_base);
+    const Vector3<double> arm = scale * (rotation * in_base);
     const Vector3<double> truth = arm + base_in_station.translation;
-    prediction.point = truth;
-    for (const StationTerm& term : shot.terms.station) {
-      prediction.point += theta[term.parameter] * (term.gradient * truth + term.offset);
-    }
+    const Matrix3<double> station_from_frame = rotation * base_from_frame.rotation;
+    const SeenPoint seen(shot.terms, theta, marker, truth, station_from_frame);
+    const Matrix3<double> from_base = scale * seen.from_true * rotation;
+    prediction.point = seen.point;
     prediction.d_translation = seen.from_true;
-    prediction.d_rotation = -seen.from_true * Skew(arm) + seen.from_base * velocities.ByRotation();
-    prediction.d_marker = seen.from_base * base_from_frame.rotation;
+    prediction.d_rotation = -seen.from_true * Skew(arm);
+    prediction.d_marker = from_base * base_from_frame.rotation;
     prediction.d_theta.setZero(3, active.size());
-    const auto add = [&](int parameter, const Vector3<double>& velocity_in_base) {
-      prediction.d_theta.col(column_of[parameter]) += seen.from_base * velocity_in_base;
+    prediction.d_latent.setZero(3, latent != nullptr ? chain().num_joints() : 0);
+    // What moves the point in the base, and what turns the marker's axis there.
+    const auto add_motion = [&](const MarkerVelocities& velocities, const Matrix3<double>& seen_from_base) {
+      const auto add = [&](int parameter, const Vector3<double>& velocity_in_base) {
+        prediction.d_theta.col(column_of[parameter]) += seen_from_base * velocity_in_base;
+      };
+      AddDisplacements(shot, column_of, velocities, add);
+      AddLoads(shot, equilibrium, column_of, rotation, velocities, add);
+      prediction.d_rotation += seen_from_base * velocities.ByRotation();
+      for (int j = 0; j < prediction.d_latent.cols(); ++j) {
+        const int e = chain().JointTransform(j);
+        prediction.d_latent.col(j) += seen_from_base * chain().transforms[e].sign * velocities.BySlot(e);
+      }
     };
-    AddDisplacements(shot, column_of, velocities, add);
-    AddLoads(shot, equilibrium, column_of, base_in_station.rotation, velocities, add);
+    add_motion(MarkerVelocities(chain(), elastic_slots_, equilibrium, in_base, marker.frame), from_base);
+    if (seen.turns()) {
+      prediction.d_rotation += seen.by_turn;
+      add_motion(
+          MarkerVelocities(chain(), elastic_slots_, equilibrium, in_base, marker.frame, MarkerVelocities::Of::kTurn),
+          seen.by_turn * rotation);
+    }
+    const auto add_seen = [&](int parameter, const Vector3<double>& displacement) {
+      if (column_of[parameter] >= 0) prediction.d_theta.col(column_of[parameter]) += displacement;
+    };
     for (const MarkerTerm& term : shot.terms.markers) {
-      if (term.marker != marker.id || column_of[term.parameter] < 0) continue;
-      add(term.parameter, base_from_frame.rotation * term.direction);
+      if (term.marker == marker.id) add_seen(term.parameter, from_base * (base_from_frame.rotation * term.direction));
     }
     for (const BaseTerm& term : shot.terms.base) {
-      if (Grows(marker) && column_of[term.parameter] >= 0) add(term.parameter, term.factor / seen.scale * in_base);
+      if (Grows(marker)) add_seen(term.parameter, term.factor / scale * (from_base * in_base));
     }
-    for (const StationTerm& term : shot.terms.station) {
-      if (column_of[term.parameter] < 0) continue;
-      prediction.d_theta.col(column_of[term.parameter]) += term.gradient * truth + term.offset;
-    }
-    prediction.d_latent.resize(3, latent != nullptr ? chain().num_joints() : 0);
-    for (int j = 0; j < prediction.d_latent.cols(); ++j) {
-      const int e = chain().JointTransform(j);
-      prediction.d_latent.col(j) = seen.from_base * chain().transforms[e].sign * velocities.BySlot(e);
+    for (const StationTerm& term : shot.terms.station) add_seen(term.parameter, term.gradient * truth + term.offset);
+    for (const SightTerm& term : shot.terms.sights) {
+      if (!IsOf(term, marker)) continue;
+      const Vector3<double> axis = station_from_frame * term.axis;
+      add_seen(term.parameter, SightDisplacement(term, truth, axis));
     }
   }
   return true;
@@ -315,7 +392,7 @@ void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibriu
   for (const ElasticTerm& term : shot.terms.elastic) {
     if (column_of[term.parameter] < 0) continue;
     const long s = slot_index(term.transform);
-    add(term.parameter, term.factor * ElasticPhi(term.law, equilibrium.torque[s]) * velocities.ByDeflection(s));
+    add(term.parameter, term.factor * ElasticPhi(term, equilibrium.torque[s]) * velocities.ByDeflection(s));
   }
   for (const WrenchTerm& term : shot.terms.wrenches) {
     if (column_of[term.parameter] >= 0) add(term.parameter, velocities.ByTorques(torques_of(term.wrenches)));

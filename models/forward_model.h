@@ -19,6 +19,7 @@
 #include "models/kinematics.h"
 #include "models/quantity.h"
 #include "models/robot.h"
+#include "models/sight.h"
 #include "models/wrench.h"
 
 namespace sagitta {
@@ -75,10 +76,14 @@ class ForwardModel {
   const Chain& chain() const { return robot_.chain; }
   const std::vector<ModelParameter>& parameters() const { return parameters_; }
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
+  // Transforms that may deflect: the order of Equilibrium's torques.
+  const std::vector<int>& elastic_slots() const { return elastic_slots_; }
   std::vector<double> NominalValues() const;
 
-  // Fills shot->terms: compliances and effects of this model in this shot. Once
-  // per shot saves doing it in every call.
+  // Fills the terms of the shots of a campaign: compliances and effects of this model. Effects that remember the
+  // shots before do so in the order of time, where every shot states it, else in the order given.
+  void Prepare(std::vector<ShotInput>* campaign) const;
+  // The same for a shot with nothing before it.
   void Prepare(ShotInput* shot) const;
 
   // Transform values v_e of the undeflected arm. `latent` (one per joint, or
@@ -96,6 +101,10 @@ class ForwardModel {
   template <typename T>
   Vector3<T> PointInBase(const ShotInput& shot, const T* theta, int frame, const Vector3<T>& point,
                          const Matrix3<T>& base_rotation = Matrix3<T>::Identity()) const;
+  // base_from_frame of the loaded arm.
+  template <typename T>
+  Pose<T> FrameInBase(const ShotInput& shot, const T* theta, int frame,
+                      const Matrix3<T>& base_rotation = Matrix3<T>::Identity()) const;
 
   // All markers of one shot from one kinematic pass and one equilibrium.
   // `active` lists the parameters to differentiate by, by index into
@@ -121,6 +130,8 @@ class ForwardModel {
     Prepare(&shot);
     return shot;
   }
+  // memory: of each effect, where it has one.
+  void AddTerms(const std::vector<double>& memory, ShotInput* shot) const;
   bool IsElastic(const ShotInput& shot) const;
   ElasticQuery Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const;
   template <typename Add>
@@ -164,7 +175,13 @@ std::vector<T> ForwardModel::TransformValues(const ShotInput& shot, const T* the
 template <typename T>
 Vector3<T> ForwardModel::PointInBase(const ShotInput& shot, const T* theta, int frame, const Vector3<T>& point,
                                      const Matrix3<T>& base_rotation) const {
-  if (!shot.prepared) return PointInBase(Prepared(shot), theta, frame, point, base_rotation);
+  return FrameInBase(shot, theta, frame, base_rotation) * point;
+}
+
+template <typename T>
+Pose<T> ForwardModel::FrameInBase(const ShotInput& shot, const T* theta, int frame,
+                                  const Matrix3<T>& base_rotation) const {
+  if (!shot.prepared) return FrameInBase(Prepared(shot), theta, frame, base_rotation);
   std::vector<T> values = TransformValues(shot, theta);
   if (IsElastic(shot)) {
     const Eigen::VectorXd coupled = robot_.chain.CoupledJointValues(shot.conditions.q);
@@ -172,7 +189,7 @@ Vector3<T> ForwardModel::PointInBase(const ShotInput& shot, const T* theta, int 
   }
   ChainState<T> state;
   EvaluateChain(robot_.chain, values.data(), &state);
-  return state.frames[frame] * point;
+  return state.frames[frame];
 }
 
 template <typename T>
@@ -184,7 +201,8 @@ Vector3<T> ForwardModel::PointInStation(const ShotInput& shot, const T* theta, c
   for (const MarkerTerm& term : shot.terms.markers) {
     if (term.marker == marker.id) own += theta[term.parameter] * term.direction.cast<T>();
   }
-  Vector3<T> in_base = PointInBase(shot, theta, marker.frame, own, rotation);
+  const Pose<T> base_from_frame = FrameInBase(shot, theta, marker.frame, rotation);
+  const Vector3<T> in_base = base_from_frame * own;
   T scale(1);
   if (Grows(marker)) {
     for (const BaseTerm& term : shot.terms.base) scale += theta[term.parameter] * term.factor;
@@ -193,6 +211,11 @@ Vector3<T> ForwardModel::PointInStation(const ShotInput& shot, const T* theta, c
   Vector3<T> seen = truth;
   for (const StationTerm& term : shot.terms.station) {
     seen += theta[term.parameter] * (term.gradient.cast<T>() * truth + term.offset.cast<T>());
+  }
+  for (const SightTerm& term : shot.terms.sights) {
+    if (term.marker >= 0 && term.marker != marker.id) continue;
+    const Vector3<T> axis = rotation * Vector3<T>(base_from_frame.rotation * term.axis.cast<T>());
+    seen += theta[term.parameter] * SightDisplacement(term, truth, axis);
   }
   return seen;
 }

@@ -20,6 +20,8 @@ const QuantityTraits& TraitsOf(Quantity quantity) {
   static const QuantityTraits kDrift{"um/h", 1e-6 / 3600.0, 5e-4 / 3600.0, 0.0};
   static const QuantityTraits kTurnRate{"urad/h", 1e-6 / 3600.0, 2e-4 / 3600.0, 0.0};
   static const QuantityTraits kGrowth{"ppm/K", 1e-6, 2e-4, 0.0};
+  static const QuantityTraits kCurvature{"urad/m", 1e-6, 1e-3, 0.0};
+  static const QuantityTraits kShift{"um", 1e-6, 5e-3, 0.0};
   switch (quantity) {
     case Quantity::kSmallAngle:
       return kSmallAngle;
@@ -37,6 +39,10 @@ const QuantityTraits& TraitsOf(Quantity quantity) {
       return kTurnRate;
     case Quantity::kGrowth:
       return kGrowth;
+    case Quantity::kShift:
+      return kShift;
+    case Quantity::kCurvature:
+      return kCurvature;
     case Quantity::kLength:
       return kLength;
     case Quantity::kAngle:
@@ -54,7 +60,7 @@ const QuantityTraits& TraitsOf(Quantity quantity) {
 }
 
 double SiPerUnit(const std::string& unit) {
-  for (int i = 0; i <= static_cast<int>(Quantity::kGrowth); ++i) {
+  for (int i = 0; i <= static_cast<int>(Quantity::kCurvature); ++i) {
     const QuantityTraits& traits = TraitsOf(static_cast<Quantity>(i));
     if (unit == traits.unit) return traits.si_per_unit;
   }

@@ -21,6 +21,8 @@ enum class Quantity {
   kDrift,             // m/s
   kTurnRate,          // rad/s
   kGrowth,            // 1/K
+  kShift,             // m, stated in um
+  kCurvature,         // rad/m
 };
 
 struct QuantityTraits {

@@ -66,9 +66,10 @@ struct RepeatabilitySpec {
   bool IsZero() const { return angle.IsZero() && length.IsZero(); }
 };
 
-// What time and temperature count from: each station's first row in the files, whenever that was, and the mean of the
-// data.
+// What time and temperature count from: the first row of all, each station's first row in the files, whenever that was,
+// and the mean of the data.
 struct ConditionOrigins {
+  std::optional<double> campaign_time;       // s; absent: no row states a time
   std::map<std::string, double> first_time;  // s, by station
   double mean_temperature = 0.0;             // degC
 };

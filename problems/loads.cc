@@ -61,7 +61,10 @@ ShotConditions ConditionsOf(const Measurements& data, const Shot& shot, const Ex
   conditions.station = data.stations[shot.station];
   conditions.load = shot.load;
   conditions.has_time = shot.has_time;
-  if (shot.has_time) conditions.time = shot.time - origins.first_time.at(conditions.station);
+  if (shot.has_time) {
+    conditions.time = shot.time - origins.campaign_time.value_or(shot.time);
+    conditions.station_time = shot.time - origins.first_time.at(conditions.station);
+  }
   conditions.has_temperature = shot.has_temperature;
   if (shot.has_temperature) conditions.temperature = shot.temperature - origins.mean_temperature;
   conditions.approach = shot.approach;
@@ -96,7 +99,11 @@ ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experimen
   double sum = 0.0;
   int count = 0;
   for (const Shot& shot : data.shots) {
-    if (shot.has_time) origins.first_time.emplace(data.stations[shot.station], FirstTime(data, shot));
+    if (shot.has_time) {
+      const double time = FirstTime(data, shot);
+      origins.first_time.emplace(data.stations[shot.station], time);
+      if (!origins.campaign_time) origins.campaign_time = time;
+    }
     if (!shot.has_temperature) continue;
     sum += shot.temperature;
     ++count;
@@ -191,9 +198,9 @@ std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measureme
       FailAt(data, shot, "load", "the row has a wrench but its load is 'none'",
              "give the load a name in the column load");
     }
-    model.Prepare(&input);
     inputs.push_back(std::move(input));
   }
+  model.Prepare(&inputs);
   return inputs;
 }
 

@@ -17,6 +17,7 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
     ParameterBlock block{name, kind, owner, std::move(values), num_coordinates(), static_cast<int>(coordinates.size())};
     for (size_t i = 0; i < coordinates.size(); ++i) {
       coordinates_.push_back({coordinates[i], quantity, static_cast<int>(blocks_.size()), static_cast<int>(i)});
+      coordinates_.back().hold_limit = TraitsOf(quantity).hold_limit;
     }
     blocks_.push_back(std::move(block));
   };
@@ -116,6 +117,7 @@ void ParameterSet::CopyByName(const ParameterSet& other) {
       own.held = theirs.held;
       own.prior_value = theirs.prior_value;
       own.prior_sigma = theirs.prior_sigma;
+      own.hold_limit = theirs.hold_limit;
     }
   }
 }

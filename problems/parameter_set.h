@@ -30,6 +30,9 @@ struct Coordinate {
   double lower = -std::numeric_limits<double>::infinity();  // SI
   double prior_value = 0.0;                                 // SI
   double prior_sigma = 0.0;                                 // SI; 0: no prior
+  // SI; a direction whose standard deviation exceeds it is unidentifiable: of its kind (TraitsOf), or 5 mm or 5 mrad of
+  // what it moves (problems/excitation.h).
+  double hold_limit = 0.0;
   bool estimated() const { return free && !held; }
 };
 
@@ -87,7 +90,7 @@ class ParameterSet {
 
   // A coordinate's value as results state it (rotations: rotation vector), SI.
   double Value(int coordinate) const;
-  // Takes values, flags and priors of every block that both sets have.
+  // Takes values, flags, limits and priors of every block that both sets have.
   void CopyByName(const ParameterSet& other);
   // Moves by a tangent step over all coordinates, SI.
   void Plus(const Eigen::VectorXd& delta);

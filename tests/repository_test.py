@@ -50,6 +50,15 @@ def defects(name, machine_path):
             yield '%s:%d: a path of one machine: %s' % (name, number, line.strip()[:80])
 
 
+def outdated_examples():
+    """Code of a page that is compiled elsewhere: every block stands there word for word."""
+    compiled = (ROOT / 'tests/support/driven_harmonic.h').read_text(encoding='utf-8')
+    page = (ROOT / 'docs/ADDING_AN_EFFECT.md').read_text(encoding='utf-8')
+    for block in re.findall(r'```cpp\n(.*?)```', page, re.DOTALL):
+        if block.strip() not in compiled:
+            yield 'docs/ADDING_AN_EFFECT.md: not the code of tests/support/driven_harmonic.h: %s' % block[:60].strip()
+
+
 def main():
     try:
         names = files()
@@ -58,6 +67,7 @@ def main():
     names = names or sorted(files_without_git())
     machine_path = machine_paths()
     found = [defect for name in names for defect in defects(name, machine_path)]
+    found += outdated_examples()
     print('\n'.join(found) if found else '%d files, nothing to complain about' % len(names))
     return 1 if found or not names else 0
 

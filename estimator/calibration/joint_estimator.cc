@@ -9,6 +9,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/spring_tie_cost.h"
+#include "problems/excitation.h"
 
 namespace sagitta {
 namespace {
@@ -85,6 +86,7 @@ bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& resi
                 only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters), residuals.noise);
   if (!all.valid) return false;
   AppendPriors(parameters, &all);
+  SetHoldLimits(problem, &parameters);
   const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
   std::vector<bool> hold(parameters.num_coordinates(), false);

@@ -201,7 +201,7 @@ std::string Outcome(const Coordinate& coordinate, double sigma) {
 
 std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& estimate, int held) {
   const Coordinate& coordinate = estimate.parameters.coordinates()[held];
-  const double limit = TraitsOf(coordinate.quantity).hold_limit;
+  const double limit = coordinate.hold_limit;
   const LoadPlan pulls = PlanPulls(problem, estimate, held, kPull, kPulls);
   if (pulls.sigma < limit) {
     return "pull sideways with " + Format("%.0f N ", kPull) + Places(pulls) + Outcome(coordinate, pulls.sigma);

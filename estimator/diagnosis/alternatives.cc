@@ -17,7 +17,7 @@ std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   if (definition == nullptr) return spec.Path();
   for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kNumber) spec.settings.erase(setting.name);
+    if (setting.kind == SettingDefinition::Kind::kMoment) spec.settings.erase(setting.name);
   }
   return spec.Path();
 }

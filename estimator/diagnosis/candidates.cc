@@ -89,8 +89,11 @@ std::vector<std::string> Choices(const SettingDefinition& setting, const std::st
     case SettingDefinition::Kind::kInteger:
       for (int n = 1; n <= orders; ++n) choices.push_back(std::to_string(n));
       break;
-    case SettingDefinition::Kind::kNumber:
+    case SettingDefinition::Kind::kMoment:
       choices = ChangePoints(problem);
+      break;
+    case SettingDefinition::Kind::kNumber:
+      choices = setting.choices;
       break;
     case SettingDefinition::Kind::kJoint:
       for (const Joint& joint : problem.robot.chain.joints) {
@@ -213,10 +216,15 @@ std::vector<EffectSpec> Variants(const CalibrationProblem& problem, const Effect
   std::vector<EffectSpec> variants = {{definition.name, target, {}, {}}};
   for (const SettingDefinition& setting : definition.settings) {
     std::vector<EffectSpec> grown;
-    for (const std::string& choice : Choices(setting, target, problem)) {
-      for (EffectSpec variant : variants) {
-        variant.settings[setting.name] = choice;
-        grown.push_back(std::move(variant));
+    const std::vector<std::string> choices = Choices(setting, target, problem);
+    for (const EffectSpec& variant : variants) {
+      const bool means_something = setting.MeansSomethingFor(variant);
+      if (setting.silent || !means_something) grown.push_back(variant);
+      if (!means_something) continue;
+      for (const std::string& choice : choices) {
+        if (setting.silent && choice == setting.FallbackFor(problem.robot)) continue;
+        grown.push_back(variant);
+        grown.back().settings[setting.name] = choice;
       }
     }
     variants = std::move(grown);

@@ -6,6 +6,7 @@
 
 #include "estimator/statistics/distributions.h"
 #include "models/effects/catalogue.h"
+#include "models/effects/first_order_lag.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -91,13 +92,13 @@ void LagTemperatures(double lag, Measurements* data) {
   for (size_t s = 0; s < data->shots.size(); ++s) series[data->shots[s].station].push_back(s);
   for (auto& [station, shots] : series) {
     std::stable_sort(shots.begin(), shots.end(), [&](size_t a, size_t b) { return clock[a] < clock[b]; });
-    double arm = data->shots[shots[0]].temperature, then = clock[shots[0]];
+    std::vector<double> time, air;
     for (const size_t s : shots) {
-      Shot& shot = data->shots[s];
-      arm += (shot.temperature - arm) * (1.0 - std::exp(-(clock[s] - then) / lag));
-      then = clock[s];
-      shot.temperature = arm;
+      time.push_back(clock[s]);
+      air.push_back(data->shots[s].temperature);
     }
+    const std::vector<double> arm = LaggedBehind(time, air, lag);
+    for (size_t i = 0; i < shots.size(); ++i) data->shots[shots[i]].temperature = arm[i];
   }
 }
 

@@ -21,8 +21,7 @@ struct ThermalLag {
   bool is_timed = false;                 // the shots state their time
 };
 
-// The shots' temperatures after a lag, each station for itself, at equilibrium at its first shot. Between shots the
-// temperature that a shot found has stood since the one before.
+// The shots' temperatures after a lag, each station for itself, at equilibrium at its first shot.
 void LagTemperatures(double lag, Measurements* data);
 
 // Widens `rows`, the step's parameters in the final model, to what any lag up to half an hour leaves possible; values

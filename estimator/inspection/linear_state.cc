@@ -6,6 +6,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/row_lint.h"
 #include "estimator/least_squares/ceres_problem.h"
+#include "problems/excitation.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -56,6 +57,7 @@ void LinearizeAt(LinearState* state) {
   }
   state->all = Linearize(state->problem, state->parameters, residuals.observations, requested, residuals.noise);
   AppendPriors(state->parameters, &state->all);
+  SetHoldLimits(state->problem, &state->parameters);
 }
 
 // `misfit` makes residuals meaningless: then the noise is as stated.

@@ -20,7 +20,7 @@ std::vector<int> HeldCoordinates(const ParameterSet& parameters) {
 double PhysicalRange(const Coordinate& coordinate) {
   if (coordinate.prior_sigma > 0.0) return coordinate.prior_sigma;
   const bool is_placed = coordinate.name.rfind("base/", 0) == 0 || coordinate.name.rfind("marker/", 0) == 0;
-  return is_placed ? kAboutTheArm : TraitsOf(coordinate.quantity).hold_limit;
+  return is_placed ? kAboutTheArm : coordinate.hold_limit;
 }
 
 HeldInfluence FindHeldInfluence(const Linearization& both, const ParameterSet& parameters, int estimated,

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
-constexpr size_t kMostNames = 6;  // in words
+constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
+constexpr size_t kMostNames = 6;           // in words
 
 bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -31,7 +32,7 @@ Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSe
   for (int c = 0; c < limits.size(); ++c) {
     const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
     // A stated prior is knowledge: what it alone tells is not held.
-    limits[c] = std::max(TraitsOf(coordinate.quantity).hold_limit, 2.0 * coordinate.prior_sigma);
+    limits[c] = std::max(coordinate.hold_limit, 2.0 * coordinate.prior_sigma);
   }
   return limits;
 }
@@ -163,11 +164,13 @@ std::vector<Direction> FindWeak(const Linearization& linearization, const Parame
   Eigen::VectorXd limits(n);
   for (int c = 0; c < n; ++c) {
     const int coordinate = linearization.columns[c];
-    const QuantityTraits& traits = TraitsOf(parameters.coordinates()[coordinate].quantity);
+    const double hold_limit = parameters.coordinates()[coordinate].hold_limit;
+    const double own = TraitsOf(parameters.coordinates()[coordinate].quantity).weak_limit;
+    const double moved = kWeakPerHoldLimit * hold_limit;
     const double half = 0.5 * std::abs(parameters.Value(coordinate));
-    const double of_value =
-        half > kNumericallyZero * traits.hold_limit ? half : traits.hold_limit;  // on its bound, or not yet estimated
-    limits[c] = traits.weak_limit > 0.0 ? traits.weak_limit : of_value;
+    // On its bound, or not yet estimated: by what it moves alone.
+    const double of_value = half > kNumericallyZero * hold_limit ? std::min(half, moved) : moved;
+    limits[c] = own > 0.0 ? own : of_value;
   }
   const ScaledSvd svd = DecomposeScaled(linearization, limits);
   for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) {

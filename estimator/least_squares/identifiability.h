@@ -1,7 +1,8 @@
 // What the data cannot tell, decided relative to the noise and said in words.
 //
 // Columns are scaled so that one unit is the largest standard deviation that
-// still means anything (Coordinate limits: 5 mm, 5 mrad, 10 urad/Nm). With the
+// still means anything: 5 mm, 5 mrad, and of compliances and effects what moves
+// their slot by that (Coordinate::hold_limit, problems/excitation.h). With the
 // singular values S of the scaled, whitened Jacobian, a direction v_i has the
 // standard deviation sigma / S_i; beyond 1 it is unidentifiable.
 #pragma once
@@ -38,7 +39,7 @@ struct Unidentifiable {
 // sigma: scale of the whitened noise (1: as stated).
 Unidentifiable FindUnidentifiable(const Linearization& linearization, const ParameterSet& parameters, double sigma);
 
-// Directions known worse than 1 mm or 1 mrad but not held.
+// Directions known worse than 1 mm, 1 mrad (moved by compliances and effects) or half their value, but not held.
 std::vector<Direction> FindWeak(const Linearization& linearization, const ParameterSet& parameters, double sigma);
 
 // "a and b move together: only their sum is measured".

@@ -60,6 +60,7 @@ Json LoadingToJson(const Experiment& experiment, const Measurements& data) {
                      {"m_per_s2", experiment.gravity}};
   const ConditionOrigins origins = OriginsOf(data, experiment);
   json["origins"] = {{"first_time_s", origins.first_time}, {"mean_temperature_degC", origins.mean_temperature}};
+  if (origins.campaign_time) json["origins"]["campaign_time_s"] = *origins.campaign_time;
   return json;
 }
 
@@ -73,8 +74,11 @@ void ReadLoading(const Json& json, Experiment* experiment) {
   experiment->gravity = json.at("gravity").at("m_per_s2").get<double>();
   if (!json.contains("origins")) return;
   const Json& origins = json.at("origins");
-  experiment->origins = {origins.at("first_time_s").get<std::map<std::string, double>>(),
+  experiment->origins = {{},
+                         origins.at("first_time_s").get<std::map<std::string, double>>(),
                          origins.at("mean_temperature_degC").get<double>()};
+  if (origins.contains("campaign_time_s"))
+    experiment->origins->campaign_time = origins.at("campaign_time_s").get<double>();
 }
 
 }  // namespace sagitta

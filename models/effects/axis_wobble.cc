@@ -5,10 +5,10 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"u_cos", Quantity::kSmallAngle},
-          {"u_sin", Quantity::kSmallAngle},
-          {"v_cos", Quantity::kSmallAngle},
-          {"v_sin", Quantity::kSmallAngle}};
+  return {{"u_cos", Quantity::kSmallAngle, 50e-6},
+          {"u_sin", Quantity::kSmallAngle, 50e-6},
+          {"v_cos", Quantity::kSmallAngle, 50e-6},
+          {"v_sin", Quantity::kSmallAngle, 50e-6}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -30,6 +30,7 @@ const EffectDefinition& AxisWobble() {
     effect.tilts = true;
     effect.separate_by = kSeparateByRange;
     effect.largest = 1.0;
+    effect.sizes = "run-out of 10 um over a bearing of 200 mm (ISO 492, normal class)";
     return effect;
   }();
   return definition;

@@ -5,7 +5,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"kx", Quantity::kCompliance}, {"ky", Quantity::kCompliance}};
+  return {{"kx", Quantity::kCompliance, 1e-4, true}, {"ky", Quantity::kCompliance, 1e-4, true}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -28,6 +28,7 @@ const EffectDefinition& BaseCompliance() {
     effect.tilts = true;
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = kSeparateByLoads;
+    effect.sizes = "0.1 mm per metre at rated load: pedestals and anchor bolts";
     return effect;
   }();
   return definition;

@@ -28,6 +28,13 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &StationDrift(),
       &StationScale(),
       &MarkerShift(),
+      &WarmUp(),
+      &StationEccentricity(),
+      &StationRangeOffset(),
+      &LoadCom(),
+      &Hysteresis(),
+      &MarkerAcceptance(),
+      &StationRefraction(),
   };
   return catalogue;
 }

@@ -29,6 +29,13 @@ const EffectDefinition& ThermalGrowth();
 const EffectDefinition& StationDrift();
 const EffectDefinition& StationScale();
 const EffectDefinition& MarkerShift();
+const EffectDefinition& WarmUp();
+const EffectDefinition& StationEccentricity();
+const EffectDefinition& StationRangeOffset();
+const EffectDefinition& LoadCom();
+const EffectDefinition& Hysteresis();
+const EffectDefinition& MarkerAcceptance();
+const EffectDefinition& StationRefraction();
 
 // EffectDefinition::separate_by of several effects.
 constexpr char kSeparateByRange[] =

@@ -31,6 +31,13 @@ std::string EffectSpec::TextSetting(const std::string& name, const std::string& 
   return found == settings.end() ? otherwise : found->second;
 }
 
+bool SettingDefinition::MeansSomethingFor(const EffectSpec& spec) const {
+  const size_t equals = only_with.find('=');
+  if (equals == std::string::npos) return true;
+  const auto found = spec.settings.find(only_with.substr(0, equals));
+  return found != spec.settings.end() && found->second == only_with.substr(equals + 1);
+}
+
 // A joint's slots stand right after its transform, the foot's at the very start.
 void AddTiltSlots(int joint, Chain* chain) {
   const int first = joint < 0 ? 0 : chain->JointTransform(joint) + 1;

@@ -10,7 +10,12 @@
 //   displacement  a slot's value v_e moves: by data (SlotTerm), by the torque on
 //                 the slot (ElasticTerm), by a wrench of its own (SagTerm)
 //   load          a wrench hangs on a frame (WrenchTerm)
-//   instrument    marker, base-frame or station-frame points move
+//   instrument    marker, base-frame or station-frame points move, or the
+//                 instrument reads an angle or a range wrong (SightTerm)
+//
+// An effect that depends on what came before a shot (play, heat) says with
+// Remember what it keeps of it: one number per shot, from all shots in the order
+// they were taken.
 //
 // A new effect is one file with one definition, declared in catalogue.h and
 // listed in catalogue.cc.
@@ -34,7 +39,8 @@ struct SlotTerm {
   double factor;
 };
 
-enum class ElasticLaw { kLinear, kCubic, kSign };  // phi(tau) = tau, tau^3, sign(tau)
+// phi(tau) = tau, tau^3, tanh(tau / width); the last is sign(tau) where the width is 0.
+enum class ElasticLaw { kLinear, kCubic, kSign };
 
 // v_e += factor * theta * phi(tau_e)
 struct ElasticTerm {
@@ -42,6 +48,7 @@ struct ElasticTerm {
   int parameter;
   double factor;
   ElasticLaw law = ElasticLaw::kLinear;
+  double width = 0.0;  // N m, of kSign
 };
 
 // v_e += theta * (torque of these wrenches alone on e)
@@ -77,6 +84,24 @@ struct StationTerm {
   Vector3<double> offset;
 };
 
+// What the instrument reads: azimuth and elevation (rad; the measurement frame's z is up, azimuth from its x towards
+// its y) and the range (m) along the line of sight.
+enum class Sensed { kAzimuth, kElevation, kRange };
+// What the error of a reading goes with.
+enum class SightLaw { kOne, kRange, kCosAzimuth, kSinAzimuth, kCosElevation, kSinElevation, kSquaredIncidence };
+
+// The reading is too large by factor * theta * g: g = 1, the range, a harmonic of the angle, or the square (rad^2) of
+// the angle between the line of sight and a marker's axis (models/sight.h).
+struct SightTerm {
+  int parameter;
+  Sensed sensed;
+  SightLaw law;
+  Vector3<double> instrument;  // m, in the measurement frame
+  double factor = 1.0;
+  int marker = -1;                                  // -1: every marker
+  Vector3<double> axis = Vector3<double>::UnitZ();  // of kSquaredIncidence, unit, in the marker's frame
+};
+
 struct ShotTerms {
   std::vector<SlotTerm> slots;
   std::vector<ElasticTerm> elastic;
@@ -85,6 +110,7 @@ struct ShotTerms {
   std::vector<MarkerTerm> markers;
   std::vector<BaseTerm> base;
   std::vector<StationTerm> station;
+  std::vector<SightTerm> sights;
 };
 
 constexpr int kApproachNotStated = 2;
@@ -95,7 +121,8 @@ struct ShotConditions {
   std::string station;
   std::string load = "none";
   bool has_time = false;
-  double time = 0.0;  // s since the station's first row
+  double time = 0.0;          // s since the first row of all: one clock for the whole campaign
+  double station_time = 0.0;  // s since the station's first row
   bool has_temperature = false;
   double temperature = 0.0;   // K above the mean of the data
   std::vector<int> approach;  // -1, 0, +1 per joint, or kApproachNotStated; empty: none is stated
@@ -113,15 +140,29 @@ enum class EffectTarget { kJoint, kError, kBase, kRobot, kStation, kLoad, kMarke
 struct EffectParameter {
   std::string name;  // cos; with its unit cos_urad in files
   Quantity quantity;
+  // Size that machines show (source: EffectDefinition::sizes), SI. `of_motion`: what it turns (rad) or moves (m) at the
+  // largest excitation among the rows, because its own size goes with the machine's: 70 urad/Nm on the wrist of a
+  // small arm are 0.3 urad/Nm on a large one. 0: not stated.
+  double typical = 0.0;
+  bool of_motion = false;
 };
 
 struct SettingDefinition {
-  enum class Kind { kInteger, kNumber, kJoint, kChoice };
+  // kMoment: s of the campaign's clock.
+  enum class Kind { kInteger, kNumber, kMoment, kJoint, kChoice };
   std::string name;
   Kind kind = Kind::kInteger;
-  std::string fallback;              // "" : required
-  std::vector<std::string> choices;  // of kChoice
+  std::string fallback;              // "" : required, unless fallback_of says it
+  std::vector<std::string> choices;  // of kChoice; of kNumber: what the diagnosis scans
   int most_scanned = 0;              // of kInteger, by the diagnosis; 0: as many as the configurations resolve
+  // The fallback is not written out: an effect that has it is the one without the setting.
+  bool silent = false;
+  std::string (*fallback_of)(const Robot& robot) = nullptr;  // where it depends on the robot
+  double above = -1e300;                                     // of kNumber: values are greater, but for the fallback
+  std::string only_with = {};  // "by=torque": means something only where that setting has that value
+
+  bool MeansSomethingFor(const EffectSpec& spec) const;
+  std::string FallbackFor(const Robot& robot) const { return fallback_of != nullptr ? fallback_of(robot) : fallback; }
 };
 
 // What must be among the data or in the model before an effect can be told.
@@ -139,6 +180,7 @@ struct EffectContext {
   const ShotConditions* shot;
   const std::vector<std::string>* markers;
   int first_parameter;
+  double memory = 0.0;  // of EffectDefinition::remember
 
   const Chain& chain() const { return robot->chain; }
   int joint() const { return chain().FindJoint(spec->target); }
@@ -164,8 +206,13 @@ struct EffectDefinition {
   std::string (*missing)(const EffectContext& context) = nullptr;
   std::string separate_by = {};  // which data tell it from its rivals; {target} is replaced
   std::string note = {};         // what to bear in mind where it is named
-  bool on_prismatic = false;     // of kJoint: what it does to a joint that slides is defined
-  double largest = 5.0;          // that machines show, in hold limits (QuantityTraits) of its parameters
+  std::string sizes = {};        // where the typical sizes are from
+  // What this use keeps of the shots before each: one number per shot. `campaign` is in the order it was measured.
+  // Null: nothing of the kind.
+  std::vector<double> (*remember)(const Robot& robot, const EffectSpec& spec,
+                                  const std::vector<const ShotConditions*>& campaign) = nullptr;
+  bool on_prismatic = false;  // of kJoint: what it does to a joint that slides is defined
+  double largest = 5.0;       // that machines show, in hold limits (QuantityTraits) of its parameters
 };
 
 // Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).

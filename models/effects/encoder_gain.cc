@@ -4,7 +4,9 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"gain", Quantity::kRatio}}; }
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"gain", Quantity::kRatio, 100e-6}};
+}
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const Joint& joint = context.chain().joints[context.joint()];
@@ -21,6 +23,7 @@ const EffectDefinition& EncoderGain() {
                             EffectTarget::kJoint, Parameters,     Apply};
     effect.on_prismatic = true;
     effect.separate_by = kSeparateByRange;
+    effect.sizes = "100 ppm: some 300 urad at the ends of a range of 360 deg, the accuracy of a gear";
     return effect;
   }();
   return definition;

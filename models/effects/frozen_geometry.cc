@@ -7,7 +7,7 @@ namespace {
 std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
   const int slot = robot.chain.FindError(spec.target);
   const bool turns = slot >= 0 && robot.chain.transforms[slot].is_rotation();
-  return {{"value", turns ? Quantity::kAngle : Quantity::kLength}};
+  return {{"value", turns ? Quantity::kAngle : Quantity::kLength, 3e-4}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -25,6 +25,8 @@ const EffectDefinition& FrozenGeometry() {
                             Parameters,
                             Apply};
     effect.separate_by = "unloaded poses that turn every joint over its whole range, markers apart from each other";
+    effect.sizes =
+        "identified errors of industrial arms: 0.1 to 0.5 mm and 0.005 to 0.03 deg (papers 000 and 002, KUKA KR 270)";
     return effect;
   }();
   return definition;

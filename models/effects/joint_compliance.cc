@@ -4,7 +4,9 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"k", Quantity::kCompliance}}; }
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"k", Quantity::kCompliance, 1e-3, true}};
+}
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->elastic.push_back({context.joint_slot(), context.first_parameter, 1.0, ElasticLaw::kLinear});
@@ -18,6 +20,7 @@ const EffectDefinition& JointComplianceEffect() {
                             EffectTarget::kJoint, Parameters,         Apply};
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = kSeparateByLoads;
+    effect.sizes = "0.5 to 2 mrad at rated load: KUKA KR 270 0.3 to 3.5 urad/Nm at some 3000 to 300 Nm (paper 000)";
     return effect;
   }();
   return definition;

@@ -4,7 +4,9 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"ratio", Quantity::kRatio}}; }
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"ratio", Quantity::kRatio, 100e-6}};
+}
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const int driver = context.chain().FindJoint(context.spec->TextSetting("driver", ""));
@@ -20,6 +22,7 @@ const EffectDefinition& JointCoupling() {
         "joint_coupling", "coupling between joints", "wrist gear coupling", EffectTarget::kJoint, Parameters, Apply};
     effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}}};
     effect.separate_by = "poses with {target} and its driver over their whole ranges, each independent of the other";
+    effect.sizes = "as a wrong gear ratio: 100 ppm, some 300 urad over a range of 360 deg";
     return effect;
   }();
   return definition;

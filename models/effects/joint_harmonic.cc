@@ -6,7 +6,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"cos", Quantity::kSmallAngle}, {"sin", Quantity::kSmallAngle}};
+  return {{"cos", Quantity::kSmallAngle, 75e-6}, {"sin", Quantity::kSmallAngle, 75e-6}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -29,6 +29,9 @@ const EffectDefinition& JointHarmonic() {
     effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}}};
     effect.separate_by = kSeparateByRange;
     effect.largest = 1.0;
+    effect.sizes =
+        "transmission error of strain wave and cycloidal gears: 0.5 to 1.5 arcmin (145 to 436 urad) from peak to peak "
+        "in data sheets";
     return effect;
   }();
   return definition;

@@ -4,7 +4,9 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"jump", Quantity::kSmallAngle}}; }
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"jump", Quantity::kSmallAngle, 100e-6}};
+}
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->time <= context.spec->NumberSetting("after_s", 0.0)) return;
@@ -18,10 +20,11 @@ const EffectDefinition& JointSlip() {
     EffectDefinition effect{
         "joint_slip", "zero shift of a joint", "slipped coupling, lost mastering", EffectTarget::kJoint, Parameters,
         Apply};
-    effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
+    effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
     effect.largest = 1.0;
+    effect.sizes = "mastering repeats to some 0.005 deg (87 urad), makers' instructions";
     return effect;
   }();
   return definition;

@@ -5,7 +5,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"x", Quantity::kLength}, {"y", Quantity::kLength}, {"z", Quantity::kLength}};
+  return {{"x", Quantity::kLength, 50e-6}, {"y", Quantity::kLength, 50e-6}, {"z", Quantity::kLength, 50e-6}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -24,9 +24,10 @@ const EffectDefinition& MarkerShift() {
   static const EffectDefinition definition = [] {
     EffectDefinition effect{"marker_shift",        "reseated marker", "reflector moved in its nest",
                             EffectTarget::kMarker, Parameters,        Apply};
-    effect.settings = {{"after_s", SettingDefinition::Kind::kNumber, "", {}}};
+    effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
+    effect.sizes = "a nest holds a reflector to some 10 um, glue and magnets to some 0.1 mm";
     return effect;
   }();
   return definition;

@@ -12,7 +12,7 @@ std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& sp
   std::vector<EffectParameter> parameters;
   for (int link = robot.chain.FindJoint(spec.target) + 1; link <= LastLink(robot); ++link) {
     for (const char* axis : {"x", "y", "z"}) {
-      parameters.push_back({"s" + std::to_string(link) + axis, Quantity::kSmallAngle});
+      parameters.push_back({"s" + std::to_string(link) + axis, Quantity::kSmallAngle, 3e-4});
     }
   }
   return parameters;
@@ -53,6 +53,8 @@ const EffectDefinition& SelfWeightSag() {
     effect.tilts = true;
     effect.needs = EffectNeeds::kNoCompliances;
     effect.separate_by = kSeparateByWeight;
+    effect.sizes =
+        "links weigh as much as the load, at a third of its lever: a third of the deflection under rated load";
     return effect;
   }();
   return definition;

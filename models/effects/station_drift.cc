@@ -5,13 +5,14 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"x", Quantity::kDrift},     {"y", Quantity::kDrift},     {"z", Quantity::kDrift},
-          {"rx", Quantity::kTurnRate}, {"ry", Quantity::kTurnRate}, {"rz", Quantity::kTurnRate}};
+  return {{"x", Quantity::kDrift, 15e-6 / 3600},    {"y", Quantity::kDrift, 15e-6 / 3600},
+          {"z", Quantity::kDrift, 15e-6 / 3600},    {"rx", Quantity::kTurnRate, 5e-6 / 3600},
+          {"ry", Quantity::kTurnRate, 5e-6 / 3600}, {"rz", Quantity::kTurnRate, 5e-6 / 3600}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;
-  const double t = context.shot->time;
+  const double t = context.shot->station_time;
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3<double> unit = Vector3<double>::Unit(axis);
     terms->station.push_back({context.first_parameter + axis, Matrix3<double>::Zero(), t * unit});
@@ -31,6 +32,8 @@ const EffectDefinition& StationDrift() {
                             Apply};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
+    effect.sizes =
+        "a stand of 1.5 m that warms by 1 K per hour: 17 um/h, and 5 urad/h where its legs differ by a third";
     return effect;
   }();
   return definition;

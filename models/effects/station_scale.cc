@@ -5,7 +5,9 @@
 namespace sagitta {
 namespace {
 
-std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) { return {{"scale", Quantity::kRatio}}; }
+std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
+  return {{"scale", Quantity::kRatio, 10e-6}};
+}
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;
@@ -23,6 +25,8 @@ const EffectDefinition& StationScale() {
                             Parameters,
                             Apply};
     effect.separate_by = "a calibrated length in view of the station, or the same points from another one";
+    effect.sizes =
+        "0.95 ppm/K and 0.27 ppm/hPa of air that is not compensated for (Ciddor, Applied Optics 35 (1996) 1566)";
     return effect;
   }();
   return definition;

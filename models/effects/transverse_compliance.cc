@@ -6,7 +6,7 @@ namespace sagitta {
 namespace {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
-  return {{"ku", Quantity::kCompliance}, {"kv", Quantity::kCompliance}};
+  return {{"ku", Quantity::kCompliance, 2e-4, true}, {"kv", Quantity::kCompliance, 2e-4, true}};
 }
 
 void Apply(const EffectContext& context, ShotTerms* terms) {
@@ -30,6 +30,7 @@ const EffectDefinition& TransverseCompliance() {
     effect.tilts = true;
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = kSeparateByLoads;
+    effect.sizes = "a tenth to a third of the compliance about the axis (moment stiffness in gear data sheets)";
     return effect;
   }();
   return definition;

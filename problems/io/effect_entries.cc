@@ -41,7 +41,14 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
       return std::to_string(static_cast<int>(number));
     }
     case SettingDefinition::Kind::kNumber:
-      return FormatNumber(value.Number());
+    case SettingDefinition::Kind::kMoment: {
+      const double number = value.Number();
+      const std::string text = FormatNumber(number);
+      if (text != setting.fallback && number <= setting.above) {
+        value.Fail("a number above " + FormatNumber(setting.above) + " is needed");
+      }
+      return text;
+    }
     case SettingDefinition::Kind::kJoint:
       return value.OneOf(JointNames(robot));
     case SettingDefinition::Kind::kChoice:
@@ -53,6 +60,7 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
 // Lengths and angles may be stated in any of their units; nothing for everything else.
 std::optional<Dimension> DimensionOf(Quantity quantity) {
   if (quantity == Quantity::kLength) return Dimension::kLength;
+  if (quantity == Quantity::kShift) return Dimension::kSmallLength;
   if (quantity == Quantity::kAngle || quantity == Quantity::kSmallAngle) return Dimension::kAngle;
   return std::nullopt;
 }
@@ -77,7 +85,11 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   for (const SettingDefinition& setting : definition->settings) {
     const auto value = map.Find(setting.name);
     if (value) {
-      spec.settings[setting.name] = ReadSetting(setting, robot, *value);
+      if (!setting.MeansSomethingFor(spec)) value->Fail("this goes with " + setting.only_with + " only");
+      const std::string text = ReadSetting(setting, robot, *value);
+      if (!setting.silent || text != setting.FallbackFor(robot)) spec.settings[setting.name] = text;
+    } else if (setting.silent || !setting.MeansSomethingFor(spec)) {
+      continue;
     } else if (setting.fallback.empty()) {
       map.Get(setting.name);  // says what is missing
     } else {
@@ -102,6 +114,7 @@ Json SettingToJson(const EffectDefinition& definition, const std::string& name, 
     if (setting.name != name) continue;
     if (setting.kind == SettingDefinition::Kind::kInteger) return std::stoi(text);
     if (setting.kind == SettingDefinition::Kind::kNumber) return std::stod(text);
+    if (setting.kind == SettingDefinition::Kind::kMoment) return std::stod(text);
   }
   return text;
 }

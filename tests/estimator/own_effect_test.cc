@@ -1,4 +1,4 @@
-// An effect of one's own, as docs/ADDING_AN_EFFECT.md adds it: defined here,
+// An effect of one's own, as docs/ADDING_AN_EFFECT.md adds it: defined
 // outside the catalogue, carried by the robot, held to the catalogue's contract,
 // read and written, estimated, and found by screening where it is hidden.
 #include <gtest/gtest.h>
@@ -7,41 +7,15 @@
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"
 #include "problems/io/robot_file.h"
+#include "tests/support/driven_harmonic.h"
 #include "tests/support/effect_contract.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
 namespace {
 
-// A gear whose wave generator is turned by another joint: encoder side,
-// cos * cos(n q_driver) + sin * sin(n q_driver).
-std::vector<EffectParameter> DrivenParameters(const Robot&, const EffectSpec&) {
-  return {{"cos", Quantity::kSmallAngle}, {"sin", Quantity::kSmallAngle}};
-}
-
-void ApplyDriven(const EffectContext& context, ShotTerms* terms) {
-  const int driver = context.chain().FindJoint(context.spec->TextSetting("driver", ""));
-  const double phase = context.spec->IntegerSetting("order", 1) * context.shot->q[driver];
-  const double sign = context.joint_sign();
-  terms->slots.push_back({context.joint_slot(), context.first_parameter, sign * std::cos(phase)});
-  terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
-}
-
-const EffectDefinition& DrivenHarmonic() {
-  static const EffectDefinition definition = [] {
-    EffectDefinition effect{"driven_harmonic", "periodic error driven by another joint",
-                            "this test",       EffectTarget::kJoint,
-                            DrivenParameters,  ApplyDriven};
-    effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}},
-                       {"order", SettingDefinition::Kind::kInteger, "1", {}}};
-    effect.separate_by = "poses with {target} and its driver over their whole ranges";
-    return effect;
-  }();
-  return definition;
-}
-
 const std::vector<const EffectDefinition*>& Own() {
-  static const std::vector<const EffectDefinition*> own = {&DrivenHarmonic()};
+  static const std::vector<const EffectDefinition*> own = {&test::DrivenHarmonic()};
   return own;
 }
 
@@ -81,7 +55,7 @@ Robot ArmThatKnowsIt() {
 TEST(OwnEffect, IsNoneOfTheCatalogue) {
   EXPECT_EQ(FindEffect("driven_harmonic"), nullptr);
   EXPECT_EQ(FindEffect(Robot(), "driven_harmonic"), nullptr);
-  EXPECT_EQ(FindEffect(ArmThatKnowsIt(), "driven_harmonic"), &DrivenHarmonic());
+  EXPECT_EQ(FindEffect(ArmThatKnowsIt(), "driven_harmonic"), &test::DrivenHarmonic());
 }
 
 TEST(OwnEffect, KeepsTheContract) {

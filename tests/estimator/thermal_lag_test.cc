@@ -112,8 +112,9 @@ TEST(ThermalLag, OnlyWhatTemperatureDrives) {
   EXPECT_EQ(rows[0].ci95.high, grown.before.ci95.high);
 }
 
-// The law of cooling for a step of 4 K that the thermometer shows at once.
-TEST(ThermalLag, AStepIsFollowedExponentially) {
+// The law of cooling for 4 K within 100 s, tau = 200 s: with m tau = 8 K the arm is at 24 - 8 + 8 exp(-0.5) = 20.852 C
+// at the end of the rise, and follows exponentially after it.
+TEST(ThermalLag, ARiseIsFollowedLate) {
   Measurements data;
   data.shots.resize(4);
   for (int s = 0; s < 4; ++s) {
@@ -123,7 +124,11 @@ TEST(ThermalLag, AStepIsFollowedExponentially) {
     data.shots[s].temperature = s == 0 ? 20.0 : 24.0;
   }
   LagTemperatures(200.0, &data);
-  for (int s = 0; s < 4; ++s) EXPECT_NEAR(data.shots[s].temperature, 24.0 - 4.0 * std::exp(-100.0 * s / 200.0), 1e-12);
+  const double late = 3.147754722298933;  // K, 8 (1 - exp(-0.5))
+  EXPECT_EQ(data.shots[0].temperature, 20.0);
+  for (int s = 1; s < 4; ++s) {
+    EXPECT_NEAR(data.shots[s].temperature, 24.0 - late * std::exp(-100.0 * (s - 1) / 200.0), 1e-12);
+  }
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-from study import cases, figures, programs, runner  # noqa: E402
+from study import cases, figures, programs, rivals, runner  # noqa: E402
 
 PROGRAMS = None
 SEED = 11
@@ -64,6 +64,28 @@ class Generator(WithFolder):
             PROGRAMS.generate(flags, self.folder / 'case', self.folder / 'answer')
             chi2 = PROGRAMS.chi_square(self.folder / 'answer' / 'experiment.yaml', self.folder / 'estimate')
             self.assertGreater(chi2, 1e-3, kind)
+
+    def test_the_value_that_is_hidden_is_the_value_that_is_estimated(self):
+        # The generator makes these from their causes, so their second order remains: 20 urad squared over metres.
+        cases_of = [('warm_up', {}), ('station_eccentricity', {'stations': 2}), ('station_range_offset', {'stations': 2}),
+                    ('station_refraction', {}),
+                    ('load_com', {}), ('hysteresis', {}), ('marker_acceptance', {}), ('backlash', {}),
+                    ('joint_slip', {'stations': 2}), ('marker_shift', {'stations': 2})]
+        for kind, extra in cases_of:
+            for number in (3, 4):
+                flags = dict({'kinds': kind, 'scales': 1, 'study': SEED, 'case': number}, **extra)
+                answer, believed = self.folder / 'answer', self.folder / 'believed'
+                PROGRAMS.generate(flags, self.folder / 'case', answer)
+                sealed = json.loads((answer / 'answer.json').read_text())['hidden'][0]
+                rivals.extend(answer, believed, [(kind, sealed['target'], sealed['settings'], {})])
+                estimate = PROGRAMS.calibrated(believed / 'experiment.yaml', self.folder / 'estimate')
+                self.assertIsNotNone(estimate, kind)
+                self.assertLess(estimate['fit']['chi2'], 1e-3, (kind, sealed))
+                rows = {r['name'].rsplit('/', 1)[1] + '_' + r['unit'].replace('/', '_per_'): r
+                        for r in estimate['parameters'] if r['name'].startswith('effect/' + kind)}
+                self.assertEqual(set(rows), set(sealed['parameters']), kind)
+                for name, truth in sealed['parameters'].items():
+                    self.assertLess(abs(rows[name]['value'] - truth), 1e-3 * abs(truth) + 1e-3, (kind, name, sealed))
 
     def test_files_carry_no_hint(self):
         words = cases.CATALOGUE + cases.OUTSIDE + ['harmonic', 'hidden', 'truth', 'answer', 'gain', 'drift', 'slip']

@@ -18,20 +18,49 @@ TEST_P(EffectContract, NeutralExactAndVisible) { test::ExpectEffectContract(Uses
 INSTANTIATE_TEST_SUITE_P(Catalogue, EffectContract, ::testing::Range(0, static_cast<int>(Uses().size())));
 
 TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
-  const std::vector<std::string> expected = {
-      "frozen_geometry", "joint_compliance", "compliance_hardening", "transverse_compliance",
-      "link_gravity",    "self_weight_sag",  "base_compliance",      "payload",
-      "joint_harmonic",  "axis_wobble",      "encoder_gain",         "joint_coupling",
-      "backlash",        "joint_slip",       "thermal_growth",       "station_drift",
-      "station_scale",   "marker_shift"};
+  const std::vector<std::string> expected = {"frozen_geometry",
+                                             "joint_compliance",
+                                             "compliance_hardening",
+                                             "transverse_compliance",
+                                             "link_gravity",
+                                             "self_weight_sag",
+                                             "base_compliance",
+                                             "payload",
+                                             "joint_harmonic",
+                                             "axis_wobble",
+                                             "encoder_gain",
+                                             "joint_coupling",
+                                             "backlash",
+                                             "joint_slip",
+                                             "thermal_growth",
+                                             "station_drift",
+                                             "station_scale",
+                                             "marker_shift",
+                                             "warm_up",
+                                             "station_eccentricity",
+                                             "station_range_offset",
+                                             "load_com",
+                                             "hysteresis",
+                                             "marker_acceptance",
+                                             "station_refraction"};
   EXPECT_EQ(EffectNames(), expected);
 }
 
 TEST(EffectCatalogue, SaysInWordsWhatItIsAndWhatTellsItApart) {
   for (const EffectDefinition* effect : EffectCatalogue()) {
     EXPECT_FALSE(effect->title.empty() || effect->reference.empty() || effect->separate_by.empty()) << effect->name;
+    EXPECT_FALSE(effect->sizes.empty()) << effect->name << " says where its typical sizes are from";
     if (effect->target == EffectTarget::kJoint) continue;
     EXPECT_EQ(effect->separate_by.find("{target}"), std::string::npos) << effect->name << " has no joint to speak of";
+  }
+}
+
+TEST(EffectCatalogue, StatesATypicalSizeOfEveryParameter) {
+  const Robot robot = test::ContractArm();
+  for (const EffectSpec& use : Uses()) {
+    for (const EffectParameter& parameter : FindEffect(use.effect)->parameters(robot, use)) {
+      EXPECT_GT(parameter.typical, 0.0) << use.Path() << " " << parameter.name;
+    }
   }
 }
 

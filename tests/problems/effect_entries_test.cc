@@ -52,7 +52,17 @@ TEST(EffectEntries, EveryEffectOfTheCatalogueReadsBackAsWritten) {
         "{effect: station_drift, station: S1, x_um_per_h: 1, y_um_per_h: 2, z_um_per_h: 3, rx_urad_per_h: 4, "
         "ry_urad_per_h: 5, rz_urad_per_h: 6}",
         "{effect: station_scale, station: S1, scale_ppm: 9}",
-        "{effect: marker_shift, marker: M1, after_s: 60, x_mm: 0.1, y_mm: 0.2, z_mm: 0.3}"}) {
+        "{effect: marker_shift, marker: M1, after_s: 60, x_mm: 0.1, y_mm: 0.2, z_mm: 0.3}",
+        "{effect: warm_up, station: S1, tau_s: 1800, x_um: 1, y_um: 2, z_um: 3, rx_urad: 4, ry_urad: 5, rz_urad: 6}",
+        "{effect: station_eccentricity, station: S1, az_cos_urad: 1, az_sin_urad: 2, el_cos_urad: 3, el_sin_urad: 4}",
+        "{effect: station_range_offset, station: S1, offset_um: 12}",
+        "{effect: load_com, load: heavy, dx_mm: 10, dy_mm: -20, dz_mm: 30}",
+        "{effect: hysteresis, joint: A2, width_deg: 2.5, amplitude_urad: 60}",
+        "{effect: marker_acceptance, marker: M1, offset_um: 40}",
+        "{effect: marker_acceptance, marker: M1, axis: -x, offset_um: 40}",
+        "{effect: station_refraction, station: S1, curvature_urad_per_m: 0.8}",
+        "{effect: backlash, joint: A2, by: torque, width_Nm: 35, half_gap_urad: 40}",
+        "{effect: thermal_growth, lag_s: 600, growth_ppm_per_K: 11}"}) {
     const Robot robot = WithEntry(entry);
     ASSERT_EQ(robot.effects.size(), 1u) << entry;
     const Robot again = ReadRobotText(RobotToYaml(robot), "again.yaml");
@@ -74,6 +84,37 @@ TEST(EffectEntries, UnitsAreThoseOfTheFormat) {
   EXPECT_NEAR(WithEntry("{effect: marker_shift, marker: M1, after_s: 6, y_m: 0.002}").effects[0].values[1], 2e-3,
               1e-15);
   EXPECT_NEAR(WithEntry("{effect: station_drift, station: S1, x_um_per_h: 36}").effects[0].values[0], 1e-8, 1e-18);
+  EXPECT_NEAR(WithEntry("{effect: station_range_offset, station: S1, offset_um: 25}").effects[0].values[0], 25e-6,
+              1e-18);
+  EXPECT_NEAR(WithEntry("{effect: station_range_offset, station: S1, offset_mm: 0.025}").effects[0].values[0], 25e-6,
+              1e-18);
+  EXPECT_NEAR(WithEntry("{effect: load_com, load: V, dy_mm: -20}").effects[0].values[1], -0.02, 1e-15);
+}
+
+// A setting at its default is not part of the name: files and results from before it existed keep theirs.
+TEST(EffectEntries, SettingsAtTheirDefaultAreSilent) {
+  EXPECT_EQ(WithEntry("{effect: thermal_growth, growth_ppm_per_K: 11}").effects[0].Path(),
+            "effect/thermal_growth/robot");
+  EXPECT_EQ(WithEntry("{effect: thermal_growth, lag_s: 0}").effects[0].Path(), "effect/thermal_growth/robot");
+  EXPECT_EQ(WithEntry("{effect: thermal_growth, lag_s: 600}").effects[0].Path(),
+            "effect/thermal_growth[lag_s=600]/robot");
+  EXPECT_EQ(WithEntry("{effect: backlash, joint: A2, by: torque}").effects[0].Path(), "effect/backlash[by=torque]/A2");
+  EXPECT_EQ(WithEntry("{effect: backlash, joint: A2, by: torque, width_Nm: 35}").effects[0].Path(),
+            "effect/backlash[by=torque,width_Nm=35]/A2");
+  EXPECT_EQ(WithEntry("{effect: backlash, joint: A2}").effects[0].Path(), "effect/backlash[by=approach]/A2");
+  // The last joint of this arm turns about y.
+  EXPECT_EQ(WithEntry("{effect: marker_acceptance, marker: M1, axis: y}").effects[0].Path(),
+            "effect/marker_acceptance/M1");
+  EXPECT_EQ(WithEntry("{effect: marker_acceptance, marker: M1, axis: z}").effects[0].Path(),
+            "effect/marker_acceptance[axis=z]/M1");
+}
+
+TEST(EffectEntries, SettingsHaveTheirRanges) {
+  EXPECT_NE(Refusal("{effect: hysteresis, joint: A2, width_deg: 0}").find("above 0"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: hysteresis, joint: A2}").find("width_deg"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: warm_up, station: S1, tau_s: -5}").find("above 0"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: thermal_growth, lag_s: -5}").find("above 0"), std::string::npos);
+  EXPECT_NE(Refusal("{effect: backlash, joint: A2, width_Nm: 5}").find("by=torque"), std::string::npos);
 }
 
 TEST(EffectEntries, RefusalsNameKeyAndSpelling) {

@@ -6,6 +6,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -68,9 +69,12 @@ inline std::vector<EffectSpec> ContractUses(const std::vector<const EffectDefini
       variants.clear();
       std::vector<std::string> texts = setting.choices;
       if (setting.kind == SettingDefinition::Kind::kInteger) texts = {"1", "3"};
-      if (setting.kind == SettingDefinition::Kind::kNumber) texts = {"100"};
+      if (setting.kind == SettingDefinition::Kind::kNumber) texts = {setting.choices.empty() ? "100" : texts.back()};
+      if (setting.kind == SettingDefinition::Kind::kMoment) texts = {"100"};
       if (setting.kind == SettingDefinition::Kind::kJoint) texts = {"A2"};
       for (EffectSpec variant : before) {
+        if (setting.silent) variants.push_back(variant);
+        if (!setting.MeansSomethingFor(variant)) continue;
         for (const std::string& text : texts) {
           variant.settings[setting.name] = text;
           variants.push_back(variant);
@@ -88,18 +92,27 @@ inline ShotInput ContractShot(int flange, RandomNumbers* random) {
   shot.conditions.station = "S1";
   shot.conditions.load = "heavy";
   shot.conditions.has_time = shot.conditions.has_temperature = true;
-  shot.conditions.time = 3600.0;
+  shot.conditions.time = 7200.0;
+  shot.conditions.station_time = 3600.0;
   shot.conditions.temperature = 2.5;
   shot.conditions.approach = {1, -1, 1, -1, 1, -1};
-  shot.conditions.instrument = {3.0, -2.0, 1.0};
+  shot.conditions.instrument = {6.0, -4.0, 2.0};
   shot.wrenches = {
       {flange, {0.28, 0.06, -0.15}, random->Vector(2000.0), random->Vector(100.0), WrenchFrame::kMeasurement}};
   shot.conditions.load_wrenches = shot.wrenches;
   return shot;
 }
 
-// A size at which the effect is about 0.1 to 1 mm at the flange of a large arm.
-inline double TypicalSize(Quantity quantity) { return TraitsOf(quantity).hold_limit * 0.1; }
+// By the parameter's full name; where the definition states none, a size at which the effect is about 0.1 to 1 mm at
+// the flange of a large arm.
+inline std::map<std::string, double> TypicalSizes(const Robot& robot, const EffectSpec& use) {
+  std::map<std::string, double> sizes;
+  for (const EffectParameter& parameter : FindEffect(robot, use.effect)->parameters(robot, use)) {
+    const double general = TraitsOf(parameter.quantity).hold_limit * 0.1;
+    sizes[use.Path() + "/" + parameter.name] = parameter.typical > 0.0 && !parameter.of_motion ? parameter.typical : general;
+  }
+  return sizes;
+}
 
 inline void ExpectEffectContract(const EffectSpec& use, int seed,
                                  const std::vector<const EffectDefinition*>& own_effects = {}) {
@@ -113,6 +126,7 @@ inline void ExpectEffectContract(const EffectSpec& use, int seed,
   std::vector<int> all(n);
   std::iota(all.begin(), all.end(), 0);
   RandomNumbers random(seed);
+  std::map<std::string, double> typical = TypicalSizes(robot, use);
   std::set<int> visible;
   double largest = 0.0;  // m
   for (const double size : {0.0, 1e-8, 1.0}) {
@@ -120,13 +134,20 @@ inline void ExpectEffectContract(const EffectSpec& use, int seed,
       ShotInput shot = ContractShot(model.chain().FlangeFrame(), &random);
       ShotInput plain = shot;
       plain.wrenches[0].frame = without.chain().FlangeFrame();
-      model.Prepare(&shot);
+      // What remembers has something to remember: the arm came from elsewhere.
+      std::vector<ShotInput> campaign = {shot, shot};
+      campaign[0].conditions.q.setConstant(1.6);
+      campaign[0].conditions.time = 3600.0;
+      campaign[0].conditions.station_time = 0.0;
+      campaign[0].conditions.temperature = 3.0;
+      model.Prepare(&campaign);
+      shot = campaign[1];
       without.Prepare(&plain);
       std::vector<double> theta = model.NominalValues();
       for (int i = 0; i < n; ++i) {
         if (model.parameters()[i].law == ParameterLaw::kGeometry) theta[i] = random.Uniform(-1e-3, 1e-3);
         if (model.parameters()[i].law == ParameterLaw::kEffect) {
-          theta[i] = size * random.Uniform(0.5, 1.0) * TypicalSize(model.parameters()[i].quantity);
+          theta[i] = size * random.Uniform(0.5, 1.0) * typical[model.parameters()[i].name];
         }
       }
       Pose<double> base;

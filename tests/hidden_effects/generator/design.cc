@@ -90,6 +90,7 @@ Design MakeDesign(const RobotKind& robot, const DesignOptions& options, Stream* 
       arrives = false;
       if (first[station] < 0.0) first[station] = shot.time;
       shot.since_start = shot.time - first[station];
+      shot.since_first = shot.time - (design.shots.empty() ? shot : design.shots.front()).time;
       design.shots.push_back(shot);
     }
   }

@@ -1,10 +1,9 @@
 #include "tests/hidden_effects/generator/displacements.h"
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tests/hidden_effects/generator/answer_json.h"
 
@@ -50,6 +49,7 @@ Design DesignOf(const json& input) {
     shot.q = Eigen::Map<const VectorXd>(q.data(), static_cast<int>(q.size()));
     shot.time = row.at("time_s");
     shot.since_start = row.at("since_start_s");
+    shot.since_first = shot.time - (design.shots.empty() ? shot : design.shots.front()).time;
     shot.air = shot.arm_temperature = row.at("temperature_degC");
     shot.approach = row.at("approach").get<std::vector<int>>();
     VectorXd turning = shot.q;

@@ -46,7 +46,7 @@ struct Draw {
     const auto& shots = design.shots;
     const size_t n = shots.size();
     const size_t i = n / 4 + random->Below(static_cast<int>(n / 2));
-    return 0.5 * (shots[i - 1].since_start + shots[i].since_start);
+    return 0.5 * (shots[i - 1].since_first + shots[i].since_first);
   }
 };
 
@@ -212,7 +212,11 @@ void Backlash(Draw d) {
   const double half_gap = kMicro * d.Positive("half_gap_urad", 50.0);
   d.effect->settings["by"] = by_torque ? "torque" : "approach";
   if (by_torque) {
-    d.nature->torque_play[j] = half_gap;
+    Nature::TorquePlay& play = d.nature->torque_play[j];
+    play.half_gap = half_gap;
+    if (!d.random->Chance(0.5)) return;
+    play.width = 0.3 * d.TypicalTorque() * d.random->Uniform(0.67, 1.5);
+    d.effect->settings["width_Nm"] = std::to_string(play.width);
     return;
   }
   const std::vector<double> behind = PlayBehindInput(d.design, j, half_gap);
@@ -223,7 +227,7 @@ void Slip(Draw d) {
   const int j = d.Joint(1);
   const double after = d.RandomTime(), jump = kMicro * d.Size("jump_urad", 80.0);
   d.effect->settings["after_s"] = std::to_string(after);
-  d.nature->encoder.push_back({j, [=](const Shot& shot) { return shot.since_start > after ? jump : 0.0; }});
+  d.nature->encoder.push_back({j, [=](const Shot& shot) { return shot.since_first > after ? jump : 0.0; }});
 }
 
 void Growth(Draw d) {
@@ -258,6 +262,76 @@ void MarkerShift(Draw d) {
   d.nature->reseats.push_back({marker, after, shift});
 }
 
+std::string AnyStation(const Draw& d) {
+  return d.design.shots[d.random->Below(static_cast<int>(d.design.shots.size()))].station;
+}
+
+std::string AnyMarker(const Draw& d) {
+  return "M" + std::to_string(1 + d.random->Below(static_cast<int>(d.nature->markers.size())));
+}
+
+void WarmUp(Draw d) {
+  d.effect->target = AnyStation(d);
+  Settling& settling = d.nature->settling[d.effect->target];
+  settling.time_constant = std::exp(d.random->Uniform(std::log(400.0), std::log(4000.0)));
+  d.effect->settings["tau_s"] = std::to_string(settling.time_constant);
+  for (const char axis : {'x', 'y', 'z'}) {
+    settling.move[axis - 'x'] = kMicro * d.Size(std::string(1, axis) + "_um", 30.0);
+  }
+  for (const char axis : {'x', 'y', 'z'}) {
+    settling.turn[axis - 'x'] = kMicro * d.Size(std::string("r") + axis + "_urad", 10.0);
+  }
+}
+
+// A pointer at angle a reads a + (c_x sin a - c_y cos a) where the circle's centre is at c.
+void Eccentricity(Draw d) {
+  d.effect->target = AnyStation(d);
+  Instrument& instrument = d.nature->instruments[d.effect->target];
+  instrument.azimuth_centre.y() = -kMicro * d.Size("az_cos_urad", 15.0);
+  instrument.azimuth_centre.x() = kMicro * d.Size("az_sin_urad", 15.0);
+  instrument.elevation_centre.y() = -kMicro * d.Size("el_cos_urad", 15.0);
+  instrument.elevation_centre.x() = kMicro * d.Size("el_sin_urad", 15.0);
+}
+
+void RangeOffset(Draw d) {
+  d.effect->target = AnyStation(d);
+  d.nature->instruments[d.effect->target].too_far = kMicro * d.Size("offset_um", 15.0);
+}
+
+void Refraction(Draw d) {
+  d.effect->target = AnyStation(d);
+  d.nature->instruments[d.effect->target].curvature = kMicro * d.Size("curvature_urad_per_m", 1.0);
+}
+
+void LoadOffPoint(Draw d) {
+  d.effect->target = (d.random->Chance(0.5) ? d.robot.heavy : d.robot.light).name;
+  Vector3d& off = d.nature->centre_off_point[d.effect->target];
+  for (const char axis : {'x', 'y', 'z'}) off[axis - 'x'] = 1e-3 * d.Size(std::string("d") + axis + "_mm", 20.0);
+}
+
+// A peg in a slot of a slide: the slide stays until the peg meets an end.
+void Memory(Draw d) {
+  const int j = d.Joint();
+  const double slot = std::exp(d.random->Uniform(std::log(0.02), std::log(0.5)));  // rad
+  d.effect->settings["width_deg"] = std::to_string(slot * 180.0 / std::acos(-1.0));
+  const double amplitude = kMicro * d.Positive("amplitude_urad", 50.0);
+  std::vector<double> middle_before_peg;
+  double end = d.design.arrivals.front()[j] - 0.5 * slot;
+  for (const VectorXd& q : d.design.arrivals) {
+    if (q[j] < end) end = q[j];
+    if (q[j] > end + slot) end = q[j] - slot;
+    middle_before_peg.push_back((end + 0.5 * slot - q[j]) / (0.5 * slot));
+  }
+  d.nature->encoder.push_back({j, [=](const Shot& shot) { return amplitude * middle_before_peg[shot.config]; }});
+}
+
+void Acceptance(Draw d) {
+  d.effect->target = AnyMarker(d);
+  Reflector& reflector = d.nature->reflectors[d.effect->target];
+  reflector.axis = Vector3d::Unit(d.robot.arm.AxisOf(d.robot.arm.size() - 1));
+  reflector.offset = kMicro * d.Size("offset_um", 50.0);
+}
+
 const std::vector<std::pair<std::string, void (*)(Draw)>>& Makers() {
   static const std::vector<std::pair<std::string, void (*)(Draw)>> makers = {{"frozen_geometry", FrozenGeometry},
                                                                              {"joint_compliance", JointCompliance},
@@ -277,7 +351,14 @@ const std::vector<std::pair<std::string, void (*)(Draw)>>& Makers() {
                                                                              {"thermal_growth", Growth},
                                                                              {"station_drift", StationDrift},
                                                                              {"station_scale", StationScale},
-                                                                             {"marker_shift", MarkerShift}};
+                                                                             {"marker_shift", MarkerShift},
+                                                                             {"warm_up", WarmUp},
+                                                                             {"station_eccentricity", Eccentricity},
+                                                                             {"station_range_offset", RangeOffset},
+                                                                             {"load_com", LoadOffPoint},
+                                                                             {"hysteresis", Memory},
+                                                                             {"marker_acceptance", Acceptance},
+                                                                             {"station_refraction", Refraction}};
   return makers;
 }
 

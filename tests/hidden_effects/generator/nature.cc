@@ -23,7 +23,10 @@ std::vector<Pull> Forces(const Nature& nature, const Shot& shot, const Placement
   const auto extra = nature.extra_mass.find(shot.load);
   if (extra != nature.extra_mass.end()) force += extra->second * down;
   if (force.squaredNorm() > 0.0) {
-    pulls.push_back({nature.arm.size() - 1, placement.flange.Map(nature.load_point), force});
+    Vector3d at = nature.load_point;
+    const auto off = nature.centre_off_point.find(shot.load);
+    if (off != nature.centre_off_point.end()) at += off->second;
+    pulls.push_back({nature.arm.size() - 1, placement.flange.Map(at), force});
   }
   for (const Weight& weight : nature.weights) {
     pulls.push_back({weight.link, placement.after_joint[weight.link].Map(weight.centre), weight.mass * down});
@@ -80,7 +83,8 @@ Posture Equilibrium(const Nature& nature, const Shot& shot) {
       next.values[j] += nature.compliance[j] * torque + nature.hardening[j] * std::pow(torque / 1e3, 3);
       const auto play = nature.torque_play.find(j);
       if (play != nature.torque_play.end() && std::abs(torque) > 1e-9) {
-        next.values[j] += std::copysign(play->second, torque);
+        const double pressed = play->second.width > 0.0 ? std::exp(-2.0 * std::abs(torque) / play->second.width) : 0.0;
+        next.values[j] += std::copysign(play->second.half_gap * (1.0 - pressed) / (1.0 + pressed), torque);
       }
       next.tilt[j] += nature.tilt_compliance[j].cwiseProduct(frame.turn.transpose() * moment);
     }
@@ -100,7 +104,7 @@ Vector3d SeenAt(const Nature& nature, const Shot& shot, const std::string& marke
   const Placement placement = Place(nature.arm, Equilibrium(nature, shot));
   Vector3d on_flange = nature.markers.at(marker);
   for (const auto& reseat : nature.reseats) {
-    if (reseat.marker == marker && shot.since_start > reseat.after) on_flange += reseat.shift;
+    if (reseat.marker == marker && shot.since_first > reseat.after) on_flange += reseat.shift;
   }
   const double grown = 1.0 + nature.growth * (shot.arm_temperature - nature.reference_temperature);
   const StationPose& station = nature.stations.at(shot.station);
@@ -113,7 +117,18 @@ Vector3d SeenAt(const Nature& nature, const Shot& shot, const std::string& marke
   if (nature.shake) point += nature.shake(shot);
   const auto scale = nature.scale.find(shot.station);
   if (scale != nature.scale.end()) point *= 1.0 + scale->second;
-  return point;
+  const auto settling = nature.settling.find(shot.station);
+  if (settling != nature.settling.end()) {
+    const double left = LeftOf(settling->second, shot.since_start);
+    point = SmallTurn(left * settling->second.turn) * point + left * settling->second.move;
+  }
+  const auto reflector = nature.reflectors.find(marker);
+  if (reflector != nature.reflectors.end()) {
+    const Vector3d axis = station.turn * (placement.flange.turn * reflector->second.axis);
+    point = SeenAtAnAngle(reflector->second.offset, axis, point);
+  }
+  const auto instrument = nature.instruments.find(shot.station);
+  return instrument == nature.instruments.end() ? point : Read(instrument->second, point);
 }
 
 }  // namespace hidden

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/hidden_effects/generator/arm.h"
+#include "tests/hidden_effects/generator/instrument.h"
 
 namespace hidden {
 
@@ -24,6 +25,7 @@ struct Shot {
   Vector3d force = Vector3d::Zero();          // N, stated, measurement frame
   double time = 0.0;                          // s
   double since_start = 0.0;                   // s since the station's first row
+  double since_first = 0.0;                   // s since the first row of all
   double air = 20.0, arm_temperature = 20.0;  // degC
   std::vector<int> approach;                  // direction of each joint's last motion
   Vector3d sigma = Vector3d::Zero();          // m, stated
@@ -63,8 +65,12 @@ struct Nature {
     std::function<double(const Shot&)> deviation;
   };
   std::vector<Encoder> encoder;
-  std::vector<VectorXd> latent;       // per configuration
-  std::map<int, double> torque_play;  // half gap by the sign of the torque, rad
+  std::vector<VectorXd> latent;  // per configuration
+  // Half a gap, rad, that the torque closes: over this many N m by e-folds, at once for 0.
+  struct TorquePlay {
+    double half_gap = 0.0, width = 0.0;
+  };
+  std::map<int, TorquePlay> torque_play;
 
   // Elastic: rad/(N m), rad/(kN m)^3.
   VectorXd compliance, hardening;
@@ -80,15 +86,19 @@ struct Nature {
 
   std::vector<Weight> weights;
   std::optional<Spring> spring;
-  std::map<std::string, double> extra_mass;  // by load, kg
+  std::map<std::string, double> extra_mass;          // by load, kg
+  std::map<std::string, Vector3d> centre_off_point;  // by load, m, flange frame
 
   double growth = 0.0;                 // 1/K
   double reference_temperature = 0.0;  // degC
   std::map<std::string, Drift> drift;
   std::map<std::string, double> scale;
+  std::map<std::string, Settling> settling;
+  std::map<std::string, Instrument> instruments;
+  std::map<std::string, Reflector> reflectors;
   struct Reseat {
     std::string marker;
-    double after = 0.0;  // s since the station's first row
+    double after = 0.0;  // s since the first row of all
     Vector3d shift = Vector3d::Zero();
   };
   std::vector<Reseat> reseats;

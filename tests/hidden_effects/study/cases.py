@@ -6,13 +6,14 @@ OUTSIDE_SIZE = (80.0, 2000.0)
 CATALOGUE = ['frozen_geometry', 'joint_compliance', 'compliance_hardening', 'transverse_compliance',
              'gravity_compensator', 'link_gravity', 'self_weight_sag', 'base_compliance', 'payload', 'joint_harmonic',
              'axis_wobble', 'encoder_gain', 'joint_coupling', 'backlash', 'joint_slip', 'thermal_growth',
-             'station_drift', 'station_scale', 'marker_shift']
+             'station_drift', 'station_scale', 'marker_shift', 'warm_up', 'station_eccentricity', 'station_range_offset',
+             'load_com', 'hysteresis', 'marker_acceptance', 'station_refraction']
 OUTSIDE = ['bump', 'product', 'cross_harmonic', 'time_wave', 'step']
 NEEDS_COLUMN = {'joint_slip': 'time', 'station_drift': 'time', 'marker_shift': 'time', 'time_wave': 'time',
-                'thermal_growth': 'temperature', 'backlash': 'approach'}
+                'thermal_growth': 'temperature', 'backlash': 'approach', 'warm_up': 'time'}
 NEEDS_LOADS = {'joint_compliance', 'compliance_hardening', 'transverse_compliance', 'link_gravity', 'base_compliance',
-               'payload', 'gravity_compensator'}
-ONE_STATION = {'joint_slip', 'marker_shift', 'time_wave'}
+               'payload', 'gravity_compensator', 'load_com'}
+ONE_STATION = {'time_wave'}
 # Truths that such designs confound (DIAGNOSIS.md), and the papers' own two.
 CONFOUNDED = ['joint_compliance@A1', 'gravity_compensator@A2', 'encoder_gain@A2', 'joint_harmonic@A2', 'link_gravity@A2',
               'link_gravity@A5', 'joint_coupling@A5', 'frozen_geometry@p_x2', 'payload@V250', 'base_compliance@base',

@@ -12,7 +12,9 @@ TIE = 6.0            # of the best penalised chi-square: the rule takes the simp
 DOF = {'frozen_geometry': 1, 'joint_compliance': 1, 'compliance_hardening': 1, 'transverse_compliance': 2,
        'gravity_compensator': 4, 'link_gravity': 4, 'self_weight_sag': 3, 'base_compliance': 2, 'payload': 1,
        'joint_harmonic': 2, 'axis_wobble': 4, 'encoder_gain': 1, 'joint_coupling': 1, 'backlash': 1, 'joint_slip': 1,
-       'thermal_growth': 1, 'station_drift': 6, 'station_scale': 1, 'marker_shift': 3}
+       'thermal_growth': 1, 'station_drift': 6, 'station_scale': 1, 'marker_shift': 3,
+       'warm_up': 6, 'station_eccentricity': 4, 'station_range_offset': 1, 'load_com': 3, 'hysteresis': 1,
+       'marker_acceptance': 1, 'station_refraction': 1}
 
 
 def rate(records, predicate):

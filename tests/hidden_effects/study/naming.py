@@ -1,5 +1,6 @@
-"""When two effects are the same: effect, target and settings, but not the time of a change."""
-FREE_SETTINGS = {'after_s'}  # a change point lies somewhere between two visits
+"""When two effects are the same: effect, target and settings, but not those that take any value (times, widths)."""
+# A change point lies somewhere between two visits; of the others the search has a few values.
+FREE_SETTINGS = {'after_s', 'tau_s', 'lag_s', 'width_deg', 'width_Nm'}
 HARMONIC = 'joint_harmonic'
 
 

@@ -13,7 +13,9 @@ import tempfile
 from . import naming
 
 TARGET_KEY = {'frozen_geometry': 'error', 'payload': 'load', 'station_drift': 'station', 'station_scale': 'station',
-              'marker_shift': 'marker'}
+              'marker_shift': 'marker', 'warm_up': 'station', 'station_eccentricity': 'station',
+              'station_range_offset': 'station', 'load_com': 'load', 'marker_acceptance': 'marker',
+              'station_refraction': 'station'}
 NO_TARGET = {'base_compliance', 'thermal_growth'}
 PARAMETERS = {
     'compliance_hardening': ['k3_urad_per_kNm3'], 'transverse_compliance': ['ku_urad_per_Nm', 'kv_urad_per_Nm'],
@@ -22,7 +24,11 @@ PARAMETERS = {
     'axis_wobble': ['u_cos_urad', 'u_sin_urad', 'v_cos_urad', 'v_sin_urad'], 'joint_coupling': ['ratio_ppm'],
     'backlash': ['half_gap_urad'], 'joint_slip': ['jump_urad'], 'thermal_growth': ['growth_ppm_per_K'],
     'station_drift': ['x_um_per_h', 'y_um_per_h', 'z_um_per_h', 'rx_urad_per_h', 'ry_urad_per_h', 'rz_urad_per_h'],
-    'station_scale': ['scale_ppm'], 'marker_shift': ['x_mm', 'y_mm', 'z_mm']}
+    'station_scale': ['scale_ppm'], 'marker_shift': ['x_mm', 'y_mm', 'z_mm'],
+    'warm_up': ['x_um', 'y_um', 'z_um', 'rx_urad', 'ry_urad', 'rz_urad'],
+    'station_eccentricity': ['az_cos_urad', 'az_sin_urad', 'el_cos_urad', 'el_sin_urad'],
+    'station_range_offset': ['offset_um'], 'load_com': ['dx_mm', 'dy_mm', 'dz_mm'], 'hysteresis': ['amplitude_urad'],
+    'marker_acceptance': ['offset_um'], 'station_refraction': ['curvature_urad_per_m']}
 SPRING = {'L_mm': 184.72, 'a_x_mm': 685.93, 'a_y_mm': 123.30, 's0_mm': 458, 'Kc_N_per_mm': 1}
 MOST_RIVALS = 12
 

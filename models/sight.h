@@ -1,0 +1,65 @@
+// What an instrument that reads azimuth, elevation and range makes of a point when a reading is wrong.
+//
+// With d = p - instrument, s = |d|, h = |(d_x, d_y)|, e = d / s, z the measurement frame's third axis (up):
+//
+//   azimuth a = atan2(d_y, d_x)      d p / d a = z x d
+//   elevation b = atan2(d_z, h)      d p / d b = s (z - sin b e) / cos b = h z - d_z (d_x, d_y, 0) / h
+//   range s                          d p / d s = e
+//
+// A reading that is too large by factor * theta * g moves the point by that times d p / d reading: first order, as
+// every effect. g = cos a, sin a: the circle's centre is off the axis of rotation (Muralikrishnan et al., ASME B89.4.19
+// performance evaluation tests and geometric misalignments in laser trackers, J. Res. NIST 114 (2009) 21). g = psi^2,
+// psi the angle between the marker's axis and the direction to the instrument. g = s: refraction.
+#pragma once
+
+#include <cmath>
+
+#include "models/constants.h"
+#include "models/effects/effect.h"
+
+namespace sagitta {
+
+constexpr double kNoSight = 1e-9;  // m: a point that close to the instrument, or to its upright axis, has no direction
+
+// acos(c)^2, smooth at c = 1: the series of acos^2 there, acos^2 = 2 x + x^2 / 3 + 4 x^3 / 45 + x^4 / 70, x = 1 - c
+// (the next term is x^5 / 394).
+template <typename T>
+T SquaredAngle(const T& cosine) {
+  using std::acos;
+  const T x = T(1) - cosine;
+  if (x < T(1e-3)) return x * (T(2) + x * (T(1.0 / 3.0) + x * (T(4.0 / 45.0) + x * T(1.0 / 70.0))));
+  if (cosine < T(-1.0 + 1e-12)) return T(kPi * kPi);  // seen from behind
+  const T angle = acos(cosine);
+  return angle * angle;
+}
+
+// The displacement of the point per unit of the parameter. axis: the marker's, in the measurement frame.
+template <typename T>
+Vector3<T> SightDisplacement(const SightTerm& term, const Vector3<T>& point, const Vector3<T>& axis) {
+  using std::sqrt;
+  const Vector3<T> d = point - term.instrument.cast<T>();
+  const T squared_h = d.x() * d.x() + d.y() * d.y();
+  if (squared_h < T(kNoSight * kNoSight)) return Vector3<T>::Zero();
+  const T h = sqrt(squared_h);
+  const T s = sqrt(squared_h + d.z() * d.z());
+  T times(1);
+  if (term.law == SightLaw::kRange) times = s;
+  if (term.law == SightLaw::kCosAzimuth) times = d.x() / h;
+  if (term.law == SightLaw::kSinAzimuth) times = d.y() / h;
+  if (term.law == SightLaw::kCosElevation) times = h / s;
+  if (term.law == SightLaw::kSinElevation) times = d.z() / s;
+  if (term.law == SightLaw::kSquaredIncidence) times = SquaredAngle(T(-axis.dot(d) / s));
+  times *= T(term.factor);
+  if (term.sensed == Sensed::kAzimuth) return times * Vector3<T>(-d.y(), d.x(), T(0));
+  if (term.sensed == Sensed::kElevation) return times * Vector3<T>(-d.z() * d.x() / h, -d.z() * d.y() / h, h);
+  return times * Vector3<T>(d / s);
+}
+
+// The same with its derivatives.
+struct SightGradient {
+  Vector3<double> displacement;
+  Matrix3<double> by_point, by_axis;
+};
+SightGradient DifferentiateSight(const SightTerm& term, const Vector3<double>& point, const Vector3<double>& axis);
+
+}  // namespace sagitta

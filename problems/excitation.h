@@ -1,0 +1,18 @@
+// What one unit of a parameter moves where the rows excite it most, and the limits of held directions that follow.
+#pragma once
+
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// The largest among the calibration rows, by model parameter: rad or m per SI unit (models/excitation.h), at these
+// values.
+std::vector<double> LargestMotions(const CalibrationProblem& problem, const ParameterSet& parameters);
+
+// Sets Coordinate::hold_limit of compliances, effects and the spring's rate: 5 mm or 5 mrad of what it moves. That of
+// geometric errors, points, poses and lengths is of their kind; so is that of a parameter which no row excites at all.
+void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters);
+
+}  // namespace sagitta
