@@ -198,6 +198,11 @@ void ForwardModel::Prepare(ShotInput* shot) const {
           {chain().JointTransform(compliance.joint), first_of_compliance_[c] + node, weight, ElasticLaw::kLinear});
     }
   }
+  // v = sign q, and torque times motion is the same work in both.
+  for (long j = 0; j < shot->conditions.joint_torques.size(); ++j) {
+    const int e = chain().JointTransform(static_cast<int>(j));
+    shot->terms.torques.push_back({e, chain().transforms[e].sign * shot->conditions.joint_torques[j]});
+  }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
     definitions_[i]->apply({&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i]},
                            &shot->terms);
@@ -206,7 +211,8 @@ void ForwardModel::Prepare(ShotInput* shot) const {
 
 bool ForwardModel::IsElastic(const ShotInput& shot) const {
   if (!shot.terms.sags.empty()) return true;
-  return !shot.terms.elastic.empty() && (!shot.wrenches.empty() || !shot.terms.wrenches.empty() || compensator_);
+  const bool is_loaded = !shot.wrenches.empty() || !shot.terms.wrenches.empty() || !shot.terms.torques.empty();
+  return !shot.terms.elastic.empty() && (is_loaded || compensator_);
 }
 
 ElasticQuery ForwardModel::Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const {
@@ -325,6 +331,30 @@ void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibriu
     const double torque = GeneralisedForce(chain(), equilibrium.state, term.transform, term.wrenches, rotation);
     add(term.parameter, torque * velocities.ByDeflection(slot_index(term.transform)));
   }
+}
+
+Eigen::VectorXd ForwardModel::ModelledJointTorques(ShotInput shot, const double* theta,
+                                                   const Matrix3<double>& base_rotation) const {
+  shot.conditions.joint_torques.resize(0);
+  shot.prepared = false;
+  Prepare(&shot);
+  const Equilibrium equilibrium = Equilibrate(shot, theta, base_rotation);
+  if (!equilibrium.converged) return {};
+  const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
+  Eigen::VectorXd torques(chain().num_joints());
+  for (int j = 0; j < chain().num_joints(); ++j) {
+    const int e = chain().JointTransform(j);
+    const auto torque_of = [&](const std::vector<AppliedWrench>& wrenches) {
+      return GeneralisedForce(chain(), equilibrium.state, e, wrenches, base_rotation);
+    };
+    double torque = torque_of(shot.wrenches);
+    for (const WrenchTerm& load : shot.terms.wrenches) torque += theta[load.parameter] * torque_of(load.wrenches);
+    if (compensator_ && compensator_->transform == e) {
+      torque += compensator_->Torque(theta, equilibrium.values[e], coupled[j]);
+    }
+    torques[j] = chain().transforms[e].sign * torque;  // v = sign q
+  }
+  return torques;
 }
 
 Robot ForwardModel::WithValues(const std::vector<double>& theta) const {

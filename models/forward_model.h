@@ -109,6 +109,10 @@ class ForwardModel {
   Equilibrium Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
                           const double* latent = nullptr) const;
 
+  // What loads, effects and the compensator ask of each joint at the loaded arm, N m (N where it slides) about the
+  // joint's positive direction; measured torques are left aside. Empty where a load folds the arm.
+  Eigen::VectorXd ModelledJointTorques(ShotInput shot, const double* theta, const Matrix3<double>& base_rotation) const;
+
   // The robot with theta in its homes: nominal values, compliances, compensator, effects.
   Robot WithValues(const std::vector<double>& theta) const;
 

@@ -52,6 +52,9 @@ struct Shot {
   bool has_temperature = false;
   double temperature = 0.0;   // degC, mean of its rows
   std::vector<int> approach;  // -1, 0, +1 per joint, kApproachNotStated where the cell is empty; empty: none is stated
+  // Measured, one per joint about its positive direction, N m (N where it slides): mean of the rows that state them;
+  // empty: none does.
+  Eigen::VectorXd joint_torques;
   std::vector<int> observations;
 };
 

@@ -7,6 +7,7 @@
 #include "estimator/results/loading_json.h"
 #include "estimator/results/noise_json.h"
 #include "estimator/results/prediction_noise.h"
+#include "estimator/results/torques_json.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
 
@@ -221,6 +222,8 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["sigma"] = SigmaToJson(estimate.sigma, estimate.intervals);
   json["noise"] = NoiseToJson(problem, estimate);
   json["prediction_noise"] = PredictionNoiseToJson(problem, estimate);
+  const Json torques = TorquesToJson(problem, CompareTorques(problem, estimate.parameters));
+  if (!torques.empty()) json["torques"] = torques;
   json["warnings"] = WarningsOf(problem, estimate);
   json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);

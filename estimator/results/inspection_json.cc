@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "estimator/results/torques_json.h"
 #include "models/constants.h"
 
 namespace sagitta {
@@ -89,6 +90,7 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   for (const ReadingMisfit& reading : inspection.reading.readings)
     json["readings"].push_back({{"reading", reading.reading}, {"distance_rms_mm", 1e3 * reading.rms}});
   json["joints"] = JointsToJson(problem, inspection);
+  if (!inspection.torques.joints.empty()) json["torques"] = TorquesToJson(problem, inspection.torques);
   json["orientation"] = {{"least", inspection.orientation.least}, {"most", inspection.orientation.most}};
   json["noise"] = {{"stated", inspection.sigma_is_stated},
                    {"stated_rms_mm", inspection.sigma_is_stated ? Json(1e3 * inspection.stated_rms) : Json(nullptr)},

@@ -77,6 +77,12 @@ struct StationTerm {
   Vector3<double> offset;
 };
 
+// The torque on e was measured: tau_e is this, whatever hangs on the arm.
+struct StatedTorque {
+  int transform;
+  double torque;  // N m, or N
+};
+
 struct ShotTerms {
   std::vector<SlotTerm> slots;
   std::vector<ElasticTerm> elastic;
@@ -85,6 +91,7 @@ struct ShotTerms {
   std::vector<MarkerTerm> markers;
   std::vector<BaseTerm> base;
   std::vector<StationTerm> station;
+  std::vector<StatedTorque> torques;
 };
 
 constexpr int kApproachNotStated = 2;
@@ -103,6 +110,7 @@ struct ShotConditions {
   WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
   Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame
   std::vector<AppliedWrench> load_wrenches;              // of the shot's own load
+  Eigen::VectorXd joint_torques;  // N m or N about each joint's positive direction, measured; empty: the model's count
 
   // False too where only other joints' directions are stated.
   bool StatesApproachOf(int joint) const { return !approach.empty() && approach[joint] != kApproachNotStated; }

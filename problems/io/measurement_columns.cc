@@ -26,7 +26,7 @@ std::optional<int> NumberAfter(const std::string& name, const std::string& prefi
 bool IsReserved(const std::string& name) {
   static const std::set<std::string> reserved = {"kind", "to", "range_mm", "sigma_range_mm", "ow",
                                                  "ox",   "oy", "oz",       "sigma_rot_urad", "session"};
-  return reserved.count(name) > 0 || (NumberAfter(name, "tau") && name.find("_Nm") != std::string::npos);
+  return reserved.count(name) > 0;
 }
 
 // Columns that our own commands write: no slips, whatever they resemble.
@@ -63,6 +63,10 @@ class ColumnFinder {
   void FindAll(MeasurementColumns* columns);
 
   void CheckJointUnits() const;
+  void CheckTorques(const MeasurementColumns& columns) const;
+  std::string TorqueColumn(size_t joint) const {
+    return "tau" + std::to_string(joint + 1) + (prismatic_[joint] ? "_N" : "_Nm");
+  }
   void CheckJointCount() const;
   void CheckUnlisted() const;
   void CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required) const;
@@ -115,6 +119,7 @@ void ColumnFinder::FindAll(MeasurementColumns* columns) {
   for (size_t j = 0; j < joints_.size(); ++j) {
     columns->q.push_back(Quantity("q" + std::to_string(j + 1), JointDimension(static_cast<int>(j))));
     columns->approach.push_back(Number("approach" + std::to_string(j + 1)));
+    columns->torque.push_back(Number(TorqueColumn(j)));
   }
   for (int i = 0; i < 3; ++i) {
     const std::string axis(1, kAxes[i]);
@@ -155,6 +160,29 @@ void ColumnFinder::CheckJointCount() const {
        "the robot has " + std::to_string(joints_.size()) + " joints (" + joints_.front() + " .. " + joints_.back() +
            "), the file has joint values q1 .. q" + std::to_string(*numbers.rbegin()),
        "columns q1 .. q" + std::to_string(joints_.size()) + " are expected");
+}
+
+// All joints or none: a torque that is left out would be taken for zero, or for the model's.
+void ColumnFinder::CheckTorques(const MeasurementColumns& columns) const {
+  for (const std::string& name : table_.file.header) {
+    const auto number = NumberAfter(name, "tau");
+    if (!number || name.rfind("_N") == std::string::npos) continue;
+    if (*number < 1 || *number > static_cast<int>(joints_.size())) {
+      Fail(name, "the robot has " + std::to_string(joints_.size()) + " joints", "remove the column");
+    }
+    const std::string right = TorqueColumn(static_cast<size_t>(*number - 1));
+    if (name == right) continue;
+    const bool slides = prismatic_[static_cast<size_t>(*number - 1)];
+    Fail(name, "joint '" + joints_[static_cast<size_t>(*number - 1)] + "' is " + (slides ? "prismatic" : "revolute"),
+         "its measured " + std::string(slides ? "force" : "torque") + " is the column " + right);
+  }
+  const auto present = [](const NumberColumn& column) { return column.present(); };
+  if (std::none_of(columns.torque.begin(), columns.torque.end(), present)) return;
+  for (const NumberColumn& column : columns.torque) {
+    if (column.present()) continue;
+    Fail(column.name, "column '" + column.name + "' is missing: measured joint torques are given for other joints",
+         "give those of all joints, or of none");
+  }
 }
 
 void ColumnFinder::CheckUnlisted() const {
@@ -208,6 +236,7 @@ MeasurementColumns ColumnFinder::Find(bool points_required) {
   MeasurementColumns columns;
   FindAll(&columns);
   CheckJointUnits();
+  CheckTorques(columns);
   CheckUnlisted();
   CheckJointCount();
   CheckRequired(columns, points_required);

@@ -25,6 +25,7 @@ struct MeasurementColumns {
   std::array<NumberColumn, 6> wrench;  // force, then moment
   NumberColumn time, temperature;
   std::vector<NumberColumn> approach;  // one per joint
+  std::vector<NumberColumn> torque;    // one per joint; N m, or N where it slides
 };
 
 // Throws InputError: missing, misspelt, reserved, in a wrong unit, or for

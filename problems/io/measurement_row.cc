@@ -97,6 +97,16 @@ void ReadApproach(const RowReader& reader, const MeasurementColumns& columns, Me
   }
 }
 
+void ReadTorques(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
+  row->joint_torques.resize(0);
+  const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
+  if (std::none_of(columns.torque.begin(), columns.torque.end(), stated)) return;
+  row->joint_torques.resize(static_cast<Eigen::Index>(columns.torque.size()));
+  for (size_t j = 0; j < columns.torque.size(); ++j) {
+    row->joint_torques[static_cast<Eigen::Index>(j)] = reader.Number(columns.torque[j]);
+  }
+}
+
 void CheckSet(const RowReader& reader, const MeasurementColumns& columns) {
   const std::string set = reader.Text(columns.set, "calibration");
   const std::vector<std::string> sets = {"calibration", "validation"};
@@ -118,6 +128,7 @@ void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row&
   ReadPoint(reader, columns, points_required, row);
   ReadLoad(reader, columns, row);
   ReadApproach(reader, columns, row);
+  ReadTorques(reader, columns, row);
   CheckSet(reader, columns);
   row->has_time = reader.IsStated(columns.time);
   row->time = reader.NumberOr(columns.time, 0.0);

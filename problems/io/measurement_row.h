@@ -18,6 +18,7 @@ struct MeasurementRow {
   bool has_time = false, has_temperature = false;
   double time = 0.0, temperature = 0.0;
   std::vector<int> approach;
+  Eigen::VectorXd joint_torques;  // N m or N, one per joint; empty where not stated
 };
 
 // Throws InputError naming file, line and column.
