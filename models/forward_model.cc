@@ -9,7 +9,6 @@
 namespace sagitta {
 namespace {
 
-
 std::string ShortNumber(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -58,14 +57,28 @@ Vector3<double> OwnPoint(const ShotTerms& terms, const double* theta, const Mark
   return own;
 }
 
+// By how much the measurement frame itself turns what it sees: a gradient G moves points by theta G p, its skew part
+// turns them, its symmetric part (a scale) does not.
+Vector3<double> TurnOf(const StationTerm& term) {
+  const Matrix3<double> skew = 0.5 * (term.gradient - term.gradient.transpose());
+  return {skew(2, 1), skew(0, 2), skew(1, 0)};
+}
+
+Vector3<double> TurnOfStation(const ShotTerms& terms, const double* theta) {
+  Vector3<double> turn = Vector3<double>::Zero();
+  for (const StationTerm& term : terms.station) turn += theta[term.parameter] * TurnOf(term);
+  return turn;
+}
+
 }  // namespace
 
-// d point_base of one marker by everything, at the loaded arm.
+// d point_base of one marker, or the small rotation of its frame, by everything, at the loaded arm.
 class MarkerVelocities {
  public:
+  enum class Of { kPoint, kTurn };
   MarkerVelocities(const Chain& chain, const std::vector<int>& slots, const Equilibrium& equilibrium,
-                   const Vector3<double>& point_in_base, int frame)
-      : chain_(chain), equilibrium_(equilibrium), point_(point_in_base), frame_(frame) {
+                   const Vector3<double>& point_in_base, int frame, Of of = Of::kPoint)
+      : chain_(chain), equilibrium_(equilibrium), point_(point_in_base), frame_(frame), of_(of) {
     by_deflection_.setZero(3, equilibrium.response.rows());
     for (int s = 0; s < by_deflection_.cols(); ++s) by_deflection_.col(s) = Direct(slots[s]);
   }
@@ -89,6 +102,9 @@ class MarkerVelocities {
  private:
   Vector3<double> Direct(int e) const {
     if (e >= frame_) return Vector3<double>::Zero();
+    if (of_ == Of::kTurn) {
+      return chain_.transforms[e].is_rotation() ? equilibrium_.state.axis[e] : Vector3<double>(Vector3<double>::Zero());
+    }
     return PointVelocity(chain_, equilibrium_.state, e, point_);
   }
 
@@ -96,6 +112,7 @@ class MarkerVelocities {
   const Equilibrium& equilibrium_;
   const Vector3<double> point_;
   const int frame_;
+  const Of of_;
   Eigen::Matrix3Xd by_deflection_;
 };
 
@@ -250,6 +267,12 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
     const MarkerInFrame& marker = markers[m];
     const SeenFrom& seen = Grows(marker) ? arm_seen : foot_seen;
     PointPrediction& prediction = (*predictions)[m];
+    if (marker.kind == ReadingKind::kRotation) {
+      prediction.d_theta.setZero(3, active.size());
+      prediction.d_latent.setZero(3, latent != nullptr ? chain().num_joints() : 0);
+      PredictTurn(shot, theta, column_of, equilibrium, base_in_station.rotation, marker, &prediction);
+      continue;
+    }
     const Pose<double>& base_from_frame = equilibrium.state.frames[marker.frame];
     const Vector3<double> in_base = base_from_frame * OwnPoint(shot.terms, theta, marker);
     const MarkerVelocities velocities(chain(), elastic_slots_, equilibrium, in_base, marker.frame);
@@ -286,6 +309,44 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
     }
   }
   return true;
+}
+
+// R_seen = exp(phi) R_b R_f R_target, phi the turn of the measurement frame. What turns the frame f by omega (in the
+// base) turns the target by exp(phi) R_b omega; where a target sits, and how the arm grows, does not turn it.
+void ForwardModel::PredictTurn(const ShotInput& shot, const double* theta, const std::vector<int>& column_of,
+                               const Equilibrium& equilibrium, const Matrix3<double>& base_rotation,
+                               const MarkerInFrame& marker, PointPrediction* prediction) const {
+  const Matrix3<double>& base_from_frame = equilibrium.state.frames[marker.frame].rotation;
+  const MarkerVelocities velocities(chain(), elastic_slots_, equilibrium, Vector3<double>::Zero(), marker.frame,
+                                    MarkerVelocities::Of::kTurn);
+  const Vector3<double> turn = TurnOfStation(shot.terms, theta);
+  const Matrix3<double> seen = RotationFromVector(turn);
+  const Matrix3<double> from_base = seen * base_rotation;
+  prediction->point = RotationVector(Matrix3<double>(from_base * base_from_frame * marker.rotation));
+  prediction->d_translation.setZero();
+  prediction->d_rotation = seen + from_base * velocities.ByRotation();
+  prediction->d_marker = from_base * base_from_frame;
+  const auto add = [&](int parameter, const Vector3<double>& velocity_in_base) {
+    prediction->d_theta.col(column_of[parameter]) += from_base * velocity_in_base;
+  };
+  AddDisplacements(shot, column_of, velocities, add);
+  AddLoads(shot, equilibrium, column_of, base_rotation, velocities, add);
+  for (const StationTerm& term : shot.terms.station) {
+    if (column_of[term.parameter] < 0) continue;
+    prediction->d_theta.col(column_of[term.parameter]) += LeftJacobian(turn) * TurnOf(term);
+  }
+  for (int j = 0; j < prediction->d_latent.cols(); ++j) {
+    const int e = chain().JointTransform(j);
+    prediction->d_latent.col(j) = from_base * chain().transforms[e].sign * velocities.BySlot(e);
+  }
+}
+
+Matrix3<double> ForwardModel::RotationInStation(const ShotInput& shot, const double* theta, const MarkerInFrame& marker,
+                                                const Matrix3<double>& base_rotation) const {
+  if (!shot.prepared) return RotationInStation(Prepared(shot), theta, marker, base_rotation);
+  const Equilibrium equilibrium = Equilibrate(shot, theta, base_rotation);
+  return RotationFromVector(TurnOfStation(shot.terms, theta)) * base_rotation *
+         equilibrium.state.frames[marker.frame].rotation * marker.rotation;
 }
 
 // Columns of everything that moves a transform value by data alone.

@@ -20,10 +20,11 @@ struct LoadSpec {
 };
 
 struct MarkerSpec {
-  std::optional<Vector3<double>> point;  // m, in the frame it is on
-  std::string on = "flange";             // flange, base, world or a joint's name
-  std::string spring;                    // end of the compensator's spring: lever, anchor, none; "": not stated
-  std::optional<double> spring_sigma;    // m, per coordinate: how well it sits on that end
+  std::optional<Vector3<double>> point;   // m, in the frame it is on
+  std::string on = "flange";              // flange, base, world or a joint's name
+  std::optional<Vector3<double>> rotvec;  // rad, frame_from_target, of a target whose pose is read
+  std::string spring;                     // end of the compensator's spring: lever, anchor, none; "": not stated
+  std::optional<double> spring_sigma;     // m, per coordinate: how well it sits on that end
 };
 
 struct StationSpec {

@@ -71,7 +71,8 @@ std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements&
   std::vector<std::string> all;
   for (const Joint& joint : robot.chain.joints) all.push_back(joint.name);
   const Selection& selection = experiment.estimate.compliance;
-  if (selection.kind == Selection::Kind::kDefault) return AnyLoaded(data, experiment) ? all : std::vector<std::string>();
+  if (selection.kind == Selection::Kind::kDefault)
+    return AnyLoaded(data, experiment) ? all : std::vector<std::string>();
   const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment);
   if (!named.empty() && !AnyLoaded(data, experiment) && experiment.tool_mass == 0.0) {
     throw InputError({experiment.file, LineOf(experiment, "estimate.compliance"), "estimate.compliance"},

@@ -27,8 +27,8 @@ TorqueTable Collect(const CalibrationProblem& problem, const ParameterSet& param
   for (size_t s = 0; s < problem.data.shots.size(); ++s) {
     const Shot& shot = problem.data.shots[s];
     if (shot.joint_torques.size() != joints) continue;
-    const Eigen::VectorXd modelled = problem.model.ModelledJointTorques(problem.shot_inputs[s], theta.data(),
-                                                                        parameters.BaseInStation(shot.station).rotation);
+    const Eigen::VectorXd modelled = problem.model.ModelledJointTorques(
+        problem.shot_inputs[s], theta.data(), parameters.BaseInStation(shot.station).rotation);
     if (modelled.size() != joints) continue;
     table.measured.row(rows) = shot.joint_torques.transpose();
     table.modelled.row(rows++) = modelled.transpose();

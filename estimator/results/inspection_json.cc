@@ -10,7 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
 struct JointUnit {
   double factor;
   const char* name;
@@ -78,7 +77,7 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   json["warnings"] = inspection.Count(Severity::kWarning);
   json["notes"] = inspection.Count(Severity::kNote);
   json["findings"] = FindingsToJson(inspection.findings);
-  json["data"] = {{"observations", problem.data.observations.size()},
+  json["data"] = {{"observations", problem.data.NumRows()},
                   {"configurations", problem.data.configurations.size()},
                   {"stations", problem.data.stations},
                   {"markers", problem.data.markers}};

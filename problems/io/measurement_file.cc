@@ -213,6 +213,10 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     Shot& shot = data_.shots[observation.shot];
     shot.observations.push_back(current_);
     moments_[observation.shot].Take(row, &shot);
+    if (!row.is_pose) continue;
+    Observation& rotation = data_.AddRotation(current_);
+    rotation.rotation_in_station = row.rotation;
+    rotation.rotation_sigma = row.rotation_sigma;
   }
 }
 
