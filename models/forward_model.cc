@@ -341,14 +341,6 @@ void ForwardModel::PredictTurn(const ShotInput& shot, const double* theta, const
   }
 }
 
-Matrix3<double> ForwardModel::RotationInStation(const ShotInput& shot, const double* theta, const MarkerInFrame& marker,
-                                                const Matrix3<double>& base_rotation) const {
-  if (!shot.prepared) return RotationInStation(Prepared(shot), theta, marker, base_rotation);
-  const Equilibrium equilibrium = Equilibrate(shot, theta, base_rotation);
-  return RotationFromVector(TurnOfStation(shot.terms, theta)) * base_rotation *
-         equilibrium.state.frames[marker.frame].rotation * marker.rotation;
-}
-
 // Columns of everything that moves a transform value by data alone.
 template <typename Add>
 void ForwardModel::AddDisplacements(const ShotInput& shot, const std::vector<int>& column_of,

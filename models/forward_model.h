@@ -109,10 +109,6 @@ class ForwardModel {
                const Pose<double>& base_in_station, const std::vector<MarkerInFrame>& markers,
                std::vector<PointPrediction>* predictions, const double* latent = nullptr) const;
 
-  // station_from_target of the loaded arm, without derivatives.
-  Matrix3<double> RotationInStation(const ShotInput& shot, const double* theta, const MarkerInFrame& marker,
-                                    const Matrix3<double>& base_rotation) const;
-
   // The loaded state of the arm: deflections, torques, derivatives.
   Equilibrium Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
                           const double* latent = nullptr) const;
