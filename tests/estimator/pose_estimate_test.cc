@@ -208,7 +208,7 @@ TEST(PoseEstimate, CovarianceIsThatOfRedraws) {
   CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
   const Estimate exact = EstimateJointly(problem);
   ASSERT_EQ(exact.status, Status::kConverged) << exact.message;
-  const Redraw redraw(problem, exact.parameters, 1.0, 1e-3);
+  const Simulator redraw = RedrawAt(problem, exact.parameters, 1.0, 1e-3);
   constexpr int kDraws = 40;
   double sum = 0.0;
   const auto n = static_cast<double>(exact.estimated.size());
