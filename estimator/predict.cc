@@ -22,14 +22,6 @@ Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const Paramete
   return points;
 }
 
-ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted) {
-  Eigen::Matrix3Xd residuals(3, predicted.cols());
-  for (int k = 0; k < predicted.cols(); ++k) {
-    residuals.col(k) = problem.data.observations[k].point_in_station - predicted.col(k);
-  }
-  return MeasureResiduals(residuals);
-}
-
 Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& known) {
   const std::vector<int> all = AllRows(problem);
   Prediction prediction;
@@ -39,15 +31,17 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   return prediction;
 }
 
-// RMS to expect over coordinates: parameters, repeatability, instrument; 0 where nothing states the noise of a row.
-double ExpectedRms(const Prediction& prediction) {
+// RMS to expect over coordinates of points: parameters, repeatability, instrument; 0 where nothing states the noise of
+// a row.
+double ExpectedRms(const Measurements& rows, const Prediction& prediction) {
   double sum = 0.0;
   for (size_t k = 0; k < prediction.instrument.size(); ++k) {
+    if (!rows.observations[k].is_point()) continue;
     if (!IsStated(prediction.instrument[k])) return 0.0;
     sum += prediction.covariances[k].mean().trace() + prediction.covariances[k].arm.trace() +
            prediction.instrument[k].squaredNorm();
   }
-  return std::isfinite(sum) ? std::sqrt(sum / (3.0 * prediction.instrument.size())) : 0.0;
+  return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.NumRows())) : 0.0;
 }
 
 }  // namespace
@@ -61,9 +55,11 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   const Prediction prediction = PredictWith(problem, known);
   Validation validation;
   validation.predicted = prediction.points;
-  validation.before = SizeOf(problem, PointsOrThrow(problem, NominalParameters(known, problem)));
-  validation.after = SizeOf(problem, validation.predicted);
-  validation.predicted_rms = ExpectedRms(prediction);
+  const std::vector<int> all = AllRows(problem);
+  const Eigen::Matrix3Xd nominal = PointsOrThrow(problem, NominalParameters(known, problem));
+  validation.before = MeasureReadings(rows, all, nominal);
+  validation.after = MeasureReadings(rows, all, validation.predicted);
+  validation.predicted_rms = ExpectedRms(rows, prediction);
   validation.warnings = rows.warnings;
   for (const MeasurementFile& file : rows.files) {
     const auto& seen = known.input_hashes;

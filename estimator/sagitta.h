@@ -57,12 +57,14 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
 KnownRobot KnownFrom(const Calibration& calibration);
 
 struct Prediction {
-  Eigen::Matrix3Xd points;                        // m, one column per observation, in its station's frame
+  // m, one column per observation, in its station's frame; of a rotation its rotation vector, rad.
+  Eigen::Matrix3Xd points;
   std::vector<PredictionCovariance> covariances;  // m^2, by where they come from
   NoiseRoots instrument;                          // root of one measurement's covariance, m; zero: not known
 };
 
-// Points of the rows (x, y, z may be absent). Throws InputError for a station, marker or load that is not known, and
+// Points of the rows (x, y, z may be absent), and rotations of those that are poses (AddKnownRotations makes poses of
+// rows whose target's rotation is known). Throws InputError for a station, marker or load that is not known, and
 // std::runtime_error where a load folds the arm.
 Prediction Predict(const KnownRobot& known, const Measurements& rows);
 
@@ -76,7 +78,8 @@ struct Validation {
 
 Validation Validate(const KnownRobot& known, const Measurements& rows);
 
-// The rows with points as the instrument would have read them. Noise: `sigma` (m) on every axis, else what rows or
+// The rows with points, and of targets of known rotation poses, as the instrument would have read them. Noise: `sigma`
+// (m) on every axis (rotations: that of their rows), else what rows or
 // experiment state; a stated repeatability moves each joint once per arrival. The same seed gives the same numbers on
 // every machine.
 struct SimulateOptions {

@@ -13,6 +13,10 @@ NoiseRoots RootsOf(const Experiment& experiment, const Measurements& rows, const
                    const std::optional<double>& sigma) {
   NoiseRoots roots;
   for (size_t i = 0; i < rows.observations.size(); ++i) {
+    if (sigma && !rows.observations[i].is_point()) {  // its own, else exact
+      roots.push_back(rows.observations[i].rotation_sigma.asDiagonal());
+      continue;
+    }
     roots.push_back(sigma ? Matrix3<double>(*sigma * Matrix3<double>::Identity())
                           : StatedRoot(experiment, rows, rows.observations[i], points.col(i)));
   }
@@ -21,8 +25,10 @@ NoiseRoots RootsOf(const Experiment& experiment, const Measurements& rows, const
 
 }  // namespace
 
-Measurements Simulate(const KnownRobot& known, const Measurements& rows, const Experiment& experiment,
+Measurements Simulate(const KnownRobot& known, const Measurements& given, const Experiment& experiment,
                       const SimulateOptions& options) {
+  Measurements rows = given;
+  AddKnownRotations(known, &rows);
   CalibrationProblem problem = PredictionProblem(known, rows);
   CheckLevelled(problem);
   problem.latent = MakeLatentModel(problem.robot.chain, problem.data, experiment);

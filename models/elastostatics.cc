@@ -54,6 +54,10 @@ Torques TorquesOfLoads(const ElasticQuery& query, const double* theta, const Cha
   const int n = static_cast<int>(query.slots->size());
   Torques all{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, query.chain->num_transforms())};
   for (int s = 0; s < n; ++s) {
+    if (const std::optional<double> stated = StatedTorqueOn(*query.terms, (*query.slots)[s])) {
+      all.torque[s] = *stated;
+      continue;
+    }
     const ForceOnTransform force = ForceOf(loads, query, state, (*query.slots)[s], moving[s]);
     all.torque[s] = force.force();
     if (moving[s]) all.by_value.row(s) = force.ByValues();
@@ -69,11 +73,12 @@ void AddCompensator(const ElasticQuery& query, const double* theta, int slot, To
   local.first_parameter = 0;
   Dual parameters[5];
   for (int i = 0; i < 5; ++i) parameters[i] = Dual(theta[query.compensator->first_parameter + i], 6, 1 + i);
+  equilibrium->torque_by_spring.setZero(torques->torque.size(), 5);
+  if (StatedTorqueOn(*query.terms, local.transform)) return;
   const Dual value(equilibrium->values[local.transform], 6, 0);
   const Dual torque = local.Torque(parameters, value, (*query.q)[local.joint]);
   torques->torque[slot] += torque.value();
   torques->by_value(slot, local.transform) += torque.derivatives()[0];
-  equilibrium->torque_by_spring.setZero(torques->torque.size(), 5);
   equilibrium->torque_by_spring.row(slot) = torque.derivatives().tail<5>().transpose();
 }
 
@@ -174,9 +179,10 @@ void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3
   Eigen::MatrixXd by_rotation(query.slots->size(), 3);
   for (size_t s = 0; s < query.slots->size(); ++s) {
     const int e = (*query.slots)[s];
-    Eigen::RowVector3d torque = by_rotation_of(e, *query.wrenches);
+    Eigen::RowVector3d torque = Eigen::RowVector3d::Zero();
+    if (!StatedTorqueOn(*query.terms, e)) torque = by_rotation_of(e, *query.wrenches);
     for (const WrenchTerm& load : query.terms->wrenches) {
-      torque += theta[load.parameter] * by_rotation_of(e, load.wrenches);
+      if (!StatedTorqueOn(*query.terms, e)) torque += theta[load.parameter] * by_rotation_of(e, load.wrenches);
     }
     by_rotation.row(s) = result->flexibility[s] * torque;
   }
@@ -189,10 +195,18 @@ void Differentiate(const ElasticQuery& query, const double* theta, const Matrix3
 
 }  // namespace
 
+std::optional<double> StatedTorqueOn(const ShotTerms& terms, int transform) {
+  for (const StatedTorque& stated : terms.torques) {
+    if (stated.transform == transform) return stated.torque;
+  }
+  return std::nullopt;
+}
+
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation) {
-  Eigen::VectorXd torques(query.slots->size());
+  Eigen::VectorXd torques = Eigen::VectorXd::Zero(query.slots->size());
   for (int s = 0; s < torques.size(); ++s) {
+    if (StatedTorqueOn(*query.terms, (*query.slots)[s])) continue;
     torques[s] = GeneralisedForce(*query.chain, state, (*query.slots)[s], wrenches, base_rotation);
   }
   return torques;

@@ -5,7 +5,8 @@
 //
 // e.g. joint compliance u = k tau, paper 000 eq. (2); first order (tau at u = 0)
 // would bias k by up to 0.35 %. tau_e collects every wrench of the shot, those of
-// load effects and the compensator's torque. Newton on G(u) = u - f(u) with the
+// load effects and the compensator's torque; where it was measured (StatedTorque) it
+// is the measured one, which nothing moves: d tau_e = 0. Newton on G(u) = u - f(u) with the
 // second-order term d tau / d v; implicit differentiation of the converged state:
 //
 //   du = A df|_u,   A = (I - F_u)^-1,   F = d f / d v
@@ -69,7 +70,10 @@ struct Equilibrium {
 Equilibrium SolveEquilibrium(const ElasticQuery& query, const double* theta, std::vector<double> values,
                              const Matrix3<double>& base_rotation);
 
-// Torques of some wrenches on all slots at the equilibrium.
+// The measured torque on a transform; nothing where it is the model's.
+std::optional<double> StatedTorqueOn(const ShotTerms& terms, int transform);
+
+// Torques of some wrenches on all slots at the equilibrium; 0 where the torque is stated.
 Eigen::VectorXd TorquesOf(const ElasticQuery& query, const ChainState<double>& state,
                           const std::vector<AppliedWrench>& wrenches, const Matrix3<double>& base_rotation);
 
@@ -97,10 +101,12 @@ std::vector<T> IterateEquilibrium(const ElasticQuery& query, const T* theta, con
     std::vector<T> next = values;
     for (const ElasticTerm& term : query.terms->elastic) {
       const int e = term.transform;
-      T torque = torque_of(e, *query.wrenches);
-      for (const WrenchTerm& load : query.terms->wrenches)
-        torque += theta[load.parameter] * torque_of(e, load.wrenches);
-      if (query.compensator != nullptr && query.compensator->transform == e) {
+      const std::optional<double> stated = StatedTorqueOn(*query.terms, e);
+      T torque = stated ? T(*stated) : torque_of(e, *query.wrenches);
+      for (const WrenchTerm& load : query.terms->wrenches) {
+        if (!stated) torque += theta[load.parameter] * torque_of(e, load.wrenches);
+      }
+      if (!stated && query.compensator != nullptr && query.compensator->transform == e) {
         torque += query.compensator->Torque(theta, deflected[e], (*query.q)[query.compensator->joint]);
       }
       next[e] += term.factor * theta[term.parameter] * ElasticPhi(term, torque);

@@ -11,7 +11,6 @@
 namespace sagitta {
 namespace {
 
-
 std::string ShortNumber(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -92,6 +91,19 @@ Vector3<double> OwnPoint(const ShotTerms& terms, const double* theta, const Mark
     if (term.marker == marker.id) own += theta[term.parameter] * term.direction;
   }
   return own;
+}
+
+// By how much the measurement frame itself turns what it sees: a gradient G moves points by theta G p, its skew part
+// turns them, its symmetric part (a scale) does not.
+Vector3<double> TurnOf(const StationTerm& term) {
+  const Matrix3<double> skew = 0.5 * (term.gradient - term.gradient.transpose());
+  return {skew(2, 1), skew(0, 2), skew(1, 0)};
+}
+
+Vector3<double> TurnOfStation(const ShotTerms& terms, const double* theta) {
+  Vector3<double> turn = Vector3<double>::Zero();
+  for (const StationTerm& term : terms.station) turn += theta[term.parameter] * TurnOf(term);
+  return turn;
 }
 
 }  // namespace
@@ -261,6 +273,11 @@ void ForwardModel::AddTerms(const std::vector<double>& memory, ShotInput* shot) 
           {chain().JointTransform(compliance.joint), first_of_compliance_[c] + node, weight, ElasticLaw::kLinear});
     }
   }
+  // v = sign q, and torque times motion is the same work in both.
+  for (long j = 0; j < shot->conditions.joint_torques.size(); ++j) {
+    const int e = chain().JointTransform(static_cast<int>(j));
+    shot->terms.torques.push_back({e, chain().transforms[e].sign * shot->conditions.joint_torques[j]});
+  }
   for (size_t i = 0; i < robot_.effects.size(); ++i) {
     definitions_[i]->apply({&robot_, &robot_.effects[i], &shot->conditions, &markers_, first_of_effect_[i], memory[i]},
                            &shot->terms);
@@ -269,7 +286,8 @@ void ForwardModel::AddTerms(const std::vector<double>& memory, ShotInput* shot) 
 
 bool ForwardModel::IsElastic(const ShotInput& shot) const {
   if (!shot.terms.sags.empty()) return true;
-  return !shot.terms.elastic.empty() && (!shot.wrenches.empty() || !shot.terms.wrenches.empty() || compensator_);
+  const bool is_loaded = !shot.wrenches.empty() || !shot.terms.wrenches.empty() || !shot.terms.torques.empty();
+  return !shot.terms.elastic.empty() && (is_loaded || compensator_);
 }
 
 ElasticQuery ForwardModel::Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const {
@@ -307,6 +325,12 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
     const MarkerInFrame& marker = markers[m];
     const double scale = Grows(marker) ? grown : 1.0;
     PointPrediction& prediction = (*predictions)[m];
+    if (marker.kind == ReadingKind::kRotation) {
+      prediction.d_theta.setZero(3, active.size());
+      prediction.d_latent.setZero(3, latent != nullptr ? chain().num_joints() : 0);
+      PredictTurn(shot, theta, column_of, equilibrium, base_in_station.rotation, marker, &prediction);
+      continue;
+    }
     const Pose<double>& base_from_frame = equilibrium.state.frames[marker.frame];
     const Vector3<double> in_base = base_from_frame * OwnPoint(shot.terms, theta, marker);
     const Vector3<double> arm = scale * (rotation * in_base);
@@ -359,6 +383,36 @@ bool ForwardModel::Predict(const ShotInput& shot, const double* theta, const std
   return true;
 }
 
+// R_seen = exp(phi) R_b R_f R_target, phi the turn of the measurement frame. What turns the frame f by omega (in the
+// base) turns the target by exp(phi) R_b omega; where a target sits, and how the arm grows, does not turn it.
+void ForwardModel::PredictTurn(const ShotInput& shot, const double* theta, const std::vector<int>& column_of,
+                               const Equilibrium& equilibrium, const Matrix3<double>& base_rotation,
+                               const MarkerInFrame& marker, PointPrediction* prediction) const {
+  const Matrix3<double>& base_from_frame = equilibrium.state.frames[marker.frame].rotation;
+  const MarkerVelocities velocities(chain(), elastic_slots_, equilibrium, Vector3<double>::Zero(), marker.frame,
+                                    MarkerVelocities::Of::kTurn);
+  const Vector3<double> turn = TurnOfStation(shot.terms, theta);
+  const Matrix3<double> seen = RotationFromVector(turn);
+  const Matrix3<double> from_base = seen * base_rotation;
+  prediction->point = RotationVector(Matrix3<double>(from_base * base_from_frame * marker.rotation));
+  prediction->d_translation.setZero();
+  prediction->d_rotation = seen + from_base * velocities.ByRotation();
+  prediction->d_marker = from_base * base_from_frame;
+  const auto add = [&](int parameter, const Vector3<double>& velocity_in_base) {
+    prediction->d_theta.col(column_of[parameter]) += from_base * velocity_in_base;
+  };
+  AddDisplacements(shot, column_of, velocities, add);
+  AddLoads(shot, equilibrium, column_of, base_rotation, velocities, add);
+  for (const StationTerm& term : shot.terms.station) {
+    if (column_of[term.parameter] < 0) continue;
+    prediction->d_theta.col(column_of[term.parameter]) += LeftJacobian(turn) * TurnOf(term);
+  }
+  for (int j = 0; j < prediction->d_latent.cols(); ++j) {
+    const int e = chain().JointTransform(j);
+    prediction->d_latent.col(j) = from_base * chain().transforms[e].sign * velocities.BySlot(e);
+  }
+}
+
 // Columns of everything that moves a transform value by data alone.
 template <typename Add>
 void ForwardModel::AddDisplacements(const ShotInput& shot, const std::vector<int>& column_of,
@@ -402,6 +456,30 @@ void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibriu
     const double torque = GeneralisedForce(chain(), equilibrium.state, term.transform, term.wrenches, rotation);
     add(term.parameter, torque * velocities.ByDeflection(slot_index(term.transform)));
   }
+}
+
+Eigen::VectorXd ForwardModel::ModelledJointTorques(ShotInput shot, const double* theta,
+                                                   const Matrix3<double>& base_rotation) const {
+  shot.conditions.joint_torques.resize(0);
+  shot.prepared = false;
+  Prepare(&shot);
+  const Equilibrium equilibrium = Equilibrate(shot, theta, base_rotation);
+  if (!equilibrium.converged) return {};
+  const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);
+  Eigen::VectorXd torques(chain().num_joints());
+  for (int j = 0; j < chain().num_joints(); ++j) {
+    const int e = chain().JointTransform(j);
+    const auto torque_of = [&](const std::vector<AppliedWrench>& wrenches) {
+      return GeneralisedForce(chain(), equilibrium.state, e, wrenches, base_rotation);
+    };
+    double torque = torque_of(shot.wrenches);
+    for (const WrenchTerm& load : shot.terms.wrenches) torque += theta[load.parameter] * torque_of(load.wrenches);
+    if (compensator_ && compensator_->transform == e) {
+      torque += compensator_->Torque(theta, equilibrium.values[e], coupled[j]);
+    }
+    torques[j] = chain().transforms[e].sign * torque;  // v = sign q
+  }
+  return torques;
 }
 
 Robot ForwardModel::WithValues(const std::vector<double>& theta) const {

@@ -18,6 +18,7 @@
 #include "models/geometry.h"
 #include "models/kinematics.h"
 #include "models/quantity.h"
+#include "models/reading.h"
 #include "models/robot.h"
 #include "models/sight.h"
 #include "models/wrench.h"
@@ -47,19 +48,22 @@ struct ShotInput {
   bool prepared = false;                // false: the model prepares a copy for every call
 };
 
-// One marker of a shot: `point` in the frame it rides on.
+// One reading of a shot: `point` or `rotation` of the target in the frame it rides on.
 struct MarkerInFrame {
   int frame = 0;
   Vector3<double> point;  // m
   int id = -1;            // index of the marker, for effects on it
+  ReadingKind kind = ReadingKind::kPoint;
+  Matrix3<double> rotation = Matrix3<double>::Identity();  // frame_from_target, of kRotation
 };
 
-// A predicted point with its derivatives, all in the station frame, SI.
+// A predicted reading with its derivatives, all in the station frame, SI. Derivatives of a rotation are left
+// perturbations, rad.
 struct PointPrediction {
-  Vector3<double> point;                              // m
+  Vector3<double> point;                              // m; of a rotation its rotation vector, rad
   Matrix3<double> d_translation;                      // d point / d t: the identity, but for instrument effects
   Matrix3<double> d_rotation;                         // d point / d left perturbation of R
-  Matrix3<double> d_marker;                           // d point / d marker point
+  Matrix3<double> d_marker;                           // d point / d marker point, or left perturbation of its rotation
   Eigen::Matrix<double, 3, Eigen::Dynamic> d_theta;   // one column per active parameter
   Eigen::Matrix<double, 3, Eigen::Dynamic> d_latent;  // one column per joint, where a deviation was given
 };
@@ -118,6 +122,10 @@ class ForwardModel {
   Equilibrium Equilibrate(const ShotInput& shot, const double* theta, const Matrix3<double>& base_rotation,
                           const double* latent = nullptr) const;
 
+  // What loads, effects and the compensator ask of each joint at the loaded arm, N m (N where it slides) about the
+  // joint's positive direction; measured torques are left aside. Empty where a load folds the arm.
+  Eigen::VectorXd ModelledJointTorques(ShotInput shot, const double* theta, const Matrix3<double>& base_rotation) const;
+
   // The robot with theta in its homes: nominal values, compliances, compensator, effects.
   Robot WithValues(const std::vector<double>& theta) const;
 
@@ -132,6 +140,9 @@ class ForwardModel {
   }
   // memory: of each effect, where it has one.
   void AddTerms(const std::vector<double>& memory, ShotInput* shot) const;
+  void PredictTurn(const ShotInput& shot, const double* theta, const std::vector<int>& column_of,
+                   const Equilibrium& equilibrium, const Matrix3<double>& base_rotation, const MarkerInFrame& marker,
+                   PointPrediction* prediction) const;
   bool IsElastic(const ShotInput& shot) const;
   ElasticQuery Query(const ShotInput& shot, const Eigen::VectorXd& coupled) const;
   template <typename Add>

@@ -61,6 +61,14 @@ void SetStartValues(CalibrationProblem* problem) {
                   "state markers: {" + problem->data.markers[m] + ": {xyz_mm: …}}");
     }
     if (given) problem->parameters.SetMarkerPoint(m, *spec->second.point);
+    if (!problem->parameters.is_oriented(static_cast<int>(m))) continue;
+    const bool is_turned = spec != experiment.markers.end() && spec->second.rotvec;
+    if (!is_turned && !experiment.estimate.markers) {
+      FailProblem(*problem, "estimate.markers",
+                  "the markers are held but marker '" + problem->data.markers[m] + "', read as a pose, has no rotation",
+                  "state markers: {" + problem->data.markers[m] + ": {xyz_mm: …, rotvec_mrad: …}}");
+    }
+    if (is_turned) problem->parameters.SetMarkerRotation(static_cast<int>(m), RotationFromVector(*spec->second.rotvec));
   }
 }
 
@@ -96,7 +104,7 @@ CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Exp
       data(std::move(data_in)),
       experiment(std::move(experiment_in)),
       model(robot, data.markers),
-      parameters(data.stations, data.markers, model.parameters()) {
+      parameters(data.stations, data.markers, model.parameters(), data.OrientedMarkers()) {
   robot = model.robot();  // with the tilt slots that effects need
 }
 
@@ -178,6 +186,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckNoise(&problem);
   ResolveRepeats(&problem);
   CheckSigmas(problem);
+  SayRotationSigmas(&problem);
   SetPriors(&problem);
   TieSpringMarkers(&problem);
   CheckEnoughData(problem);

@@ -37,7 +37,7 @@ struct CalibrationProblem {
   NoiseRoots weight_roots;
   std::optional<RepeatScatter> repeat_scatter;  // where the noise is from repeats
 
-  // Root of the noise covariance of an observation (problems/noise_model.h);
+  // Root of the noise covariance of an observation, m or rad (problems/noise_model.h);
   // zero where nothing states one: then all rows share one sigma that is estimated.
   Matrix3<double> NoiseRoot(int observation) const;
   bool sigma_is_stated() const;

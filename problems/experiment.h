@@ -20,10 +20,11 @@ struct LoadSpec {
 };
 
 struct MarkerSpec {
-  std::optional<Vector3<double>> point;  // m, in the frame it is on
-  std::string on = "flange";             // flange, base, world or a joint's name
-  std::string spring;                    // end of the compensator's spring: lever, anchor, none; "": not stated
-  std::optional<double> spring_sigma;    // m, per coordinate: how well it sits on that end
+  std::optional<Vector3<double>> point;   // m, in the frame it is on
+  std::string on = "flange";              // flange, base, world or a joint's name
+  std::optional<Vector3<double>> rotvec;  // rad, frame_from_target, of a target whose pose is read
+  std::string spring;                     // end of the compensator's spring: lever, anchor, none; "": not stated
+  std::optional<double> spring_sigma;     // m, per coordinate: how well it sits on that end
 };
 
 struct StationSpec {
@@ -139,6 +140,7 @@ struct Experiment {
   std::map<std::string, Prior> priors;
   ValidationSpec validation;
   double significance = 0.01;
+  bool torques_measured = false;  // `torques: measured`: the columns tau<i> drive joint-wise elastic effects
   // Of the data that an estimate was made of, where other rows are predicted with it; absent: of the rows themselves.
   std::optional<ConditionOrigins> origins = {};
 };

@@ -38,7 +38,10 @@ std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
   return set.free;
 }
 
-bool AnyLoaded(const Measurements& data) { return std::any_of(data.shots.begin(), data.shots.end(), IsLoaded); }
+// What compliances answer to: loads, or measured torques.
+bool AnyLoaded(const Measurements& data, const Experiment& experiment) {
+  return experiment.torques_measured || std::any_of(data.shots.begin(), data.shots.end(), IsLoaded);
+}
 
 std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
   const Selection& selection = problem.experiment.estimate.gravity_compensator;
@@ -68,9 +71,10 @@ std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements&
   std::vector<std::string> all;
   for (const Joint& joint : robot.chain.joints) all.push_back(joint.name);
   const Selection& selection = experiment.estimate.compliance;
-  if (selection.kind == Selection::Kind::kDefault) return AnyLoaded(data) ? all : std::vector<std::string>();
+  if (selection.kind == Selection::Kind::kDefault)
+    return AnyLoaded(data, experiment) ? all : std::vector<std::string>();
   const std::vector<std::string> named = SelectFrom(all, selection, "estimate.compliance", "joint", experiment);
-  if (!named.empty() && !AnyLoaded(data) && experiment.tool_mass == 0.0) {
+  if (!named.empty() && !AnyLoaded(data, experiment) && experiment.tool_mass == 0.0) {
     throw InputError({experiment.file, LineOf(experiment, "estimate.compliance"), "estimate.compliance"},
                      "compliances are asked for but no row is loaded",
                      "measure loaded shots (column load), or leave the key out");

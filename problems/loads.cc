@@ -54,6 +54,11 @@ AppliedWrench LoadWrench(const Chain& chain, const Measurements& data, const Sho
   return wrench;
 }
 
+// The column's own name where a file has none of it.
+std::string FirstTorqueColumn(const Chain& chain) {
+  return chain.joints.front().type == JointType::kRevolute ? "tau1_Nm" : "tau1_N";
+}
+
 ShotConditions ConditionsOf(const Measurements& data, const Shot& shot, const Experiment& experiment,
                             const ConditionOrigins& origins) {
   ShotConditions conditions;
@@ -187,6 +192,13 @@ std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measureme
   for (const Shot& shot : data.shots) {
     ShotInput input;
     input.conditions = ConditionsOf(data, shot, experiment, origins);
+    if (experiment.torques_measured) {
+      if (shot.joint_torques.size() == 0) {
+        FailAt(data, shot, FirstTorqueColumn(chain), "torques: measured needs the measured joint torques of every row",
+               "add the columns " + FirstTorqueColumn(chain) + " … of all joints, or state torques: model");
+      }
+      input.conditions.joint_torques = shot.joint_torques;
+    }
     if (experiment.tool_mass > 0.0) {
       input.wrenches.push_back({chain.FlangeFrame(), experiment.tool_com, experiment.tool_mass * Gravity(experiment),
                                 Vector3<double>::Zero(), GravityFrame(experiment)});

@@ -9,6 +9,52 @@ int MeasurementFile::FindColumn(const std::string& name) const {
   return found == header.end() ? -1 : static_cast<int>(found - header.begin());
 }
 
+void Observation::Read(const Vector3<double>& exact, const Vector3<double>& error) {
+  if (is_point()) {
+    point_in_station = exact + error;
+  } else {
+    rotation_in_station = RotationFromVector(error) * RotationFromVector(exact);
+  }
+}
+
+std::vector<int> Measurements::PointsAmong(const std::vector<int>& listed) const {
+  std::vector<int> points;
+  for (const int i : listed) {
+    if (observations[i].is_point()) points.push_back(i);
+  }
+  return points;
+}
+
+void Measurements::ExcludeRow(int observation, bool excluded) {
+  observations[observation].excluded = excluded;
+  const int partner = observations[observation].partner;
+  if (partner >= 0) observations[partner].excluded = excluded;
+}
+
+int Measurements::NumRows() const {
+  return static_cast<int>(std::count_if(observations.begin(), observations.end(),
+                                        [](const Observation& observation) { return observation.is_point(); }));
+}
+
+std::vector<bool> Measurements::OrientedMarkers() const {
+  std::vector<bool> oriented(markers.size(), false);
+  for (const Observation& observation : observations) {
+    if (!observation.is_point()) oriented[observation.marker] = true;
+  }
+  return oriented;
+}
+
+Observation& Measurements::AddRotation(int point) {
+  const int index = static_cast<int>(observations.size());
+  Observation rotation = observations[point];
+  rotation.kind = ReadingKind::kRotation;
+  rotation.partner = point;
+  observations[point].partner = index;
+  shots[rotation.shot].observations.push_back(index);
+  observations.push_back(rotation);
+  return observations.back();
+}
+
 std::string Measurements::Cell(const Observation& observation, const std::string& column) const {
   if (observation.file < 0) return "";
   const MeasurementFile& file = files[observation.file];

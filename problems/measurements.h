@@ -3,14 +3,15 @@
 //   configuration  one commanded joint configuration (column `config`)
 //   visit          one arrival at it; latent joint deviations belong to a visit
 //   shot           all markers seen at one visit, repeat, load and station
-//   observation    one marker of one shot: one row of a file
+//   observation    one reading of one marker in one shot (models/reading.h): a row of a
+//                  file, or, where the row states a pose, its point and its rotation
 #pragma once
 
 #include <map>
 #include <string>
 #include <vector>
 
-#include "models/geometry.h"
+#include "models/reading.h"
 
 namespace sagitta {
 
@@ -52,6 +53,9 @@ struct Shot {
   bool has_temperature = false;
   double temperature = 0.0;   // degC, mean of its rows
   std::vector<int> approach;  // -1, 0, +1 per joint, kApproachNotStated where the cell is empty; empty: none is stated
+  // Measured, one per joint about its positive direction, N m (N where it slides): mean of the rows that state them;
+  // empty: none does.
+  Eigen::VectorXd joint_torques;
   std::vector<int> observations;
 };
 
@@ -63,6 +67,17 @@ struct Observation {
   int file = -1;                                               // index into Measurements::files
   int row = -1;                                                // index into MeasurementFile::rows
   bool excluded = false;                                       // an outlier: neither fitted nor judged by
+
+  // Of the rotation of a pose: everything above is the row's own, the point included.
+  ReadingKind kind = ReadingKind::kPoint;
+  Matrix3<double> rotation_in_station = Matrix3<double>::Identity();  // station_from_target; NaN where not measured
+  Vector3<double> rotation_sigma = Vector3<double>::Zero();           // rad, left perturbation; 0: the row states none
+  int partner = -1;                                                   // the other reading of the same pose; -1: none
+
+  bool is_point() const { return kind == ReadingKind::kPoint; }
+  TargetReading reading() const { return {kind, point_in_station, rotation_in_station}; }
+  // What the instrument reads where it should read `exact` (a point, or a rotation vector) and errs by `error`.
+  void Read(const Vector3<double>& exact, const Vector3<double>& error);
 };
 
 struct Measurements {
@@ -77,6 +92,15 @@ struct Measurements {
   const Configuration& ConfigurationOf(const Observation& observation) const {
     return configurations[shots[observation.shot].configuration];
   }
+  // Those of the listed observations that are points: as many as rows.
+  std::vector<int> PointsAmong(const std::vector<int>& observations) const;
+  int NumRows() const;
+  // Of a pose both readings: a target is read well or badly as a whole.
+  void ExcludeRow(int observation, bool excluded = true);
+  // Of each marker whether a row states its rotation.
+  std::vector<bool> OrientedMarkers() const;
+  // Adds the rotation of the pose to an observation that is a point.
+  Observation& AddRotation(int point);
   bool IsValidation(const Observation& observation) const { return ConfigurationOf(observation).is_validation; }
   // The cell of an observation's row, "" if its file has no such column.
   std::string Cell(const Observation& observation, const std::string& column) const;

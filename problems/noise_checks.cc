@@ -58,6 +58,14 @@ void CheckResiduals(const CalibrationProblem& problem) {
 void CheckWeights(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
   const From from = experiment.noise.from;
+  const std::vector<bool> oriented = problem.data.OrientedMarkers();
+  const bool has_poses = std::find(oriented.begin(), oriented.end(), true) != oriented.end();
+  if (has_poses && (experiment.weights != "sigma" || from == From::kResiduals)) {
+    FailProblem(problem, experiment.weights != "sigma" ? "weights" : "noise.from",
+                "these weights are of points, the data have rotations of poses too: the two compare by standard "
+                "deviations only",
+                "use weights: sigma, with sigma columns or noise: {sigma_mm: …}");
+  }
   if (experiment.weights == "sigma" || from == From::kResiduals || from == From::kVarianceComponents) {
     if (experiment.weights == "eq14" && from == From::kVarianceComponents) {
       FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", "use weights: sigma");
@@ -115,7 +123,40 @@ void ResolveRepeats(CalibrationProblem* problem) {
     FailProblem(*problem, "noise.from", "repeated shots are equal to the last digit: they show no noise",
                 "measure again instead of copying rows, or state noise: {sigma_mm: …}");
   }
-  problem->resolved_noise.assign(problem->data.observations.size(), sigma.asDiagonal());
+  const Vector3<double>& turned = problem->repeat_scatter->rotation_sigma;
+  NoiseRoots roots;
+  for (const Observation& observation : problem->data.observations) {
+    if (observation.is_point()) {
+      roots.push_back(sigma.asDiagonal());
+    } else if (turned.minCoeff() > 0.0) {
+      roots.push_back(turned.asDiagonal());
+    } else {
+      const bool states = observation.rotation_sigma.minCoeff() > 0.0;
+      const Vector3<double> unstated = Vector3<double>::Constant(kUnstatedRotationSigma);
+      roots.push_back((states ? observation.rotation_sigma : unstated).asDiagonal());
+    }
+  }
+  problem->resolved_noise = roots;
+}
+
+void SayRotationSigmas(CalibrationProblem* problem) {
+  const bool is_stated = problem->sigma_is_stated();
+  if (is_stated && problem->repeat_scatter && problem->repeat_scatter->rotation_sigma.minCoeff() > 0.0) return;
+  int unstated = 0, stated = 0;
+  for (const Observation& observation : problem->data.observations) {
+    if (observation.is_point()) continue;
+    ++(observation.rotation_sigma.minCoeff() > 0.0 ? stated : unstated);
+    if (is_stated || stated == 0) continue;
+    const MeasurementFile& file = problem->data.files[observation.file];
+    throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
+                     "the rotations state standard deviations, the points none: nothing says how the two compare",
+                     "add sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
+  }
+  if (unstated == 0) return;
+  problem->data.warnings.push_back(
+      std::to_string(unstated) + " poses state no standard deviation of their rotation: " +
+      (is_stated ? "1 mrad is assumed, that of 1 mm over 1 m" : "that of the points over 1 m is assumed") +
+      "; add the column sigma_rot_urad");
 }
 
 void CheckSigmas(const CalibrationProblem& problem) {

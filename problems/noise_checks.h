@@ -15,4 +15,7 @@ void ResolveRepeats(CalibrationProblem* problem);
 // Rows without a standard deviation beside rows that have one.
 void CheckSigmas(const CalibrationProblem& problem);
 
+// Warns of rotations whose noise is assumed. Throws InputError where rotations state it and points do not.
+void SayRotationSigmas(CalibrationProblem* problem);
+
 }  // namespace sagitta

@@ -26,6 +26,14 @@ Vector3<double> InstrumentPlace(const Experiment& experiment, const std::string&
 Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& data, const Observation& observation,
                            const Vector3<double>& point) {
   const NoiseSpec& noise = experiment.noise;
+  if (!observation.is_point()) {
+    Observation of_point = observation;
+    of_point.kind = ReadingKind::kPoint;
+    if (!IsStated(StatedRoot(experiment, data, of_point, point))) return Matrix3<double>::Zero();
+    const bool states = observation.rotation_sigma.minCoeff() > 0.0;
+    return (states ? observation.rotation_sigma : Vector3<double>::Constant(kUnstatedRotationSigma).eval())
+        .asDiagonal();
+  }
   if (noise.from == NoiseSpec::From::kInstrument) {
     return InstrumentRoot(noise, point,
                           InstrumentPlace(experiment, data.stations[data.shots[observation.shot].station]));
@@ -46,26 +54,35 @@ bool IsDiagonal(const NoiseRoots& roots) {
 
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data) {
   struct Group {
-    Vector3<double> sum = Vector3<double>::Zero();
-    std::vector<Vector3<double>> points;
+    const Observation* first = nullptr;
+    std::vector<Vector3<double>> from_first;  // rotations: angles, small enough to add
   };
-  std::map<std::tuple<int, std::string, int, std::string, int>, Group> groups;
+  std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
   for (const Observation& observation : data.observations) {
     if (observation.excluded || data.IsValidation(observation)) continue;
     const Shot& shot = data.shots[observation.shot];
-    Group& group = groups[{shot.configuration, shot.visit, observation.marker, shot.load, shot.station}];
-    group.sum += observation.point_in_station;
-    group.points.push_back(observation.point_in_station);
+    Group& group =
+        groups[{shot.configuration, shot.visit, observation.marker, shot.load, shot.station, observation.kind}];
+    if (group.first == nullptr) group.first = &observation;
+    const Vector3<double> first =
+        observation.is_point() ? group.first->point_in_station : RotationVector(group.first->rotation_in_station);
+    group.from_first.push_back(MeasuredMinusPredicted(observation.reading(), first));
   }
   RepeatScatter scatter;
-  Vector3<double> squares = Vector3<double>::Zero();
+  int rotation_dof = 0;
+  Vector3<double> squares = Vector3<double>::Zero(), rotation_squares = squares;
   for (const auto& [key, group] : groups) {
-    const Vector3<double> mean = group.sum / static_cast<double>(group.points.size());
-    for (const Vector3<double>& point : group.points) squares += (point - mean).cwiseAbs2();
-    scatter.dof += static_cast<int>(group.points.size()) - 1;
+    Vector3<double> mean = Vector3<double>::Zero();
+    for (const Vector3<double>& off : group.from_first) mean += off / static_cast<double>(group.from_first.size());
+    const bool is_point = std::get<ReadingKind>(key) == ReadingKind::kPoint;
+    for (const Vector3<double>& off : group.from_first) {
+      (is_point ? squares : rotation_squares) += (off - mean).cwiseAbs2();
+    }
+    (is_point ? scatter.dof : rotation_dof) += static_cast<int>(group.from_first.size()) - 1;
   }
   if (scatter.dof == 0) return std::nullopt;
   scatter.sigma = (squares / scatter.dof).cwiseSqrt();
+  if (rotation_dof > 0) scatter.rotation_sigma = (rotation_squares / rotation_dof).cwiseSqrt();
   return scatter;
 }
 

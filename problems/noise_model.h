@@ -3,7 +3,8 @@
 //
 //   Sigma = S S',   whitened residual = S^-1 (predicted - measured).
 //
-// Standard deviations per axis are the case S = diag(sigma). This is the only
+// Standard deviations per axis are the case S = diag(sigma). A rotation has a root of its own, in rad, of a left
+// perturbation: the 6x6 root of a pose is the two, one after the other. This is the only
 // place that says how an observation is whitened.
 #pragma once
 
@@ -26,6 +27,10 @@ Matrix3<double> InstrumentRoot(const NoiseSpec& noise, const Vector3<double>& po
 // Where the instrument of a station stands: `instrument_mm`, default the station's origin.
 Vector3<double> InstrumentPlace(const Experiment& experiment, const std::string& station);
 
+// Of a rotation where points have a stated noise and the rotation none: 1 mm over 1 m. Where nothing states any noise,
+// the common standard deviation of the points, over 1 m.
+constexpr double kUnstatedRotationSigma = 1e-3;  // rad
+
 // What row, experiment or flag state of an observation seen at `point` (the measured one, or a predicted one
 // where nothing was measured).
 Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& data, const Observation& observation,
@@ -38,8 +43,9 @@ bool IsDiagonal(const NoiseRoots& roots);
 // Spread of repeated shots of equal (config, visit, marker, load, station), pooled over all of them, per axis: what the
 // instrument alone does, the robot stands still meanwhile. Calibration rows only.
 struct RepeatScatter {
-  Vector3<double> sigma = Vector3<double>::Zero();  // m
-  int dof = 0;                                      // of each axis: observations - groups
+  Vector3<double> sigma = Vector3<double>::Zero();           // m
+  int dof = 0;                                               // of each axis: observations - groups
+  Vector3<double> rotation_sigma = Vector3<double>::Zero();  // rad; 0: no rotation was read twice
 };
 // Empty without repeats.
 std::optional<RepeatScatter> PooledRepeats(const Measurements& data);

@@ -10,7 +10,7 @@ constexpr const char* kAxisNames[3] = {"x", "y", "z"};
 }  // namespace
 
 ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
-                           const std::vector<ModelParameter>& model_parameters)
+                           const std::vector<ModelParameter>& model_parameters, const std::vector<bool>& oriented)
     : num_stations_(stations.size()), num_markers_(markers.size()), num_model_parameters_(model_parameters.size()) {
   const auto add_block = [this](const std::string& name, BlockKind kind, int owner, std::vector<double> values,
                                 const std::vector<std::string>& coordinates, Quantity quantity) {
@@ -36,6 +36,15 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
     const std::string name = "marker/" + markers[m];
     add_block(name, BlockKind::kMarker, m, {0, 0, 0}, axes(name + "/"), Quantity::kLength);
   }
+  rotation_block_.assign(markers.size(), -1);
+  for (size_t m = 0; m < oriented.size(); ++m) {
+    if (!oriented[m]) continue;
+    const std::string name = "marker/" + markers[m];
+    rotation_block_[m] = static_cast<int>(blocks_.size());
+    add_block(name + "/rotation", BlockKind::kMarkerRotation, static_cast<int>(m), {0, 0, 0, 1}, axes(name + "/r"),
+              Quantity::kRotationVector);
+  }
+  first_model_block_ = static_cast<int>(blocks_.size());
   for (int i = 0; i < num_model_parameters_; ++i) {
     const ModelParameter& parameter = model_parameters[i];
     add_block(parameter.name, BlockKind::kModelParameter, i, {parameter.nominal}, {parameter.name}, parameter.quantity);
@@ -88,6 +97,16 @@ void ParameterSet::SetMarkerPoint(int m, const Vector3<double>& point) {
   Eigen::Map<Vector3<double>>(marker(m).values.data()) = point;
 }
 
+Matrix3<double> ParameterSet::MarkerRotation(int m) const {
+  if (!is_oriented(m)) return Matrix3<double>::Identity();
+  return Eigen::Map<const Eigen::Quaterniond>(marker_rotation(m).values.data()).normalized().toRotationMatrix();
+}
+
+void ParameterSet::SetMarkerRotation(int m, const Matrix3<double>& rotation) {
+  if (!is_oriented(m)) return;
+  Eigen::Map<Eigen::Quaterniond>(marker_rotation(m).values.data()) = Eigen::Quaterniond(rotation).normalized();
+}
+
 std::vector<double> ParameterSet::ModelValues() const {
   std::vector<double> theta(num_model_parameters_);
   for (int i = 0; i < num_model_parameters_; ++i) theta[i] = model_parameter(i).values[0];
@@ -99,7 +118,7 @@ void ParameterSet::SetModelValue(int i, double value) { model_parameter(i).value
 double ParameterSet::Value(int coordinate) const {
   const Coordinate& c = coordinates_[coordinate];
   const ParameterBlock& block = blocks_[c.block];
-  if (block.kind != BlockKind::kStationRotation) return block.values[c.index_in_block];
+  if (!IsRotation(block.kind)) return block.values[c.index_in_block];
   return RotationVector(Eigen::Map<const Eigen::Quaterniond>(block.values.data()))[c.index_in_block];
 }
 
@@ -125,7 +144,7 @@ void ParameterSet::CopyByName(const ParameterSet& other) {
 void ParameterSet::Plus(const Eigen::VectorXd& delta) {
   for (ParameterBlock& block : blocks_) {
     const double* step = delta.data() + block.first_coordinate;
-    if (block.kind == BlockKind::kStationRotation) {
+    if (IsRotation(block.kind)) {
       Eigen::Map<Eigen::Quaterniond> rotation(block.values.data());
       const Vector3<double> v(step[0], step[1], step[2]);
       rotation = (QuaternionFromRotationVector(v) * rotation).normalized();

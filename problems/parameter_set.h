@@ -1,5 +1,6 @@
 // Named blocks own every unknown; results speak in these names (FORMATS
-// section 4: base/<station>/x.., marker/<id>/x.., geometry/<error>).
+// section 4: base/<station>/x.., marker/<id>/x.., marker/<id>/rx.. where poses
+// of it are read, geometry/<error>).
 //
 // A block holds ambient values: a translation, a point, a scalar, or a unit
 // quaternion (x, y, z, w) whose tangent is a left perturbation
@@ -36,7 +37,11 @@ struct Coordinate {
   bool estimated() const { return free && !held; }
 };
 
-enum class BlockKind { kStationTranslation, kStationRotation, kMarker, kModelParameter };
+enum class BlockKind { kStationTranslation, kStationRotation, kMarker, kMarkerRotation, kModelParameter };
+// Unit quaternions with a left perturbation.
+inline bool IsRotation(BlockKind kind) {
+  return kind == BlockKind::kStationRotation || kind == BlockKind::kMarkerRotation;
+}
 
 struct ParameterBlock {
   std::string name;  // base/<station>/position, base/<station>/rotation, marker/<id>, geometry/<error>
@@ -50,8 +55,9 @@ struct ParameterBlock {
 class ParameterSet {
  public:
   ParameterSet() = default;
+  // oriented: the markers whose rotation is an unknown too; empty: none.
   ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
-               const std::vector<ModelParameter>& model_parameters);
+               const std::vector<ModelParameter>& model_parameters, const std::vector<bool>& oriented = {});
 
   const std::vector<ParameterBlock>& blocks() const { return blocks_; }
   const std::vector<Coordinate>& coordinates() const { return coordinates_; }
@@ -70,16 +76,32 @@ class ParameterSet {
   ParameterBlock& station_translation(int station) { return blocks_[2 * station]; }
   ParameterBlock& station_rotation(int station) { return blocks_[2 * station + 1]; }
   ParameterBlock& marker(int marker) { return blocks_[2 * num_stations_ + marker]; }
-  ParameterBlock& model_parameter(int i) { return blocks_[2 * num_stations_ + num_markers_ + i]; }
+  ParameterBlock& model_parameter(int i) { return blocks_[first_model_block_ + i]; }
   const ParameterBlock& station_translation(int station) const { return blocks_[2 * station]; }
   const ParameterBlock& station_rotation(int station) const { return blocks_[2 * station + 1]; }
   const ParameterBlock& marker(int marker) const { return blocks_[2 * num_stations_ + marker]; }
-  const ParameterBlock& model_parameter(int i) const { return blocks_[2 * num_stations_ + num_markers_ + i]; }
+  const ParameterBlock& model_parameter(int i) const { return blocks_[first_model_block_ + i]; }
+  bool is_oriented(int marker) const { return rotation_block_[marker] >= 0; }
+  ParameterBlock& marker_rotation(int marker) { return blocks_[rotation_block_[marker]]; }
+  const ParameterBlock& marker_rotation(int marker) const { return blocks_[rotation_block_[marker]]; }
+  // What of the marker a reading depends on: its point or its rotation.
+  ParameterBlock& read_block(int m, ReadingKind kind) {
+    return kind == ReadingKind::kPoint ? marker(m) : marker_rotation(m);
+  }
+  const ParameterBlock& read_block(int m, ReadingKind kind) const {
+    return kind == ReadingKind::kPoint ? marker(m) : marker_rotation(m);
+  }
 
   Pose<double> BaseInStation(int station) const;
   void SetBaseInStation(int station, const Pose<double>& base_in_station);
   Vector3<double> MarkerPoint(int marker) const;
   void SetMarkerPoint(int marker, const Vector3<double>& point);
+  Matrix3<double> MarkerRotation(int marker) const;  // frame_from_target; the identity where it is no unknown
+  void SetMarkerRotation(int marker, const Matrix3<double>& rotation);
+  // The marker as a reading of that kind needs it.
+  MarkerInFrame MarkerOn(int frame, int marker, ReadingKind kind) const {
+    return {frame, MarkerPoint(marker), marker, kind, MarkerRotation(marker)};
+  }
   std::vector<double> ModelValues() const;  // theta
   void SetModelValue(int i, double value);
 
@@ -99,6 +121,8 @@ class ParameterSet {
   std::vector<ParameterBlock> blocks_;
   std::vector<Coordinate> coordinates_;
   std::optional<SpringTie> spring_tie_;
+  std::vector<int> rotation_block_;  // of each marker, -1: none
+  int first_model_block_ = 0;
   int num_stations_ = 0;
   int num_markers_ = 0;
   int num_model_parameters_ = 0;

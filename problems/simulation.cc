@@ -50,8 +50,9 @@ bool Simulator::PredictShot(int s, const double* deviations, Eigen::Matrix3Xd* p
   const Shot& shot = problem_.data.shots[s];
   std::vector<MarkerInFrame> markers;
   for (const int k : shot.observations) {
-    const int marker = problem_.data.observations[k].marker;
-    markers.push_back({problem_.marker_frames[marker], truth_.MarkerPoint(marker), marker});
+    const Observation& observation = problem_.data.observations[k];
+    markers.push_back(
+        truth_.MarkerOn(problem_.marker_frames[observation.marker], observation.marker, observation.kind));
   }
   std::vector<PointPrediction> predictions;
   if (!problem_.model.Predict(problem_.shot_inputs[s], theta_.data(), {}, truth_.BaseInStation(shot.station), markers,
@@ -83,7 +84,7 @@ bool Simulator::Draw(std::uint64_t seed, Measurements* data) const {
   for (size_t k = 0; k < data->observations.size(); ++k) {
     Vector3<double> unit;
     for (double& u : unit) u = instrument();
-    data->observations[k].point_in_station = points.col(k) + roots_[k] * unit;
+    data->observations[k].Read(points.col(k), roots_[k] * unit);
   }
   return true;
 }

@@ -48,7 +48,14 @@ Eigen::VectorXd Shares(const PredictionCovariance& point, const Matrix3<double>&
   return shares;
 }
 
-std::vector<AddedColumn> UncertaintyColumns(const Prediction& prediction, double* largest) {
+// The same of a rotation, urad: standard deviations of the mean, the arm and one measurement.
+Eigen::VectorXd TurnShares(const PredictionCovariance& rotation, const Matrix3<double>& instrument) {
+  Eigen::VectorXd shares(9);
+  shares << rotation.mean().diagonal(), rotation.arm.diagonal(), (instrument * instrument.transpose()).diagonal();
+  return 1e6 * shares.cwiseMax(0.0).cwiseSqrt();
+}
+
+std::vector<AddedColumn> UncertaintyColumns(const Measurements& rows, const Prediction& prediction, double* largest) {
   static const std::vector<std::string> kNames = {
       "psig_x_mm",   "psig_y_mm",   "psig_z_mm",   "psig_distance_mm", "pcov_xy_mm2",   "pcov_xz_mm2",  "pcov_yz_mm2",
       "paxis1_mm",   "paxis1_x",    "paxis1_y",    "paxis1_z",         "paxis2_mm",     "paxis2_x",     "paxis2_y",
@@ -56,14 +63,25 @@ std::vector<AddedColumn> UncertaintyColumns(const Prediction& prediction, double
       "pheld_z_mm",  "parm_x_mm",   "parm_y_mm",   "parm_z_mm",        "pnoise_x_mm",   "pnoise_y_mm",  "pnoise_z_mm",
       "parm_xy_mm2", "parm_xz_mm2", "parm_yz_mm2", "pnoise_xy_mm2",    "pnoise_xz_mm2", "pnoise_yz_mm2"};
   const size_t n = prediction.covariances.size();
-  Eigen::MatrixXd values(kNames.size(), n);
+  static const std::vector<std::string> kTurnNames = {"psig_rx_urad",   "psig_ry_urad",   "psig_rz_urad",
+                                                      "parm_rx_urad",   "parm_ry_urad",   "parm_rz_urad",
+                                                      "pnoise_rx_urad", "pnoise_ry_urad", "pnoise_rz_urad"};
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(kNames.size(), n);
+  Eigen::MatrixXd turns = Eigen::MatrixXd::Constant(kTurnNames.size(), n, std::nan(""));  // in their points' columns
   for (size_t k = 0; k < n; ++k) {
     Matrix3<double> instrument = prediction.instrument[k];
     if (!IsStated(instrument)) instrument.setConstant(std::nan(""));
-    values.col(k) = Shares(prediction.covariances[k], instrument);
+    if (rows.observations[k].is_point()) {
+      values.col(k) = Shares(prediction.covariances[k], instrument);
+    } else {
+      turns.col(rows.observations[k].partner) = TurnShares(prediction.covariances[k], instrument);
+    }
   }
   *largest = n == 0 ? 0.0 : values.topRows(3).maxCoeff<Eigen::PropagateNaN>();
-  return NumberColumns(kNames, values);
+  std::vector<AddedColumn> columns = NumberColumns(kNames, values);
+  if (rows.NumRows() == static_cast<int>(n)) return columns;
+  for (const AddedColumn& column : NumberColumns(kTurnNames, turns)) columns.push_back(column);
+  return columns;
 }
 
 int RunPredict(const CommandLine& line) {
@@ -73,18 +91,20 @@ int RunPredict(const CommandLine& line) {
   MeasurementReadOptions options;
   options.points_required = false;
   const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
-  const Measurements rows = ReadMeasurementsFor(known.robot, files, options);
+  Measurements rows = ReadMeasurementsFor(known.robot, files, options);
+  AddKnownRotations(known, &rows);
   const Prediction prediction = Predict(known, rows);
-  std::vector<AddedColumn> added = PointColumns("pred_", prediction.points);
+  std::vector<AddedColumn> added = ReadingColumns("pred_", rows, prediction.points);
   double largest = 0.0;  // mm
-  for (const AddedColumn& column : UncertaintyColumns(prediction, &largest)) added.push_back(column);
+  for (const AddedColumn& column : UncertaintyColumns(rows, prediction, &largest)) added.push_back(column);
   const std::string csv = RowsToCsv(rows, added);
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
   const std::string deviation =
       std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
-  std::cout << rows.observations.size() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out << "\n";
+  std::cout << rows.NumRows() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out
+            << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;
@@ -112,6 +132,9 @@ Adds to every row (x, y, z of the rows may be absent; all in the frame of the ro
   pnoise_x_mm …              standard deviation of one measurement (row or estimate; an instrument's range and angles
                              at the predicted point); empty: not known; not in psig
   parm_xy_mm2, pnoise_xy_mm2 …   covariances beside the squares of parm and pnoise
+
+  pred_rx_mrad …             where the target's rotation was calibrated (rows that are poses): its rotation vector
+  psig_rx_urad …, parm_…, pnoise_rx_urad …   its standard deviations, of a left perturbation, as of the point
 
 The covariance of what one measurement will show is the sum of the three: psig, parm and pnoise.
 

@@ -95,8 +95,9 @@ int RunSimulate(const CommandLine& line) {
   const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
   if (!folder.empty()) PrepareOutputFolder(folder.string());
   WriteTextFile(FLAGS_out, csv);
-  std::cout << simulated.observations.size() << " rows simulated with seed " << FLAGS_seed
-            << (!IsExact(inputs.data, inputs.experiment) ? "" : ", exact: nothing states a standard deviation") << ": " << FLAGS_out << "\n";
+  std::cout << simulated.NumRows() << " rows simulated with seed " << FLAGS_seed
+            << (!IsExact(inputs.data, inputs.experiment) ? "" : ", exact: nothing states a standard deviation") << ": "
+            << FLAGS_out << "\n";
   return 0;
 }
 
@@ -110,7 +111,8 @@ Command SimulateCommand() {
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…. Its rows say which configurations, markers and stations
 are seen; x, y, z may be absent. The truth is an estimate.json, or an experiment with its robot, `stations`
 and `markers` (without --truth: EXP itself). The noise is --sigma_mm, else what rows or experiment state
-(an instrument's range and angles too); a stated repeatability moves each joint once per arrival.
+(an instrument's range and angles too); rotations of poses take the noise of their rows, and of markers with a
+rotvec_mrad every row is a pose; a stated repeatability moves each joint once per arrival.
 The same seed gives the same numbers on every machine.
 
 Examples

@@ -17,14 +17,6 @@ DECLARE_string(require);
 namespace sagitta {
 namespace {
 
-nlohmann::ordered_json SizeToJson(const ResidualSize& size) {
-  return {{"rms_mm", 1e3 * size.rms},
-          {"max_mm", 1e3 * size.max},
-          {"rms_axis_mm", {1e3 * size.rms_axis[0], 1e3 * size.rms_axis[1], 1e3 * size.rms_axis[2]}},
-          {"distance_rms_mm", 1e3 * size.distance_rms},
-          {"distance_max_mm", 1e3 * size.distance_max}};
-}
-
 nlohmann::ordered_json ToJson(const Validation& validation, const Provenance& provenance) {
   nlohmann::ordered_json json = {
       {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}};
@@ -54,17 +46,13 @@ std::vector<Section> Summary(const KnownRobot& known, const Measurements& rows, 
   for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
   Section head;
   head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
-  head.paragraphs = {std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file +
-                     "."};
+  head.paragraphs = {std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file + "."};
   return {head, section};
 }
 
 std::string ResidualRows(const Measurements& rows, const Validation& validation) {
-  Eigen::Matrix3Xd residuals(3, validation.predicted.cols());
-  for (int k = 0; k < residuals.cols(); ++k)
-    residuals.col(k) = rows.observations[k].point_in_station - validation.predicted.col(k);
-  std::vector<AddedColumn> added = PointColumns("pred_", validation.predicted);
-  for (const AddedColumn& column : PointColumns("res_", residuals)) added.push_back(column);
+  std::vector<AddedColumn> added = ReadingColumns("pred_", rows, validation.predicted);
+  for (const AddedColumn& column : ResidualColumns(rows, validation.predicted)) added.push_back(column);
   return RowsToCsv(rows, added);
 }
 

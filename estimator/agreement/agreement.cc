@@ -19,8 +19,8 @@
 namespace sagitta {
 namespace {
 
-constexpr int kFewestFree = 6;           // degrees of freedom of a part: less and its noise is not known
-constexpr double kSurplus = 2.0;         // standard errors by which the sandwich has to exceed the model
+constexpr int kFewestFree = 6;    // degrees of freedom of a part: less and its noise is not known
+constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
 
 // Everything that is compared, at the estimate.
 struct Whole {
@@ -238,13 +238,14 @@ RepeatFit TestRepeats(const Whole& whole) {
   };
   const Measurements& data = whole.problem.data;
   const NoiseRoots noise = ObservationNoise(whole.problem, whole.rows.observations, kFallbackSigma);
-  std::map<std::tuple<int, std::string, int, std::string, int>, Group> groups;
+  std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
   for (size_t k = 0; k < whole.rows.observations.size(); ++k) {
     const Observation& row = data.observations[whole.rows.observations[k]];
     const Shot& shot = data.shots[row.shot];
-    Group& group = groups[{shot.configuration, shot.visit, row.marker, shot.load, shot.station}];
+    Group& group = groups[{shot.configuration, shot.visit, row.marker, shot.load, shot.station, row.kind}];
     const Matrix3<double> weight = (noise[k] * noise[k].transpose()).inverse();
-    const Vector3<double> error = row.point_in_station - whole.estimate.predicted.col(whole.rows.observations[k]);
+    const Vector3<double> error =
+        MeasuredMinusPredicted(row.reading(), whole.estimate.predicted.col(whole.rows.observations[k]));
     group.weight += weight;
     group.sum += weight * error;
     group.squares += error.dot(weight * error);

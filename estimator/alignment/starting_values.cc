@@ -19,12 +19,20 @@ bool AllFree(const ParameterSet& parameters, const ParameterBlock& block) {
   return true;
 }
 
+// The rotation R that maximises tr(R' M).
+Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
+  const Eigen::JacobiSVD<Matrix3<double>> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3<double> flip = Matrix3<double>::Identity();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
+
 // One observation with its marker frame already evaluated.
 struct FramedObservation {
   int station;
   int marker;
   Pose<double> base_from_frame;
-  Vector3<double> point_in_station;
+  TargetReading reading;
 };
 
 std::vector<FramedObservation> EvaluateFrames(const CalibrationProblem& problem, const std::vector<int>& observations,
@@ -43,7 +51,7 @@ std::vector<FramedObservation> EvaluateFrames(const CalibrationProblem& problem,
       evaluated_shot = observation.shot;
     }
     framed.push_back({shot.station, observation.marker, state.frames[problem.marker_frames[observation.marker]],
-                      observation.point_in_station});
+                      observation.reading()});
   }
   return framed;
 }
@@ -56,12 +64,12 @@ void RegisterStations(const std::vector<FramedObservation>& framed, ParameterSet
     }
     std::vector<const FramedObservation*> seen;
     for (const FramedObservation& f : framed) {
-      if (f.station == s) seen.push_back(&f);
+      if (f.station == s && f.reading.kind == ReadingKind::kPoint) seen.push_back(&f);
     }
     Eigen::Matrix3Xd points(3, seen.size()), targets(3, seen.size());
     for (size_t k = 0; k < seen.size(); ++k) {
       points.col(k) = seen[k]->base_from_frame * parameters->MarkerPoint(seen[k]->marker);
-      targets.col(k) = seen[k]->point_in_station;
+      targets.col(k) = seen[k]->reading.point;
     }
     parameters->SetBaseInStation(s, RegisterRigid(points, targets));
   }
@@ -71,9 +79,10 @@ void AverageMarkers(const std::vector<FramedObservation>& framed, ParameterSet* 
   std::vector<Vector3<double>> sum(parameters->num_markers(), Vector3<double>::Zero());
   std::vector<int> count(parameters->num_markers(), 0);
   for (const FramedObservation& f : framed) {
+    if (f.reading.kind != ReadingKind::kPoint) continue;
     const Pose<double> base_in_station = parameters->BaseInStation(f.station);
     const Vector3<double> in_base =
-        base_in_station.rotation.transpose() * (f.point_in_station - base_in_station.translation);
+        base_in_station.rotation.transpose() * (f.reading.point - base_in_station.translation);
     sum[f.marker] += f.base_from_frame.rotation.transpose() * (in_base - f.base_from_frame.translation);
     ++count[f.marker];
   }
@@ -84,14 +93,33 @@ void AverageMarkers(const std::vector<FramedObservation>& framed, ParameterSet* 
   }
 }
 
+// The mean rotation of each target in the frame it rides on: the rotation next to the sum of the single ones.
+void AverageRotations(const std::vector<FramedObservation>& framed, ParameterSet* parameters) {
+  std::vector<Matrix3<double>> sum(parameters->num_markers(), Matrix3<double>::Zero());
+  for (const FramedObservation& f : framed) {
+    if (f.reading.kind != ReadingKind::kRotation) continue;
+    const Matrix3<double> station_from_frame =
+        parameters->BaseInStation(f.station).rotation * f.base_from_frame.rotation;
+    sum[f.marker] += station_from_frame.transpose() * f.reading.rotation;
+  }
+  for (int m = 0; m < parameters->num_markers(); ++m) {
+    const bool is_read = parameters->is_oriented(m) && !sum[m].isZero(0.0);
+    if (!is_read || !AllFree(*parameters, parameters->marker_rotation(m))) continue;
+    parameters->SetMarkerRotation(m, NearestRotation(sum[m]));
+  }
+}
+
 double DistanceRms(const std::vector<FramedObservation>& framed, const ParameterSet& parameters) {
   double sum = 0.0;
+  int count = 0;
   for (const FramedObservation& f : framed) {
+    if (f.reading.kind != ReadingKind::kPoint) continue;
     const Vector3<double> predicted =
         parameters.BaseInStation(f.station) * (f.base_from_frame * parameters.MarkerPoint(f.marker));
-    sum += (predicted - f.point_in_station).squaredNorm();
+    sum += (predicted - f.reading.point).squaredNorm();
+    ++count;
   }
-  return std::sqrt(sum / framed.size());
+  return std::sqrt(sum / count);
 }
 
 struct Candidate {
@@ -114,11 +142,8 @@ Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3X
   const Vector3<double> point_mean = points.rowwise().mean();
   const Vector3<double> target_mean = targets.rowwise().mean();
   const Matrix3<double> correlation = (targets.colwise() - target_mean) * (points.colwise() - point_mean).transpose();
-  const Eigen::JacobiSVD<Matrix3<double>> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3<double> flip = Matrix3<double>::Identity();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
   Pose<double> pose;
-  pose.rotation = svd.matrixU() * flip * svd.matrixV().transpose();
+  pose.rotation = NearestRotation(correlation);
   pose.translation = target_mean - pose.rotation * point_mean;
   return pose;
 }
@@ -139,6 +164,7 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
       RegisterStations(framed, &trial);
       AverageMarkers(framed, &trial);
     }
+    AverageRotations(framed, &trial);
     candidates.push_back({DistanceRms(framed, trial), std::move(trial)});
   }
   // Where the data cannot tell the markers, all starts fit alike: then the one
@@ -157,7 +183,10 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
     if (!(rms <= candidate.rms * 1.5)) continue;  // weighted and unweighted optimum differ a little
     for (int s = 0; s < polished.num_stations(); ++s)
       candidate.parameters.SetBaseInStation(s, polished.BaseInStation(s));
-    for (int m = 0; m < polished.num_markers(); ++m) candidate.parameters.SetMarkerPoint(m, polished.MarkerPoint(m));
+    for (int m = 0; m < polished.num_markers(); ++m) {
+      candidate.parameters.SetMarkerPoint(m, polished.MarkerPoint(m));
+      candidate.parameters.SetMarkerRotation(m, polished.MarkerRotation(m));
+    }
     candidate.rms = rms;
   }
   const Candidate* best = &candidates[0];

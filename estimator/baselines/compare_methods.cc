@@ -73,6 +73,10 @@ std::string MethodObstacle(const CalibrationProblem& problem, const std::string&
   if (method == "joint") return "";
   if (problem.experiment.loss != "none") return method + " knows no robust loss";
   if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
+  const std::vector<bool> oriented = problem.data.OrientedMarkers();
+  if (std::find(oriented.begin(), oriented.end(), true) != oriented.end()) {
+    return method + " knows measured points, not the rotation of a pose";
+  }
   const bool takes_rows_only = method == "full-pose" || method == "two-step-literal";
   if (takes_rows_only && HasPriors(problem.parameters, "")) return method + " knows no priors";
   for (const char* family : {"base/", "marker/"}) {  // in its first half, which solves for these

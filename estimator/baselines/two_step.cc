@@ -186,7 +186,7 @@ Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& fr
   for (size_t i = 0; i < from.blocks().size(); ++i) {
     const ParameterBlock& a = from.blocks()[i];
     const ParameterBlock& b = to.blocks()[i];
-    if (a.kind == BlockKind::kStationRotation) {
+    if (IsRotation(a.kind)) {
       const Eigen::Map<const Eigen::Quaterniond> qa(a.values.data()), qb(b.values.data());
       difference.segment<3>(a.first_coordinate) = RotationVector(qb * qa.conjugate());
       continue;

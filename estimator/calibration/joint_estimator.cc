@@ -47,6 +47,9 @@ void ResetHeld(const ParameterSet& aligned, ParameterSet* parameters) {
         case BlockKind::kMarker:
           own = &parameters->marker(block.owner);
           break;
+        case BlockKind::kMarkerRotation:
+          own = &parameters->marker_rotation(block.owner);
+          break;
         case BlockKind::kModelParameter:
           own = &parameters->model_parameter(block.owner);
           break;
@@ -57,7 +60,7 @@ void ResetHeld(const ParameterSet& aligned, ParameterSet* parameters) {
           own = &parameters->station_rotation(block.owner);
           break;
       }
-      if (block.kind == BlockKind::kStationRotation) {
+      if (IsRotation(block.kind)) {
         own->values = block.values;  // single axes of a rotation have no value of their own
       } else {
         own->values[i] = block.values[i];

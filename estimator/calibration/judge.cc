@@ -23,18 +23,9 @@ namespace {
 
 constexpr double kFarBelow = 4.0;  // standard deviations
 
-Eigen::Matrix3Xd Residuals(const Measurements& data, const std::vector<int>& observations,
-                           const Eigen::Matrix3Xd& predicted) {
-  Eigen::Matrix3Xd residuals(3, observations.size());
-  for (size_t k = 0; k < observations.size(); ++k) {
-    residuals.col(k) = data.observations[observations[k]].point_in_station - predicted.col(k);
-  }
-  return residuals;
-}
-
 ResidualSize SizeAt(const CalibrationProblem& problem, const ParameterSet& parameters,
                     const std::vector<int>& observations) {
-  return MeasureResiduals(Residuals(problem.data, observations, PredictPoints(problem, parameters, observations)));
+  return MeasureReadings(problem.data, observations, PredictPoints(problem, parameters, observations));
 }
 
 // Where the fit has weights of its own, chi-square is the least that the known noise allows near the estimate.
@@ -124,7 +115,7 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
     const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
     estimate->scatter[k] = estimate->noise[k] * Matrix3<double>(relative.llt().matrixL());
     const Observation& observation = problem.data.observations[k];
-    if (observation.excluded || !problem.data.IsValidation(observation)) continue;
+    if (observation.excluded || !problem.data.IsValidation(observation) || !observation.is_point()) continue;
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
     const Matrix3<double>& own = estimate->noise[k];
     const double noise = own.squaredNorm() + (own * latent).squaredNorm();
@@ -211,7 +202,7 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
     return std::make_tuple(shot.configuration, shot.visit, shot.station, observation.marker);
   };
   std::map<decltype(key_of(data.observations[0])), Mean> unloaded;
-  const std::vector<int> fitted = problem.CalibrationObservations();
+  const std::vector<int> fitted = data.PointsAmong(problem.CalibrationObservations());
   for (const int k : fitted) {
     const Observation& observation = data.observations[k];
     if (IsLoaded(data.shots[observation.shot])) continue;

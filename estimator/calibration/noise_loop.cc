@@ -72,7 +72,7 @@ CalibrationProblem Cleaned(const Loop& loop, const NoiseRoots& roots) {
   for (size_t k = 0; k < observations.size(); ++k) {
     if (loop.weights[k] < kSmallWeight) cleaned.data.observations[observations[k]].excluded = true;
   }
-  for (const Outlier& outlier : loop.outliers) cleaned.data.observations[outlier.observation].excluded = true;
+  for (const Outlier& outlier : loop.outliers) cleaned.data.ExcludeRow(outlier.observation);
   return cleaned;
 }
 
@@ -167,7 +167,7 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   }
   report.loss_inflation = report.systematic ? 1.0 : std::max(1.0, LossInflation(loop->loss, check, kept));
   if (report.systematic) return;
-  for (const Outlier& outlier : loop->outliers) judged->data.observations[outlier.observation].excluded = true;
+  for (const Outlier& outlier : loop->outliers) judged->data.ExcludeRow(outlier.observation);
 }
 
 // Degrees of freedom of each interval where variances were estimated. The sandwich has its own: it does not use them.

@@ -18,7 +18,7 @@ constexpr int kChangePoints = 80;  // at least, and less than twice as many, whe
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
-                     [](const ShotInput& shot) { return !shot.wrenches.empty(); });
+                     [](const ShotInput& shot) { return !shot.wrenches.empty() || !shot.terms.torques.empty(); });
 }
 
 std::vector<std::string> Targets(const EffectDefinition& definition, const CalibrationProblem& problem) {

@@ -65,6 +65,9 @@ Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterS
     if (!equilibrium.converged) continue;
     const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &shot.wrenches, &shot.terms};
     torques.row(static_cast<long>(s)) = TorquesOf(query, equilibrium.state, shot.wrenches, rotation).transpose();
+    for (size_t j = 0; j < slots.size(); ++j) {
+      if (const auto stated = StatedTorqueOn(shot.terms, slots[j])) torques(static_cast<long>(s), j) = *stated;
+    }
   }
   return torques;
 }

@@ -108,12 +108,12 @@ void NoiseBook::SetAsideHeldOut(DiagnosedModel* baseline, DiagnosedModel* final)
         FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
                      kShareOfOutliers * significance_, true, removed.size());
     if (outliers.empty()) break;
-    for (const int i : outliers) cleaned.data.observations[i].excluded = true;
+    for (const int i : outliers) cleaned.data.ExcludeRow(i);
     removed.insert(removed.end(), outliers.begin(), outliers.end());
   }
   if (removed.empty()) return;
   CalibrationProblem before = *baseline->problem;
-  for (const int i : removed) before.data.observations[i].excluded = true;
+  for (const int i : removed) before.data.ExcludeRow(i);
   DiagnosedModel cleaned_baseline = *baseline;  // both or none: the gap compares the same rows
   if (!Replace(before, &cleaned_baseline) || !Replace(cleaned, final)) return;
   *baseline = std::move(cleaned_baseline);
@@ -247,8 +247,8 @@ bool NoiseBook::MoveOutliers(const DiagnosedModel& model, DiagnosedModel* baseli
   out.erase(std::remove_if(out.begin(), out.end(), came_back), out.end());
   if (back.empty() && out.empty()) return false;
   CalibrationProblem problem = *baseline->problem;
-  for (const int i : back) problem.data.observations[i].excluded = false;
-  for (const int i : out) problem.data.observations[i].excluded = true;
+  for (const int i : back) problem.data.ExcludeRow(i, false);
+  for (const int i : out) problem.data.ExcludeRow(i);
   if (!Replace(problem, baseline)) return false;
   for (const int i : back) outliers_.erase(std::find(outliers_.begin(), outliers_.end(), i));
   returned_.insert(back.begin(), back.end());

@@ -43,12 +43,21 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
     result.residual.resize(3 * ks.size());
     result.rigid.resize(3 * ks.size(), 6);
     Vector3<double> center = Vector3<double>::Zero();
-    for (const size_t k : ks) center += predicted.col(k) / ks.size();
+    double points = 0.0;
+    for (const size_t k : ks) points += problem.data.observations[all[k]].is_point() ? 1.0 : 0.0;
+    for (const size_t k : ks) {
+      if (problem.data.observations[all[k]].is_point()) center += predicted.col(k) / points;
+    }
     for (size_t i = 0; i < ks.size(); ++i) {
       const Observation& observation = problem.data.observations[all[ks[i]]];
       const Matrix3<double> whitener = noise[ks[i]].inverse();
       result.observations.push_back(all[ks[i]]);
-      result.residual.segment<3>(3 * i) = whitener * (observation.point_in_station - predicted.col(ks[i]));
+      result.residual.segment<3>(3 * i) =
+          whitener * MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i]));
+      if (!observation.is_point()) {  // turns with the body, wherever it is
+        result.rigid.block<3, 6>(3 * i, 0) << Matrix3<double>::Zero(), whitener;
+        continue;
+      }
       const Vector3<double> arm = predicted.col(ks[i]) - center;
       result.rigid.block<3, 3>(3 * i, 0) = whitener;
       result.rigid.block<3, 3>(3 * i, 3) = whitener * Matrix3<double>(-Skew(arm));
@@ -179,7 +188,8 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
   const double n = static_cast<double>(problem.CalibrationObservations().size() + outliers.size());
   const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
   for (size_t k = 0; k < outliers.size(); ++k) {
-    const Vector3<double> residual = problem.data.observations[outliers[k]].point_in_station - predicted.col(k);
+    const Vector3<double> residual =
+        MeasuredMinusPredicted(problem.data.observations[outliers[k]].reading(), predicted.col(k));
     if ((noise[k].inverse() * residual).squaredNorm() < limit) explained.push_back(outliers[k]);
   }
   return explained;

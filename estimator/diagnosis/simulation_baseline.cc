@@ -47,14 +47,19 @@ SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
     simulated.push_back(SimulatedPoint(problem.data, observation));
   }
   CalibrationProblem of_simulation = problem;
+  for (Observation& observation : of_simulation.data.observations) observation.excluded |= !observation.is_point();
   for (const int i : all) of_simulation.data.observations[i].point_in_station = simulated[i];
   RefuseWrongUnit(of_simulation);
   SimulationBaseline baseline{problem, Eigen::Matrix3Xd(3, all.size()), 0.0};
   AlignNominal(of_simulation, &baseline.problem.parameters);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, baseline.problem.parameters, all);
+  baseline.shift.setZero();
   for (const int i : all) {
+    Observation& row = baseline.problem.data.observations[i];
+    row.excluded |= !row.is_point();  // another simulation's columns predict points
+    if (!row.is_point()) continue;
     baseline.shift.col(i) = nominal.col(i) - simulated[i];
-    baseline.problem.data.observations[i].point_in_station += baseline.shift.col(i);
+    row.point_in_station += baseline.shift.col(i);
   }
   // Of the whole model: what AlignNominal returns is the misfit of the rigid arm, without its deflections.
   baseline.reproduced = std::sqrt(baseline.shift.colwise().squaredNorm().mean());

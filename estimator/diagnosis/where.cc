@@ -106,7 +106,7 @@ std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
     add("load", shot.load, chi2, 3.0);
     add("station", problem.data.stations[shot.station], chi2, 3.0);
     for (int axis = 0; axis < 3; ++axis) {
-      add("axis", std::string(1, "xyz"[axis]), of_axis[axis], 1.0);
+      add("axis", (observation.is_point() ? "" : "r") + std::string(1, "xyz"[axis]), of_axis[axis], 1.0);
     }
     const ShotConditions& conditions = problem.shot_inputs[observation.shot].conditions;
     if (!conditions.has_time || !(slice_length > 0.0)) continue;

@@ -34,4 +34,25 @@ ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals) {
   return size;
 }
 
+ResidualSize MeasureReadings(const Measurements& data, const std::vector<int>& observations,
+                             const Eigen::Matrix3Xd& predicted) {
+  Eigen::Matrix3Xd points(3, observations.size()), rotations(3, observations.size());
+  long num_points = 0, num_rotations = 0;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const Observation& observation = data.observations[observations[k]];
+    const Vector3<double> residual = MeasuredMinusPredicted(observation.reading(), predicted.col(k));
+    if (observation.is_point()) {
+      points.col(num_points++) = residual;
+    } else {
+      rotations.col(num_rotations++) = residual;
+    }
+  }
+  ResidualSize size = MeasureResiduals(points.leftCols(num_points));
+  const ResidualSize turned = MeasureResiduals(rotations.leftCols(num_rotations));
+  size.rotations = turned.observations;
+  size.rotation_rms = turned.rms;
+  size.rotation_max = turned.distance_max;
+  return size;
+}
+
 }  // namespace sagitta

@@ -12,6 +12,7 @@
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/identifiability.h"
 #include "models/robot.h"
+#include "problems/measurements.h"
 #include "problems/noise_model.h"
 #include "problems/parameter_set.h"
 
@@ -33,9 +34,16 @@ struct ResidualSize {
   Vector3<double> rms_axis = Vector3<double>::Zero();
   double distance_rms = 0.0;
   double distance_max = 0.0;
+  // Of the rotations of poses, rad: over single axes, divisor N; the largest angle.
+  int rotations = 0;
+  double rotation_rms = 0.0;
+  double rotation_max = 0.0;
 };
-// residuals: 3 x N, m.
+// residuals: 3 x N, m, of points.
 ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals);
+// Of the listed observations, points and rotations.
+ResidualSize MeasureReadings(const Measurements& data, const std::vector<int>& observations,
+                             const Eigen::Matrix3Xd& predicted);
 
 struct Interval {
   double low = 0.0;

@@ -147,6 +147,7 @@ void LintCopiedPoints(const CalibrationProblem& problem, std::vector<Finding>* f
   Finding finding{Severity::kSerious, "copied_points", "", "measure these rows again or take them out", {}};
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& o = data.observations[i];
+    if (!o.is_point()) continue;
     const Vector3<double>& p = o.point_in_station;
     const auto key = std::make_tuple(data.shots[o.shot].station, o.marker, p.x(), p.y(), p.z());
     const auto [entry, is_new] = seen.try_emplace(key, static_cast<int>(i));

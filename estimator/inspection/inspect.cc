@@ -199,6 +199,10 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   say("linearizing at the aligned nominal robot");
   const LinearState state = AlignOrExplain(problem, &inspection);
   inspection.aligned = state.aligned;
+  inspection.torques = CompareTorques(state.problem, state.parameters);
+  if (!inspection.torques.joints.empty()) {
+    inspection.findings.push_back({Severity::kNote, "torques", inspection.torques.words, "", {}});
+  }
   FillNoise(state, &inspection);
   inspection.unknowns = state.all.num_columns();
   if (!state.all.valid) {

@@ -13,6 +13,7 @@
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/orientation.h"
 #include "estimator/inspection/reading_lint.h"
+#include "estimator/inspection/torque_lint.h"
 
 namespace sagitta {
 
@@ -33,10 +34,11 @@ struct Inspection {
   std::vector<JointRange> joints;
   OrientationVariety orientation;
   ReadingLint reading;
-  ResidualSize aligned;     // of the nominal robot, base and markers fitted, calibration rows
-  double linear_rms = 0.0;  // m per coordinate, unweighted: what a linear fit leaves
-  double stated_rms = 0.0;  // m per coordinate: the stated sigmas; 0: none
-  double scale = 1.0;       // of the stated sigmas, or of 1 mm, in everything below
+  TorqueComparison torques;  // at the nominal robot, beside the aligned base
+  ResidualSize aligned;      // of the nominal robot, base and markers fitted, calibration rows
+  double linear_rms = 0.0;   // m per coordinate, unweighted: what a linear fit leaves
+  double stated_rms = 0.0;   // m per coordinate: the stated sigmas; 0: none
+  double scale = 1.0;        // of the stated sigmas, or of 1 mm, in everything below
   bool sigma_is_stated = false;
   int unknowns = 0;
   Identifiability identifiability;

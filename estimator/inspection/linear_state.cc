@@ -108,10 +108,7 @@ void TakeLinearStep(LinearState* state) {
 ResidualSize AlignedSize(const LinearState& state) {
   const std::vector<int> rows = state.problem.CalibrationObservations();
   const Eigen::Matrix3Xd predicted = PredictPoints(state.problem, state.parameters, rows);
-  Eigen::Matrix3Xd residuals(3, rows.size());
-  for (size_t k = 0; k < rows.size(); ++k)
-    residuals.col(k) = state.problem.data.observations[rows[k]].point_in_station - predicted.col(k);
-  return MeasureResiduals(residuals);
+  return MeasureReadings(state.problem.data, rows, predicted);
 }
 
 }  // namespace
@@ -138,7 +135,7 @@ LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Fi
     if (now == outliers) break;
     outliers = now;
     state.problem.data = problem.data;
-    for (const int k : outliers) state.problem.data.observations[rows.observations[k]].excluded = true;
+    for (const int k : outliers) state.problem.data.ExcludeRow(rows.observations[k]);
   }
   findings->insert(findings->end(), found.begin(), found.end());
   state.aligned = AlignedSize(state);

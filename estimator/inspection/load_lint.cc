@@ -59,7 +59,7 @@ std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
     const Observation& row = data.observations[i];
     const Shot& shot = data.shots[row.shot];
     const auto rest = unloaded.find(KeyOf(shot, row));
-    if (!IsLoaded(shot) || rest == unloaded.end()) continue;
+    if (!IsLoaded(shot) || rest == unloaded.end() || !row.is_point()) continue;
     AddPair(problem, static_cast<int>(i), rest->second, &found[shot.load]);
   }
   return found;

@@ -33,7 +33,8 @@ std::vector<Swap> FindSwaps(const CalibrationProblem& problem, const Linearizati
                             const Eigen::Matrix3Xd& residuals, const std::vector<int>& outliers) {
   std::map<int, std::vector<int>> of_shot;
   for (const int k : outliers) {
-    of_shot[problem.data.observations[linearization.observations[k]].shot].push_back(k);
+    const Observation& row = problem.data.observations[linearization.observations[k]];
+    if (row.is_point()) of_shot[row.shot].push_back(k);
   }
   const auto measured = [&](int k) -> Vector3<double> {
     return problem.data.observations[linearization.observations[k]].point_in_station;
@@ -65,7 +66,7 @@ std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + "
 Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise) {
   const int n = static_cast<int>(linearization.observations.size());
   const auto residuals_of = [&](const Eigen::VectorXd& whitened) {
-    Eigen::Matrix3Xd metres(3, n);
+    Eigen::Matrix3Xd metres(3, n);  // rotations: rad, that is m over 1 m
     for (int k = 0; k < n; ++k) metres.col(k) = noise[k] * whitened.segment<3>(3 * k);
     return metres;
   };

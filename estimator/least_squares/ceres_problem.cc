@@ -33,8 +33,9 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
   for (size_t k = first; k < last; ++k) {
     const Observation& observation = problem.data.observations[selection.observations[k]];
     markers.push_back({problem.marker_frames[observation.marker], observation.point_in_station,
-                       selection.noise[k].inverse(), observation.marker});
-    blocks.push_back(parameters->marker(observation.marker).values.data());
+                       selection.noise[k].inverse(), observation.marker, observation.kind,
+                       observation.rotation_in_station});
+    blocks.push_back(parameters->read_block(observation.marker, observation.kind).values.data());
   }
   for (const int i : active) blocks.push_back(parameters->model_parameter(i).values.data());
   std::vector<int> latent_joints;
@@ -58,7 +59,7 @@ void ConstrainBlock(const ParameterSet& parameters, const ParameterBlock& block,
   }
   if (estimated.empty()) {
     ceres_problem->SetParameterBlockConstant(values);
-  } else if (block.kind == BlockKind::kStationRotation) {
+  } else if (IsRotation(block.kind)) {
     ceres_problem->SetManifold(values, new RotationManifold(estimated));
   } else if (!held.empty()) {
     ceres_problem->SetManifold(values, new ceres::SubsetManifold(block.tangent_size, held));

@@ -50,8 +50,9 @@ bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& pa
     markers.clear();
     size_t last = first;
     for (; last < observations.size() && problem.data.observations[observations[last]].shot == shot_index; ++last) {
-      const int marker = problem.data.observations[observations[last]].marker;
-      markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker), marker});
+      const Observation& observation = problem.data.observations[observations[last]];
+      markers.push_back(
+          parameters.MarkerOn(problem.marker_frames[observation.marker], observation.marker, observation.kind));
     }
     const bool found = problem.model.Predict(problem.shot_inputs[shot_index], theta.data(), active,
                                              parameters.BaseInStation(shot.station), markers, &predictions,
@@ -123,8 +124,10 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
       [&](size_t k, const PointPrediction& prediction) {
         const Observation& observation = problem.data.observations[observations[k]];
         const Shot& shot = problem.data.shots[observation.shot];
-        const Matrix3<double> whitener = noise[k].inverse();
-        result.residual.segment<3>(3 * k) = whitener * (prediction.point - observation.point_in_station);
+        const Matrix3<double> root_inverse = noise[k].inverse();
+        const Vector3<double> misfit = -MeasuredMinusPredicted(observation.reading(), prediction.point);
+        result.residual.segment<3>(3 * k) = root_inverse * misfit;
+        const Matrix3<double> whitener = root_inverse * MisfitByPrediction(observation.kind, misfit);
         auto rows = result.jacobian.middleRows(3 * k, 3);
         const auto write = [&](int first_coordinate, const auto& derivative) {
           for (int i = 0; i < 3; ++i) {
@@ -134,7 +137,7 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
         };
         write(parameters.station_translation(shot.station).first_coordinate, prediction.d_translation);
         write(parameters.station_rotation(shot.station).first_coordinate, prediction.d_rotation);
-        write(parameters.marker(observation.marker).first_coordinate, prediction.d_marker);
+        write(parameters.read_block(observation.marker, observation.kind).first_coordinate, prediction.d_marker);
         for (size_t i = 0; i < active.columns.size(); ++i) {
           rows.col(active.columns[i]) = whitener * prediction.d_theta.col(i);
         }
@@ -145,6 +148,15 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
       });
   if (treatment == LatentTreatment::kMarginalise && !latent.empty()) Marginalise(problem, &result);
   return result;
+}
+
+Eigen::Matrix3Xd ResidualsOf(const Measurements& data, const std::vector<int>& observations,
+                             const Eigen::Matrix3Xd& predicted) {
+  Eigen::Matrix3Xd residuals(3, observations.size());
+  for (size_t k = 0; k < observations.size(); ++k) {
+    residuals.col(k) = MeasuredMinusPredicted(data.observations[observations[k]].reading(), predicted.col(k));
+  }
+  return residuals;
 }
 
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization) {

@@ -17,7 +17,7 @@ namespace sagitta {
 enum class LatentTreatment { kMarginalise, kIgnore };
 
 struct Linearization {
-  Eigen::VectorXd residual;       // S^-1 (predicted - measured), 3 rows per observation, then priors
+  Eigen::VectorXd residual;       // S^-1 (predicted - measured), 3 rows per observation (a pose is two), then priors
   Eigen::MatrixXd jacobian;       // d residual / d coordinate, 1/SI; one column per entry of `columns`
   std::vector<int> columns;       // coordinate indices into ParameterSet
   std::vector<int> observations;  // index into Measurements::observations of each block of 3 rows
@@ -41,6 +41,10 @@ NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector
 // What the fit weighs the listed observations with: the problem's weight roots where it has some, else the noise.
 NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);
 
+// measured - predicted of the listed observations, m or rad, 3 x N.
+Eigen::Matrix3Xd ResidualsOf(const Measurements& data, const std::vector<int>& observations,
+                             const Eigen::Matrix3Xd& predicted);
+
 // Evaluates the problem's observations at `parameters` for the given columns.
 // noise: one root per observation, m.
 Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
@@ -51,8 +55,9 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
 // markers on the compensator's spring (spring_tie_cost.h).
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization);
 
-// Predicted points in the station frame, m, one column per observation; NaN
-// from the first shot on whose equilibrium diverges.
+// Predicted readings in the station frame, one column per observation: points, m, and
+// rotation vectors, rad (MeasuredMinusPredicted of models/reading.h); NaN from the first
+// shot on whose equilibrium diverges.
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                const std::vector<int>& observations);
 

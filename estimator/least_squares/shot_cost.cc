@@ -29,7 +29,9 @@ ShotCost::ShotCost(const ForwardModel* model, ShotInput shot, std::vector<Marker
       latent_joints_(std::move(latent_joints)) {
   set_num_residuals(3 * static_cast<int>(markers_.size()));
   mutable_parameter_block_sizes()->assign({3, 4});
-  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), markers_.size(), 3);
+  for (const MarkerMeasurement& marker : markers_) {
+    mutable_parameter_block_sizes()->push_back(marker.kind == ReadingKind::kPoint ? 3 : 4);
+  }
   mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), active_.size(), 1);
   if (!latent_joints_.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(latent_joints_.size()));
 }
@@ -42,7 +44,14 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
   base_in_station.rotation = rotation.normalized().toRotationMatrix();
   std::vector<MarkerInFrame> markers(num_markers);
   for (int m = 0; m < num_markers; ++m) {
-    markers[m] = {markers_[m].frame, Eigen::Map<const Vector3<double>>(parameters[2 + m]), markers_[m].id};
+    markers[m].frame = markers_[m].frame;
+    markers[m].id = markers_[m].id;
+    markers[m].kind = markers_[m].kind;
+    if (markers_[m].kind == ReadingKind::kPoint) {
+      markers[m].point = Eigen::Map<const Vector3<double>>(parameters[2 + m]);
+    } else {
+      markers[m].rotation = Eigen::Map<const Eigen::Quaterniond>(parameters[2 + m]).normalized().toRotationMatrix();
+    }
   }
   std::vector<double> theta = theta_;
   for (size_t i = 0; i < active_.size(); ++i) theta[active_[i]] = *parameters[2 + num_markers + i];
@@ -58,25 +67,36 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
     return false;
   }
 
+  std::vector<Vector3<double>> misfits(num_markers);
   for (int m = 0; m < num_markers; ++m) {
-    Eigen::Map<Vector3<double>>(residuals + 3 * m) =
-        markers_[m].whitener * (predictions[m].point - markers_[m].point_in_station);
+    const MarkerMeasurement& read = markers_[m];
+    misfits[m] =
+        -MeasuredMinusPredicted({read.kind, read.point_in_station, read.rotation_in_station}, predictions[m].point);
+    Eigen::Map<Vector3<double>>(residuals + 3 * m) = read.whitener * misfits[m];
   }
   if (jacobians == nullptr) return true;
   // Ambient = tangent * pseudo-inverse of PlusJacobian (orthogonal columns of norm 1/2).
-  const Eigen::Matrix<double, 3, 4> tangent_from_ambient = 4.0 * QuaternionPlusJacobian(parameters[1]).transpose();
+  const auto tangent_from_ambient = [&](int block) -> Eigen::Matrix<double, 3, 4> {
+    return 4.0 * QuaternionPlusJacobian(parameters[block]).transpose();
+  };
   for (int m = 0; m < num_markers; ++m) {
     const PointPrediction& prediction = predictions[m];
-    const Matrix3<double>& whiten = markers_[m].whitener;
+    const Matrix3<double> whiten = markers_[m].whitener * MisfitByPrediction(markers_[m].kind, misfits[m]);
     const auto write = [&](int block, int size, const auto& derivative) {
       if (jacobians[block] != nullptr) {
         RowMajorBlock(jacobians[block], num_residuals(), size).middleRows(3 * m, 3) = derivative;
       }
     };
     write(0, 3, whiten * prediction.d_translation);
-    write(1, 4, whiten * prediction.d_rotation * tangent_from_ambient);
+    write(1, 4, whiten * prediction.d_rotation * tangent_from_ambient(1));
     for (int other = 0; other < num_markers; ++other) {
-      write(2 + other, 3, other == m ? Matrix3<double>(whiten * prediction.d_marker) : Matrix3<double>::Zero());
+      const bool is_turn = markers_[other].kind == ReadingKind::kRotation;
+      const Matrix3<double> own = other == m ? Matrix3<double>(whiten * prediction.d_marker) : Matrix3<double>::Zero();
+      if (is_turn) {
+        write(2 + other, 4, own * tangent_from_ambient(2 + other));
+      } else {
+        write(2 + other, 3, own);
+      }
     }
     for (size_t i = 0; i < active_.size(); ++i) {
       write(2 + num_markers + static_cast<int>(i), 1, whiten * prediction.d_theta.col(i));

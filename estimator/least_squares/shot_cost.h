@@ -1,10 +1,11 @@
 // The residuals of one shot: all markers seen at one configuration share the
 // kinematics. One marker per cost is the same class with one observation.
 //
-//   r = S^-1 (predicted - measured), 3 rows per marker; S S' is the covariance of the reading
+//   r = S^-1 (predicted - measured), 3 rows per reading (models/reading.h); S S' is its covariance
 //
 // Parameter blocks, in order: station translation (3, m), station rotation (4,
-// quaternion x y z w), one point per marker of the shot (3, m each), then one
+// quaternion x y z w), the marker's part of each reading (a point, 3, m, or, of a
+// rotation, a quaternion, 4; both readings of a pose have one of their own), then one
 // scalar per active model parameter (SI), then, where `latent_joints` are given,
 // the visit's joint deviations (one block, rad or m). Derivatives are exact (geometric and
 // implicit through the equilibrium). Evaluate fails where a load folds the arm.
@@ -24,6 +25,8 @@ struct MarkerMeasurement {
   Vector3<double> point_in_station;  // m
   Matrix3<double> whitener;          // S^-1, 1/m
   int id = -1;                       // index of the marker, for effects on it
+  ReadingKind kind = ReadingKind::kPoint;
+  Matrix3<double> rotation_in_station = Matrix3<double>::Identity();  // of kRotation; then the whitener is in 1/rad
 };
 
 class ShotCost : public ceres::CostFunction {

@@ -93,6 +93,7 @@ void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parame
   const std::vector<Observation>& all = problem.data.observations;
   for (Outlier& a : *outliers) {
     for (Outlier& b : *outliers) {
+      if (!all[a.observation].is_point() || !all[b.observation].is_point()) continue;
       if (a.observation >= b.observation || all[a.observation].shot != all[b.observation].shot) continue;
       const Vector3<double> pa = all[a.observation].point_in_station, pb = all[b.observation].point_in_station;
       const Vector3<double> ma = predicted(a.observation), mb = predicted(b.observation);

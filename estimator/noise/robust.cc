@@ -19,13 +19,19 @@ constexpr int kAlignRounds = 6;
 constexpr double kFarFromMedian = 6.0;  // left out of the next alignment
 constexpr double kFollows = 0.05;       // share of its own noise that a point still shows
 
-// Distances of the listed observations to an aligned nominal robot, m.
+// Distances of the listed observations to an aligned nominal robot, m; of a rotation that of its point.
 std::vector<double> AlignedDistances(const CalibrationProblem& problem, const std::vector<int>& observations,
                                      const ParameterSet& parameters) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, observations);
+  std::map<int, double> of_row;  // by the observation that is the row's point
   std::vector<double> distances;
-  for (size_t k = 0; k < observations.size(); ++k) {
-    distances.push_back((problem.data.observations[observations[k]].point_in_station - predicted.col(k)).norm());
+  for (const bool points : {true, false}) {
+    distances.clear();
+    for (size_t k = 0; k < observations.size(); ++k) {
+      const Observation& row = problem.data.observations[observations[k]];
+      if (points && row.is_point()) of_row[observations[k]] = (row.point_in_station - predicted.col(k)).norm();
+      distances.push_back(of_row[row.is_point() ? observations[k] : row.partner]);
+    }
   }
   return distances;
 }

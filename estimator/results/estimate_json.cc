@@ -7,6 +7,7 @@
 #include "estimator/results/loading_json.h"
 #include "estimator/results/noise_json.h"
 #include "estimator/results/prediction_noise.h"
+#include "estimator/results/torques_json.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
 
@@ -21,6 +22,8 @@ Json MillimetresOf(const Vector3<double>& metres) {
   return Json::array({Millimetres(metres.x()), Millimetres(metres.y()), Millimetres(metres.z())});
 }
 
+}  // namespace
+
 Json SizeToJson(const ResidualSize& size) {
   Json json;
   json["rms_mm"] = Millimetres(size.rms);
@@ -28,8 +31,14 @@ Json SizeToJson(const ResidualSize& size) {
   json["rms_axis_mm"] = size.observations > 0 ? MillimetresOf(size.rms_axis) : Json::array();
   json["distance_rms_mm"] = Millimetres(size.distance_rms);
   json["distance_max_mm"] = Millimetres(size.distance_max);
+  if (size.rotations > 0) {
+    json["rotation_rms_mrad"] = 1e3 * size.rotation_rms;
+    json["rotation_max_mrad"] = 1e3 * size.rotation_max;
+  }
   return json;
 }
+
+namespace {
 
 Json FitToJson(const Estimate& estimate) {
   Json json = {{"observations", estimate.fit.observations},
@@ -143,7 +152,12 @@ Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parame
   for (size_t m = 0; m < problem.data.markers.size(); ++m) {
     const auto spec = problem.experiment.markers.find(problem.data.markers[m]);
     const std::string on = spec == problem.experiment.markers.end() ? "flange" : spec->second.on;
-    json[problem.data.markers[m]] = {{"xyz_mm", MillimetresOf(parameters.MarkerPoint(m))}, {"on", on}};
+    Json& marker = json[problem.data.markers[m]];
+    marker = {{"xyz_mm", MillimetresOf(parameters.MarkerPoint(m))}};
+    if (parameters.is_oriented(static_cast<int>(m))) {  // mrad of rad, as mm of m
+      marker["rotvec_mrad"] = MillimetresOf(RotationVector(parameters.MarkerRotation(static_cast<int>(m))));
+    }
+    marker["on"] = on;
   }
   return json;
 }
@@ -221,6 +235,8 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["sigma"] = SigmaToJson(estimate.sigma, estimate.intervals);
   json["noise"] = NoiseToJson(problem, estimate);
   json["prediction_noise"] = PredictionNoiseToJson(problem, estimate);
+  const Json torques = TorquesToJson(problem, CompareTorques(problem, estimate.parameters));
+  if (!torques.empty()) json["torques"] = torques;
   json["warnings"] = WarningsOf(problem, estimate);
   json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);

@@ -29,7 +29,7 @@ struct KnownRobot {
   std::string file;
   Robot robot;
   std::map<std::string, Pose<double>> base_in_station;
-  std::map<std::string, MarkerSpec> markers;  // points are set
+  std::map<std::string, MarkerSpec> markers;  // points are set, rotations where poses were read
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
   PredictionNoise noise;
@@ -41,6 +41,8 @@ struct KnownRobot {
   std::map<std::string, Parameter> parameters;  // by coordinate name
   std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
 };
+
+nlohmann::ordered_json SizeToJson(const ResidualSize& size);
 
 // What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.
 std::string ModelErrorInWords(const KnownRobot& known);
@@ -57,5 +59,8 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
 // where `known` has them, robot at its calibrated nominal, noise as at the predicted
 // points. Throws InputError for a station, marker or load that is not known.
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data);
+
+// Makes a pose of every row whose target's rotation is known: what it would be is to be predicted.
+void AddKnownRotations(const KnownRobot& known, Measurements* data);
 
 }  // namespace sagitta

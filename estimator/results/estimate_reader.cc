@@ -104,6 +104,7 @@ class EstimateReader {
       if (!on.is_string()) Fail("markers." + name + ".on", "a text is expected");
       MarkerSpec spec;
       spec.point = Triple(marker, "xyz_mm");
+      if (marker.contains("rotvec_mrad")) spec.rotvec = Triple(marker, "rotvec_mrad");
       spec.on = on.get<std::string>();
       known_.markers[name] = spec;
     }
@@ -194,6 +195,11 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
       throw InputError(WhereOf(data, observation, "marker"), "no point of marker '" + marker + "' in " + known.file,
                        SpellingHint(marker, KeysOf(known.markers)));
     }
+    if (!observation.is_point() && !known.markers.at(marker).rotvec) {
+      throw InputError(WhereOf(data, observation, "marker"),
+                       "the row is a pose, and no rotation of marker '" + marker + "' is in " + known.file,
+                       "leave the columns of the rotation out, or calibrate with poses");
+    }
   }
 }
 
@@ -257,8 +263,24 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
     for (int axis = 0; axis < 3; ++axis)
       point[axis] = nominal("marker/" + problem.data.markers[m] + "/" + "xyz"[axis], point[axis]);
     parameters.SetMarkerPoint(m, point);
+    if (!parameters.is_oriented(m)) continue;
+    Vector3<double> turn = RotationVector(parameters.MarkerRotation(m));
+    for (int axis = 0; axis < 3; ++axis)
+      turn[axis] = nominal("marker/" + problem.data.markers[m] + "/r" + "xyz"[axis], turn[axis]);
+    parameters.SetMarkerRotation(m, RotationFromVector(turn));
   }
   return parameters;
+}
+
+void AddKnownRotations(const KnownRobot& known, Measurements* data) {
+  const int rows = static_cast<int>(data->observations.size());
+  for (int i = 0; i < rows; ++i) {
+    const Observation& observation = data->observations[i];
+    const auto marker = known.markers.find(data->markers[observation.marker]);
+    const bool is_known = marker != known.markers.end() && marker->second.rotvec;
+    if (!is_known || !observation.is_point() || observation.partner >= 0) continue;
+    data->AddRotation(i).rotation_in_station.setConstant(std::nan(""));
+  }
 }
 
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
@@ -271,6 +293,7 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
     const std::string& name = problem.data.markers[m];
     const MarkerSpec& spec = known.markers.at(name);
     problem.parameters.SetMarkerPoint(m, *spec.point);
+    if (spec.rotvec) problem.parameters.SetMarkerRotation(m, RotationFromVector(*spec.rotvec));
     problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
   }
   problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);

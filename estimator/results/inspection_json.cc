@@ -2,13 +2,13 @@
 
 #include <cmath>
 
+#include "estimator/results/torques_json.h"
 #include "models/constants.h"
 
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
 
 struct JointUnit {
   double factor;
@@ -77,7 +77,7 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   json["warnings"] = inspection.Count(Severity::kWarning);
   json["notes"] = inspection.Count(Severity::kNote);
   json["findings"] = FindingsToJson(inspection.findings);
-  json["data"] = {{"observations", problem.data.observations.size()},
+  json["data"] = {{"observations", problem.data.NumRows()},
                   {"configurations", problem.data.configurations.size()},
                   {"stations", problem.data.stations},
                   {"markers", problem.data.markers}};
@@ -89,6 +89,7 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   for (const ReadingMisfit& reading : inspection.reading.readings)
     json["readings"].push_back({{"reading", reading.reading}, {"distance_rms_mm", 1e3 * reading.rms}});
   json["joints"] = JointsToJson(problem, inspection);
+  if (!inspection.torques.joints.empty()) json["torques"] = TorquesToJson(problem, inspection.torques);
   json["orientation"] = {{"least", inspection.orientation.least}, {"most", inspection.orientation.most}};
   json["noise"] = {{"stated", inspection.sigma_is_stated},
                    {"stated_rms_mm", inspection.sigma_is_stated ? Json(1e3 * inspection.stated_rms) : Json(nullptr)},

@@ -58,6 +58,7 @@ Json LoadingToJson(const Experiment& experiment, const Measurements& data) {
   json["gravity"] = {{"direction", Numbers(experiment.gravity_direction)},
                      {"frame", experiment.gravity_in_base ? "base" : "measurement"},
                      {"m_per_s2", experiment.gravity}};
+  json["torques"] = experiment.torques_measured ? "measured" : "model";
   const ConditionOrigins origins = OriginsOf(data, experiment);
   json["origins"] = {{"first_time_s", origins.first_time}, {"mean_temperature_degC", origins.mean_temperature}};
   if (origins.campaign_time) json["origins"]["campaign_time_s"] = *origins.campaign_time;
@@ -72,6 +73,7 @@ void ReadLoading(const Json& json, Experiment* experiment) {
   experiment->gravity_direction = Triple(json.at("gravity").at("direction"));
   experiment->gravity_in_base = json.at("gravity").at("frame") == "base";
   experiment->gravity = json.at("gravity").at("m_per_s2").get<double>();
+  experiment->torques_measured = json.value("torques", "model") == "measured";
   if (!json.contains("origins")) return;
   const Json& origins = json.at("origins");
   experiment->origins = {{},

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "estimator/least_squares/linearization.h"
 #include "problems/io/files.h"
 
 namespace sagitta {
@@ -32,23 +34,33 @@ const AddedColumn* Find(const std::vector<AddedColumn>& added, const std::string
   return found == added.end() ? nullptr : &*found;
 }
 
-Eigen::Matrix3Xd MeasuredPoints(const Measurements& data) {
-  Eigen::Matrix3Xd points(3, data.observations.size());
-  for (size_t i = 0; i < data.observations.size(); ++i) points.col(i) = data.observations[i].point_in_station;
-  return points;
+std::vector<int> AllObservations(const Measurements& data) {
+  std::vector<int> all(data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
-// Columns <prefix><axis><suffix> of numbers as they are.
+std::string Cell(double number) { return std::isfinite(number) ? FormatNumber(number) : ""; }
+
+// Columns <prefix><axis><suffix> of numbers as they are; <prefix>r<axis><rotation_suffix> in the row of its point where
+// any row is a pose.
 std::vector<AddedColumn> AxisColumns(const std::string& prefix, const std::string& suffix,
+                                     const std::string& rotation_suffix, const Measurements& data,
                                      const Eigen::Matrix3Xd& numbers) {
+  const std::vector<bool> oriented = data.OrientedMarkers();
+  const bool has_poses = std::find(oriented.begin(), oriented.end(), true) != oriented.end();
   std::vector<AddedColumn> columns;
-  for (int axis = 0; axis < 3; ++axis) {
-    AddedColumn column{prefix + "xyz"[axis] + suffix, {}};
-    for (int i = 0; i < numbers.cols(); ++i) {
-      const double number = numbers(axis, i);
-      column.cells.push_back(std::isfinite(number) ? FormatNumber(number) : "");
+  for (const bool of_rotation : {false, true}) {
+    if (of_rotation && !has_poses) break;
+    for (int axis = 0; axis < 3; ++axis) {
+      AddedColumn column{prefix + (of_rotation ? "r" : "") + "xyz"[axis] + (of_rotation ? rotation_suffix : suffix),
+                         {}};
+      for (int i = 0; i < numbers.cols(); ++i) {
+        const int source = of_rotation ? data.observations[i].partner : i;
+        column.cells.push_back(source < 0 ? "" : Cell(numbers(axis, source)));
+      }
+      columns.push_back(std::move(column));
     }
-    columns.push_back(std::move(column));
   }
   return columns;
 }
@@ -56,7 +68,11 @@ std::vector<AddedColumn> AxisColumns(const std::string& prefix, const std::strin
 // 1 where a robust loss flagged the row.
 AddedColumn OutlierColumn(const Measurements& data, const NoiseReport& report) {
   AddedColumn column{"outlier", std::vector<std::string>(data.observations.size(), "0")};
-  for (const Outlier& outlier : report.outliers) column.cells[outlier.observation] = "1";
+  for (const Outlier& outlier : report.outliers) {
+    column.cells[outlier.observation] = "1";
+    const int partner = data.observations[outlier.observation].partner;
+    if (partner >= 0) column.cells[partner] = "1";
+  }
   return column;
 }
 
@@ -75,6 +91,7 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
   csv += "\n";
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& observation = data.observations[i];
+    if (!observation.is_point()) continue;  // in the line of its point
     const std::vector<std::string>& cells = data.files[observation.file].rows[observation.row].cells;
     for (size_t c = 0; c < names.size(); ++c) {
       if (c > 0) csv += ",";
@@ -90,27 +107,34 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
   return csv;
 }
 
-std::vector<AddedColumn> PointColumns(const std::string& prefix, const Eigen::Matrix3Xd& points) {
-  return AxisColumns(prefix, "_mm", 1e3 * points);
+std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measurements& data,
+                                        const Eigen::Matrix3Xd& readings) {
+  return AxisColumns(prefix, "_mm", "_mrad", data, 1e3 * readings);
+}
+
+std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted) {
+  return ReadingColumns("res_", data, ResidualsOf(data, AllObservations(data), predicted));
 }
 
 Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate) {
-  Eigen::Matrix3Xd whitened = MeasuredPoints(problem.data) - estimate.predicted;
+  Eigen::Matrix3Xd whitened = ResidualsOf(problem.data, AllObservations(problem.data), estimate.predicted);
   for (int i = 0; i < whitened.cols(); ++i) whitened.col(i) = estimate.scatter[i].inverse() * whitened.col(i);
   return whitened;
 }
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
   const Measurements& data = problem.data;
-  std::vector<AddedColumn> added = PointColumns("pred_", estimate.predicted);
+  std::vector<AddedColumn> added = ReadingColumns("pred_", data, estimate.predicted);
   const auto append = [&added](const std::vector<AddedColumn>& columns) {
     added.insert(added.end(), columns.begin(), columns.end());
   };
-  append(PointColumns("res_", MeasuredPoints(data) - estimate.predicted));
-  append(AxisColumns("whitened_", "", WhitenedResiduals(problem, estimate)));
+  append(ResidualColumns(data, estimate.predicted));
+  append(AxisColumns("whitened_", "", "", data, WhitenedResiduals(problem, estimate)));
   AddedColumn leverage{"leverage", {}}, set{"set", {}};
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    leverage.cells.push_back(FormatNumber(estimate.leverage[i]));
+    const int partner = data.observations[i].partner;
+    const double own = estimate.leverage[i];
+    leverage.cells.push_back(FormatNumber(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner])));
     set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
   }
   append({leverage, set});

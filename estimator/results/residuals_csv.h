@@ -12,15 +12,19 @@ namespace sagitta {
 
 struct AddedColumn {
   std::string name;
-  std::vector<std::string> cells;  // one per observation
+  std::vector<std::string> cells;  // one per observation; those of points are written, one line each
 };
 
 // A column that the rows already have is replaced where it stands. Several
 // files: every column of any of them, in order of first appearance.
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added);
 
-// `points` (3 x N, m) as columns <prefix>x_mm ….
-std::vector<AddedColumn> PointColumns(const std::string& prefix, const Eigen::Matrix3Xd& points);
+// Readings of all observations (3 x N: points, m, and rotation vectors, rad) as columns <prefix>x_mm … and, where any
+// row is a pose, <prefix>rx_mrad ….
+std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measurements& data,
+                                        const Eigen::Matrix3Xd& readings);
+// measured - predicted, res_x_mm ….
+std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted);
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
 

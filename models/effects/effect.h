@@ -102,6 +102,12 @@ struct SightTerm {
   Vector3<double> axis = Vector3<double>::UnitZ();  // of kSquaredIncidence, unit, in the marker's frame
 };
 
+// The torque on e was measured: tau_e is this, whatever hangs on the arm.
+struct StatedTorque {
+  int transform;
+  double torque;  // N m, or N
+};
+
 struct ShotTerms {
   std::vector<SlotTerm> slots;
   std::vector<ElasticTerm> elastic;
@@ -111,6 +117,7 @@ struct ShotTerms {
   std::vector<BaseTerm> base;
   std::vector<StationTerm> station;
   std::vector<SightTerm> sights;
+  std::vector<StatedTorque> torques;
 };
 
 constexpr int kApproachNotStated = 2;
@@ -130,6 +137,7 @@ struct ShotConditions {
   WrenchFrame gravity_frame = WrenchFrame::kMeasurement;
   Vector3<double> instrument = Vector3<double>::Zero();  // m, where it stands in the measurement frame
   std::vector<AppliedWrench> load_wrenches;              // of the shot's own load
+  Eigen::VectorXd joint_torques;  // N m or N about each joint's positive direction, measured; empty: the model's count
 
   // False too where only other joints' directions are stated.
   bool StatesApproachOf(int joint) const { return !approach.empty() && approach[joint] != kApproachNotStated; }

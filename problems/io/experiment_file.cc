@@ -40,6 +40,9 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
   word("weights", {"sigma", "equal", "eq14"}, &experiment->weights);
   word("covariance", {"model", "sandwich", "bootstrap", "profile"}, &experiment->covariance);
   if (const auto bootstrap = map->Find("bootstrap")) experiment->bootstrap = ReadBootstrap(*bootstrap);
+  if (const auto torques = map->Find("torques")) {
+    experiment->torques_measured = torques->OneOf({"model", "measured"}) == "measured";
+  }
   word("loss", {"none", "huber", "cauchy"}, &experiment->loss);
   if (const auto estimate = map->Find("estimate")) experiment->estimate = ReadEstimate(*estimate);
   if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);

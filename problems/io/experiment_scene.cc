@@ -39,6 +39,7 @@ std::map<std::string, MarkerSpec> ReadMarkers(const YamlValue& value) {
     YamlMap map(entry);
     MarkerSpec marker;
     marker.point = map.FindTriple("xyz", Dimension::kLength);
+    marker.rotvec = map.FindTriple("rotvec", Dimension::kAngle);
     if (const auto on = map.Find("on")) marker.on = on->Text();
     if (const auto spring = map.Find("spring")) marker.spring = spring->OneOf({"lever", "anchor", "none"});
     if (const auto sigma = map.Length("spring_sigma")) {

@@ -24,9 +24,13 @@ std::optional<int> NumberAfter(const std::string& name, const std::string& prefi
 }
 
 bool IsReserved(const std::string& name) {
-  static const std::set<std::string> reserved = {"kind", "to", "range_mm", "sigma_range_mm", "ow",
-                                                 "ox",   "oy", "oz",       "sigma_rot_urad", "session"};
-  return reserved.count(name) > 0 || (NumberAfter(name, "tau") && name.find("_Nm") != std::string::npos);
+  static const std::set<std::string> reserved = {"kind", "to", "range_mm", "sigma_range_mm", "session"};
+  return reserved.count(name) > 0;
+}
+
+// Too short for a slip of the pen to be told from another name.
+bool IsQuaternion(const std::string& name) {
+  return name.size() == 2 && name[0] == 'o' && name.find_first_of("wxyz", 1) == 1;
 }
 
 // Columns that our own commands write: no slips, whatever they resemble.
@@ -63,9 +67,15 @@ class ColumnFinder {
   void FindAll(MeasurementColumns* columns);
 
   void CheckJointUnits() const;
+  void CheckTorques(const MeasurementColumns& columns) const;
+  std::string TorqueColumn(size_t joint) const {
+    return "tau" + std::to_string(joint + 1) + (prismatic_[joint] ? "_N" : "_Nm");
+  }
   void CheckJointCount() const;
   void CheckUnlisted() const;
-  void CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required) const;
+  void CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required,
+                     Dimension dimension = Dimension::kLength) const;
+  void CheckRotation(const MeasurementColumns& columns) const;
   void CheckRequired(const MeasurementColumns& columns, bool points_required) const;
 
   [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const {
@@ -115,15 +125,24 @@ void ColumnFinder::FindAll(MeasurementColumns* columns) {
   for (size_t j = 0; j < joints_.size(); ++j) {
     columns->q.push_back(Quantity("q" + std::to_string(j + 1), JointDimension(static_cast<int>(j))));
     columns->approach.push_back(Number("approach" + std::to_string(j + 1)));
+    columns->torque.push_back(Number(TorqueColumn(j)));
   }
   for (int i = 0; i < 3; ++i) {
     const std::string axis(1, kAxes[i]);
     columns->point[i] = Quantity(axis, Dimension::kLength);
     columns->sigma[i] = Quantity("sigma_" + axis, Dimension::kLength);
     columns->sim[i] = Quantity("sim_" + axis, Dimension::kLength);
+    columns->rotation[i] = Quantity("r" + axis, Dimension::kAngle);
+    columns->rotation_sigma[i] = Quantity("sigma_r" + axis, Dimension::kAngle);
     columns->wrench[i] = Number("f" + axis + "_N");
     columns->wrench[i + 3] = Number("m" + axis + "_Nm");
   }
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = std::string("o") + "wxyz"[i];
+    columns->quaternion[i].index = table_.file.FindColumn(name);
+    columns->quaternion[i].name = name;
+  }
+  columns->common_rotation_sigma = Quantity("sigma_rot", Dimension::kAngle);
   columns->time = Number("time_s");
   columns->temperature = Number("temperature_degC");
 }
@@ -157,9 +176,33 @@ void ColumnFinder::CheckJointCount() const {
        "columns q1 .. q" + std::to_string(joints_.size()) + " are expected");
 }
 
+// All joints or none: a torque that is left out would be taken for zero, or for the model's.
+void ColumnFinder::CheckTorques(const MeasurementColumns& columns) const {
+  for (const std::string& name : table_.file.header) {
+    const auto number = NumberAfter(name, "tau");
+    if (!number || name.rfind("_N") == std::string::npos) continue;
+    if (*number < 1 || *number > static_cast<int>(joints_.size())) {
+      Fail(name, "the robot has " + std::to_string(joints_.size()) + " joints", "remove the column");
+    }
+    const std::string right = TorqueColumn(static_cast<size_t>(*number - 1));
+    if (name == right) continue;
+    const bool slides = prismatic_[static_cast<size_t>(*number - 1)];
+    Fail(name, "joint '" + joints_[static_cast<size_t>(*number - 1)] + "' is " + (slides ? "prismatic" : "revolute"),
+         "its measured " + std::string(slides ? "force" : "torque") + " is the column " + right);
+  }
+  const auto present = [](const NumberColumn& column) { return column.present(); };
+  if (std::none_of(columns.torque.begin(), columns.torque.end(), present)) return;
+  for (const NumberColumn& column : columns.torque) {
+    if (column.present()) continue;
+    Fail(column.name, "column '" + column.name + "' is missing: measured joint torques are given for other joints",
+         "give those of all joints, or of none");
+  }
+}
+
 void ColumnFinder::CheckUnlisted() const {
   for (const std::string& name : table_.file.header) {
     if (std::find(listed_.begin(), listed_.end(), name) != listed_.end() || IsOwnOutput(name)) continue;
+    if (IsQuaternion(name)) continue;
     if (IsReserved(name)) {
       Fail(name, "this column name is reserved for measurements that are not read by this version",
            "rename or remove the column");
@@ -179,13 +222,39 @@ void ColumnFinder::FailMissing(const std::string& name, const std::string& allow
   Fail(name, "column '" + name + "' is missing", allowed.empty() ? "" : "allowed: " + allowed);
 }
 
-void ColumnFinder::CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem,
-                                 bool required) const {
+void ColumnFinder::CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required,
+                                 Dimension dimension) const {
   const bool any = columns[0].present() || columns[1].present() || columns[2].present();
   if (!any && !required) return;
   for (int i = 0; i < 3; ++i) {
     const std::string name = stem + kAxes[i];
-    if (!columns[i].present()) FailMissing(name + "_mm", NamesWithUnits(name, Dimension::kLength));
+    if (columns[i].present()) continue;
+    FailMissing(name + (dimension == Dimension::kLength ? "_mm" : "_mrad"), NamesWithUnits(name, dimension));
+  }
+}
+
+void ColumnFinder::CheckRotation(const MeasurementColumns& columns) const {
+  CheckComplete(columns.rotation, "r", false, Dimension::kAngle);
+  CheckComplete(columns.rotation_sigma, "sigma_r", false, Dimension::kAngle);
+  const auto present = [](const NumberColumn& column) { return column.present(); };
+  const auto& q = columns.quaternion;
+  const bool any = std::any_of(q.begin(), q.end(), present);
+  for (const NumberColumn& part : q) {
+    if (any && !part.present()) FailMissing(part.name, "ow, ox, oy, oz: a unit quaternion, scalar first");
+  }
+  if (any && columns.rotation[0].present()) {
+    Fail("ow", "the rotation is given twice: as rotation vector and as quaternion", "keep one of them");
+  }
+  const NumberColumn& common = columns.common_rotation_sigma;
+  if (common.present() && columns.rotation_sigma[0].present()) {
+    Fail(common.name, "the rotation's standard deviation is given twice: for all axes and per axis",
+         "keep one of them");
+  }
+  if (any || columns.rotation[0].present()) return;
+  const NumberColumn& sigma = common.present() ? common : columns.rotation_sigma[0];
+  if (sigma.present()) {
+    Fail(sigma.name, "standard deviations of rotations are given, but no rotations",
+         "add rx_mrad, ry_mrad, rz_mrad or ow, ox, oy, oz");
   }
 }
 
@@ -202,12 +271,14 @@ void ColumnFinder::CheckRequired(const MeasurementColumns& columns, bool points_
   CheckComplete(columns.point, "", points_required);
   CheckComplete(columns.sigma, "sigma_", false);
   CheckComplete(columns.sim, "sim_", false);
+  CheckRotation(columns);
 }
 
 MeasurementColumns ColumnFinder::Find(bool points_required) {
   MeasurementColumns columns;
   FindAll(&columns);
   CheckJointUnits();
+  CheckTorques(columns);
   CheckUnlisted();
   CheckJointCount();
   CheckRequired(columns, points_required);

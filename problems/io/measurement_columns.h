@@ -22,9 +22,13 @@ struct MeasurementColumns {
   int config = -1, marker = -1, station = -1, visit = -1, repeat = -1, load = -1, set = -1;
   std::vector<NumberColumn> q;  // one per joint
   std::array<NumberColumn, 3> point, sigma, sim;
-  std::array<NumberColumn, 6> wrench;  // force, then moment
+  std::array<NumberColumn, 3> rotation, rotation_sigma;  // rotation vector
+  std::array<NumberColumn, 4> quaternion;                // scalar first; instead of the vector
+  NumberColumn common_rotation_sigma;                    // sigma_rot, instead of rotation_sigma
+  std::array<NumberColumn, 6> wrench;                    // force, then moment
   NumberColumn time, temperature;
   std::vector<NumberColumn> approach;  // one per joint
+  std::vector<NumberColumn> torque;    // one per joint; N m, or N where it slides
 };
 
 // Throws InputError: missing, misspelt, reserved, in a wrong unit, or for

@@ -51,9 +51,9 @@ bool SameCells(const MeasurementFile& file, const MeasurementFile::Row& row, con
   return true;
 }
 
-// A shot takes the mean of the times and temperatures that its rows state.
+// A shot takes the mean of the times, temperatures and joint torques that its rows state.
 struct Moment {
-  int times = 0, temperatures = 0;
+  int times = 0, temperatures = 0, torques = 0;
   double earliest = 0.0, latest = 0.0;
 
   void Take(const MeasurementRow& row, Shot* shot) {
@@ -66,6 +66,10 @@ struct Moment {
     if (row.has_temperature) {
       shot->has_temperature = true;
       shot->temperature += (row.temperature - shot->temperature) / ++temperatures;
+    }
+    if (row.joint_torques.size() > 0) {
+      if (torques == 0) shot->joint_torques.setZero(row.joint_torques.size());
+      shot->joint_torques += (row.joint_torques - shot->joint_torques) / ++torques;
     }
   }
 };
@@ -209,6 +213,10 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     Shot& shot = data_.shots[observation.shot];
     shot.observations.push_back(current_);
     moments_[observation.shot].Take(row, &shot);
+    if (!row.is_pose) continue;
+    Observation& rotation = data_.AddRotation(current_);
+    rotation.rotation_in_station = row.rotation;
+    rotation.rotation_sigma = row.rotation_sigma;
   }
 }
 

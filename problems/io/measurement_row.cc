@@ -5,9 +5,13 @@
 
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
+#include "problems/io/files.h"
 
 namespace sagitta {
 namespace {
+
+// Of a quaternion's length from 1: numbers of three digits, nothing that was scaled.
+constexpr double kUnitLength = 5e-3;
 
 class RowReader {
  public:
@@ -67,6 +71,39 @@ void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, bool 
   reader.Triple(columns.sim, false, &sim);
 }
 
+// A rotation vector or a quaternion; empty cells: the reading is a point.
+void ReadRotation(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
+  Vector3<double> vector;
+  const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
+  const auto& q = columns.quaternion;
+  row->is_pose = true;
+  if (reader.Triple(columns.rotation, false, &vector)) {
+    row->rotation = RotationFromVector(vector);
+  } else if (std::any_of(q.begin(), q.end(), stated)) {
+    Eigen::Quaterniond rotation(reader.Number(q[0]), reader.Number(q[1]), reader.Number(q[2]), reader.Number(q[3]));
+    if (std::abs(rotation.norm() - 1.0) > kUnitLength) {
+      reader.Fail(q[0].name, "ow, ox, oy, oz have the length " + FormatNumber(rotation.norm()),
+                  "a unit quaternion is expected, scalar first");
+    }
+    row->rotation = rotation.normalized().toRotationMatrix();
+  } else {
+    row->is_pose = false;
+  }
+  row->rotation_sigma.setZero();
+  if (reader.IsStated(columns.common_rotation_sigma)) {
+    row->rotation_sigma.setConstant(reader.Number(columns.common_rotation_sigma));
+    if (row->rotation_sigma[0] <= 0.0) {
+      reader.Fail(columns.common_rotation_sigma.name, "a standard deviation is above 0");
+    }
+  } else if (reader.Triple(columns.rotation_sigma, false, &row->rotation_sigma)) {
+    for (int i = 0; i < 3; ++i) {
+      if (row->rotation_sigma[i] <= 0.0) {
+        reader.Fail(columns.rotation_sigma[i].name, "a standard deviation is above 0");
+      }
+    }
+  }
+}
+
 void ReadLoad(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
   for (int i = 0; i < 3; ++i) {
     row->wrench.force[i] = reader.NumberOr(columns.wrench[i], 0.0);
@@ -97,6 +134,16 @@ void ReadApproach(const RowReader& reader, const MeasurementColumns& columns, Me
   }
 }
 
+void ReadTorques(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
+  row->joint_torques.resize(0);
+  const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
+  if (std::none_of(columns.torque.begin(), columns.torque.end(), stated)) return;
+  row->joint_torques.resize(static_cast<Eigen::Index>(columns.torque.size()));
+  for (size_t j = 0; j < columns.torque.size(); ++j) {
+    row->joint_torques[static_cast<Eigen::Index>(j)] = reader.Number(columns.torque[j]);
+  }
+}
+
 void CheckSet(const RowReader& reader, const MeasurementColumns& columns) {
   const std::string set = reader.Text(columns.set, "calibration");
   const std::vector<std::string> sets = {"calibration", "validation"};
@@ -116,8 +163,10 @@ void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row&
   row->q.resize(static_cast<Eigen::Index>(columns.q.size()));
   for (size_t j = 0; j < columns.q.size(); ++j) row->q[static_cast<Eigen::Index>(j)] = reader.Number(columns.q[j]);
   ReadPoint(reader, columns, points_required, row);
+  ReadRotation(reader, columns, row);
   ReadLoad(reader, columns, row);
   ReadApproach(reader, columns, row);
+  ReadTorques(reader, columns, row);
   CheckSet(reader, columns);
   row->has_time = reader.IsStated(columns.time);
   row->time = reader.NumberOr(columns.time, 0.0);

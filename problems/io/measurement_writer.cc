@@ -1,5 +1,6 @@
 #include "problems/io/measurement_writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -38,6 +39,19 @@ int PointAxis(const Column& column) {
   return axis >= 0 && axis < 3 ? axis : -1;
 }
 
+// 0, 1, 2 for the rotation vector's coordinates, else -1.
+int RotationAxis(const Column& column) {
+  if (column.unit.empty() || column.quantity.size() != 2 || column.quantity[0] != 'r') return -1;
+  const int axis = column.quantity[1] - 'x';
+  return axis >= 0 && axis < 3 ? axis : -1;
+}
+
+// Parts of a quaternion: rotations are written as vectors.
+bool IsQuaternion(const Column& column) {
+  return column.unit.empty() && column.quantity.size() == 2 && column.quantity[0] == 'o' &&
+         column.quantity.find_first_of("wxyz", 1) == 1;
+}
+
 std::string Quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.find('#') != 0) return cell;
   std::string quoted = "\"";
@@ -55,20 +69,25 @@ std::string Converted(const std::string& cell, const std::string& from, const st
   return number ? FormatNumber(ToUnit(UnitNamed(from).ToSi(*number), UnitNamed(to))) : cell;
 }
 
-// Every quantity of any file once, in order of appearance, points in mm.
-std::vector<Column> UnionOfColumns(const std::vector<MeasurementFile>& files) {
+// Every quantity of any file once, in order of appearance, points in mm, rotations in mrad.
+std::vector<Column> UnionOfColumns(const std::vector<MeasurementFile>& files, bool with_rotations) {
   std::vector<Column> columns;
   const auto add = [&columns](Column column) {
     for (const Column& known : columns) {
       if (known.quantity == column.quantity) return;
     }
+    if (IsQuaternion(column)) return;
     if (PointAxis(column) >= 0) column.unit = "mm";
+    if (RotationAxis(column) >= 0) column.unit = "mrad";
     columns.push_back(std::move(column));
   };
   for (const MeasurementFile& file : files) {
     for (const std::string& name : file.header) add(ColumnNamed(name));
   }
   for (const char* axis : {"x", "y", "z"}) add({axis, "mm"});
+  for (const char* axis : {"rx", "ry", "rz"}) {
+    if (with_rotations) add({axis, "mrad"});
+  }
   return columns;
 }
 
@@ -92,13 +111,16 @@ std::vector<Source> SourcesIn(const MeasurementFile& file, const std::vector<Col
 }  // namespace
 
 std::string MeasurementsToCsv(const Measurements& data) {
-  const std::vector<Column> columns = UnionOfColumns(data.files);
+  const std::vector<bool> oriented = data.OrientedMarkers();
+  const std::vector<Column> columns =
+      UnionOfColumns(data.files, std::find(oriented.begin(), oriented.end(), true) != oriented.end());
   std::vector<std::vector<Source>> sources;
   for (const MeasurementFile& file : data.files) sources.push_back(SourcesIn(file, columns));
   std::string csv;
   for (size_t c = 0; c < columns.size(); ++c) csv += (c > 0 ? "," : "") + Quoted(columns[c].Name());
   csv += "\n";
   for (const Observation& observation : data.observations) {
+    if (!observation.is_point()) continue;  // in the line of its point
     const std::vector<std::string>& cells = data.files[observation.file].rows[observation.row].cells;
     for (size_t c = 0; c < columns.size(); ++c) {
       if (c > 0) csv += ",";
@@ -107,6 +129,11 @@ std::string MeasurementsToCsv(const Measurements& data) {
       if (axis >= 0) {
         const double value = observation.point_in_station[axis];
         if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mm")));
+      } else if (RotationAxis(columns[c]) >= 0) {
+        if (observation.partner < 0) continue;
+        const Matrix3<double>& rotation = data.observations[observation.partner].rotation_in_station;
+        const double value = RotationVector(rotation)[RotationAxis(columns[c])];
+        if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mrad")));
       } else if (source.index >= 0) {
         csv += Quoted(Converted(cells[source.index], source.unit, columns[c].unit));
       }

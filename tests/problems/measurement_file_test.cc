@@ -192,6 +192,79 @@ TEST_F(MeasurementFileTest, WithoutALoadColumnTheWrenchNamesTheLoad) {
   EXPECT_NE(data.shots[1].load, "none");
 }
 
+constexpr char kPoses[] =
+    "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad,sigma_rot_urad\n"
+    "C1,M1,10,200,1,2,3,100,-200,300,40\n"
+    "C1,M2,10,200,4,5,6,,,,\n"
+    "C2,M1,-20,250,7,8,9.5,3000,0,0,50\n";
+
+TEST_F(MeasurementFileTest, PosesArePointsAndRotations) {
+  const Measurements data = Read(kPoses);
+  ASSERT_EQ(data.observations.size(), 5u);
+  EXPECT_EQ(data.NumRows(), 3);
+  EXPECT_EQ(data.OrientedMarkers(), (std::vector<bool>{true, false}));
+  const Observation& point = data.observations[0];
+  const Observation& rotation = data.observations[1];
+  EXPECT_TRUE(point.is_point());
+  EXPECT_FALSE(rotation.is_point());
+  EXPECT_EQ(point.partner, 1);
+  EXPECT_EQ(rotation.partner, 0);
+  EXPECT_EQ(data.SourceOf(rotation), data.SourceOf(point));
+  EXPECT_EQ(data.shots[0].observations, (std::vector<int>{0, 1, 2}));
+  // Rodrigues: cos(a) I + sin(a) [n]x + (1 - cos(a)) n n'.
+  const Vector3<double> v(0.1, -0.2, 0.3), n = v.normalized();
+  const Matrix3<double> expected = std::cos(v.norm()) * Matrix3<double>::Identity() +
+                                   std::sin(v.norm()) * Skew(n) +
+                                   (1.0 - std::cos(v.norm())) * n * n.transpose();
+  EXPECT_LT((rotation.rotation_in_station - expected).norm(), 1e-15);
+  EXPECT_TRUE(rotation.rotation_sigma.isApprox(Vector3<double>::Constant(40e-6)));
+  EXPECT_TRUE(data.observations[2].is_point());
+  EXPECT_EQ(data.observations[2].partner, -1) << "no rotation in its row: a point";
+}
+
+TEST_F(MeasurementFileTest, QuaternionsSayTheSameAsRotationVectors) {
+  const Measurements vectors = Read(kPoses);
+  std::string text = "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm,ow,ox,oy,oz,sigma_rx_mrad,sigma_ry_urad,sigma_rz_rad\n";
+  const char* ids[3] = {"C1,M1,10,200,1,2,3", "C1,M2,10,200,4,5,6", "C2,M1,-20,250,7,8,9.5"};
+  const Vector3<double> turns[3] = {{0.1, -0.2, 0.3}, {0, 0, 0}, {3.0, 0, 0}};
+  for (int row = 0; row < 3; ++row) {
+    const double half = 0.5 * turns[row].norm(), sign = row == 2 ? -1.0 : 1.0;  // q and -q are the same rotation
+    char cells[200] = ",,,,";
+    if (row != 1) {
+      const Vector3<double> n = sign * std::sin(half) * turns[row].normalized();
+      std::snprintf(cells, sizeof cells, ",%.17g,%.17g,%.17g,%.17g", sign * std::cos(half), n.x(), n.y(), n.z());
+    }
+    text += std::string(ids[row]) + cells + (row == 1 ? ",,,\n" : ",0.04,50,6e-5\n");
+  }
+  const Measurements quaternions = Read(text);
+  ASSERT_EQ(quaternions.observations.size(), vectors.observations.size());
+  for (size_t i = 0; i < vectors.observations.size(); ++i) {
+    EXPECT_LT((quaternions.observations[i].rotation_in_station - vectors.observations[i].rotation_in_station).norm(),
+              1e-14);
+  }
+  EXPECT_TRUE(quaternions.observations[1].rotation_sigma.isApprox(Vector3<double>(40e-6, 50e-6, 60e-6)));
+  EXPECT_TRUE(SaysInOrder(Error(Replaced(text, ",0.04", ",0.04").replace(text.find("C2"), std::string::npos,
+                                                                         "C2,M1,1,2,3,4,5,2,0,0,0,1,1,1\n")),
+                          {"4: ow", "length 2", "unit quaternion"}));
+}
+
+TEST_F(MeasurementFileTest, ARotationIsGivenOnceAndWhole) {
+  const std::string both = Replaced(kPoses, "sigma_rot_urad", "ow,ox,oy,oz");
+  EXPECT_TRUE(SaysInOrder(Error(both), {"1: ow", "twice"}));
+  EXPECT_TRUE(SaysInOrder(Error(Replaced(kPoses, "100,-200,300", "100,,300")), {"2: ry_mrad", "empty"}));
+  EXPECT_TRUE(SaysInOrder(Error(Replaced(kPoses, ",300,40", ",300,0")), {"2: sigma_rot_urad", "above 0"}));
+}
+
+TEST_F(MeasurementFileTest, JointTorquesAreTheMeanOfTheShotsRows) {
+  const std::string text =
+      "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm,tau1_Nm,tau2_N\n"
+      "C1,M1,10,200,1,2,3,100,-50\nC1,M2,10,200,4,5,6,102,-54\nC2,M1,-20,250,7,8,9.5,,\n";
+  const Measurements data = Read(text);
+  EXPECT_EQ(data.shots[0].joint_torques, Eigen::VectorXd(Eigen::Vector2d(101, -52)));
+  EXPECT_EQ(data.shots[1].joint_torques.size(), 0);
+  EXPECT_TRUE(SaysInOrder(Error(Replaced(text, "102,-54", "102,")), {"3: tau2_N", "empty"}));
+}
+
 struct BadFile {
   const char* name;
   const char* text;
@@ -239,8 +312,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"sigma_alone", kFull, "sigma_z_mm", "other", {"2: sigma_z_mm", "missing"}},
         BadFile{"kind", kFull, "note", "kind", {"2: kind", "reserved"}},
         BadFile{"session", kFull, "note", "session", {"2: session", "reserved"}},
-        BadFile{"sigma_rot", kFull, "note", "sigma_rot_urad", {"2: sigma_rot_urad", "reserved"}},
-        BadFile{"torque", kFull, "note", "tau3_Nm", {"2: tau3_Nm", "reserved"}},
+        BadFile{"range", kFull, "note", "range_mm", {"2: range_mm", "reserved"}},
+        BadFile{"sigma_rot", kFull, "note", "sigma_rot_urad", {"2: sigma_rot_urad", "no rotations"}},
+        BadFile{"torque_of_no_joint", kFull, "note", "tau3_Nm", {"2: tau3_Nm", "2 joints"}},
+        BadFile{"torque_of_one", kFull, "note", "tau1_Nm", {"2: tau2_N", "missing", "all joints, or of none"}},
+        BadFile{"torque_of_a_slide", kFull, "note", "tau2_Nm", {"2: tau2_Nm", "'L2' is prismatic", "tau2_N"}},
+        BadFile{"rotation_in_part", kFull, "note", "rx_mrad", {"2: ry_mrad", "missing"}},
+        BadFile{"rotation_unit", kFull, "note", "rx_mm", {"2: rx_mm"}},
+        BadFile{"quaternion_in_part", kFull, "note", "ow", {"2: ox", "missing", "scalar first"}},
         BadFile{"semicolons",
                 kSmall,
                 "config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm",

@@ -43,7 +43,7 @@ Section Overview(const CalibrationProblem& problem, const Inspection& inspection
   const auto count = [&](Severity severity) { return std::to_string(inspection.Count(severity)); };
   Section section;
   section.title = (problem.robot.name.empty() ? "Robot" : problem.robot.name) + ": the data before any estimate";
-  section.paragraphs = {std::to_string(problem.data.observations.size()) + " observations of " +
+  section.paragraphs = {std::to_string(problem.data.NumRows()) + " observations of " +
                             std::to_string(problem.data.configurations.size()) + " configurations, " +
                             std::to_string(problem.data.stations.size()) + " station(s), " +
                             std::to_string(problem.data.markers.size()) + " marker(s).",

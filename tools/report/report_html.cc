@@ -90,6 +90,7 @@ std::vector<Bar> BarsOf(const CalibrationProblem& problem, const Estimate& estim
   std::vector<Bar> bars(data.configurations.size());
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const int configuration = data.shots[data.observations[i].shot].configuration;
+    if (!data.observations[i].is_point()) continue;
     bars[configuration].squared += (data.observations[i].point_in_station - estimate.predicted.col(i)).squaredNorm();
     ++bars[configuration].observations;
   }

@@ -49,6 +49,10 @@ Section ResidualSection(const std::string& title, const ResidualSize& before, co
   }
   add("distance max", before.distance_max, after.distance_max);
   add("distance RMS", before.distance_rms, after.distance_rms);
+  if (after.rotations > 0) {  // mrad of rad, as mm of m
+    add("rotation max, mrad", before.rotation_max, after.rotation_max);
+    add("rotation RMS per axis, mrad", before.rotation_rms, after.rotation_rms);
+  }
   return section;
 }
 

@@ -1,0 +1,104 @@
+#include "estimator/inspection/torque_lint.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+// Correlations that are words: 0.5 explains a quarter of the variance, less is no agreement worth a name.
+constexpr double kAgrees = 0.5;
+// A slope further than that from 1 is no calibration error of a torque sensor (some per cent).
+constexpr double kSlopeError = 0.2;
+
+// One row per shot that states torques, one column per joint.
+struct TorqueTable {
+  Eigen::MatrixXd measured, modelled;
+};
+
+TorqueTable Collect(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const int joints = problem.robot.num_joints();
+  const std::vector<double> theta = parameters.ModelValues();
+  TorqueTable table{Eigen::MatrixXd(problem.data.shots.size(), joints), Eigen::MatrixXd()};
+  table.modelled = table.measured;
+  long rows = 0;
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    const Shot& shot = problem.data.shots[s];
+    if (shot.joint_torques.size() != joints) continue;
+    const Eigen::VectorXd modelled = problem.model.ModelledJointTorques(
+        problem.shot_inputs[s], theta.data(), parameters.BaseInStation(shot.station).rotation);
+    if (modelled.size() != joints) continue;
+    table.measured.row(rows) = shot.joint_torques.transpose();
+    table.modelled.row(rows++) = modelled.transpose();
+  }
+  table.measured.conservativeResize(rows, Eigen::NoChange);
+  table.modelled.conservativeResize(rows, Eigen::NoChange);
+  return table;
+}
+
+double Rms(const Eigen::VectorXd& values) { return std::sqrt(values.squaredNorm() / std::max<long>(values.size(), 1)); }
+
+JointTorqueComparison Compare(int joint, const Eigen::VectorXd& measured, const Eigen::VectorXd& modelled) {
+  JointTorqueComparison line;
+  line.joint = joint;
+  line.shots = static_cast<int>(measured.size());
+  line.measured_rms = Rms(measured);
+  line.modelled_rms = Rms(modelled);
+  line.difference_rms = Rms(measured - modelled);
+  const Eigen::VectorXd x = modelled.array() - modelled.mean();
+  const Eigen::VectorXd y = measured.array() - measured.mean();
+  // What does not vary beyond rounding has no slope.
+  if (x.norm() <= 1e-9 * modelled.norm() || y.norm() <= 1e-9 * measured.norm()) return line;
+  line.slope = x.dot(y) / x.squaredNorm();
+  line.offset = measured.mean() - line.slope * modelled.mean();
+  line.correlation = x.dot(y) / (x.norm() * y.norm());
+  return line;
+}
+
+std::string InWords(const CalibrationProblem& problem, const TorqueComparison& comparison) {
+  std::vector<std::string> agree, opposite, scaled, differ;
+  for (const JointTorqueComparison& line : comparison.joints) {
+    const std::string& name = problem.robot.chain.joints[line.joint].name;
+    if (line.correlation < -kAgrees) {
+      opposite.push_back(name);
+    } else if (line.correlation < kAgrees) {
+      differ.push_back(name);
+    } else if (std::abs(line.slope - 1.0) > kSlopeError) {
+      scaled.push_back(name + " (measured = " + Significant(line.slope, 2) + " x modelled)");
+    } else {
+      agree.push_back(name);
+    }
+  }
+  std::string words = comparison.measured_count ? "The measured joint torques drive the joints' deflections."
+                                                : "The modelled joint torques drive the joints' deflections.";
+  if (!agree.empty()) words += " Measured and modelled torques agree on " + Enumerate(agree) + ".";
+  if (!scaled.empty()) words += " They differ by a factor on " + Enumerate(scaled) + ".";
+  if (!opposite.empty()) {
+    words += " They have opposite signs on " + Enumerate(opposite) +
+             ": the columns tau<i> take the torque of the loads on the joint, about its positive direction; what the "
+             "drive delivers against it has the other sign.";
+  }
+  if (!differ.empty()) {
+    words += " They have little in common on " + Enumerate(differ) +
+             ": the model knows the stated loads and the tool, a sensor feels the links and friction as well.";
+  }
+  return words;
+}
+
+}  // namespace
+
+TorqueComparison CompareTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  TorqueComparison comparison;
+  comparison.measured_count = problem.experiment.torques_measured;
+  const TorqueTable table = Collect(problem, parameters);
+  if (table.measured.rows() == 0) return comparison;
+  for (int j = 0; j < problem.robot.num_joints(); ++j) {
+    comparison.joints.push_back(Compare(j, table.measured.col(j), table.modelled.col(j)));
+  }
+  comparison.words = InWords(problem, comparison);
+  return comparison;
+}
+
+}  // namespace sagitta

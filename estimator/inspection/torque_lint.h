@@ -1,0 +1,32 @@
+// Measured joint torques (columns tau<i>) against those that the model expects of its loads, joint by joint.
+//
+// A line measured = offset + slope * modelled by least squares. A slope near 1 and a high correlation: the two agree. A
+// slope near -1: the file gives what the drives deliver, not what the loads ask for. What is left besides the line is
+// what the model lacks (link weights) or what the sensor adds (friction, offsets).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct JointTorqueComparison {
+  int joint = -1;
+  int shots = 0;
+  double measured_rms = 0.0, modelled_rms = 0.0, difference_rms = 0.0;  // N m, or N
+  double slope = 0.0, offset = 0.0;                                     // of measured over modelled; N m, or N
+  double correlation = 0.0;                                             // 0 where one of the two does not vary
+};
+
+struct TorqueComparison {
+  std::vector<JointTorqueComparison> joints;  // empty: no row states torques
+  bool measured_count = false;                // `torques: measured`
+  std::string words;
+};
+
+// At the model's parameters; calibration and validation rows alike.
+TorqueComparison CompareTorques(const CalibrationProblem& problem, const ParameterSet& parameters);
+
+}  // namespace sagitta

@@ -1,0 +1,34 @@
+// What an instrument reads of a target, three numbers each, and how far a prediction is from it.
+//
+//   point      p, m                       predicted - measured = p_predicted - p_measured
+//   rotation   R, of the target's frame   predicted - measured = log(R_predicted R_measured'), rad
+//
+// both in the measurement frame; the second is the left perturbation that takes the measured rotation to the predicted
+// one. A pose is a point and a rotation of the same target: two readings, each with a covariance of its own. Whatever
+// an instrument reads besides is one more kind here.
+#pragma once
+
+#include "models/geometry.h"
+
+namespace sagitta {
+
+enum class ReadingKind { kPoint, kRotation };
+
+struct TargetReading {
+  ReadingKind kind = ReadingKind::kPoint;
+  Vector3<double> point = Vector3<double>::Zero();         // m; of a rotation: where its target is
+  Matrix3<double> rotation = Matrix3<double>::Identity();  // of kRotation: station_from_target
+};
+
+// measured - predicted. `predicted` is a point, or a rotation vector.
+inline Vector3<double> MeasuredMinusPredicted(const TargetReading& measured, const Vector3<double>& predicted) {
+  if (measured.kind == ReadingKind::kPoint) return measured.point - predicted;
+  return RotationVector(Matrix3<double>(measured.rotation * RotationFromVector(predicted).transpose()));
+}
+
+// d misfit / d prediction, the latter by left perturbation; misfit = predicted - measured.
+inline Matrix3<double> MisfitByPrediction(ReadingKind kind, const Vector3<double>& misfit) {
+  return kind == ReadingKind::kPoint ? Matrix3<double>(Matrix3<double>::Identity()) : InverseLeftJacobian(misfit);
+}
+
+}  // namespace sagitta
