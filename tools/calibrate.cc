@@ -64,7 +64,7 @@ int RunCalibrate(const CommandLine& line) {
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
 
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
-  const Calibration result = CalibrateWithProgress(ProblemFromInputs(inputs));
+  const Calibration result = CalibrateWithProgress(PlausibleProblem(inputs));
   const CalibrationProblem& problem = result.problem;
   const Estimate& estimate = result.estimate;
   if (!IsUsable(estimate.status)) return ReportFailure(estimate);
@@ -104,7 +104,8 @@ Keys of an experiment file that state the noise and ask for intervals (docs/NOIS
   covariance:   model | sandwich | bootstrap | profile
   bootstrap:    {kind: automatic | parametric | configurations, replicates: 999, seed: 1}
 The report compares parts of the data (halves of the workspace, stations) and says by how much model error widens
-the intervals; random halves are drawn with --seed.
+the intervals; random halves are drawn with --seed. Where the nominal robot cannot have made the readings (wrong
+signs, zeros, joint order, units, DH convention, another robot) it says so and ends with status 2; --force goes on.
 
 Examples
   sagitta calibrate robot.yaml measurements.csv --out=results

@@ -114,7 +114,7 @@ int RunCompare(const CommandLine& line) {
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
   if (methods.empty()) methods = DefaultMethods(inputs.data);
-  const CalibrationProblem problem = ProblemFromInputs(inputs);
+  const CalibrationProblem problem = PlausibleProblem(inputs);
 
   std::vector<MethodResult> results;
   {

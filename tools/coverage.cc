@@ -174,7 +174,7 @@ int RunCoverage(const CommandLine& line) {
   ExpectArguments(line, CoverageCommand(), 1, 1000);
   CheckFlags();
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
-  const CalibrationProblem problem = ProblemFromInputs(inputs);
+  const CalibrationProblem problem = PlausibleProblem(inputs);
   CheckIntervalsFit(problem, FLAGS_method);
   const std::string obstacle = MethodObstacle(problem, FLAGS_method);
   if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");

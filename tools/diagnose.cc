@@ -63,7 +63,7 @@ bool IsAgainstColumns() {
 // Against the model itself nothing is shifted.
 SimulationBaseline BaselineOf(const ExperimentInputs& inputs) {
   if (IsAgainstColumns()) return AgainstSimulation(ProblemFromInputs(OnlyBaseAndMarkers(inputs)));
-  return {ProblemFromInputs(inputs), {}, 0.0};
+  return {PlausibleProblem(inputs), {}, 0.0};
 }
 
 // Says what the gap is measured from. What the simulation holds and the robot file does not cancels in the points, but

@@ -3,6 +3,7 @@
 #include <gflags/gflags.h>
 
 #include "estimator/calibration/unit_guess.h"
+#include "estimator/inspection/reading_lint.h"
 #include "problems/input_error.h"
 #include "tools/command_line.h"
 
@@ -12,6 +13,7 @@ DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation; n
 DEFINE_string(load_point_mm, "", "x,y,z where loads act, flange frame");
 DEFINE_string(free, "", "NAME,…: parameters to estimate besides");
 DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");
+DEFINE_bool(force, false, "go on where the nominal robot cannot have made these readings");
 DEFINE_double(significance, 0.01, "level of every test");
 
 namespace sagitta {
@@ -77,8 +79,8 @@ void ApplyEstimateFlags(Experiment* experiment) {
 }  // namespace
 
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
-  for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance", "out",
-                           "seed", "threads", "quiet"}) {
+  for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance",
+                           "force", "out", "seed", "threads", "quiet"}) {
     flags.push_back(flag);
   }
   return flags;
@@ -96,6 +98,15 @@ CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
   CalibrationProblem problem = ProblemAsStated(inputs);
   CheckUnits(problem);
   return problem;
+}
+
+CalibrationProblem PlausibleProblem(const ExperimentInputs& inputs) {
+  if (FLAGS_force) return ProblemAsStated(inputs);
+  CalibrationProblem problem = ProblemFromInputs(inputs);
+  const Plausibility found = CheckPlausible(problem);
+  if (found.plausible) return problem;
+  throw InputError({}, "the nominal robot cannot have made these readings: " + found.finding.words,
+                   found.finding.remedy + "; --force goes on as stated");
 }
 
 }  // namespace sagitta

@@ -20,5 +20,7 @@ std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs);
 // The same, and refuses data in a wrong unit.
 CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs);
+// The same, and refuses readings that the nominal robot cannot have made. --force: as stated, whatever it is.
+CalibrationProblem PlausibleProblem(const ExperimentInputs& inputs);
 
 }  // namespace sagitta

@@ -38,6 +38,33 @@ int RunGuarded(const char* program_path, const std::function<int()>& program) {
   }
 }
 
+namespace {
+
+namespace fs = std::filesystem;
+
+// Folders that are made for results and stay empty, because the command ended before it had any, are taken away again.
+class NewFolders {
+ public:
+  explicit NewFolders(const std::string& folder) {
+    std::error_code error;
+    for (fs::path path = folder; !path.empty() && !fs::exists(path, error); path = path.parent_path())
+      made_.push_back(path);
+  }
+  ~NewFolders() {
+    std::error_code error;
+    for (const fs::path& path : made_) {
+      if (fs::is_directory(path, error) && fs::is_empty(path, error)) fs::remove(path, error);
+    }
+  }
+  NewFolders(const NewFolders&) = delete;
+  NewFolders& operator=(const NewFolders&) = delete;
+
+ private:
+  std::vector<fs::path> made_;  // that are not there yet, the innermost first
+};
+
+}  // namespace
+
 std::string HelpOf(const Command& command) {
   std::string text = command.help + "\nFlags\n";
   for (const std::string& flag : command.flags) text += DescribeFlag(flag);
@@ -50,6 +77,7 @@ int RunCommand(const Command& command, const std::vector<std::string>& arguments
     std::cout << HelpOf(command);
     return 0;
   }
+  const NewFolders folders(FLAGS_out);
   return command.run(line);
 }
 

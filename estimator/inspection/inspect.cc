@@ -161,24 +161,6 @@ void FillNoise(const LinearState& state, Inspection* inspection) {
   if (state.all.valid) inspection->linear_rms = LinearRms(state, noise);
 }
 
-// A misfit that no reading explains may be that of a few rows: then those are the finding.
-LinearState AlignOrExplain(const CalibrationProblem& problem, Inspection* inspection) {
-  ReadingLint& reading = inspection->reading;
-  if (reading.is_suspicious && !reading.is_explained) {
-    std::vector<Finding> rows;
-    LinearState state = Align(problem, false, &rows);
-    if (!rows.empty() && state.aligned.distance_rms <= SuspiciousMisfit(problem.robot.chain)) {
-      reading.is_suspicious = false;
-      reading.findings.clear();
-      reading.readings.resize(1);
-      inspection->findings.insert(inspection->findings.end(), rows.begin(), rows.end());
-      return state;
-    }
-  }
-  inspection->findings.insert(inspection->findings.end(), reading.findings.begin(), reading.findings.end());
-  return Align(problem, reading.is_suspicious, &inspection->findings);
-}
-
 }  // namespace
 
 int Inspection::Count(Severity severity) const {
@@ -195,9 +177,11 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   inspection.joints = JointRangesOf(problem);
   inspection.orientation = OrientationVarietyOf(problem);
   say("reading robot and rows in other ways");
-  inspection.reading = LintReadings(problem);
+  inspection.reading = LintReadingsOfGoodRows(problem);
+  inspection.findings.insert(inspection.findings.end(), inspection.reading.findings.begin(),
+                             inspection.reading.findings.end());
   say("linearizing at the aligned nominal robot");
-  const LinearState state = AlignOrExplain(problem, &inspection);
+  const LinearState state = Align(problem, inspection.reading.is_suspicious, &inspection.findings);
   inspection.aligned = state.aligned;
   inspection.torques = CompareTorques(state.problem, state.parameters);
   if (!inspection.torques.joints.empty()) {

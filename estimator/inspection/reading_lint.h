@@ -1,6 +1,7 @@
-// Data and robot read in another way: wrong units, the other DH convention, joints counted the other way round or
-// from another zero. Where the aligned nominal robot misses by far, every reading is tried; one that fits far
-// better is what was meant.
+// Data and robot read in another way: wrong units, the other DH convention, joints counted the other way round, from
+// another zero or in another order, a mirrored frame (readings.h). Where the aligned nominal robot misses by far and no
+// errors of a size that robots have explain it (explained_errors.h), every reading is tried; one that fits far better
+// is what was meant.
 #pragma once
 
 #include <string>
@@ -24,9 +25,20 @@ struct ReadingLint {
   std::vector<Finding> findings;
 };
 
-// RMS distance, m, of an aligned nominal robot that no calibration explains.
+// RMS distance, m, above which an aligned nominal robot's misfit has to be explained.
 double SuspiciousMisfit(const Chain& chain);
 
 ReadingLint LintReadings(const CalibrationProblem& problem);
+
+// The same without the rows that are far off, where all rows together cannot be explained: a misfit of a few rows is
+// theirs alone (row_lint.h names them).
+ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem);
+
+// What every estimating command asks first: can the nominal robot have made these readings?
+struct Plausibility {
+  bool plausible = true;
+  Finding finding;  // why not, and the cure
+};
+Plausibility CheckPlausible(const CalibrationProblem& problem);
 
 }  // namespace sagitta

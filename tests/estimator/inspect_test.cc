@@ -133,9 +133,19 @@ TEST(Inspect, AnotherZeroIsNamed) {
 }
 
 TEST(Inspect, WhatNoReadingExplainsIsSaidToBeUnexplained) {
+  const Inspection inspection = InspectKr270({}, [](Measurements* data) {
+    for (size_t c = 0; 2 * c + 1 < data->configurations.size(); ++c)
+      std::swap(data->configurations[c].q, data->configurations[data->configurations.size() - 1 - c].q);
+  });
+  EXPECT_NE(Find(inspection, "misfit"), nullptr);
+}
+
+TEST(Inspect, ExchangedJointColumnsAreNamed) {
   const Inspection inspection =
       InspectKr270({}, [](Measurements* data) { Turn(data, [](auto* q) { std::swap((*q)[1], (*q)[4]); }); });
-  EXPECT_NE(Find(inspection, "misfit"), nullptr);
+  const Finding* finding = Find(inspection, "joint_order");
+  ASSERT_NE(finding, nullptr) << WordsOf(inspection);
+  EXPECT_THAT(finding->words, HasSubstr("joints A2 and A5 exchanged"));
 }
 
 // DH by 4 x 4 matrices of its own.

@@ -1,0 +1,278 @@
+#include "estimator/inspection/readings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/constants.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+using Readings = std::vector<Reading>;
+
+// The same change to the joint values of every configuration.
+std::function<void(Measurements*)> OfJoints(std::function<void(Eigen::VectorXd*)> change) {
+  return [change = std::move(change)](Measurements* data) {
+    for (Configuration& configuration : data->configurations) change(&configuration.q);
+  };
+}
+
+std::function<void(Measurements*)> OfPoints(std::function<void(Vector3<double>*)> change) {
+  return [change = std::move(change)](Measurements* data) {
+    for (Observation& observation : data->observations) change(&observation.point_in_station);
+  };
+}
+
+bool IsRevolute(const Chain& chain, int joint) { return chain.joints[joint].type == JointType::kRevolute; }
+
+std::string Named(const Chain& chain, const std::vector<int>& joints) {
+  std::vector<std::string> names;
+  for (const int j : joints) names.push_back(chain.joints[j].name);
+  return Enumerate(names);
+}
+
+// Sets of `size` joints that are counted the other way.
+void AddFlips(const Chain& chain, int size, Readings* readings) {
+  std::vector<bool> chosen(chain.num_joints(), false);
+  if (size > chain.num_joints()) return;
+  std::fill(chosen.begin(), chosen.begin() + size, true);
+  do {
+    std::vector<int> joints;
+    for (int j = 0; j < chain.num_joints(); ++j) {
+      if (chosen[j]) joints.push_back(j);
+    }
+    const std::string names = Named(chain, joints);
+    readings->push_back({"sign_flip",
+                         (size == 1 ? "joint " : "joints ") + names + " counted the other way",
+                         "state sign: -1 on the joint's transform (a chain), turn the sign of the q columns, or check "
+                         "the axis directions of the table: " +
+                             names,
+                         OfJoints([joints](Eigen::VectorXd* q) {
+                           for (const int j : joints) (*q)[j] *= -1.0;
+                         }),
+                         {}});
+  } while (std::prev_permutation(chosen.begin(), chosen.end()));
+}
+
+void AddOffsets(const Chain& chain, Readings* readings) {
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    if (!IsRevolute(chain, j)) continue;
+    for (const int quarter : {1, -1, 2}) {
+      for (const double sign : {1.0, -1.0}) {
+        const std::string degrees = std::to_string(90 * quarter);
+        const bool flipped = sign < 0.0;
+        readings->push_back(
+            {"joint_offset",
+             "joint " + chain.joints[j].name + " with its zero " + degrees + " deg away" +
+                 (flipped ? " and counted the other way" : ""),
+             "add " + degrees + " deg to the joint's theta_deg or offset_deg" + (flipped ? ", and turn its sign" : ""),
+             OfJoints([j, sign, quarter](Eigen::VectorXd* q) { (*q)[j] = sign * (*q)[j] + quarter * 0.5 * kPi; }),
+             {}});
+      }
+    }
+  }
+}
+
+void AddTables(const CalibrationProblem& problem, Readings* readings) {
+  if (!problem.robot.dh) return;
+  const auto add = [&](const std::string& name, const std::string& remedy, const DhTable& table) {
+    Robot robot = problem.robot;
+    robot.chain = ChainFromDhTable(robot.chain.joints, robot.chain.couplings, table);
+    robot.dh = table;
+    readings->push_back({"dh_convention", name, remedy, {}, robot});
+  };
+  const bool standard = problem.robot.dh->convention == DhConvention::kStandard;
+  DhTable other = *problem.robot.dh;
+  other.convention = standard ? DhConvention::kModified : DhConvention::kStandard;
+  const std::string name = standard ? "modified" : "standard";
+  add("the table as " + name + " DH", "state convention: " + name, other);
+  // alpha and a of the link before: a modified table typed into rows of a standard one, and the reverse
+  DhTable shifted = *problem.robot.dh;
+  const int n = static_cast<int>(shifted.links.size());
+  for (int i = 0; i < n; ++i) {
+    const int from = standard ? (i + 1) % n : (i + n - 1) % n;
+    shifted.links[i].a = problem.robot.dh->links[from].a;
+    shifted.links[i].alpha = problem.robot.dh->links[from].alpha;
+  }
+  add("the table with a and alpha one row off", "check whether a and alpha belong to the joint's own row or the next",
+      shifted);
+  DhTable without_beta = *problem.robot.dh;
+  bool any_beta = false;
+  for (DhLink& link : without_beta.links) {
+    any_beta |= link.beta != 0.0;
+    link.beta = -link.beta;
+  }
+  if (any_beta) add("Hayati's beta of the other sign", "check the sign of beta_deg", without_beta);
+  for (int i = 0; i < n; ++i) {
+    if (std::abs(std::sin(problem.robot.dh->links[i].alpha)) < 0.5) continue;  // 0 and 180 deg have no other sign
+    DhTable turned = *problem.robot.dh;
+    turned.links[i].alpha *= -1.0;
+    const std::string& joint = problem.robot.chain.joints[turned.links[i].joint].name;
+    add("alpha of joint " + joint + " of the other sign", "check the sign of alpha_deg in the row of " + joint, turned);
+  }
+}
+
+// Position i of the columns holds the value of joint order[i].
+void AddOrder(const Chain& chain, const std::vector<int>& order, const std::string& name, Readings* readings) {
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (chain.joints[i].type != chain.joints[order[i]].type) return;  // columns have the unit of their joint
+  }
+  readings->push_back({"joint_order",
+                       name,
+                       "check the order of the columns q1, q2, … against that of the joints",
+                       OfJoints([order](Eigen::VectorXd* q) {
+                         const Eigen::VectorXd stated = *q;
+                         for (size_t i = 0; i < order.size(); ++i) (*q)[order[i]] = stated[static_cast<int>(i)];
+                       }),
+                       {}});
+}
+
+void AddOrders(const Chain& chain, Readings* readings) {
+  const int n = chain.num_joints();
+  std::vector<int> straight(n);
+  for (int i = 0; i < n; ++i) straight[i] = i;
+  const auto name_of = [&](int j) { return chain.joints[j].name; };
+  for (int a = 0; a < n; ++a) {
+    for (int b = a + 1; b < n; ++b) {
+      std::vector<int> order = straight;
+      std::swap(order[a], order[b]);
+      AddOrder(chain, order, "the columns of joints " + name_of(a) + " and " + name_of(b) + " exchanged", readings);
+    }
+  }
+  std::vector<int> reversed(straight.rbegin(), straight.rend());
+  if (n > 2) AddOrder(chain, reversed, "the joint columns in reverse order", readings);
+  for (int a = 0; a < n; ++a) {
+    for (int b = a + 1; b < n; ++b) {
+      for (int c = b + 1; c < n; ++c) {
+        for (const bool forward : {true, false}) {
+          std::vector<int> order = straight;
+          order[a] = forward ? b : c;
+          order[b] = forward ? c : a;
+          order[c] = forward ? a : b;
+          AddOrder(chain, order, "the columns of joints " + Named(chain, {a, b, c}) + " in cyclic order", readings);
+        }
+      }
+    }
+  }
+  for (int shift = 1; n > 3 && shift < n; ++shift) {
+    std::vector<int> order = straight;
+    std::rotate(order.begin(), order.begin() + shift, order.end());
+    AddOrder(chain, order, "the joint columns beginning with joint " + name_of(order[0]), readings);
+  }
+}
+
+// Controllers count a joint from the link before or from the horizontal: then the driver's value is in it.
+void AddCouplings(const Chain& chain, Readings* readings) {
+  if (!chain.couplings.empty()) return;
+  for (int j = 1; j < chain.num_joints(); ++j) {
+    if (!IsRevolute(chain, j) || !IsRevolute(chain, j - 1)) continue;
+    for (const int ratio : {1, -1}) {
+      const std::string own = chain.joints[j].name, driver = chain.joints[j - 1].name;
+      readings->push_back({"coupling",
+                           "joint " + own + " coupled to " + driver + " by " + std::to_string(ratio),
+                           "state coupling: [{joint: " + own + ", driver: " + driver +
+                               ", ratio: " + std::to_string(ratio) + "}] in the robot file",
+                           OfJoints([j, ratio](Eigen::VectorXd* q) { (*q)[j] += ratio * (*q)[j - 1]; }),
+                           {}});
+    }
+  }
+}
+
+void AddFrames(Readings* readings) {
+  readings->push_back({"mirrored",
+                       "the measurement frame as a mirrored (left-handed) one",
+                       "the measured points are in a left-handed frame: turn the sign of one of x, y, z, or exchange "
+                       "two of them",
+                       OfPoints([](Vector3<double>* point) { point->z() *= -1.0; }),
+                       {}});
+}
+
+void AddUnits(const CalibrationProblem& problem, Readings* readings) {
+  const auto robot = [&](Motion motion, bool with_joints, double factor, const std::string& name,
+                         const std::string& remedy) {
+    Robot scaled = problem.robot;
+    for (ElementaryTransform& transform : scaled.chain.transforms) {
+      if (transform.motion == motion && (with_joints || !transform.has_joint())) transform.nominal *= factor;
+    }
+    readings->push_back({"unit", name, remedy, {}, scaled});
+  };
+  robot(Motion::kTranslation, true, 1e3, "the robot's lengths as metres",
+        "the robot file's lengths are in m: write _m");
+  robot(Motion::kTranslation, true, 1e-3, "the robot's lengths as millimetres",
+        "the robot file's lengths are in mm: write _mm");
+  robot(Motion::kTranslation, true, 25.4, "the robot's lengths as inches", "convert the robot file's lengths to mm");
+  robot(Motion::kRotation, true, 180.0 / kPi, "the robot's angles as radians",
+        "the robot file's angles are in rad: write _rad");
+  readings->push_back({"unit",
+                       "the measured points as inches",
+                       "convert x, y, z to mm",
+                       OfPoints([](Vector3<double>* point) { *point *= 25.4; }),
+                       {}});
+  for (int j = 0; j < problem.robot.chain.num_joints(); ++j) {
+    if (!IsRevolute(problem.robot.chain, j)) continue;
+    const std::string& name = problem.robot.chain.joints[j].name;
+    readings->push_back({"unit",
+                         "joint " + name + " alone in radians",
+                         "convert the column of " + name + " to degrees",
+                         OfJoints([j](Eigen::VectorXd* q) { (*q)[j] *= 180.0 / kPi; }),
+                         {}});
+  }
+}
+
+// Points of one configuration written beside the joint values of its neighbour.
+void AddRowShifts(Readings* readings) {
+  for (const int shift : {1, -1}) {
+    readings->push_back(
+        {"row_shift",
+         std::string("every point taken for the configuration ") + (shift > 0 ? "after" : "before") + " its own",
+         "joint values and points are one row apart: shift one of them",
+         [shift](Measurements* data) {
+           const std::vector<Configuration> stated = data->configurations;
+           const int n = static_cast<int>(stated.size());
+           std::vector<bool> lost(n, false);
+           for (int c = 0; c < n; ++c) {
+             lost[c] = c + shift < 0 || c + shift >= n;
+             if (!lost[c]) data->configurations[c].q = stated[c + shift].q;
+           }
+           for (Observation& row : data->observations) row.excluded |= lost[data->shots[row.shot].configuration];
+         },
+         {}});
+  }
+}
+
+}  // namespace
+
+std::vector<Reading> AllReadings(const CalibrationProblem& problem) {
+  const Chain& chain = problem.robot.chain;
+  Readings readings;
+  AddTables(problem, &readings);
+  AddFlips(chain, 1, &readings);
+  AddOffsets(chain, &readings);
+  AddUnits(problem, &readings);
+  AddFlips(chain, 2, &readings);
+  AddCouplings(chain, &readings);
+  AddOrders(chain, &readings);
+  AddFrames(&readings);  // of an arm that is its own mirror image: the same as flips of three joints
+  AddFlips(chain, 3, &readings);
+  AddRowShifts(&readings);
+  return readings;
+}
+
+CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading) {
+  if (reading.robot) {
+    Experiment experiment = problem.experiment;
+    experiment.validation = ValidationSpec();
+    experiment.validation.kind = ValidationSpec::Kind::kNone;
+    return MakeCalibrationProblem(*reading.robot, problem.data, experiment);
+  }
+  CalibrationProblem reread = problem;
+  reading.change(&reread.data);
+  for (size_t s = 0; s < reread.shot_inputs.size(); ++s) {
+    reread.shot_inputs[s].conditions.q = reread.data.configurations[reread.data.shots[s].configuration].q;
+    reread.model.Prepare(&reread.shot_inputs[s]);
+  }
+  return reread;
+}
+
+}  // namespace sagitta
