@@ -9,6 +9,7 @@ Command CalibrateCommand();
 Command PredictCommand();
 Command SimulateCommand();
 Command CompareCommand();
+Command CompensateCommand();
 Command CoverageCommand();
 Command DiagnoseCommand();
 Command InspectCommand();

@@ -20,7 +20,7 @@ const std::vector<Command>& Commands() {
       InspectCommand(),
       CoverageCommand(),
       {"plan", "which poses to measure next", "", {}},
-      {"compensate", "corrected joint values for targets", "", {}},
+      CompensateCommand(),
       {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
       {"convert", "robot files between formats", "", {}},
   };

@@ -1,0 +1,216 @@
+#include "estimator/compensation/compensate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "estimator/least_squares/parallel.h"
+#include "estimator/statistics/distributions.h"
+#include "models/constants.h"
+#include "models/dense_algebra.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+// Starts of the nominal inverse kinematics where a row states no joint values: the middle of the limits, then points of
+// the R-sequence (Roberts 2018: multiples of powers of the generalised golden ratio, mod 1). Newton reaches a solution
+// from about every third start of a six-joint arm, so that all of them fail on a reachable pose once in 10^8.
+constexpr int kStarts = 48;
+
+Eigen::VectorXd StartNumber(const Chain& chain, int k) {
+  const int n = chain.num_joints();
+  double ratio = 2.0;  // root of x^(n+1) = x + 1
+  for (int i = 0; i < 60; ++i) ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
+  Eigen::VectorXd start(n);
+  for (int j = 0; j < n; ++j) {
+    const Joint& joint = chain.joints[j];
+    const double half = joint.type == JointType::kRevolute ? kPi : Reach(chain);
+    const double low = joint.min.value_or(-half), high = joint.max.value_or(half);
+    double share = 0.5 + k * std::pow(ratio, -(j + 1));
+    share -= std::floor(share);
+    start[j] = low + share * (high - low);
+  }
+  return start;
+}
+
+// Columns of the estimate's parameters that act on the arm: index into names, index of the model's parameter.
+struct ActiveParameters {
+  std::vector<int> model;
+  std::vector<int> name;
+};
+
+ActiveParameters FindActive(const ForwardModel& model, const std::vector<std::string>& names) {
+  ActiveParameters active;
+  for (int i = 0; i < model.num_parameters(); ++i) {
+    const auto found = std::find(names.begin(), names.end(), model.parameters()[i].name);
+    if (found == names.end()) continue;
+    active.model.push_back(i);
+    active.name.push_back(static_cast<int>(found - names.begin()));
+  }
+  return active;
+}
+
+class Compensator {
+ public:
+  Compensator(const CompensationInput& input)
+      : input_(input),
+        nominal_model_(input.nominal),
+        nominal_(nominal_model_, nominal_model_.NominalValues()),
+        loaded_(input.problem.model, input.problem.parameters.ModelValues()),
+        names_(input.uncertainty.estimated) {
+    names_.insert(names_.end(), input.uncertainty.held.begin(), input.uncertainty.held.end());
+    active_ = FindActive(input.problem.model, names_);
+  }
+
+  FlangeSolution Nominal(const Target& target, const Eigen::VectorXd& previous) const;
+  CompensatedTarget Compensate(int shot, const Target& target, const FlangeSolution& nominal) const;
+
+ private:
+  bool NominalAt(const Eigen::VectorXd& q, FlangeState* state) const {
+    return nominal_.At(q, ShotInput(q), Matrix3<double>::Identity(), {}, state);
+  }
+  bool LoadedAt(int shot, const Eigen::VectorXd& q, const std::vector<int>& parameters, FlangeState* state) const {
+    const int station = input_.problem.data.shots[shot].station;
+    const Matrix3<double> base = input_.problem.parameters.BaseInStation(station).rotation;
+    return loaded_.At(q, input_.problem.shot_inputs[shot], base, parameters, state);
+  }
+  void AddUncertainty(int shot, CompensatedTarget* result) const;
+  std::string Words(const Target& target, const CompensatedTarget& result) const;
+  std::string JointNames(const std::vector<int>& joints) const;
+
+  const CompensationInput& input_;
+  ForwardModel nominal_model_;
+  LoadedArm nominal_, loaded_;
+  std::vector<std::string> names_;
+  ActiveParameters active_;
+};
+
+// Joint values of the nominal robot for a target: as stated, or by inverse kinematics from the joint values stated
+// beside the pose, from the row before, and from many starts.
+FlangeSolution Compensator::Nominal(const Target& target, const Eigen::VectorXd& previous) const {
+  FlangeSolution solution;
+  if (target.q && !target.flange_in_base) {
+    solution.q = *target.q;
+    solution.status = TargetStatus::kOk;
+    NominalAt(solution.q, &solution.state);
+    return solution;
+  }
+  const FlangeFunction arm = [this](const Eigen::VectorXd& q, FlangeState* state) { return NominalAt(q, state); };
+  const auto good = [](const FlangeSolution& s) {
+    return s.status == TargetStatus::kOk || s.status == TargetStatus::kSingular;
+  };
+  std::vector<Eigen::VectorXd> starts;
+  if (target.q) starts.push_back(*target.q);
+  if (!target.q && previous.size() > 0) starts.push_back(previous);
+  for (int k = 0; !target.q && k < kStarts; ++k) starts.push_back(StartNumber(input_.nominal, k));
+  FlangeSolution best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Eigen::VectorXd& start : starts) {
+    solution = SolveFlange(input_.nominal, arm, *target.flange_in_base, start, true);
+    const double left = solution.left_position / Reach(input_.nominal) + solution.left_rotation;
+    if (left < least) best = solution, least = left;
+    if (good(solution)) return solution;
+  }
+  return best;
+}
+
+CompensatedTarget Compensator::Compensate(int shot, const Target& target, const FlangeSolution& nominal) const {
+  CompensatedTarget result;
+  const Pose<double> goal = target.flange_in_base.value_or(nominal.state.flange_in_base);
+  result.q_nominal = nominal.q;
+  FlangeState before;
+  if (LoadedAt(shot, nominal.q, {}, &before)) {
+    const Eigen::Matrix<double, 6, 1> off = PoseDifference(goal, before.flange_in_base);
+    result.before_position = off.head<3>().norm();
+    result.before_rotation = off.tail<3>().norm();
+  }
+  const FlangeFunction arm = [&](const Eigen::VectorXd& q, FlangeState* s) { return LoadedAt(shot, q, {}, s); };
+  result.solution = SolveFlange(input_.problem.model.chain(), arm, goal, nominal.q, true);
+  if (result.solution.status != TargetStatus::kEquilibriumDiverged) {
+    FlangeState at;
+    NominalAt(result.solution.q, &at);
+    result.commanded = at.flange_in_base;
+    AddUncertainty(shot, &result);
+  }
+  result.words = Words(target, result);
+  return result;
+}
+
+// J C J' + (J_h + J G) S (J_h + J G)' (prediction.h), times the model error's square.
+void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
+  FlangeState state;
+  if (!LoadedAt(shot, result->solution.q, active_.model, &state)) return;
+  const ParameterUncertainty& known = input_.uncertainty;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> columns = Eigen::MatrixXd::Zero(6, names_.size());
+  for (size_t i = 0; i < active_.name.size(); ++i) columns.col(active_.name[i]) = state.by_parameters.col(i);
+  const Eigen::MatrixXd estimated = columns.leftCols(known.estimated.size());
+  Eigen::MatrixXd covariance = estimated * known.covariance * estimated.transpose();
+  if (!known.held.empty()) {
+    const Eigen::MatrixXd held = columns.rightCols(known.held.size()) + estimated * known.slopes;
+    covariance += held * known.second_moment * held.transpose();
+  }
+  covariance *= input_.model_error * input_.model_error;
+  result->u95_position = Radius95(covariance.topLeftCorner<3, 3>());
+  result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>());
+}
+
+std::string Compensator::JointNames(const std::vector<int>& joints) const {
+  std::vector<std::string> names;
+  for (const int joint : joints) names.push_back(input_.nominal.joints[joint].name);
+  return Enumerate(names);
+}
+
+std::string Compensator::Words(const Target& target, const CompensatedTarget& result) const {
+  const FlangeSolution& s = result.solution;
+  const std::string left =
+      Significant(1e3 * s.left_position, 3) + " mm and " + Significant(1e3 * s.left_rotation, 3) + " mrad";
+  switch (s.status) {
+    case TargetStatus::kOk:
+      if (input_.nominal.num_joints() < 6 && s.left_rotation > kOnTarget) {
+        return "the position is met, the orientation as far as " + std::to_string(input_.nominal.num_joints()) +
+               " joints can: " + Significant(1e3 * s.left_rotation, 3) + " mrad are left";
+      }
+      return s.at_limit.empty() ? "" : JointNames(s.at_limit) + " at the limit, the others make up for it";
+    case TargetStatus::kSingular:
+      return "on target, close to a singularity (smallest singular value " + Significant(s.least_singular, 2) +
+             "): small errors take large joint motions there";
+    case TargetStatus::kLimit:
+      return JointNames(s.at_limit) + " would leave the limits; the nearest pose within them is " + left + " off";
+    case TargetStatus::kUnreachable:
+      return std::string("no joint values ") + (target.q ? "near those given " : "") +
+             "reach it; the nearest pose is " + left + " off";
+    case TargetStatus::kEquilibriumDiverged:
+      return "the load folds the arm: no equilibrium of load and compliances was found";
+    case TargetStatus::kNotConverged:
+      return "the iteration did not settle (a law with a step, such as backlash by torque?); " + left + " are left";
+  }
+  return "";
+}
+
+}  // namespace
+
+double Radius95(const Matrix3<double>& covariance) {
+  const double trace = covariance.trace(), of_square = (covariance * covariance).trace();
+  if (!std::isfinite(trace)) return std::numeric_limits<double>::quiet_NaN();
+  if (!(trace > 0.0)) return 0.0;
+  return std::sqrt(of_square / trace * ChiSquareQuantile(0.95, trace * trace / of_square));
+}
+
+std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
+                                          int threads) {
+  const Compensator compensator(input);
+  // In their order: a path of poses stays on the branch it is on.
+  std::vector<FlangeSolution> nominal(targets.size());
+  Eigen::VectorXd previous;
+  for (size_t i = 0; i < targets.size(); ++i) {
+    nominal[i] = compensator.Nominal(targets[i], previous);
+    if (nominal[i].status == TargetStatus::kOk) previous = nominal[i].q;
+  }
+  std::vector<CompensatedTarget> results(targets.size());
+  ParallelFor(static_cast<int>(targets.size()), threads,
+              [&](int i, int) { results[i] = compensator.Compensate(i, targets[i], nominal[i]); });
+  return results;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,46 @@
+// Corrected joint values for targets: the whole estimated model (geometry, loads, compensator, compliances, effects,
+// coupling; deflections at equilibrium) put on the pose at which the controller's nominal, rigid model believes the
+// flange to be. Paper 002 corrects joints by one linear step; here the step is repeated until the flange is there.
+//
+//   q_cmd:  FK_estimated(q_cmd, load) = target           from the nominal solution, on its branch
+//   x_cmd = FK_nominal(q_cmd)                            what to type in where the controller keeps its nominal model
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/compensation/flange_solver.h"
+#include "estimator/intervals/prediction.h"
+#include "problems/calibration_problem.h"
+#include "problems/io/target_file.h"
+
+namespace sagitta {
+
+struct CompensationInput {
+  CalibrationProblem problem;        // the estimated robot; one shot per target
+  Chain nominal;                     // what the controller computes with: rigid, without errors
+  ParameterUncertainty uncertainty;  // of the estimate
+  double model_error = 1.0;          // factor on standard deviations
+};
+
+struct CompensatedTarget {
+  FlangeSolution solution;       // by the estimated model
+  Eigen::VectorXd q_nominal;     // where the nominal model has the target; empty: nowhere
+  Pose<double> commanded;        // flange_in_base of the nominal model at solution.q
+  double before_position = 0.0;  // m: off target at q_nominal, without compensation
+  double before_rotation = 0.0;  // rad
+  // 95 % of the flange's distance from where it is said to be, from the covariance of the estimate; NaN: not known.
+  double u95_position = 0.0;  // m
+  double u95_rotation = 0.0;  // rad
+  std::string words;          // what there is to say of it; "" where all is well
+};
+
+// One per target, in their order. What comes out does not depend on `threads`.
+std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
+                                          int threads);
+
+// Radius of the sphere that holds 95 % of a normal vector of this covariance: |x|^2 is taken as g chi^2_h with the same
+// mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954).
+double Radius95(const Matrix3<double>& covariance);
+
+}  // namespace sagitta

@@ -1,0 +1,249 @@
+#include "estimator/compensation/flange_solver.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr int kMostIterations = 200;
+constexpr double kStandsStill = 1e-13;  // of a step in rad or m: rounding of joint values of a few rad
+constexpr double kQuadratic = 1e-7;     // rad or m: after a step this long Newton's next one is rounding
+constexpr double kLongestStep = 0.2;    // rad or m: a Newton step beyond that leaves the branch it is on
+// Of an angle below six joints. What an orientation that is 0.1 rad out of reach takes from the position is its square
+// times that, 1e-11 of the reach.
+constexpr double kAngleWeight = 1e-5;
+constexpr double kLimitSlack = 1e-12;  // rad or m
+// Singular values below this share of the largest carry no information in double precision.
+constexpr double kRankShare = 1e-12;
+
+// One Newton problem: which joints move, and how errors are weighed.
+class Newton {
+ public:
+  Newton(const Chain& chain, const FlangeFunction& arm, const Pose<double>& target, const Eigen::VectorXd& reference)
+      : arm_(arm), target_(target), reference_(reference), moves_(chain.num_joints(), true) {
+    const double reach = Reach(chain);
+    weight_.head<3>().setConstant(1.0 / reach);
+    weight_.tail<3>().setConstant(chain.num_joints() < 6 ? kAngleWeight : 1.0);
+  }
+
+  void Hold(int joint) { moves_[joint] = false; }
+
+  // False: no equilibrium at the start.
+  bool Run(FlangeSolution* solution) {
+    Eigen::VectorXd q = solution->q;
+    if (!arm_(q, &solution->state)) return false;
+    double error = Error(solution->state).norm();
+    double damping = 0.0;
+    bool settled = false;
+    for (int i = 0; i < kMostIterations && !settled; ++i, ++solution->iterations) {
+      const Eigen::VectorXd step = Step(solution->state, q, damping);
+      if (step.lpNorm<Eigen::Infinity>() < kStandsStill) settled = true;
+      FlangeState next;
+      const bool stands = arm_(q + step, &next);
+      const double next_error = stands ? Error(next).norm() : std::numeric_limits<double>::infinity();
+      // Where the error is at the rounding of the kinematics, the rest of the step is along the null space.
+      if (next_error <= error || next_error < kRounding) {
+        const bool slow = error - next_error < 1e-14 * error && next_error > kRounding;
+        q += step, error = next_error, solution->state = next;
+        damping = damping < 1e-8 ? 0.0 : damping / 10.0;
+        settled |= slow || (error < kRounding && step.lpNorm<Eigen::Infinity>() < kQuadratic);
+      } else {
+        if (settled || damping > 1e3) {
+          settled = true;
+          break;
+        }
+        damping = std::max(1e-6, 10.0 * damping);
+      }
+    }
+    solution->q = q;
+    if (!settled) solution->status = TargetStatus::kNotConverged;
+    return settled || solution->iterations > 0;
+  }
+
+  Vector6 Error(const FlangeState& state) const {
+    return weight_.cwiseProduct(PoseDifference(target_, state.flange_in_base));
+  }
+
+ private:
+  static constexpr double kRounding = 1e-14;
+
+  Eigen::VectorXd Step(const FlangeState& state, const Eigen::VectorXd& q, double damping) const {
+    Eigen::MatrixXd jacobian = weight_.asDiagonal() * state.by_joints;
+    for (size_t j = 0; j < moves_.size(); ++j) {
+      if (!moves_[j]) jacobian.col(j).setZero();
+    }
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::VectorXd& s = svd.singularValues();
+    const Eigen::VectorXd along = svd.matrixU().transpose() * Error(state);
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(q.size());
+    // What the task leaves open goes back towards the start: its part in the null space of J.
+    Eigen::VectorXd home = reference_ - q;
+    for (size_t j = 0; j < moves_.size(); ++j) {
+      if (!moves_[j]) home[j] = 0.0;
+    }
+    for (int i = 0; i < s.size(); ++i) {
+      if (s[i] <= kRankShare * s[0]) continue;
+      const auto direction = svd.matrixV().col(i);
+      step += s[i] / (s[i] * s[i] + damping) * along[i] * direction;
+      home -= direction.dot(home) * direction;
+    }
+    if (std::count(moves_.begin(), moves_.end(), true) > 6) step += home;
+    const double longest = step.lpNorm<Eigen::Infinity>();
+    return longest > kLongestStep ? Eigen::VectorXd(kLongestStep / longest * step) : step;
+  }
+
+  const FlangeFunction& arm_;
+  const Pose<double> target_;
+  const Eigen::VectorXd reference_;
+  std::vector<bool> moves_;
+  Vector6 weight_;
+};
+
+// How far joint j is beyond its limits, and the limit.
+double BeyondLimit(const Joint& joint, double q, double* limit) {
+  if (joint.min && q < *joint.min - kLimitSlack) return *limit = *joint.min, *joint.min - q;
+  if (joint.max && q > *joint.max + kLimitSlack) return *limit = *joint.max, q - *joint.max;
+  return 0.0;
+}
+
+// The joint farthest beyond its limits; -1: none.
+int WorstJoint(const Chain& chain, const Eigen::VectorXd& q, double* limit) {
+  int worst = -1;
+  double most = 0.0;
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    double at = 0.0;
+    const double beyond = BeyondLimit(chain.joints[j], q[j], &at);
+    if (beyond <= most) continue;
+    worst = j, most = beyond, *limit = at;
+  }
+  return worst;
+}
+
+TargetStatus Judge(const Chain& chain, const FlangeSolution& solution) {
+  const bool orientation_counts = chain.num_joints() >= 6;
+  const bool there =
+      solution.left_position <= kOnTarget && (!orientation_counts || solution.left_rotation <= kOnTarget);
+  if (!there && !solution.at_limit.empty()) return TargetStatus::kLimit;
+  if (!there) return TargetStatus::kUnreachable;
+  return solution.least_singular < kNearSingular ? TargetStatus::kSingular : TargetStatus::kOk;
+}
+
+}  // namespace
+
+const char* StatusName(TargetStatus status) {
+  switch (status) {
+    case TargetStatus::kOk:
+      return "ok";
+    case TargetStatus::kSingular:
+      return "singular";
+    case TargetStatus::kLimit:
+      return "limit";
+    case TargetStatus::kUnreachable:
+      return "unreachable";
+    case TargetStatus::kEquilibriumDiverged:
+      return "equilibrium_diverged";
+    case TargetStatus::kNotConverged:
+      return "not_converged";
+  }
+  return "";
+}
+
+// Four points of the flange, its origin and one metre along each of its axes, give pose and derivative.
+bool LoadedArm::At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<double>& base_rotation,
+                   const std::vector<int>& parameters, FlangeState* state) const {
+  shot.conditions.q = q;
+  model_.Prepare(&shot);
+  shot.terms.station.clear();  // what the instrument saw is no matter of where the flange is
+  constexpr int kNoMarker = -2;
+  const int flange = chain().FlangeFrame();
+  std::vector<MarkerInFrame> points = {{flange, Vector3<double>::Zero(), kNoMarker}};
+  for (int i = 0; i < 3; ++i) points.push_back({flange, Vector3<double>::Unit(i), kNoMarker});
+  const std::vector<double> no_deviation(chain().num_joints(), 0.0);
+  std::vector<PointPrediction> seen;
+  if (!model_.Predict(shot, theta_.data(), parameters, {base_rotation, Vector3<double>::Zero()}, points, &seen,
+                      no_deviation.data())) {
+    return false;
+  }
+  const Matrix3<double> to_base = base_rotation.transpose();
+  state->flange_in_base.translation = to_base * seen[0].point;
+  state->by_joints.setZero(6, q.size());
+  state->by_parameters.setZero(6, parameters.size());
+  state->by_joints.topRows<3>() = to_base * seen[0].d_latent;
+  state->by_parameters.topRows<3>() = to_base * seen[0].d_theta;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3<double> axis = (to_base * (seen[i + 1].point - seen[0].point)).normalized();
+    state->flange_in_base.rotation.col(i) = axis;
+    // omega = 1/2 sum r_i x dr_i over the three axes r_i of a rotation.
+    const Matrix3<double> half = 0.5 * Skew(axis) * to_base;
+    state->by_joints.bottomRows<3>() += half * (seen[i + 1].d_latent - seen[0].d_latent);
+    state->by_parameters.bottomRows<3>() += half * (seen[i + 1].d_theta - seen[0].d_theta);
+  }
+  // A driver moves the joints that are coupled to it too.
+  Eigen::MatrixXd coupled = Eigen::MatrixXd::Identity(q.size(), q.size());
+  if (!chain().couplings.empty()) {
+    const Eigen::VectorXd zero = chain().CoupledJointValues(Eigen::VectorXd::Zero(q.size()));
+    for (int j = 0; j < q.size(); ++j) {
+      coupled.col(j) = chain().CoupledJointValues(Eigen::VectorXd::Unit(q.size(), j)) - zero;
+    }
+    state->by_joints = (state->by_joints * coupled).eval();
+  }
+  return true;
+}
+
+double Reach(const Chain& chain) {
+  double reach = 0.0;
+  for (const ElementaryTransform& transform : chain.transforms) {
+    if (!transform.is_rotation() && !transform.has_joint()) reach += std::abs(transform.nominal);
+  }
+  return reach > 0.0 ? reach : 1.0;
+}
+
+double LeastSingularValue(const Chain& chain, const FlangeState& state) {
+  const int n = chain.num_joints();
+  Eigen::MatrixXd jacobian = state.by_joints.topRows(n < 6 ? 3 : 6);
+  jacobian.topRows<3>() /= Reach(chain);
+  for (int j = 0; j < n; ++j) {
+    if (chain.joints[j].type == JointType::kPrismatic) jacobian.col(j) *= Reach(chain);
+  }
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(jacobian).singularValues().tail<1>()[0];
+}
+
+Eigen::Matrix<double, 6, 1> PoseDifference(const Pose<double>& target, const Pose<double>& at) {
+  Eigen::Matrix<double, 6, 1> difference;
+  difference.head<3>() = target.translation - at.translation;
+  difference.tail<3>() = RotationVector(Eigen::Quaterniond(target.rotation * at.rotation.transpose()));
+  return difference;
+}
+
+FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const Pose<double>& target,
+                           const Eigen::VectorXd& start, bool within_limits) {
+  FlangeSolution solution;
+  solution.q = start;
+  Newton newton(chain, arm, target, start);
+  // Every round holds one more joint at its limit.
+  for (int round = 0; round <= chain.num_joints(); ++round) {
+    solution.status = TargetStatus::kOk;
+    if (!newton.Run(&solution)) {
+      solution.status = TargetStatus::kEquilibriumDiverged;
+      return solution;
+    }
+    double limit = 0.0;
+    const int worst = within_limits ? WorstJoint(chain, solution.q, &limit) : -1;
+    if (worst < 0) break;
+    solution.q[worst] = limit;
+    solution.at_limit.push_back(worst);
+    newton.Hold(worst);
+  }
+  const Eigen::Matrix<double, 6, 1> left = PoseDifference(target, solution.state.flange_in_base);
+  solution.left_position = left.head<3>().norm();
+  solution.left_rotation = left.tail<3>().norm();
+  solution.least_singular = LeastSingularValue(chain, solution.state);
+  if (solution.status == TargetStatus::kOk) solution.status = Judge(chain, solution);
+  return solution;
+}
+
+}  // namespace sagitta

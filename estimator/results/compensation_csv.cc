@@ -1,0 +1,98 @@
+#include "estimator/results/compensation_csv.h"
+
+#include <cmath>
+
+#include "estimator/results/residuals_csv.h"
+#include "models/constants.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/loads.h"
+#include "problems/problem_checks.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+class ColumnWriter {
+ public:
+  explicit ColumnWriter(size_t rows) : rows_(rows) {}
+  std::string& Cell(const std::string& name, size_t row) {
+    for (AddedColumn& column : columns_) {
+      if (column.name == name) return column.cells[row];
+    }
+    columns_.push_back({name, std::vector<std::string>(rows_)});
+    return columns_.back().cells[row];
+  }
+  void Number(const std::string& name, size_t row, double value, bool known) {
+    Cell(name, row) = known && std::isfinite(value) ? FormatNumber(value) : "";
+  }
+  const std::vector<AddedColumn>& columns() const { return columns_; }
+
+ private:
+  size_t rows_;
+  std::vector<AddedColumn> columns_;
+};
+
+}  // namespace
+
+Chain NominalChain(const KnownRobot& known) {
+  const ForwardModel model(known.robot);
+  std::map<std::string, double> errors;
+  for (const ModelParameter& parameter : model.parameters()) {
+    const auto found = known.parameters.find(parameter.name);
+    if (parameter.law != ParameterLaw::kGeometry || found == known.parameters.end()) continue;
+    // The embedded robot carries geometric errors in its nominal values.
+    errors[model.chain().transforms[parameter.index].error] = found->second.nominal - found->second.value;
+  }
+  return WithGeometricErrors(known.robot, errors).chain;
+}
+
+CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
+  CompensationInput input{CalibrationProblem(known.robot, targets.shots, known.loading), NominalChain(known),
+                          known.uncertainty, known.model_error};
+  CalibrationProblem& problem = input.problem;
+  for (size_t s = 0; s < problem.data.stations.size(); ++s) {
+    const std::string& name = problem.data.stations[s];
+    const auto found = known.base_in_station.find(name);
+    if (found == known.base_in_station.end()) {
+      std::vector<std::string> names;
+      for (const auto& [station, pose] : known.base_in_station) names.push_back(station);
+      throw InputError({problem.data.files[0].path, 0, "station"}, "no pose of station '" + name + "' in " + known.file,
+                       SpellingHint(name, names));
+    }
+    problem.parameters.SetBaseInStation(static_cast<int>(s), found->second);
+  }
+  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
+  CheckEffectColumns(problem);
+  return input;
+}
+
+std::string CompensationToCsv(const Targets& targets, const std::vector<CompensatedTarget>& results) {
+  ColumnWriter out(results.size());
+  for (size_t i = 0; i < results.size(); ++i) {
+    const CompensatedTarget& r = results[i];
+    const bool solved = r.solution.status != TargetStatus::kEquilibriumDiverged;
+    out.Cell("status", i) = StatusName(r.solution.status);
+    for (int j = 0; j < r.solution.q.size(); ++j) {
+      const bool turns = targets.joint_types[j] == JointType::kRevolute;
+      const std::string name = "q" + std::to_string(j + 1) + (turns ? "_cmd_deg" : "_cmd_mm");
+      out.Number(name, i, r.solution.q[j] / (turns ? kDegree : 1e-3), solved);
+    }
+    const Vector3<double> turn = RotationVector(Eigen::Quaterniond(r.commanded.rotation));
+    for (int a = 0; a < 3; ++a) {
+      out.Number(std::string(1, "xyz"[a]) + "_cmd_mm", i, 1e3 * r.commanded.translation[a], solved);
+    }
+    for (int a = 0; a < 3; ++a) out.Number(std::string("r") + "xyz"[a] + "_cmd_mrad", i, 1e3 * turn[a], solved);
+    out.Number("u95_mm", i, 1e3 * r.u95_position, solved);
+    out.Number("u95_mrad", i, 1e3 * r.u95_rotation, solved);
+    out.Number("left_mm", i, 1e3 * r.solution.left_position, solved);
+    out.Number("left_mrad", i, 1e3 * r.solution.left_rotation, solved);
+    out.Number("before_mm", i, 1e3 * r.before_position, solved);
+    out.Number("before_mrad", i, 1e3 * r.before_rotation, solved);
+    out.Number("smallest_singular_value", i, r.solution.least_singular, solved);
+    out.Cell("words", i) = r.words;
+  }
+  return RowsToCsv(targets.shots, out.columns());
+}
+
+}  // namespace sagitta
