@@ -270,8 +270,8 @@ CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& read
   reading.change(&reread.data);
   for (size_t s = 0; s < reread.shot_inputs.size(); ++s) {
     reread.shot_inputs[s].conditions.q = reread.data.configurations[reread.data.shots[s].configuration].q;
-    reread.model.Prepare(&reread.shot_inputs[s]);
   }
+  reread.model.Prepare(&reread.shot_inputs);
   return reread;
 }
 
