@@ -9,6 +9,7 @@ Command CalibrateCommand();
 Command PredictCommand();
 Command SimulateCommand();
 Command CompareCommand();
+Command ConvertCommand();
 Command CoverageCommand();
 Command DiagnoseCommand();
 Command InspectCommand();

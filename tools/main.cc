@@ -21,8 +21,13 @@ const std::vector<Command>& Commands() {
       CoverageCommand(),
       {"plan", "which poses to measure next", "", {}},
       {"compensate", "corrected joint values for targets", "", {}},
+<<<<<<< HEAD
       {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
       {"convert", "robot files between formats", "", {}},
+=======
+      ReproduceCommand(),
+      ConvertCommand(),
+>>>>>>> be5d84c (wip convert)
   };
   return commands;
 }
