@@ -262,7 +262,7 @@ PlainDhFit FitPlainDh(const Chain& chain, const DhTable& with_beta) {
       jacobian(target.size() + i, i) = prior_weight / PriorOf(i);
       residual[target.size() + i] = prior_weight * (*Entry(&fit.table, i) - *Entry(&start, i)) / PriorOf(i);
     }
-    const Eigen::VectorXd step = jacobian.colPivHouseholderQr().solve(residual);
+    const Eigen::VectorXd step = jacobian.householderQr().solve(residual);
     for (int i = 0; i < n; ++i) *Entry(&fit.table, i) -= step[i];
     if (step.norm() < 1e-12) break;
   }

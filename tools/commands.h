@@ -12,6 +12,7 @@ Command CompareCommand();
 Command ConvertCommand();
 Command CoverageCommand();
 Command DiagnoseCommand();
+Command ImportCommand();
 Command InspectCommand();
 Command ValidateCommand();
 

@@ -23,9 +23,11 @@ const std::vector<Command>& Commands() {
       {"compensate", "corrected joint values for targets", "", {}},
 <<<<<<< HEAD
       {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
-      {"convert", "robot files between formats", "", {}},
+      ImportCommand(),
+      ConvertCommand(),
 =======
       ReproduceCommand(),
+      ImportCommand(),
       ConvertCommand(),
 >>>>>>> be5d84c (wip convert)
   };

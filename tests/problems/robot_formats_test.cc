@@ -9,6 +9,7 @@
 #include "problems/io/urdf_robot.h"
 #include "problems/io/urdf_writer.h"
 #include "tests/problems/file_test_support.h"
+#include "tests/support/paths.h"
 #include "tests/support/urdf_arms.h"
 
 #ifdef SAGITTA_HAVE_KDL
@@ -127,6 +128,43 @@ TEST_F(RobotFormats, UniversalRobotsFiles) {
   ExpectSameFlange(calibrated.chain, kdl, 1e-9, 20);
   // As the driver's file, and read again.
   ExpectSameFlange(Read(RobotToUrCalibration(calibrated)).robot.chain, kdl, 1e-9, 20);
+}
+
+Eigen::VectorXd Degrees(const std::vector<double>& degrees) {
+  return Eigen::Map<const Eigen::VectorXd>(degrees.data(), degrees.size()) * kDegree;
+}
+
+// Manufacturers' tables, in three separators and both conventions: where the flange is in poses that the dimension
+// drawings show, by hand (mm).
+TEST(ShippedTables, FlangeIsWhereTheDrawingHasIt) {
+  struct Pose {
+    const char* name;
+    std::vector<double> q_deg;
+    Vector3<double> flange_mm;
+  };
+  const double s = std::sin(30 * kDegree), c = std::cos(30 * kDegree);
+  const std::vector<Pose> poses = {
+      {"irb120", {0, 0, 0, 0, 0, 0}, {302 + 72, 0, 290 + 270 + 70}},
+      {"irb120", {30, 0, 0, 0, 0, 0}, {374 * c, 374 * s, 630}},
+      {"irb120", {0, 30, -30, 0, 0, 0}, {270 * s + 374, 0, 290 + 270 * c + 70}},
+      {"kr6_r900", {0, 0, 0, 0, 0, 0}, {25 + 455 + 420 + 80, 0, 400 + 35}},
+      {"kr6_r900", {0, -90, 90, 0, 0, 0}, {25 + 420 + 80, 0, 400 + 455 + 35}},
+      {"kr6_r900", {30, -90, 90, 0, 0, 0}, {525 * c, -525 * s, 890}},
+      {"lrmate200id", {0, 0, 0, 0, 0, 0}, {50 + 420 + 80, 0, 440 + 35}},
+      {"lrmate200id", {0, 30, 0, 0, 0, 0}, {50 + 440 * s + 500, 0, 440 * c + 35}},
+      {"lrmate200id", {0, 0, 30, 0, 0, 0}, {50 + 500 * c - 35 * s, 0, 440 + 500 * s + 35 * c}},
+      {"tx60", {0, 0, 0, 0, 0, 0}, {0, 20, 375 + 290 + 310 + 70}},
+      {"tx60", {0, 90, 0, 0, 0, 0}, {290 + 310 + 70, 20, 375}},
+      {"ur5", {0, 0, 0, 0, 0, 0}, {-425 - 392.25, -109.15 - 82.3, 89.159 - 94.65}},
+      {"ur10", {0, 0, 0, 0, 0, 0}, {-612 - 572.3, -163.941 - 92.2, 127.3 - 115.7}},
+      {"ur3", {0, 0, 0, 0, 0, 0}, {-243.65 - 213.25, -112.35 - 81.9, 151.9 - 85.35}}};
+  for (const Pose& pose : poses) {
+    SCOPED_TRACE(pose.name);
+    const Robot robot = ReadAnyRobot(test::SourceFolder() + "/problems/published/robots/" + pose.name + ".csv").robot;
+    EXPECT_FALSE(robot.name.empty());
+    const Vector3<double> flange = 1e3 * test::FlangeOf(robot.chain, Degrees(pose.q_deg)).translation;
+    EXPECT_LT((flange - pose.flange_mm).norm(), 1e-9) << flange.transpose();
+  }
 }
 
 std::vector<DhRow> Perturbed(std::vector<DhRow> rows, bool with_beta) {

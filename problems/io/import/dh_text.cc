@@ -34,7 +34,6 @@ DhColumn ColumnOf(const std::string& header, bool* is_previous) {
   const std::regex index(R"([_ ]*[\{\(]?(i|j|n)[\}\)]?$)");
   *is_previous = std::regex_search(name, previous) && std::regex_replace(name, previous, "") != name;
   name = std::regex_replace(name, previous, "");
-  if (name != "beta" && name.size() > 1) name = std::regex_replace(name, index, "");
   static const std::map<std::string, DhColumn> kNames = {{"a", DhColumn::kA},
                                                          {"r", DhColumn::kA},
                                                          {"length", DhColumn::kA},
@@ -71,7 +70,8 @@ DhColumn ColumnOf(const std::string& header, bool* is_previous) {
                                                          {"max", DhColumn::kMax},
                                                          {"upper", DhColumn::kMax},
                                                          {"qmax", DhColumn::kMax}};
-  const auto found = kNames.find(name);
+  auto found = kNames.find(name);
+  if (found == kNames.end()) found = kNames.find(std::regex_replace(name, index, ""));
   return found == kNames.end() ? DhColumn::kOther : found->second;
 }
 

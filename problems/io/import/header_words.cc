@@ -31,19 +31,19 @@ std::string Trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t_") - first + 1);
 }
 
-// {name, unit} in lower case; the unit "" where none is stated.
+// {name as written, unit}; the unit "" where none is stated.
 std::pair<std::string, std::string> Separated(const std::string& header) {
-  const std::string text = Trimmed(LowerCaseOf(header));
+  const std::string text = Trimmed(header), lower = LowerCaseOf(text);  // of equal length
   for (const auto& [open, close] : {std::pair<char, char>('[', ']'), {'(', ')'}}) {
-    const size_t first = text.rfind(open), last = text.rfind(close);
+    const size_t first = lower.rfind(open), last = lower.rfind(close);
     if (first == std::string::npos || last == std::string::npos || last < first) continue;
-    const auto found = UnitWords().find(Trimmed(text.substr(first + 1, last - first - 1)));
+    const auto found = UnitWords().find(Trimmed(lower.substr(first + 1, last - first - 1)));
     if (found != UnitWords().end()) return {Trimmed(text.substr(0, first) + text.substr(last + 1)), found->second};
   }
   for (const char* mark : {"_", " ", "/", "."}) {
-    const size_t at = text.rfind(mark);
+    const size_t at = lower.rfind(mark);
     if (at == std::string::npos || at == 0) continue;
-    const std::string last = text.substr(at + 1);
+    const std::string last = lower.substr(at + 1);
     const auto found = UnitWords().find(last);
     if (found != UnitWords().end() && MayFollowAName(last)) return {Trimmed(text.substr(0, at)), found->second};
     if ((last == "s" || last == "n") && *mark == '_') return {Trimmed(text.substr(0, at)), last == "s" ? "s" : "N"};
@@ -64,7 +64,9 @@ std::string LowerCaseOf(const std::string& text) {
 
 std::string UnitInHeader(const std::string& header) { return Separated(header).second; }
 
-std::string NameWithoutUnit(const std::string& header) { return Separated(header).first; }
+std::string StemOf(const std::string& header) { return Separated(header).first; }
+
+std::string NameWithoutUnit(const std::string& header) { return LowerCaseOf(Separated(header).first); }
 
 std::vector<std::string> WordsOf(const std::string& name) {
   std::vector<std::string> words;

@@ -13,7 +13,8 @@ std::string LowerCaseOf(const std::string& text);
 // an underscore or a blank.
 std::string UnitInHeader(const std::string& header);
 
-// The header in lower case without its unit, blanks trimmed.
+// The header without its unit, blanks trimmed: as written, and in lower case.
+std::string StemOf(const std::string& header);
 std::string NameWithoutUnit(const std::string& header);
 
 // Words of a name: "measurement_std_x" -> {measurement, std, x}; "TargetQ1" -> {target, q, 1};
