@@ -10,8 +10,10 @@ Command PredictCommand();
 Command SimulateCommand();
 Command CompareCommand();
 Command CompensateCommand();
+Command ConvertCommand();
 Command CoverageCommand();
 Command DiagnoseCommand();
+Command ImportCommand();
 Command InspectCommand();
 Command ValidateCommand();
 

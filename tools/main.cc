@@ -22,7 +22,8 @@ const std::vector<Command>& Commands() {
       {"plan", "which poses to measure next", "", {}},
       CompensateCommand(),
       {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
-      {"convert", "robot files between formats", "", {}},
+      ImportCommand(),
+      ConvertCommand(),
   };
   return commands;
 }

@@ -25,7 +25,7 @@ Eigen::VectorXd StartNumber(const Chain& chain, int k) {
   Eigen::VectorXd start(n);
   for (int j = 0; j < n; ++j) {
     const Joint& joint = chain.joints[j];
-    const double half = joint.type == JointType::kRevolute ? kPi : Reach(chain);
+    const double half = joint.type == JointType::kRevolute ? kPi : CharacteristicLength(chain);
     const double low = joint.min.value_or(-half), high = joint.max.value_or(half);
     double share = 0.5 + k * std::pow(ratio, -(j + 1));
     share -= std::floor(share);
@@ -108,7 +108,7 @@ FlangeSolution Compensator::Nominal(const Target& target, const Eigen::VectorXd&
   double least = std::numeric_limits<double>::infinity();
   for (const Eigen::VectorXd& start : starts) {
     solution = SolveFlange(input_.nominal, arm, *target.flange_in_base, start, true);
-    const double left = solution.left_position / Reach(input_.nominal) + solution.left_rotation;
+    const double left = solution.left_position / CharacteristicLength(input_.nominal) + solution.left_rotation;
     if (left < least) best = solution, least = left;
     if (good(solution)) return solution;
   }

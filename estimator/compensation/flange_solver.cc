@@ -25,7 +25,7 @@ class Newton {
  public:
   Newton(const Chain& chain, const FlangeFunction& arm, const Pose<double>& target, const Eigen::VectorXd& reference)
       : arm_(arm), target_(target), reference_(reference), moves_(chain.num_joints(), true) {
-    const double reach = Reach(chain);
+    const double reach = CharacteristicLength(chain);
     weight_.head<3>().setConstant(1.0 / reach);
     weight_.tail<3>().setConstant(chain.num_joints() < 6 ? kAngleWeight : 1.0);
   }
@@ -194,7 +194,7 @@ bool LoadedArm::At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<doubl
   return true;
 }
 
-double Reach(const Chain& chain) {
+double CharacteristicLength(const Chain& chain) {
   double reach = 0.0;
   for (const ElementaryTransform& transform : chain.transforms) {
     if (!transform.is_rotation() && !transform.has_joint()) reach += std::abs(transform.nominal);
@@ -205,9 +205,9 @@ double Reach(const Chain& chain) {
 double LeastSingularValue(const Chain& chain, const FlangeState& state) {
   const int n = chain.num_joints();
   Eigen::MatrixXd jacobian = state.by_joints.topRows(n < 6 ? 3 : 6);
-  jacobian.topRows<3>() /= Reach(chain);
+  jacobian.topRows<3>() /= CharacteristicLength(chain);
   for (int j = 0; j < n; ++j) {
-    if (chain.joints[j].type == JointType::kPrismatic) jacobian.col(j) *= Reach(chain);
+    if (chain.joints[j].type == JointType::kPrismatic) jacobian.col(j) *= CharacteristicLength(chain);
   }
   return Eigen::JacobiSVD<Eigen::MatrixXd>(jacobian).singularValues().tail<1>()[0];
 }

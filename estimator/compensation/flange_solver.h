@@ -57,7 +57,7 @@ struct FlangeSolution {
 };
 
 // Sum of the lengths along the chain, m: the unit in which positions and angles are weighed against each other.
-double Reach(const Chain& chain);
+double CharacteristicLength(const Chain& chain);
 
 // Smallest of the singular values of the flange's Jacobian that the number of joints allows (position alone below six
 // joints), lengths in units of the reach: about the angle in rad to a singularity of the wrist. Below kNearSingular

@@ -19,7 +19,7 @@ constexpr double kBumpWidths[] = {0.01, 0.02, 0.04, 0.08, 0.16};  // standard de
 constexpr int kOrders = 6;
 constexpr int kPeriods = 100;  // half cycles over the data
 constexpr double kTwoPi = 6.283185307179586;
-constexpr double kDegree = 57.29577951308232;
+constexpr double kDegreesPerRadian = 57.29577951308232;
 
 std::string Rounded(const char* format, double value) {
   char text[32];
@@ -306,7 +306,7 @@ bool DecoyBench::Moves(int joint) const { return angles_[joint].maxCoeff() - ang
 bool DecoyBench::Turns(int joint) const { return sagitta::Turns(problem_, joint); }
 
 std::string DecoyBench::Place(int joint, double value) const {
-  return Rounded("%.0f", value * (Turns(joint) ? kDegree : 1e3));
+  return Rounded("%.0f", value * (Turns(joint) ? kDegreesPerRadian : 1e3));
 }
 
 std::string DecoyBench::Range(int joint, double low, double high) const {

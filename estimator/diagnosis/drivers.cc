@@ -5,7 +5,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kDegree = 57.29577951308232;
+constexpr double kDegreesPerRadian = 57.29577951308232;
 
 Driver PerShot(const CalibrationProblem& problem, const std::string& name, const std::string& unit,
                const std::function<double(const ShotConditions&)>& value) {
@@ -23,7 +23,7 @@ bool Turns(const CalibrationProblem& problem, int joint) {
 }
 
 Driver AngleOf(const CalibrationProblem& problem, int joint) {
-  const double scale = Turns(problem, joint) ? kDegree : 1e3;
+  const double scale = Turns(problem, joint) ? kDegreesPerRadian : 1e3;
   return PerShot(problem, problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "deg" : "mm",
                  [&](const ShotConditions& shot) { return scale * shot.q[joint]; });
 }

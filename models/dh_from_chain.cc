@@ -1,0 +1,285 @@
+#include "models/dh_from_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "models/kinematics.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kParallel = 3.0 * kPi / 180.0;
+constexpr double kZero = 1e-12;  // m, rad: rounding of a chain of poses
+constexpr double kLengthPrior = 5e-3, kAnglePrior = 5e-3;
+constexpr double kToolReach = 0.1;  // m
+constexpr int kPoses = 400;
+
+std::vector<Pose<double>> Frames(const Chain& chain, const Eigen::VectorXd& q) {
+  const Eigen::VectorXd coupled = chain.CoupledJointValues(q);
+  std::vector<double> values;
+  for (const ElementaryTransform& transform : chain.transforms) {
+    values.push_back(transform.nominal + (transform.has_joint() ? transform.sign * coupled[transform.joint] : 0.0));
+  }
+  ChainState<double> state;
+  EvaluateChain(chain, values.data(), &state);
+  return state.frames;
+}
+
+struct Line {
+  Vector3<double> point, direction;
+};
+
+Line AxisLine(const Chain& chain, const std::vector<Pose<double>>& frames, int joint) {
+  const int e = chain.JointTransform(joint);
+  const ElementaryTransform& transform = chain.transforms[e];
+  return {frames[e].translation, transform.sign * frames[e].rotation.col(static_cast<int>(transform.axis))};
+}
+
+Line Seen(const Pose<double>& from, const Line& line) {
+  return {from.rotation.transpose() * (line.point - from.translation), from.rotation.transpose() * line.direction};
+}
+
+// Nothing but rounding counts as 0.
+double Clean(double value) { return std::abs(value) < kZero ? 0.0 : value; }
+
+// Turns the link's x axis round where theta would be beyond a quarter turn.
+void KeepThetaSmall(DhLink* link) {
+  if (link->theta > -0.5 * kPi + kZero && link->theta <= 0.5 * kPi + kZero) return;
+  link->theta += link->theta > 0.0 ? -kPi : kPi;
+  link->a = -link->a;
+}
+
+// Onto the line `next`, given in the frame whose z is the joint's axis.
+DhLink LinkOnto(const Line& next) {
+  DhLink link;
+  const Vector3<double>& v = next.direction;
+  const double sine = v.head<2>().norm();
+  if (std::abs(v.z()) < std::cos(kParallel)) {
+    // The common normal x: d where it leaves z, a its length.
+    const Vector3<double> x = Vector3<double>::UnitZ().cross(v) / sine;
+    const double along = -next.point.head<2>().dot(v.head<2>()) / (sine * sine);
+    const Vector3<double> foot = next.point + along * v;
+    link.theta = std::atan2(x.y(), x.x());
+    link.a = Clean(foot.dot(x));
+    link.d = Clean(foot.z());
+    KeepThetaSmall(&link);
+  } else {
+    const Vector3<double> crossing = next.point - next.point.z() / v.z() * v;
+    link.a = Clean(crossing.head<2>().norm());
+    if (link.a > 0.0) link.theta = std::atan2(crossing.y(), crossing.x());
+    KeepThetaSmall(&link);
+  }
+  link.theta = Clean(link.theta);
+  // v = Rz(theta) Rx(alpha) Ry(beta) z, and Rx Ry z = (sin b, -sin a cos b, cos a cos b).
+  const Vector3<double> seen = Eigen::AngleAxisd(-link.theta, Vector3<double>::UnitZ()) * v;
+  link.alpha = Clean(std::atan2(-seen.y(), seen.z()));
+  link.beta = Clean(std::atan2(seen.x(), seen.tail<2>().norm()));
+  return link;
+}
+
+Pose<double> Multiply(const Pose<double>& a, const Pose<double>& b) {
+  return {a.rotation * b.rotation, a * b.translation};
+}
+
+Pose<double> LinkPose(const DhLink& link) {
+  Pose<double> pose;
+  RotateInPlace(Axis::kZ, link.theta, &pose.rotation);
+  pose.translation = Vector3<double>(0, 0, link.d) + link.a * pose.rotation.col(0);
+  RotateInPlace(Axis::kX, link.alpha, &pose.rotation);
+  RotateInPlace(Axis::kY, link.beta, &pose.rotation);
+  return pose;
+}
+
+// Fixed-axis x-y-z angles.
+Vector3<double> Rpy(const Matrix3<double>& rotation) {
+  const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
+  const Matrix3<double> rest = Eigen::AngleAxisd(-yaw, Vector3<double>::UnitZ()).toRotationMatrix() * rotation;
+  return {std::atan2(-rest(1, 2), rest(1, 1)), std::atan2(-rest(2, 0), rest(0, 0)), yaw};
+}
+
+// The last link as far as its four parameters go; the rest is the flange's pose.
+void CloseTable(const Pose<double>& flange, int joint, DhTable* table) {
+  DhLink link;
+  const Vector3<double> x = flange.rotation.col(0);
+  if (std::abs(x.z()) < kZero) {
+    link.theta = Clean(std::atan2(x.y(), x.x()));
+    link.a = Clean(flange.translation.dot(x));
+    link.d = Clean(flange.translation.z());
+    const Vector3<double> z = Eigen::AngleAxisd(-link.theta, Vector3<double>::UnitZ()) * flange.rotation.col(2);
+    link.alpha = Clean(std::atan2(-z.y(), z.z()));
+  }
+  link.joint = joint;
+  table->links.push_back(link);
+  const Pose<double> reached = LinkPose(link);
+  const Vector3<double> rest = reached.rotation.transpose() * (flange.translation - reached.translation);
+  table->flange_xyz = rest.norm() < kZero ? Vector3<double>::Zero() : Vector3<double>(rest.unaryExpr(&Clean));
+  const Matrix3<double> turn = reached.rotation.transpose() * flange.rotation;
+  if ((turn - Matrix3<double>::Identity()).norm() > kZero) table->flange_rpy = Rpy(turn).unaryExpr(&Clean);
+}
+
+std::optional<DhTable> StandardTable(const Chain& chain, std::string* why_not) {
+  const std::vector<Pose<double>> frames = Frames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
+  const Line first = AxisLine(chain, frames, 0);
+  const bool slides = chain.joints[0].type == JointType::kPrismatic;
+  const double off = slides ? 0.0 : first.point.head<2>().norm();
+  if ((first.direction - Vector3<double>::UnitZ()).norm() > kZero || off > kZero) {
+    *why_not =
+        "joint '" + chain.joints[0].name + "' does not move about the z axis of the base, where a DH table begins";
+    return std::nullopt;
+  }
+  DhTable table;
+  table.convention = DhConvention::kStandard;
+  Pose<double> here;
+  for (int j = 0; j + 1 < chain.num_joints(); ++j) {
+    Line next = AxisLine(chain, frames, j + 1);
+    if (chain.joints[j + 1].type == JointType::kPrismatic) next.point = here.translation;  // a slide has no place
+    DhLink link = LinkOnto(Seen(here, next));
+    link.joint = j;
+    table.links.push_back(link);
+    here = Multiply(here, LinkPose(link));
+  }
+  const Pose<double>& flange = frames.back();
+  const Pose<double> flange_here{here.rotation.transpose() * flange.rotation,
+                                 here.rotation.transpose() * (flange.translation - here.translation)};
+  CloseTable(flange_here, chain.num_joints() - 1, &table);
+  return table;
+}
+
+Pose<double> FlangePose(const DhTable& table) {
+  Pose<double> pose;
+  for (int i = 2; i >= 0; --i) RotateInPlace(static_cast<Axis>(i), table.flange_rpy[i], &pose.rotation);
+  pose.translation = table.flange_xyz;
+  return pose;
+}
+
+DhTable ModifiedFromStandard(const DhTable& standard) {
+  DhTable table = standard;
+  table.convention = DhConvention::kModified;
+  for (size_t i = 0; i < table.links.size(); ++i) {
+    const DhLink before = i == 0 ? DhLink() : standard.links[i - 1];
+    table.links[i].a = before.a;
+    table.links[i].alpha = before.alpha;
+    table.links[i].beta = before.beta;
+  }
+  DhLink last = standard.links.back();
+  last.theta = last.d = 0.0;
+  const Pose<double> flange = Multiply(LinkPose(last), FlangePose(standard));
+  table.flange_xyz = flange.translation;
+  table.flange_rpy = Rpy(flange.rotation).unaryExpr(&Clean);
+  return table;
+}
+
+std::optional<DhTable> StandardFromModified(const DhTable& modified, std::string* why_not) {
+  const DhLink& first = modified.links.front();
+  if (first.a != 0.0 || first.alpha != 0.0 || first.beta != 0.0) {
+    *why_not = "its first row has a, alpha or beta, and a standard table begins with the joint";
+    return std::nullopt;
+  }
+  DhTable table = modified;
+  table.convention = DhConvention::kStandard;
+  for (size_t i = 0; i < table.links.size(); ++i) {
+    const bool is_last = i + 1 == table.links.size();
+    table.links[i].a = is_last ? 0.0 : modified.links[i + 1].a;
+    table.links[i].alpha = is_last ? 0.0 : modified.links[i + 1].alpha;
+    table.links[i].beta = is_last ? 0.0 : modified.links[i + 1].beta;
+  }
+  return table;
+}
+
+// The four parameters of a row, and the scale of what they may change by.
+double* Entry(DhTable* table, int i) {
+  DhLink& link = table->links[i / 4];
+  return i % 4 == 0 ? &link.a : i % 4 == 1 ? &link.d : i % 4 == 2 ? &link.alpha : &link.theta;
+}
+double PriorOf(int i) { return i % 4 < 2 ? kLengthPrior : kAnglePrior; }
+
+std::vector<Eigen::VectorXd> RandomPoses(const Chain& chain) {
+  std::mt19937_64 random(1955);
+  std::vector<Eigen::VectorXd> poses(kPoses, Eigen::VectorXd(chain.num_joints()));
+  for (Eigen::VectorXd& q : poses) {
+    for (int j = 0; j < q.size(); ++j) {
+      const Joint& joint = chain.joints[j];
+      const double reach = joint.type == JointType::kRevolute ? kPi : 1.0;
+      const double low = joint.min.value_or(-reach), high = joint.max.value_or(reach);
+      q[j] = low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+    }
+  }
+  return poses;
+}
+
+// Flange and two points away from it, all poses, m.
+Eigen::VectorXd Points(const Chain& chain, const std::vector<Eigen::VectorXd>& poses) {
+  Eigen::VectorXd points(9 * poses.size());
+  for (size_t p = 0; p < poses.size(); ++p) {
+    const Pose<double> flange = Frames(chain, poses[p]).back();
+    points.segment<3>(9 * p) = flange.translation;
+    points.segment<3>(9 * p + 3) = flange * Vector3<double>(kToolReach, 0, 0);
+    points.segment<3>(9 * p + 6) = flange * Vector3<double>(0, kToolReach, 0);
+  }
+  return points;
+}
+
+}  // namespace
+
+std::optional<DhTable> DhTableFromChain(const Chain& chain, DhConvention convention, std::string* why_not) {
+  const std::optional<DhTable> standard = StandardTable(chain, why_not);
+  if (!standard || convention == DhConvention::kStandard) return standard;
+  return ModifiedFromStandard(*standard);
+}
+
+std::optional<DhTable> InConvention(const DhTable& table, DhConvention convention, std::string* why_not) {
+  if (table.convention == convention) return table;
+  return convention == DhConvention::kModified ? ModifiedFromStandard(table) : StandardFromModified(table, why_not);
+}
+
+PlainDhFit FitPlainDh(const Chain& chain, const DhTable& with_beta) {
+  const auto chain_of = [&chain](const DhTable& table) {
+    return ChainFromDhTable(chain.joints, chain.couplings, table);
+  };
+  const std::vector<Eigen::VectorXd> poses = RandomPoses(chain);
+  const Eigen::VectorXd target = Points(chain_of(with_beta), poses);
+  PlainDhFit fit{with_beta};
+  for (DhLink& link : fit.table.links) link.beta = 0.0;
+  DhTable start = fit.table;
+  const int n = 4 * static_cast<int>(fit.table.links.size());
+  // Nearly linear in errors of mrad: a few Gauss-Newton steps, derivatives by central differences. A change by one
+  // sigma of the prior has to be worth 0.01 mm (RMS over all coordinates).
+  constexpr double kStep = 1e-6;
+  const double prior_weight = 1e-5 * std::sqrt(static_cast<double>(target.size()));
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    Eigen::MatrixXd jacobian(target.size() + n, n);
+    Eigen::VectorXd residual(target.size() + n);
+    residual.head(target.size()) = Points(chain_of(fit.table), poses) - target;
+    jacobian.bottomRows(n).setZero();
+    for (int i = 0; i < n; ++i) {
+      DhTable plus = fit.table, minus = fit.table;
+      *Entry(&plus, i) += kStep;
+      *Entry(&minus, i) -= kStep;
+      jacobian.col(i).head(target.size()) =
+          (Points(chain_of(plus), poses) - Points(chain_of(minus), poses)) / (2 * kStep);
+      jacobian(target.size() + i, i) = prior_weight / PriorOf(i);
+      residual[target.size() + i] = prior_weight * (*Entry(&fit.table, i) - *Entry(&start, i)) / PriorOf(i);
+    }
+    const Eigen::VectorXd step = jacobian.householderQr().solve(residual);
+    for (int i = 0; i < n; ++i) *Entry(&fit.table, i) -= step[i];
+    if (step.norm() < 1e-12) break;
+  }
+  const Eigen::VectorXd off = Points(chain_of(fit.table), poses) - target;
+  double sum = 0.0;
+  for (size_t p = 0; p < poses.size(); ++p) {
+    const double squared = off.segment<3>(9 * p).squaredNorm();
+    sum += squared;
+    fit.max = std::max(fit.max, std::sqrt(squared));
+  }
+  fit.rms = std::sqrt(sum / poses.size());
+  for (int i = 0; i < n; ++i) {
+    if (i % 4 >= 2) continue;
+    fit.largest_length_change =
+        std::max(fit.largest_length_change, std::abs(*Entry(&fit.table, i) - *Entry(&start, i)));
+  }
+  return fit;
+}
+
+}  // namespace sagitta

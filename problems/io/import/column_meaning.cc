@@ -1,0 +1,209 @@
+#include "problems/io/import/column_meaning.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "problems/io/import/header_words.h"
+
+namespace sagitta {
+namespace {
+
+using Words = std::vector<std::string>;
+
+const std::set<std::string> kMeasuredWords = {"measurement", "measured", "meas",    "actual", "act",  "ist", "mess",
+                                              "messwert",    "gemessen", "tracker", "leica",  "faro", "smr", "reading"};
+const std::set<std::string> kTargetWords = {
+    "goal",     "target",   "tgt",       "nominal",   "nom",         "commanded", "command",    "cmd",
+    "desired",  "des",      "ref",       "reference", "setpoint",    "soll",      "planned",    "plan",
+    "t",        "model",    "predicted", "pred",      "theoretical", "theo",      "calculated", "calc",
+    "computed", "expected", "sim",       "simulated", "fk",          "controller"};
+const std::set<std::string> kDifferenceWords = {"dif", "diff",      "difference", "delta", "error", "err",
+                                                "dev", "deviation", "residual",   "d",     "res",   "offset"};
+const std::set<std::string> kSigmaWords = {"std",   "sigma",       "stddev", "sd",      "sdev",
+                                           "stdev", "uncertainty", "unc",    "standard"};
+// Words that go with a position and say nothing about whose it is.
+const std::set<std::string> kPointWords = {"point", "pos", "position", "coordinate", "coord", "p", "xyz"};
+
+bool Has(const Words& words, const std::set<std::string>& set) {
+  return std::any_of(words.begin(), words.end(), [&set](const std::string& word) { return set.count(word) > 0; });
+}
+
+int AxisOf(const std::string& word) {
+  static const Words kAxes = {"x", "y", "z"};
+  const auto found = std::find(kAxes.begin(), kAxes.end(), word);
+  return found == kAxes.end() ? -1 : static_cast<int>(found - kAxes.begin());
+}
+
+bool IsNumber(const std::string& word) {
+  return !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+ColumnMeaning Unused(const std::string& why) {
+  ColumnMeaning meaning;
+  meaning.why = why;
+  return meaning;
+}
+
+// Universal Robots' joints in the order of their description.
+std::optional<int> NamedJoint(const std::string& name, const std::vector<std::string>& joints) {
+  for (size_t j = 0; j < joints.size(); ++j) {
+    if (LowerCaseOf(joints[j]) == name && AxisOf(name) < 0) return static_cast<int>(j);
+  }
+  static const Words kUniversal = {"shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"};
+  for (size_t j = 0; j < kUniversal.size(); ++j) {
+    if (name.find(kUniversal[j]) != std::string::npos) return static_cast<int>(j);
+  }
+  return std::nullopt;
+}
+
+// joint_1, q1, A1, "Axis 1", "J1", "actual_q_1", "joint 1 angle": the number, as written.
+std::optional<int> NumberedJoint(const Words& words) {
+  static const std::set<std::string> kJoint = {"q",   "j", "joint", "joints", "axis", "achse",
+                                               "axe", "a", "theta", "θ",      "th",   "jnt"};
+  static const std::set<std::string> kAround = {"angle", "pos", "position", "value", "robot", "encoder"};
+  std::optional<int> number;
+  bool named = false;
+  for (const std::string& word : words) {
+    if (IsNumber(word) && !number && named) {
+      number = std::stoi(word.substr(0, 3));
+    } else if (kJoint.count(word)) {
+      named = true;
+    } else if (!kAround.count(word) && !kTargetWords.count(word) && !kMeasuredWords.count(word)) {
+      return std::nullopt;
+    }
+  }
+  return named ? number : std::nullopt;
+}
+
+std::optional<ColumnMeaning> AsJoint(const std::string& name, const Words& words,
+                                     const std::vector<std::string>& joints) {
+  if (Has(words, kSigmaWords) || Has(words, kDifferenceWords)) return std::nullopt;
+  std::optional<int> index = NamedJoint(name, joints);
+  if (!index) {
+    index = NumberedJoint(words);
+    if (!index) return std::nullopt;
+    --*index;  // counted from 1; a table that counts from 0 has a joint -1
+  }
+  ColumnMeaning meaning;
+  meaning.role = Role::kJoint;
+  meaning.index = *index;
+  meaning.is_actual = Has(words, kMeasuredWords);
+  meaning.is_commanded = Has(words, kTargetWords);
+  return meaning;
+}
+
+std::optional<ColumnMeaning> AsPoint(const Words& words) {
+  int axis = -1;
+  bool foreign = false;
+  for (const std::string& word : words) {
+    if (AxisOf(word) >= 0 && axis < 0) {
+      axis = AxisOf(word);
+    } else if (AxisOf(word) >= 0) {
+      return std::nullopt;
+    } else if (word.size() == 2 && word[0] == 'd' && AxisOf(word.substr(1)) >= 0) {
+      ColumnMeaning difference;
+      difference.role = Role::kDifference;
+      difference.index = AxisOf(word.substr(1));
+      return difference;
+    } else if (!kMeasuredWords.count(word) && !kTargetWords.count(word) && !kDifferenceWords.count(word) &&
+               !kSigmaWords.count(word) && !kPointWords.count(word)) {
+      foreign = true;
+    }
+  }
+  if (axis < 0) return std::nullopt;
+  ColumnMeaning meaning;
+  meaning.index = axis;
+  meaning.says_measured = Has(words, kMeasuredWords);
+  if (Has(words, kSigmaWords)) {
+    meaning.role = foreign ? Role::kOther : Role::kSigma;
+  } else if (Has(words, kDifferenceWords)) {
+    meaning.role = Role::kDifference;
+  } else if (Has(words, kTargetWords)) {
+    meaning.role = Role::kTarget;
+  } else {
+    meaning.role = foreign ? Role::kOther : Role::kPoint;
+  }
+  if (meaning.role == Role::kOther) meaning.why = "whose coordinate this is the name does not say";
+  return meaning;
+}
+
+bool IsRotation(const Words& words) {
+  static const std::set<std::string> kRotation = {"rx", "ry", "rz",  "roll",     "pitch", "yaw",
+                                                  "qx", "qy", "qz",  "qw",       "ow",    "ox",
+                                                  "oy", "oz", "rot", "rotation", "quat",  "euler"};
+  return Has(words, kRotation);
+}
+
+// Names that measurements.csv has, and what people call them.
+std::optional<std::string> TextColumn(const Words& words) {
+  static const std::vector<std::pair<std::string, std::set<std::string>>> kNames = {
+      {"config", {"config", "configuration", "pose"}},
+      {"marker", {"marker", "reflector", "nest"}},
+      {"station", {"station", "setup", "placement"}},
+      {"visit", {"visit"}},
+      {"repeat", {"repeat", "repetition", "shot"}},
+      {"load", {"load", "payload"}},
+      {"set", {"set"}}};
+  static const std::set<std::string> kAround = {"id", "nr", "no", "number", "name", "index"};
+  if (words.empty()) return std::nullopt;
+  for (const auto& [name, synonyms] : kNames) {
+    if (!synonyms.count(words[0])) continue;
+    if (std::all_of(words.begin() + 1, words.end(), [](const std::string& word) { return kAround.count(word) > 0; }))
+      return name;
+  }
+  return std::nullopt;
+}
+
+std::optional<ColumnMeaning> AsLoadOrApproach(const std::string& name, const Words& words) {
+  static const Words kWrench = {"fx", "fy", "fz", "mx", "my", "mz"};
+  const auto found = std::find(kWrench.begin(), kWrench.end(), name);
+  ColumnMeaning meaning;
+  if (found != kWrench.end()) {
+    meaning.role = Role::kWrench;
+    meaning.index = static_cast<int>(found - kWrench.begin());
+    return meaning;
+  }
+  if (words.size() == 2 && words[0] == "approach" && IsNumber(words[1])) {
+    meaning.role = Role::kApproach;
+    meaning.index = std::stoi(words[1]) - 1;
+    return meaning;
+  }
+  return std::nullopt;
+}
+
+ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& joints) {
+  const std::string name = NameWithoutUnit(header);
+  const Words words = WordsOf(StemOf(header));
+  if (words.empty()) return Unused("no name");
+  if (const auto text = TextColumn(words)) {
+    ColumnMeaning meaning;
+    meaning.role = Role::kText;
+    meaning.name = *text;
+    return meaning;
+  }
+  if (const auto load = AsLoadOrApproach(name, words)) return *load;
+  if (const auto joint = AsJoint(name, words, joints)) return *joint;
+  if (words.front() == "tau" || words.front() == "torque") return Unused("torques are not read yet");
+  if (IsRotation(words)) return Unused("a rotation whose convention is not stated");
+  static const std::set<std::string> kTemperature = {"temperature", "temp", "temperatur"};
+  static const std::set<std::string> kTime = {"time", "timestamp", "datetime", "date", "zeit"};
+  ColumnMeaning meaning;
+  if (Has(words, kTemperature)) meaning.role = Role::kTemperature;
+  if (Has(words, kTime)) meaning.role = Role::kTime;
+  if (meaning.role != Role::kOther) return meaning;
+  if (const auto point = AsPoint(words)) return *point;
+  return Unused("not known");
+}
+
+}  // namespace
+
+ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints) {
+  ColumnMeaning meaning = ByName(header, joints);
+  meaning.unit = UnitInHeader(header);
+  if (meaning.role == Role::kTarget) meaning.why = "a position that was meant, not measured";
+  if (meaning.role == Role::kDifference) meaning.why = "a difference, not a position";
+  return meaning;
+}
+
+}  // namespace sagitta

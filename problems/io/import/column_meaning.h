@@ -1,0 +1,41 @@
+// What a column of a foreign table means, by its name.
+//
+// Only names that say so are taken for measured points; commanded, nominal and
+// target positions, differences, and angles whose convention is not stated are
+// recognised as such and left out with the reason.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+enum class Role {
+  kJoint,       // index: joint from 0
+  kPoint,       // index: 0 x, 1 y, 2 z
+  kSigma,       // of the point
+  kTarget,      // where the point was meant to be; index as of kPoint
+  kDifference,  // between measured and target; index as of kPoint
+  kWrench,      // index: fx fy fz mx my mz
+  kApproach,    // index: joint
+  kTemperature,
+  kTime,
+  kText,  // a column that measurements.csv has by the same name: config, marker, station …
+  kOther  // not used
+};
+
+struct ColumnMeaning {
+  Role role = Role::kOther;
+  int index = -1;
+  std::string name;            // of kText
+  std::string unit;            // "" where the header does not say
+  bool is_commanded = false;   // a joint value that the name calls commanded
+  bool is_actual = false;      // a joint value that the name calls actual
+  bool says_measured = false;  // a point that the name calls measured
+  std::string why;             // of kOther and kTarget, in words
+};
+
+// `joints`: the robot's joint names, empty when it is not known.
+ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints);
+
+}  // namespace sagitta

@@ -1,0 +1,26 @@
+// Numbers as people type them into tables: 90, -pi/2, 0.5*pi, 90°, q1 + 90, θ2-pi/2.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace sagitta {
+
+// A number that may be a multiple or a fraction of pi; `uses_pi`, `is_degrees` (a
+// degree sign) say in which unit it can only be.
+struct TypedNumber {
+  double value = 0.0;
+  bool uses_pi = false;
+  bool is_degrees = false;
+};
+std::optional<TypedNumber> ParseTypedNumber(const std::string& text, bool decimal_comma = false);
+
+// A joint variable (letters, then a number: q1, -q2, θ3, theta_4, q1*) with a constant.
+struct JointExpression {
+  int index = 0;  // the number after the letters
+  double sign = 1.0;
+  TypedNumber offset;
+};
+std::optional<JointExpression> ParseJointExpression(const std::string& text, bool decimal_comma = false);
+
+}  // namespace sagitta

@@ -1,0 +1,90 @@
+#include "problems/io/import/header_words.h"
+
+#include <cctype>
+#include <map>
+#include <utility>
+
+namespace sagitta {
+namespace {
+
+const std::map<std::string, std::string>& UnitWords() {
+  static const std::map<std::string, std::string> kWords = {
+      {"mm", "mm"},     {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
+      {"m", "m"},       {"meter", "m"},       {"meters", "m"},       {"metre", "m"},       {"metres", "m"},
+      {"um", "um"},     {"µm", "um"},         {"μm", "um"},          {"micron", "um"},     {"microns", "um"},
+      {"deg", "deg"},   {"degree", "deg"},    {"degrees", "deg"},    {"°", "deg"},         {"grad", "deg"},
+      {"rad", "rad"},   {"radian", "rad"},    {"radians", "rad"},    {"mrad", "mrad"},     {"urad", "urad"},
+      {"µrad", "urad"}, {"s", "s"},           {"sec", "s"},          {"seconds", "s"},     {"degc", "degC"},
+      {"°c", "degC"},   {"c", "degC"},        {"celsius", "degC"},   {"n", "N"},           {"nm", "Nm"},
+      {"kg", "kg"}};
+  return kWords;
+}
+
+// Units that nobody uses as a name's last word by accident.
+bool MayFollowAName(const std::string& word) {
+  return word != "c" && word != "n" && word != "grad" && word != "sec" && word != "s" && word != "°c";
+}
+
+std::string Trimmed(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t_");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t_") - first + 1);
+}
+
+// {name as written, unit}; the unit "" where none is stated.
+std::pair<std::string, std::string> Separated(const std::string& header) {
+  const std::string text = Trimmed(header), lower = LowerCaseOf(text);  // of equal length
+  for (const auto& [open, close] : {std::pair<char, char>('[', ']'), {'(', ')'}}) {
+    const size_t first = lower.rfind(open), last = lower.rfind(close);
+    if (first == std::string::npos || last == std::string::npos || last < first) continue;
+    const auto found = UnitWords().find(Trimmed(lower.substr(first + 1, last - first - 1)));
+    if (found != UnitWords().end()) return {Trimmed(text.substr(0, first) + text.substr(last + 1)), found->second};
+  }
+  for (const char* mark : {"_", " ", "/", "."}) {
+    const size_t at = lower.rfind(mark);
+    if (at == std::string::npos || at == 0) continue;
+    const std::string last = lower.substr(at + 1);
+    const auto found = UnitWords().find(last);
+    if (found != UnitWords().end() && MayFollowAName(last)) return {Trimmed(text.substr(0, at)), found->second};
+    if ((last == "s" || last == "n") && *mark == '_') return {Trimmed(text.substr(0, at)), last == "s" ? "s" : "N"};
+  }
+  return {text, ""};
+}
+
+}  // namespace
+
+std::string LowerCaseOf(const std::string& text) {
+  std::string lower;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const unsigned char c = static_cast<unsigned char>(text[i]);
+    lower += static_cast<char>(c < 0x80 ? std::tolower(c) : c);
+  }
+  return lower;
+}
+
+std::string UnitInHeader(const std::string& header) { return Separated(header).second; }
+
+std::string StemOf(const std::string& header) { return Separated(header).first; }
+
+std::string NameWithoutUnit(const std::string& header) { return LowerCaseOf(Separated(header).first); }
+
+std::vector<std::string> WordsOf(const std::string& name) {
+  std::vector<std::string> words;
+  enum class Kind { kNone, kLower, kUpper, kDigit } before = Kind::kNone;
+  for (const char raw : name) {
+    const unsigned char c = static_cast<unsigned char>(raw);
+    const Kind kind = std::isdigit(c)                ? Kind::kDigit
+                      : std::isupper(c)              ? Kind::kUpper
+                      : std::isalpha(c) || c >= 0x80 ? Kind::kLower
+                                                     : Kind::kNone;
+    const bool starts = kind != before && !(before == Kind::kUpper && kind == Kind::kLower);
+    if (kind != Kind::kNone) {
+      if (starts || words.empty()) words.emplace_back();
+      words.back() += static_cast<char>(c < 0x80 ? std::tolower(c) : c);
+    }
+    before = kind;
+  }
+  return words;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,24 @@
+// Names of columns as people write them: "Joint_1 [deg]", "measurement_x", "θ (°)", "x_mm".
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+std::string LowerCaseOf(const std::string& text);
+
+// The unit that a header states, in this project's spelling (mm, m, um, deg, rad, mrad, urad,
+// s, degC, N, Nm), "" when there is none: in brackets or parentheses, as a suffix after
+// an underscore or a blank.
+std::string UnitInHeader(const std::string& header);
+
+// The header without its unit, blanks trimmed: as written, and in lower case.
+std::string StemOf(const std::string& header);
+std::string NameWithoutUnit(const std::string& header);
+
+// Words of a name: "measurement_std_x" -> {measurement, std, x}; "TargetQ1" -> {target, q, 1};
+// digits are words of their own.
+std::vector<std::string> WordsOf(const std::string& name);
+
+}  // namespace sagitta

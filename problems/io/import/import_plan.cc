@@ -1,0 +1,463 @@
+#include "problems/io/import/import_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "problems/input_error.h"
+#include "problems/io/import/column_meaning.h"
+#include "problems/io/import/header_words.h"
+
+namespace sagitta {
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr char kMapHint[] = "--map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER,q1_deg=HEADER,…; a column's number does as well";
+
+bool IsLengthUnit(const std::string& unit) { return unit == "mm" || unit == "m" || unit == "um"; }
+bool IsAngleUnit(const std::string& unit) { return unit == "deg" || unit == "rad" || unit == "mrad" || unit == "urad"; }
+
+// {"x", "mm"} of x_mm.
+std::pair<std::string, std::string> StemAndUnit(const std::string& column) {
+  const size_t bar = column.rfind('_');
+  if (bar == std::string::npos) return {column, ""};
+  const std::string unit = column.substr(bar + 1);
+  static const std::set<std::string> kUnits = {"mm", "m", "um", "deg", "rad", "mrad", "urad", "s", "degC", "N", "Nm"};
+  return kUnits.count(unit) ? std::make_pair(column.substr(0, bar), unit) : std::make_pair(column, std::string());
+}
+
+class Planner {
+ public:
+  Planner(const TextTable& table, const std::vector<Joint>& joints, const std::map<std::string, std::string>& columns)
+      : table_(table), joints_(joints), mapped_(columns) {
+    for (const Joint& joint : joints) names_.push_back(joint.name);
+  }
+
+  std::vector<ImportPlan> Plans() {
+    plan_.guesses = table_.guesses;
+    TakeMapped();
+    if (table_.has_header()) {
+      for (int c = 0; c < table_.columns(); ++c) {
+        meanings_.push_back(taken_.count(c) ? ColumnMeaning() : MeaningOf(table_.header[c], names_));
+      }
+      TakeJoints();
+      TakePoints();
+      TakeOthers();
+      return WithOpenUnits({plan_});
+    }
+    if (IsComplete(plan_)) return WithOpenUnits({plan_});
+    return WithOpenUnits(LayoutsWithoutHeader());
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const {
+    throw InputError({table_.path, table_.header_line, key}, what, hint);
+  }
+
+  std::string HeaderOf(int c) const {
+    return table_.header[c].empty() ? "column " + std::to_string(c + 1) : table_.header[c];
+  }
+
+  int ColumnNamed(const std::string& text) const {
+    for (int c = 0; c < table_.columns(); ++c) {
+      if (table_.header[c] == text) return c;
+    }
+    const bool number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos && text.size() < 6;
+    const int c = number ? std::stoi(text) - 1 : -1;
+    return c >= 0 && c < table_.columns() ? c : -1;
+  }
+
+  // What --map says comes first and is no guess.
+  void TakeMapped() {
+    for (const auto& [column, text] : mapped_) {
+      PlannedColumn planned;
+      std::tie(planned.stem, planned.unit) = StemAndUnit(column);
+      planned.header = text;
+      planned.meaning = "as --map says";
+      planned.source = ColumnNamed(text);
+      for (size_t at = 1; planned.source < 0 && at < text.size(); ++at) {
+        if (text[at] != '+' && text[at] != '-') continue;
+        const int first = ColumnNamed(text.substr(0, at)), second = ColumnNamed(text.substr(at + 1));
+        if (first < 0 || second < 0) continue;
+        planned.source = first;
+        planned.second = second;
+        planned.sign = text[at] == '+' ? 1.0 : -1.0;
+      }
+      if (planned.source < 0) Fail("--map", "there is no column '" + text + "'", SpellingHint(text, table_.header));
+      CheckMapped(column, planned);
+      taken_.insert(planned.source);
+      if (planned.second >= 0) taken_.insert(planned.second);
+      plan_.columns.push_back(planned);
+    }
+  }
+
+  void CheckMapped(const std::string& column, const PlannedColumn& planned) const {
+    std::vector<std::string> known = {"config", "marker", "station", "visit",           "repeat",
+                                      "load",   "set",    "time_s",  "temperature_degC"};
+    for (const char* axis : kAxes) {
+      for (const char* stem : {"", "sigma_"}) {
+        for (const char* unit : {"_mm", "_m", "_um"}) known.push_back(std::string(stem) + axis + unit);
+      }
+    }
+    for (const char* name : {"fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm"}) known.push_back(name);
+    for (size_t j = 0; j < joints_.size(); ++j) {
+      const std::string q = "q" + std::to_string(j + 1);
+      for (const char* unit : {"_deg", "_rad", "_mrad", "_mm", "_m"}) known.push_back(q + unit);
+      known.push_back("approach" + std::to_string(j + 1));
+    }
+    if (std::find(known.begin(), known.end(), column) == known.end()) {
+      Fail("--map", "'" + column + "' is no column of measurements.csv", SpellingHint(column, known));
+    }
+    const std::string unit = UnitInHeader(table_.header[planned.source]);
+    if (!unit.empty() && !planned.unit.empty() && unit != planned.unit) {
+      Fail("--map",
+           "the column '" + table_.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,
+           "--map takes the unit that the numbers have");
+    }
+  }
+
+  bool IsMapped(const std::string& stem) const { return plan_.Find(stem) != nullptr; }
+
+  void Add(const std::string& stem, const std::string& unit, int c, const std::string& meaning) {
+    PlannedColumn planned;
+    planned.stem = stem;
+    planned.unit = unit;
+    planned.source = c;
+    planned.header = HeaderOf(c);
+    planned.meaning = meaning;
+    plan_.columns.push_back(planned);
+    taken_.insert(c);
+  }
+
+  std::vector<int> ColumnsOf(Role role, int index) const {
+    std::vector<int> columns;
+    for (int c = 0; c < static_cast<int>(meanings_.size()); ++c) {
+      if (meanings_[c].role == role && meanings_[c].index == index && !taken_.count(c)) columns.push_back(c);
+    }
+    return columns;
+  }
+
+  // Of commanded and actual joint values the commanded ones: what the controller is corrected by.
+  int OneJointColumn(std::vector<int> columns, const std::string& stem) {
+    const auto keep = [&columns](auto predicate) {
+      std::vector<int> kept;
+      std::copy_if(columns.begin(), columns.end(), std::back_inserter(kept), predicate);
+      if (!kept.empty() && kept.size() < columns.size()) columns = kept;
+    };
+    if (columns.size() > 1) {
+      keep([this](int c) { return meanings_[c].is_commanded; });
+      keep([this](int c) { return !meanings_[c].is_actual; });
+      if (columns.size() == 1) {
+        both_joints_ = true;
+        return columns[0];
+      }
+      Fail(stem,
+           "the columns '" + HeaderOf(columns[0]) + "' and '" + HeaderOf(columns[1]) + "' may both be joint " +
+               stem.substr(1),
+           kMapHint);
+    }
+    return columns[0];
+  }
+
+  void TakeJoints() {
+    // Counted from 0: a joint before the first, and none too many at the end.
+    const bool from_zero = !ColumnsOf(Role::kJoint, -1).empty();
+    if (!ColumnsOf(Role::kJoint, static_cast<int>(joints_.size()) - (from_zero ? 1 : 0)).empty()) {
+      Fail("", "the table has more joints than the robot, which has " + std::to_string(joints_.size()),
+           "give the robot that was measured");
+    }
+    std::vector<std::string> missing;
+    for (size_t j = 0; j < joints_.size(); ++j) {
+      const std::string stem = "q" + std::to_string(j + 1);
+      if (IsMapped(stem)) continue;
+      const std::vector<int> columns = ColumnsOf(Role::kJoint, static_cast<int>(j) - (from_zero ? 1 : 0));
+      if (columns.empty()) {
+        missing.push_back(stem);
+        continue;
+      }
+      const int c = OneJointColumn(columns, stem);
+      const std::string unit = meanings_[c].unit;
+      const bool slides = joints_[j].type == JointType::kPrismatic;
+      if (!unit.empty() && !(slides ? IsLengthUnit(unit) : IsAngleUnit(unit))) {
+        Fail(HeaderOf(c),
+             "joint '" + joints_[j].name + "' " + (slides ? "slides" : "turns") + ", the column is in " + unit,
+             kMapHint);
+      }
+      Add(stem, unit, c, "joint " + joints_[j].name);
+    }
+    if (!missing.empty()) {
+      std::string list;
+      for (const std::string& stem : missing) list += (list.empty() ? "" : ", ") + stem;
+      Fail("", "no column is found for " + list + " of the robot's " + std::to_string(joints_.size()) + " joints",
+           kMapHint);
+    }
+    if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are taken");
+    for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
+  }
+
+  std::vector<int> Remaining(Role role) {
+    std::vector<int> columns;
+    for (int c = 0; c < static_cast<int>(meanings_.size()); ++c) {
+      if (meanings_[c].role == role && !taken_.count(c)) columns.push_back(c);
+    }
+    taken_.insert(columns.begin(), columns.end());
+    return columns;
+  }
+
+  // Names that say measured come first; two that may be meant are refused.
+  bool TakeMeasured() {
+    bool says_measured = false;
+    for (int i = 0; i < 3; ++i) {
+      for (const int c : ColumnsOf(Role::kPoint, i)) says_measured |= meanings_[c].says_measured;
+    }
+    std::vector<int> found;
+    for (int i = 0; i < 3; ++i) {
+      std::vector<int> columns;
+      for (const int c : ColumnsOf(Role::kPoint, i)) {
+        if (!says_measured || meanings_[c].says_measured) columns.push_back(c);
+      }
+      if (columns.size() > 1) {
+        Fail(kAxes[i],
+             "the columns '" + HeaderOf(columns[0]) + "' and '" + HeaderOf(columns[1]) + "' may both be the measured " +
+                 kAxes[i],
+             kMapHint);
+      }
+      if (!columns.empty()) found.push_back(columns[0]);
+    }
+    if (found.empty()) return false;
+    if (found.size() < 3)
+      Fail("", "only " + std::to_string(found.size()) + " of the measured x, y, z are found", kMapHint);
+    CheckEqualUnits(found);
+    for (int i = 0; i < 3; ++i) Add(kAxes[i], meanings_[found[i]].unit, found[i], std::string("measured ") + kAxes[i]);
+    const std::string& name = table_.header[found[0]];
+    if (!says_measured && name != "x_mm" && name != "x_m") {
+      plan_.guesses.push_back("'" + name + "' and those like it are measured points: their names do not say so");
+    }
+    return true;
+  }
+
+  void CheckEqualUnits(const std::vector<int>& columns) const {
+    for (const int c : columns) {
+      const std::string& unit = meanings_[c].unit;
+      if (!unit.empty() && !IsLengthUnit(unit)) Fail(HeaderOf(c), "a point in " + unit, kMapHint);
+      if (unit != meanings_[columns[0]].unit) Fail(HeaderOf(c), "x, y and z are in different units", kMapHint);
+    }
+  }
+
+  // Where targets and differences are stated and measured points are not. An error is measured minus nominal
+  // (ISO 9283, "deviation"; VIM 2.16: measured value minus reference value).
+  bool TakeTargetPlusDifference() {
+    std::vector<int> targets, differences;
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<int> target = ColumnsOf(Role::kTarget, i), difference = ColumnsOf(Role::kDifference, i);
+      if (target.size() != 1 || difference.size() != 1) return false;
+      targets.push_back(target[0]);
+      differences.push_back(difference[0]);
+    }
+    CheckEqualUnits({targets[0], targets[1], targets[2], differences[0], differences[1], differences[2]});
+    for (int i = 0; i < 3; ++i) {
+      Add(kAxes[i], meanings_[targets[i]].unit, targets[i], std::string("measured ") + kAxes[i]);
+      plan_.columns.back().second = differences[i];
+      plan_.columns.back().header += " + " + HeaderOf(differences[i]);
+      taken_.insert(differences[i]);
+    }
+    const std::string a = HeaderOf(targets[0]), b = HeaderOf(differences[0]);
+    plan_.guesses.push_back("measured = '" + a + "' + '" + b +
+                            "', the difference being measured minus target; --map=x_mm=" + a + "+" + b + " or " + a +
+                            "-" + b + " says it");
+    return true;
+  }
+
+  void TakePoints() {
+    if (!(IsMapped("x") && IsMapped("y") && IsMapped("z")) && !TakeMeasured() && !TakeTargetPlusDifference()) {
+      std::string names;
+      for (const std::string& header : table_.header) names += (names.empty() ? "" : ", ") + header;
+      Fail("", "no column says that it holds measured points (columns: " + names + ")", kMapHint);
+    }
+    std::vector<int> sigmas;
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<int> columns = ColumnsOf(Role::kSigma, i);
+      if (columns.size() == 1 && !IsMapped(std::string("sigma_") + kAxes[i])) sigmas.push_back(columns[0]);
+    }
+    if (sigmas.size() != 3) return;
+    CheckEqualUnits(sigmas);
+    for (int i = 0; i < 3; ++i)
+      Add(std::string("sigma_") + kAxes[i], meanings_[sigmas[i]].unit, sigmas[i],
+          std::string("standard deviation of ") + kAxes[i]);
+  }
+
+  void TakeOthers() {
+    for (int c = 0; c < table_.columns(); ++c) {
+      if (taken_.count(c)) continue;
+      const ColumnMeaning& meaning = meanings_[c];
+      static const char* kWrench[] = {"fx", "fy", "fz", "mx", "my", "mz"};
+      std::string stem, unit = meaning.unit;
+      if (meaning.role == Role::kText) stem = meaning.name;
+      if (meaning.role == Role::kWrench && !unit.empty()) stem = kWrench[meaning.index];
+      if (meaning.role == Role::kApproach) stem = "approach" + std::to_string(meaning.index + 1);
+      if (meaning.role == Role::kTime) stem = "time";
+      if (meaning.role == Role::kTemperature) stem = "temperature";
+      if (meaning.role == Role::kText || meaning.role == Role::kApproach) unit = "";
+      if (stem.empty() || IsMapped(stem)) {
+        const std::string why = !meaning.why.empty() ? meaning.why
+                                : stem.empty()       ? "not complete, or without a unit"
+                                                     : "stands twice";
+        plan_.unused.emplace_back(HeaderOf(c), why);
+        continue;
+      }
+      if (stem == "temperature") {
+        if (unit.empty()) plan_.guesses.push_back("'" + table_.header[c] + "' is in degC: the header does not say");
+        if (!unit.empty() && unit != "degC") {
+          plan_.unused.emplace_back(HeaderOf(c), "a temperature that is not in degC");
+          continue;
+        }
+        unit = "degC";
+      }
+      Add(stem, stem == "time" ? "s" : unit, c, stem);
+    }
+  }
+
+  static bool IsComplete(const ImportPlan& plan) {
+    return plan.Find("x") && plan.Find("y") && plan.Find("z") && plan.Find("q1");
+  }
+
+  bool CountsUp(int c) const {
+    for (size_t r = 1; r < table_.rows.size(); ++r) {
+      const auto a = table_.Number(table_.rows[r - 1].cells[c]), b = table_.Number(table_.rows[r].cells[c]);
+      if (!a || !b || *b - *a != 1.0) return false;
+    }
+    return table_.rows.size() > 1;
+  }
+
+  // Joints before or after the point, with or without a running number in front.
+  std::vector<ImportPlan> LayoutsWithoutHeader() {
+    const int n = static_cast<int>(joints_.size());
+    const int first = table_.columns() == n + 4 && CountsUp(0) ? 1 : 0;
+    if (table_.columns() != n + 3 + first) {
+      Fail("",
+           "the table has no header and " + std::to_string(table_.columns()) +
+               " columns; joints and x, y, z of this robot are " + std::to_string(n + 3),
+           kMapHint);
+    }
+    std::vector<ImportPlan> plans;
+    for (const bool joints_first : {true, false}) {
+      plan_ = ImportPlan();
+      plan_.guesses = table_.guesses;
+      taken_.clear();
+      for (int j = 0; j < n; ++j)
+        Add("q" + std::to_string(j + 1), "", first + (joints_first ? 0 : 3) + j, "joint " + joints_[j].name);
+      for (int i = 0; i < 3; ++i)
+        Add(kAxes[i], "", first + (joints_first ? n : 0) + i, std::string("measured ") + kAxes[i]);
+      if (first == 1) plan_.unused.emplace_back("column 1", "a running number");
+      plan_.choice = joints_first ? "joints, then x, y, z" : "x, y, z, then joints";
+      plan_.guesses.push_back("there is no header: the columns are " + plan_.choice);
+      plans.push_back(plan_);
+    }
+    return plans;
+  }
+
+  static void SetUnit(ImportPlan* plan, const std::set<std::string>& stems, const std::string& unit) {
+    for (PlannedColumn& column : plan->columns) {
+      if (column.unit.empty() && stems.count(column.stem)) column.unit = unit;
+    }
+  }
+
+  static bool IsOpen(const ImportPlan& plan, const std::set<std::string>& stems) {
+    return std::any_of(plan.columns.begin(), plan.columns.end(), [&stems](const PlannedColumn& column) {
+      return column.unit.empty() && stems.count(column.stem);
+    });
+  }
+
+  std::vector<ImportPlan> Opened(const std::vector<ImportPlan>& plans, const std::set<std::string>& stems,
+                                 const std::vector<std::string>& units, const std::string& what) {
+    std::vector<ImportPlan> opened;
+    for (const ImportPlan& plan : plans) {
+      if (!IsOpen(plan, stems)) {
+        opened.push_back(plan);
+        continue;
+      }
+      for (const std::string& unit : units) {
+        opened.push_back(plan);
+        SetUnit(&opened.back(), stems, unit);
+        opened.back().choice += (plan.choice.empty() ? "" : ", ") + what + " in " + unit;
+        opened.back().guesses.push_back(what + " are in " + unit + ": the header does not say");
+      }
+    }
+    return opened;
+  }
+
+  std::vector<ImportPlan> WithOpenUnits(std::vector<ImportPlan> plans) {
+    std::set<std::string> turning, sliding;
+    for (size_t j = 0; j < joints_.size(); ++j) {
+      (joints_[j].type == JointType::kRevolute ? turning : sliding).insert("q" + std::to_string(j + 1));
+    }
+    plans = Opened(plans, turning, {"deg", "rad"}, "joint angles");
+    plans = Opened(plans, sliding, {"mm", "m"}, "sliding joints");
+    plans = Opened(plans, {"x", "y", "z"}, {"mm", "m"}, "points");
+    for (ImportPlan& plan : plans) {
+      const std::set<std::string> sigmas = {"sigma_x", "sigma_y", "sigma_z"};
+      if (!IsOpen(plan, sigmas)) continue;
+      SetUnit(&plan, sigmas, plan.Find("x")->unit);
+      plan.guesses.push_back("standard deviations are in " + plan.Find("x")->unit +
+                             " as the points are: the header does not say");
+    }
+    return plans;
+  }
+
+  const TextTable& table_;
+  const std::vector<Joint>& joints_;
+  const std::map<std::string, std::string>& mapped_;
+  std::vector<std::string> names_;
+  std::vector<ColumnMeaning> meanings_;
+  std::set<int> taken_;
+  bool both_joints_ = false;
+  ImportPlan plan_;
+};
+
+double LargestOf(const TextTable& table, const PlannedColumn& column) {
+  double largest = 0.0;
+  for (const TextTable::Row& row : table.rows) {
+    const std::optional<double> number = table.Number(row.cells[column.source]);
+    if (number && *number != -9999.0) largest = std::max(largest, std::abs(*number));
+  }
+  return largest;
+}
+
+}  // namespace
+
+const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
+  for (const PlannedColumn& column : columns) {
+    if (column.stem == stem) return &column;
+  }
+  return nullptr;
+}
+
+std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,
+                                      const std::map<std::string, std::string>& columns) {
+  return Planner(table, joints, columns).Plans();
+}
+
+size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans) {
+  // Angles beyond a turn and a bit are degrees, points beyond 50 are mm: the bounds of the check in calibrate.
+  for (size_t i = 0; i < plans.size(); ++i) {
+    double angle = 0.0, length = 0.0;
+    std::string angle_unit, length_unit;
+    for (const PlannedColumn& column : plans[i].columns) {
+      if (column.stem[0] == 'q' && IsAngleUnit(column.unit)) {
+        angle = std::max(angle, LargestOf(table, column));
+        angle_unit = column.unit;
+      }
+      if (column.stem.size() == 1) {
+        length = std::max(length, LargestOf(table, column));
+        length_unit = column.unit;
+      }
+    }
+    const bool angles_fit = angle_unit.empty() || (angle > 7.0) == (angle_unit == "deg");
+    const bool lengths_fit = (length > 50.0) == (length_unit == "mm");
+    if (angles_fit && lengths_fit) return i;
+  }
+  return 0;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,46 @@
+// How the columns of a foreign table become those of measurements.csv.
+//
+// Names decide where they say something. Where they leave a choice (units, a table
+// without header) every reading is a plan of its own, and the robot decides: the one
+// that its nominal geometry can have made.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "models/chain.h"
+#include "problems/io/import/text_table.h"
+
+namespace sagitta {
+
+struct PlannedColumn {
+  std::string stem;  // q1, x, sigma_x, temperature, time, config …
+  std::string unit;  // of the source: mm, m, um, deg …; "" for texts
+  int source = -1;   // column of the table
+  int second = -1;   // another one, added with `sign`
+  double sign = 1.0;
+  std::string header;   // as the table has it, for people
+  std::string meaning;  // in words
+};
+
+struct ImportPlan {
+  std::vector<PlannedColumn> columns;
+  std::vector<std::pair<std::string, std::string>> unused;  // header, why
+  std::vector<std::string> guesses;
+  std::string choice;  // what tells this plan from the others, in words
+
+  const PlannedColumn* Find(const std::string& stem) const;
+};
+
+// `columns`: what the user says, as in {"x_mm", "measurement_x"}; a header, the
+// number of a column from 1, or the sum or difference of two (a+b, a-b). At least
+// one plan; throws InputError where the table cannot be measurements of these joints.
+std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,
+                                      const std::map<std::string, std::string>& columns);
+
+// The plan by the size of the numbers alone, where no fit can tell.
+size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans);
+
+}  // namespace sagitta

@@ -1,0 +1,220 @@
+#include "problems/io/import/imported_rows.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <set>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/units.h"
+
+namespace sagitta {
+namespace {
+
+bool IsText(const PlannedColumn& column) { return column.unit.empty() && column.stem.rfind("approach", 0) != 0; }
+bool IsSigma(const PlannedColumn& column) { return column.stem.rfind("sigma_", 0) == 0; }
+bool IsRequired(const PlannedColumn& column) {
+  return column.stem[0] == 'q' || column.stem == "x" || column.stem == "y" || column.stem == "z";
+}
+
+// Seconds since 1970 of YYYYMMDDhhmmss; only differences matter, the calendar is the proleptic Gregorian one.
+std::optional<double> SecondsOfStamp(const std::string& cell) {
+  if (cell.size() != 14 || cell.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
+  int y = 0, m = 0, d = 0, h = 0, min = 0, s = 0;
+  if (std::sscanf(cell.c_str(), "%4d%2d%2d%2d%2d%2d", &y, &m, &d, &h, &min, &s) != 6) return std::nullopt;
+  if (y < 1980 || y > 2100 || m < 1 || m > 12 || d < 1 || d > 31 || h > 23 || min > 59 || s > 60) return std::nullopt;
+  const int shifted_year = m > 2 ? y : y - 1, shifted_month = (m + 9) % 12;
+  const long days = 365L * shifted_year + shifted_year / 4 - shifted_year / 100 + shifted_year / 400 +
+                    (153 * shifted_month + 2) / 5 + d - 719469;
+  return 86400.0 * days + 3600.0 * h + 60.0 * min + s;
+}
+
+// A column that is the same everywhere, or not in seconds, says nothing about time.
+struct TimeColumn {
+  bool stamps = false;
+  bool usable = false;
+  std::string why_not;
+};
+
+TimeColumn LookAtTime(const TextTable& table, const PlannedColumn& column) {
+  TimeColumn time;
+  std::set<std::string> different;
+  bool numbers = true;
+  time.stamps = true;
+  for (const TextTable::Row& row : table.rows) {
+    const std::string& cell = row.cells[column.source];
+    if (IsLostCell(cell)) continue;
+    different.insert(cell);
+    time.stamps = time.stamps && SecondsOfStamp(cell).has_value();
+    numbers = numbers && table.Number(cell).has_value();
+  }
+  const std::string unit = column.header;
+  if (different.size() < 2) {
+    time.why_not = "the time is the same in every row";
+  } else if (time.stamps) {
+    time.usable = true;
+  } else if (!numbers) {
+    time.why_not = "the times are no numbers and no stamps like 20200714163904";
+  } else if (2 * different.size() < table.rows.size()) {
+    time.why_not = "the times are rounded: " + std::to_string(different.size()) + " different ones in " +
+                   std::to_string(table.rows.size()) + " rows";
+  } else {
+    time.usable = true;
+  }
+  return time;
+}
+
+}  // namespace
+
+void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, size_t stride) {
+  size_t lost = 0, zeros = 0, without_sigma = 0;
+  int first_lost = 0;
+  TimeColumn time;
+  if (const PlannedColumn* column = plan.Find("time")) {
+    time = LookAtTime(table, *column);
+    if (!time.usable) notes_.push_back(table.path + ": '" + column->header + "' is not used: " + time.why_not);
+  }
+  std::vector<Row> rows;
+  for (size_t r = 0; r < table.rows.size(); r += stride) {
+    const TextTable::Row& source = table.rows[r];
+    Row row;
+    bool is_lost = false, sigma_lost = false, all_zero = true;
+    for (const PlannedColumn& column : plan.columns) {
+      const std::string& cell = source.cells[column.source];
+      if (IsText(column)) {
+        row[column.stem] = cell;
+        continue;
+      }
+      if (column.stem == "time") {
+        if (!time.usable || IsLostCell(cell)) continue;
+        row["time_s"] = FormatNumber(time.stamps ? *SecondsOfStamp(cell) : *table.Number(cell));
+        continue;
+      }
+      const bool gone = IsLostCell(cell) || (column.second >= 0 && IsLostCell(source.cells[column.second]));
+      if (gone) {
+        is_lost |= IsRequired(column);
+        sigma_lost |= IsSigma(column);
+        continue;
+      }
+      std::optional<double> number = table.Number(cell);
+      if (number && column.second >= 0) {
+        const std::optional<double> second = table.Number(source.cells[column.second]);
+        number = second ? std::optional<double>(*number + column.sign * *second) : std::nullopt;
+      }
+      if (!number) {
+        throw InputError({table.path, source.line, column.header}, "'" + cell + "' is no number",
+                         "a lost reading is an empty cell, NaN or -9999");
+      }
+      if (IsSigma(column) && !(*number > 0.0)) sigma_lost = true;
+      if (column.stem.size() == 1) all_zero &= *number == 0.0;
+      // In the unit that the first table has, um in mm: elsewhere the digits stay as they are printed.
+      const std::string unit = unit_of_.emplace(column.stem, column.unit == "um" ? "mm" : column.unit).first->second;
+      const bool converts = unit != column.unit && !column.unit.empty();
+      const double value = converts ? ToUnit(UnitNamed(column.unit).ToSi(*number), UnitNamed(unit)) : *number;
+      row[column.stem + (unit.empty() ? "" : "_" + unit)] = FormatNumber(value);
+    }
+    if (is_lost || all_zero) {
+      if (lost + zeros == 0) first_lost = source.line;
+      ++(is_lost ? lost : zeros);
+      continue;
+    }
+    if (sigma_lost) {
+      ++without_sigma;
+      for (auto it = row.begin(); it != row.end();)
+        it = it->first.rfind("sigma_", 0) == 0 ? row.erase(it) : std::next(it);
+    }
+    row.emplace("station", defaults.station);
+    row.emplace("marker", defaults.marker);
+    row["source"] = table.path.substr(table.path.find_last_of('/') + 1) + ":" + std::to_string(source.line);
+    rows.push_back(std::move(row));
+  }
+  if (lost > 0) {
+    notes_.push_back(table.path + ": " + std::to_string(lost) +
+                     " lost readings are left out (empty, NaN or -9999), the first in line " +
+                     std::to_string(first_lost));
+  }
+  if (zeros > 0)
+    notes_.push_back(table.path + ": " + std::to_string(zeros) + " readings of 0, 0, 0 are taken as lost and left out");
+  if (without_sigma > 0)
+    notes_.push_back(table.path + ": " + std::to_string(without_sigma) + " rows have no standard deviation above 0");
+  if (rows.empty()) throw InputError({table.path, 0, ""}, "no row holds a reading", "");
+  int joints = 0;
+  while (plan.Find("q" + std::to_string(joints + 1))) ++joints;
+  NameConfigurations(&rows, plan.Find("config") != nullptr, joints);
+  rows_.insert(rows_.end(), rows.begin(), rows.end());
+}
+
+// The joint values of a row, as text: equal ones are one configuration.
+void ImportedRows::NameConfigurations(std::vector<Row>* rows, bool has_column, int joints) {
+  const auto joint_key = [joints](const Row& row) {
+    std::string key;
+    for (int j = 1; j <= joints; ++j) {
+      const auto at = row.lower_bound("q" + std::to_string(j) + "_");
+      key += at->first + "=" + at->second + ";";
+    }
+    return key;
+  };
+  std::map<std::string, std::string> config_of, joints_of;
+  for (const Row& row : rows_) {
+    config_of.emplace(joint_key(row), row.at("config"));
+    joints_of.emplace(row.at("config"), joint_key(row));
+  }
+  // A stated id is kept where it means one set of joint values, here and in the files before.
+  bool keep = has_column;
+  if (has_column) {
+    std::map<std::string, std::string> stated = joints_of;
+    for (const Row& row : *rows) {
+      const std::string& id = row.at("config");
+      keep = keep && !id.empty() && stated.emplace(id, joint_key(row)).first->second == joint_key(row);
+    }
+    if (!keep) notes_.push_back("the ids of configurations are not used: one id stands for different joint values");
+  }
+  for (Row& row : *rows) {
+    if (keep) continue;
+    char name[32];
+    std::snprintf(name, sizeof name, "c%05zu", config_of.size() + 1);
+    row["config"] = config_of.emplace(joint_key(row), name).first->second;
+  }
+}
+
+std::string ImportedRows::ToCsv(int joints) const {
+  std::set<std::string> present;
+  for (const Row& row : rows_) {
+    for (const auto& [column, cell] : row) present.insert(column);
+  }
+  std::vector<std::string> order = {"config", "marker", "station", "visit", "repeat", "load", "set"};
+  const auto add_all = [&](const std::string& stem) {
+    for (const std::string& column : present) {
+      if (column.rfind(stem + "_", 0) == 0) order.push_back(column);
+    }
+  };
+  for (int j = 1; j <= joints; ++j) add_all("q" + std::to_string(j));
+  for (const char* stem :
+       {"x", "y", "z", "sigma_x", "sigma_y", "sigma_z", "fx", "fy", "fz", "mx", "my", "mz", "time", "temperature"})
+    add_all(stem);
+  for (int j = 1; j <= joints; ++j) order.push_back("approach" + std::to_string(j));
+  order.push_back("source");
+  order.erase(std::remove_if(order.begin(), order.end(), [&](const std::string& c) { return !present.count(c); }),
+              order.end());
+  std::string text;
+  for (const std::string& column : order) text += (text.empty() ? "" : ",") + column;
+  text += "\n";
+  for (const Row& row : rows_) {
+    for (size_t c = 0; c < order.size(); ++c) {
+      const auto cell = row.find(order[c]);
+      const std::string value = cell == row.end() ? "" : cell->second;
+      const bool quoted = value.find_first_of(",\"") != std::string::npos;
+      std::string shown = value;
+      if (quoted) {
+        shown = "\"";
+        for (const char ch : value) shown += ch == '"' ? "\"\"" : std::string(1, ch);
+        shown += "\"";
+      }
+      text += (c == 0 ? "" : ",") + shown;
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace sagitta

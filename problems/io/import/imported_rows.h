@@ -1,0 +1,41 @@
+// Rows of foreign tables as one measurements.csv.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "problems/io/import/import_plan.h"
+
+namespace sagitta {
+
+// What stands for columns that a table does not have.
+struct RowDefaults {
+  std::string station = "S1";
+  std::string marker = "M1";
+};
+
+class ImportedRows {
+ public:
+  // Reads rows by the plan, all or every `stride`-th. Lost readings (an empty, NaN or
+  // -9999 cell among joints and points, or 0, 0, 0) are left out and counted; a cell that
+  // is neither a number nor lost is an InputError with file and line.
+  void Add(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, size_t stride = 1);
+
+  // Rows of equal joint values are one configuration, unless a column says so.
+  std::string ToCsv(int joints) const;
+
+  size_t size() const { return rows_.size(); }
+  const std::vector<std::string>& notes() const { return notes_; }  // lost readings, columns that say nothing
+
+ private:
+  using Row = std::map<std::string, std::string>;  // cell by column
+
+  void NameConfigurations(std::vector<Row>* rows, bool has_column, int joints);
+
+  std::vector<Row> rows_;
+  std::map<std::string, std::string> unit_of_;  // by stem, as the first table has it
+  std::vector<std::string> notes_;
+};
+
+}  // namespace sagitta

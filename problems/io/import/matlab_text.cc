@@ -1,0 +1,195 @@
+// Robots as MATLAB people keep them, as text:
+//
+//   SerialLink([theta d a alpha sigma offset; …])   Robotics Toolbox (DHFactor prints it); standard, "modified" where
+//   Link([theta d a alpha sigma offset])            the text says so; theta is the variable
+//   dhparams = [a alpha d theta; …]                 Robotics System Toolbox, with 'dh' or 'mdh' in setFixedTransform
+//   Tz(0.4) Rz(q1) Rx(-90) …                        elementary transforms (DHFactor's input, ETS)
+#include <algorithm>
+#include <cmath>
+#include <regex>
+#include <sstream>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/import/expressions.h"
+#include "problems/io/import/header_words.h"
+#include "problems/io/import/robot_reading.h"
+
+namespace sagitta {
+namespace {
+
+const std::regex kMatrix(R"((dhparams\s*=|SerialLink\s*\(|Link\s*\()\s*\[([^\]]*)\])");
+const std::regex kTransform(R"(([TR])([xyz])\s*\(\s*([^()]*)\s*\))", std::regex::icase);
+
+std::string WithoutComments(const std::string& text) {
+  std::istringstream lines(text);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) kept += line.substr(0, line.find('%')) + "\n";
+  return std::regex_replace(kept, std::regex(R"(\.\.\.\s*\n)"), " ");
+}
+
+// Rows at ';' and line ends, cells at commas and blanks.
+std::vector<std::vector<std::string>> MatrixRows(const std::string& body) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(std::regex_replace(body, std::regex(";"), "\n"));
+  for (std::string line; std::getline(lines, line);) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    std::vector<std::string> cells;
+    for (std::string word; words >> word;) cells.push_back(word);
+    if (!cells.empty()) rows.push_back(cells);
+  }
+  return rows;
+}
+
+class MatlabReader {
+ public:
+  MatlabReader(std::string text, std::string path, const RobotReadOptions& options)
+      : text_(WithoutComments(text)), path_(std::move(path)), options_(options) {}
+
+  RobotReading Read() {
+    std::smatch match;
+    if (std::regex_search(text_, match, kMatrix)) return ReadTables();
+    return ReadTransforms();
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& what, const std::string& hint) const {
+    throw InputError({path_, 0, ""}, what, hint);
+  }
+
+  TypedNumber NumberOf(const std::string& cell) const {
+    if (const auto number = ParseTypedNumber(cell)) return *number;
+    if (const auto joint = ParseJointExpression(cell)) return joint->offset;
+    Fail("'" + cell + "' has no value", "put numbers in place of symbols");
+  }
+
+  // Lengths in m, angles in rad, as both toolboxes have them.
+  RobotReading ReadTables() {
+    RobotReading reading;
+    DhTable table;
+    std::vector<Joint> joints;
+    bool system_toolbox = false;
+    for (std::sregex_iterator it(text_.begin(), text_.end(), kMatrix), end; it != end; ++it) {
+      system_toolbox = it->str(1).rfind("dhparams", 0) == 0;
+      for (const std::vector<std::string>& row : MatrixRows(it->str(2))) AddRow(row, system_toolbox, &table, &joints);
+      if (system_toolbox) break;
+    }
+    if (table.links.empty()) Fail("the table has no rows", "");
+    SetConvention(system_toolbox, &table, &reading);
+    reading.robot = RobotOfTable(joints, {}, table);
+    reading.format = system_toolbox ? "MATLAB dhparams [a alpha d theta], m and rad"
+                                    : "MATLAB links [theta d a alpha sigma offset], m and rad";
+    return reading;
+  }
+
+  void AddRow(const std::vector<std::string>& row, bool system_toolbox, DhTable* table,
+              std::vector<Joint>* joints) const {
+    if (row.size() < 4)
+      Fail("a row of the table has " + std::to_string(row.size()) + " numbers", "four are expected at least");
+    DhLink link;
+    link.joint = static_cast<int>(joints->size());
+    bool slides = false;
+    if (system_toolbox) {
+      link.a = NumberOf(row[0]).value;
+      link.alpha = NumberOf(row[1]).value;
+      link.d = NumberOf(row[2]).value;
+      link.theta = NumberOf(row[3]).value;
+    } else {
+      link.theta = NumberOf(row[0]).value;
+      link.d = NumberOf(row[1]).value;
+      link.a = NumberOf(row[2]).value;
+      link.alpha = NumberOf(row[3]).value;
+      slides = row.size() > 4 && NumberOf(row[4]).value != 0.0;
+      if (row.size() > 5) (slides ? link.d : link.theta) += NumberOf(row[5]).value;
+    }
+    joints->push_back(
+        {"j" + std::to_string(joints->size() + 1), slides ? JointType::kPrismatic : JointType::kRevolute, {}, {}});
+    table->links.push_back(link);
+  }
+
+  void SetConvention(bool system_toolbox, DhTable* table, RobotReading* reading) const {
+    const bool modified = std::regex_search(text_, std::regex(R"('mdh'|"mdh"|modified)"));
+    const bool standard = std::regex_search(text_, std::regex(R"('dh'|"dh"|standard)"));
+    if (options_.convention) {
+      table->convention = *options_.convention;
+    } else if (modified || standard) {
+      if (modified && standard)
+        Fail("the text names both conventions", "--convention=standard or --convention=modified");
+      table->convention = modified ? DhConvention::kModified : DhConvention::kStandard;
+    } else {
+      table->convention = DhConvention::kStandard;
+      reading->guesses.push_back(std::string("convention: standard, the default of ") +
+                                 (system_toolbox ? "dhparams" : "SerialLink"));
+    }
+  }
+
+  // Degrees where a sign or a number beyond a full turn says so, rad where pi does.
+  double DegreesPerUnit(RobotReading* reading) const {
+    bool degrees = false, radians = false, any = false;
+    for (std::sregex_iterator it(text_.begin(), text_.end(), kTransform), end; it != end; ++it) {
+      const std::string letter = LowerCaseOf(it->str(1));
+      const auto number = letter == "r" ? ParseTypedNumber(it->str(3)) : std::nullopt;
+      if (!number) continue;
+      degrees |= number->is_degrees || std::abs(number->value) > 2.0 * M_PI + 1e-6;
+      radians |= number->uses_pi;
+      any |= number->value != 0.0;
+    }
+    if (degrees && radians) Fail("some angles are in degrees and some use pi", "one unit is expected");
+    if (any && !degrees && !radians) reading->guesses.push_back("angles are in rad: none is beyond a full turn");
+    return degrees ? M_PI / 180.0 : 1.0;
+  }
+
+  RobotReading ReadTransforms() {
+    RobotReading reading;
+    reading.format = "elementary transforms, lengths in m";
+    const double rad_per_unit = DegreesPerUnit(&reading);
+    Chain chain;
+    for (std::sregex_iterator it(text_.begin(), text_.end(), kTransform), end; it != end; ++it) {
+      const bool turns = LowerCaseOf(it->str(1)) == "r";
+      const std::string name = it->str(1) + it->str(2) + "(" + it->str(3) + ")";
+      ElementaryTransform transform;
+      transform.motion = turns ? Motion::kRotation : Motion::kTranslation;
+      transform.axis = static_cast<Axis>(LowerCaseOf(it->str(2))[0] - 'x');
+      const auto value = [&](const TypedNumber& n) { return turns && !n.uses_pi ? n.value * rad_per_unit : n.value; };
+      if (const auto number = ParseTypedNumber(it->str(3))) {
+        transform.nominal = value(*number);
+      } else if (const auto joint = ParseJointExpression(it->str(3))) {
+        transform.joint = chain.num_joints();
+        transform.sign = joint->sign;
+        transform.nominal = value(joint->offset);
+        chain.joints.push_back(
+            {"q" + std::to_string(joint->index), turns ? JointType::kRevolute : JointType::kPrismatic, {}, {}});
+      } else {
+        Fail("'" + name + "' has no value", "put numbers in place of symbols");
+      }
+      if (!turns && std::abs(transform.nominal) > 10.0)
+        Fail("'" + name + "' is longer than 10 m", "lengths in m are expected");
+      // A name for every error: the default free set chooses among them.
+      transform.error = (turns ? "phi_" : "p_") + LowerCaseOf(it->str(2)) + std::to_string(chain.num_transforms() + 1);
+      chain.transforms.push_back(transform);
+    }
+    reading.robot.chain = chain;
+    const std::string defect = chain.Defect();
+    if (!defect.empty()) Fail(defect, "");
+    if (chain.joints.empty()) Fail("none of the transforms has a joint variable", "Rz(q1), Tz(q2) …");
+    return reading;
+  }
+
+  std::string text_, path_;
+  const RobotReadOptions& options_;
+};
+
+}  // namespace
+
+bool LooksLikeMatlab(const std::string& text) {
+  const std::string plain = WithoutComments(text);
+  if (std::regex_search(plain, kMatrix)) return true;
+  return std::distance(std::sregex_iterator(plain.begin(), plain.end(), kTransform), std::sregex_iterator()) > 1;
+}
+
+RobotReading ReadMatlabText(const std::string& text, const std::string& path, const RobotReadOptions& options) {
+  return MatlabReader(text, path, options).Read();
+}
+
+}  // namespace sagitta

@@ -1,0 +1,195 @@
+// Universal Robots' kinematics: ROS' calibration.yaml (ur_calibration) and the controller's .conf files.
+//
+//   calibration.yaml   kinematics: {shoulder: {x, y, z, roll, pitch, yaw}, upper_arm: …}; m, rad. Origins as in a URDF,
+//                      every joint turns about z; the base is the controller's, the last frame its flange.
+//   urcontrol.conf     [DH] a, d, alpha (theta absent: 0), standard convention; m, rad
+//   calibration.conf   [mounting] delta_theta, delta_a, delta_d, delta_alpha: added to the robot's [DH]
+#include "problems/io/import/universal_robots.h"
+
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/import/robot_reading.h"
+#include "problems/io/robot_file.h"
+#include "problems/io/units.h"
+#include "problems/io/urdf_robot.h"
+#include "problems/io/yaml_reader.h"
+
+namespace sagitta {
+namespace {
+
+struct UrJoint {
+  const char* link;
+  const char* joint;
+};
+constexpr UrJoint kUrJoints[] = {{"shoulder", "shoulder_pan_joint"}, {"upper_arm", "shoulder_lift_joint"},
+                                 {"forearm", "elbow_joint"},         {"wrist_1", "wrist_1_joint"},
+                                 {"wrist_2", "wrist_2_joint"},       {"wrist_3", "wrist_3_joint"}};
+
+// One list of a .conf: "delta_a = [ 0.1, -2e-05 ]   # comment".
+using ConfLists = std::map<std::string, std::vector<double>>;
+
+ConfLists ReadConfLists(const std::string& text, const std::string& path) {
+  static const std::regex kList(R"(^\s*(delta_theta|delta_a|delta_d|delta_alpha|theta|a|d|alpha)\s*=\s*\[([^\]]*)\])");
+  ConfLists lists;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::smatch match;
+    if (!std::regex_search(line, match, kList)) continue;
+    std::istringstream cells(match[2].str());
+    std::vector<double>& list = lists[match[1]];
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      cell.erase(0, cell.find_first_not_of(" \t"));
+      cell.erase(cell.find_last_not_of(" \t\r") + 1);
+      const std::optional<double> value = ParseNumber(cell);
+      if (!value) throw InputError({path, number, match[1]}, "'" + cell + "' is no number");
+      list.push_back(*value);
+    }
+  }
+  return lists;
+}
+
+void AddTo(const ConfLists& lists, const std::string& name, double DhLink::*field, const std::string& path,
+           DhTable* table) {
+  const auto found = lists.find(name);
+  if (found == lists.end()) return;
+  if (found->second.size() != table->links.size()) {
+    throw InputError({path, 0, name}, "the list has " + std::to_string(found->second.size()) + " numbers, " +
+                                          std::to_string(table->links.size()) + " joints are expected");
+  }
+  for (size_t i = 0; i < table->links.size(); ++i) table->links[i].*field += found->second[i];
+}
+
+std::vector<Joint> UrJoints(size_t count) {
+  std::vector<Joint> joints;
+  for (size_t j = 0; j < count; ++j) joints.push_back({"j" + std::to_string(j + 1), JointType::kRevolute, {}, {}});
+  return joints;
+}
+
+// The table that the deltas belong to.
+Robot NominalOf(const ConfLists& lists, const std::string& path, const std::string& nominal_file) {
+  if (lists.count("a") && lists.count("d") && lists.count("alpha")) {
+    DhTable table;
+    table.links.resize(lists.at("a").size());
+    for (size_t j = 0; j < table.links.size(); ++j) table.links[j].joint = static_cast<int>(j);
+    return RobotOfTable(UrJoints(table.links.size()), {}, table);
+  }
+  if (nominal_file.empty()) {
+    throw InputError({path, 0, ""}, "this file holds differences from the nominal table only",
+                     "--nominal=urcontrol.conf (or any file with the nominal standard DH table)");
+  }
+  const Robot nominal = ReadAnyRobot(nominal_file).robot;
+  if (!nominal.dh || nominal.dh->convention != DhConvention::kStandard) {
+    throw InputError({nominal_file, 0, ""}, "the nominal robot has no standard DH table, which the differences are of");
+  }
+  return nominal;
+}
+
+std::string Six(const Pose<double>& pose) {
+  const Vector3<double> rpy = RpyFromRotation(pose.rotation);
+  std::string text;
+  for (int i = 0; i < 3; ++i) text += std::string("    ") + "xyz"[i] + ": " + FormatNumber(pose.translation[i]) + "\n";
+  const char* names[] = {"roll", "pitch", "yaw"};
+  for (int i = 0; i < 3; ++i) text += std::string("    ") + names[i] + ": " + FormatNumber(rpy[i]) + "\n";
+  return text;
+}
+
+}  // namespace
+
+bool LooksLikeUrCalibration(const std::string& text) {
+  return std::regex_search(text, std::regex(R"((^|\n)kinematics:)")) && text.find("shoulder:") != std::string::npos &&
+         text.find("wrist_3:") != std::string::npos;
+}
+
+RobotReading ReadUrCalibration(const std::string& text, const std::string& path) {
+  YamlMap root(ParseYaml(text, path));
+  YamlMap kinematics(root.Get("kinematics"));
+  kinematics.Find("hash");
+  UrdfChain chain;
+  chain.robot_name = "Universal Robots";
+  for (const UrJoint& name : kUrJoints) {
+    YamlMap map(kinematics.Get(name.link));
+    UrdfJoint joint;
+    joint.name = name.joint;
+    joint.type = UrdfJoint::Type::kRevolute;
+    Vector3<double> rpy;
+    for (int i = 0; i < 3; ++i) joint.parent_from_joint.translation[i] = map.Get(std::string(1, "xyz"[i])).Number();
+    rpy << map.Get("roll").Number(), map.Get("pitch").Number(), map.Get("yaw").Number();
+    joint.parent_from_joint.rotation = RotationFromRpy(rpy);
+    map.Finish();
+    chain.joints.push_back(joint);
+  }
+  kinematics.Finish();
+  RobotReading reading;
+  reading.robot = RobotFromUrdf(chain, path);
+  reading.format = "calibration.yaml of Universal Robots";
+  reading.notes.push_back("base and flange are the controller's");
+  return reading;
+}
+
+bool LooksLikeUrConf(const std::string& text) {
+  return std::regex_search(text, std::regex(R"(\n\s*(delta_a|alpha)\s*=\s*\[)")) ||
+         std::regex_search(text, std::regex(R"(^\s*(delta_a|alpha)\s*=\s*\[)"));
+}
+
+RobotReading ReadUrConf(const std::string& text, const std::string& path, const RobotReadOptions& options) {
+  const ConfLists lists = ReadConfLists(text, path);
+  RobotReading reading;
+  Robot robot = NominalOf(lists, path, options.nominal_file);
+  for (const char* prefix : {"", "delta_"}) {
+    AddTo(lists, std::string(prefix) + "a", &DhLink::a, path, &*robot.dh);
+    AddTo(lists, std::string(prefix) + "d", &DhLink::d, path, &*robot.dh);
+    AddTo(lists, std::string(prefix) + "alpha", &DhLink::alpha, path, &*robot.dh);
+    AddTo(lists, std::string(prefix) + "theta", &DhLink::theta, path, &*robot.dh);
+  }
+  reading.robot = RobotOfTable(robot.chain.joints, robot.chain.couplings, *robot.dh);
+  reading.robot.name = robot.name.empty() ? "Universal Robots" : robot.name;
+  reading.format = "configuration file of Universal Robots";
+  reading.notes.push_back(lists.count("delta_a") ? "standard DH, nominal plus the calibration's differences"
+                                                 : "standard DH, nominal");
+  return reading;
+}
+
+std::string RobotToUrCalibration(const Robot& robot) {
+  const Chain& chain = robot.chain;
+  const auto refuse = [](const std::string& why) -> InputError {
+    return InputError({"", 0, ""}, "this robot does not fit into a calibration.yaml: " + why,
+                      "the file has six revolute joints, base and flange as the controller has them");
+  };
+  if (chain.num_joints() != 6 || !chain.couplings.empty())
+    throw refuse("it has another number of joints, or coupled ones");
+  std::vector<double> values;
+  for (const ElementaryTransform& transform : chain.transforms) values.push_back(transform.nominal);
+  ChainState<double> state;
+  EvaluateChain(chain, values.data(), &state);
+  std::string text = "kinematics:\n";
+  Pose<double> parent;
+  for (int j = 0; j < 6; ++j) {
+    const int e = chain.JointTransform(j);
+    const ElementaryTransform& joint = chain.transforms[e];
+    if (chain.joints[j].type != JointType::kRevolute) throw refuse("joint '" + chain.joints[j].name + "' slides");
+    Pose<double> link = state.frames[e + 1];
+    if (j == 5) link = state.frames.back();
+    // The frame's z has to be the axis: turn it there, the next origin takes the rest.
+    const Vector3<double> axis = joint.sign * state.frames[e].rotation.col(static_cast<int>(joint.axis));
+    if (j == 5) {
+      const Vector3<double> away = link.translation - state.frames[e].translation;
+      if ((link.rotation.col(2) - axis).norm() > 1e-9 || away.cross(axis).norm() > 1e-9) {
+        throw refuse("the flange does not lie on the last axis");
+      }
+    } else {
+      link.rotation = Eigen::Quaterniond::FromTwoVectors(link.rotation.col(2), axis).toRotationMatrix() * link.rotation;
+    }
+    const Matrix3<double> back = parent.rotation.transpose();
+    text += std::string("  ") + kUrJoints[j].link + ":\n" +
+            Six({back * link.rotation, back * (link.translation - parent.translation)});
+    parent = link;
+  }
+  return text;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,260 @@
+// sagitta convert: robot files between formats.
+#include <gflags/gflags.h>
+
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <random>
+
+#include "models/dh_from_chain.h"
+#include "models/forward_model.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/import/dh_text.h"
+#include "problems/io/import/robot_reading.h"
+#include "problems/io/import/universal_robots.h"
+#include "problems/io/robot_file.h"
+#include "problems/io/urdf_writer.h"
+#include "tools/commands.h"
+#include "tools/convert_options.h"
+
+DEFINE_string(
+    as, "",
+    "how OUT describes the robot: chain, dh (standard), mdh (modified), ur (calibration.yaml); default: as IN does");
+DEFINE_string(template, "", "URDF whose origins take the robot; everything else of it is kept byte for byte");
+DEFINE_bool(plain, false, "DH without Hayati's beta: the best such table, refitted, with what it costs");
+DEFINE_string(convention, "", "standard or modified: of a DH table that does not say");
+DEFINE_string(base_link, "", "link of a URDF where the chain begins; default: the root");
+DEFINE_string(tip_link, "", "link of a URDF where the chain ends; default: the only end there is");
+DEFINE_string(nominal, "", "robot that a calibration.conf of differences belongs to");
+
+namespace sagitta {
+
+RobotReadOptions RobotOptionsFromFlags() {
+  RobotReadOptions options;
+  if (!FLAGS_convention.empty()) {
+    if (FLAGS_convention != "standard" && FLAGS_convention != "modified") {
+      throw InputError({"", 0, "--convention"}, "'" + FLAGS_convention + "' is no convention", "standard or modified");
+    }
+    options.convention = FLAGS_convention == "standard" ? DhConvention::kStandard : DhConvention::kModified;
+  }
+  options.ends = {FLAGS_base_link, FLAGS_tip_link};
+  options.nominal_file = FLAGS_nominal;
+  return options;
+}
+
+namespace {
+
+struct Written {
+  std::string text;
+  std::vector<std::string> notes;
+  bool is_exact = true;
+};
+
+DhTable TableOf(const Robot& robot, DhConvention convention) {
+  std::string why_not;
+  const std::optional<DhTable> table =
+      robot.dh ? InConvention(*robot.dh, convention, &why_not) : DhTableFromChain(robot.chain, convention, &why_not);
+  if (table) return *table;
+  throw InputError({"", 0, "--as"}, "this robot has no such DH table: " + why_not,
+                   robot.dh ? "--as=mdh keeps the modified table" : "write a chain, or state other links: --base_link");
+}
+
+bool HasBeta(const DhTable& table) {
+  for (const DhLink& link : table.links) {
+    if (link.beta != 0.0) return true;
+  }
+  return false;
+}
+
+std::string Millimetres(double metres) { return FormatNumber(std::round(metres * 1e6) / 1e3) + " mm"; }
+
+DhTable PlainTable(const Robot& robot, const DhTable& table, Written* written) {
+  if (!HasBeta(table)) {
+    written->notes.push_back("the table has no beta: it is plain, and exact");
+    return table;
+  }
+  const PlainDhFit fit = FitPlainDh(robot.chain, table);
+  written->is_exact = false;
+  written->notes.push_back(
+      "without beta the flange is off by " + Millimetres(fit.rms) + " RMS, " + Millimetres(fit.max) +
+      " at most, over the joints' range; the refit moved lengths by up to " + Millimetres(fit.largest_length_change));
+  return fit.table;
+}
+
+Robot WithTable(const Robot& robot, const DhTable& table) {
+  Robot result = robot;
+  result.dh = table;
+  result.chain = ChainFromDhTable(robot.chain.joints, robot.chain.couplings, table);
+  return result;
+}
+
+std::string Wanted(const std::string& fallback) {
+  if (FLAGS_as.empty()) return fallback;
+  for (const char* known : {"chain", "dh", "mdh", "ur"}) {
+    if (FLAGS_as == known) return FLAGS_as;
+  }
+  throw InputError({"", 0, "--as"}, "'" + FLAGS_as + "' is no description", "chain, dh, mdh or ur");
+}
+
+DhConvention ConventionOf(const std::string& as) {
+  return as == "mdh" ? DhConvention::kModified : DhConvention::kStandard;
+}
+
+std::string OwnDescription(const Robot& robot) {
+  if (!robot.dh) return "chain";
+  return robot.dh->convention == DhConvention::kModified ? "mdh" : "dh";
+}
+
+Written ToYaml(const Robot& robot) {
+  Written written;
+  const std::string as = Wanted(FLAGS_plain && !robot.dh ? "dh" : OwnDescription(robot));
+  if (as == "ur") return {RobotToUrCalibration(robot), {}, true};
+  Robot result = robot;
+  if (as == "chain") {
+    result.dh.reset();
+  } else {
+    DhTable table = TableOf(robot, ConventionOf(as));
+    if (FLAGS_plain) table = PlainTable(robot, table, &written);
+    result = WithTable(robot, table);
+  }
+  written.text = RobotToYaml(result);
+  return written;
+}
+
+Written ToCsv(const Robot& robot) {
+  Written written;
+  const std::string as = Wanted(robot.dh ? OwnDescription(robot) : "dh");
+  if (as != "dh" && as != "mdh") throw InputError({"", 0, "--as"}, "a CSV holds a DH table", "--as=dh or --as=mdh");
+  DhTable table = TableOf(robot, ConventionOf(as));
+  if (FLAGS_plain) table = PlainTable(robot, table, &written);
+  written.text = DhTableToCsv(robot, table);
+  return written;
+}
+
+Written ToUrdf(const Robot& robot) {
+  if (FLAGS_template.empty()) return {RobotToUrdf(robot), {}, true};
+  const EditedUrdf edited =
+      EditUrdf(ReadTextFile(FLAGS_template), FLAGS_template, {FLAGS_base_link, FLAGS_tip_link}, robot);
+  std::string joints;
+  for (const std::string& joint : edited.joints) joints += (joints.empty() ? "" : ", ") + joint;
+  return {edited.text, {edited.joints.empty() ? "no origin changes" : "origins edited: " + joints}, true};
+}
+
+Written WrittenAs(const Robot& robot, const std::string& out) {
+  const std::string ending = std::filesystem::path(out).extension().string();
+  if (!FLAGS_template.empty() && ending != ".urdf") {
+    throw InputError({"", 0, "--template"}, "only a URDF is edited", "OUT has to end in .urdf");
+  }
+  if (ending == ".urdf") return ToUrdf(robot);
+  if (ending == ".csv") return ToCsv(robot);
+  if (ending == ".yaml" || ending == ".yml" || ending == ".json") return ToYaml(robot);
+  throw InputError({out, 0, ""}, "the ending does not say which format is meant",
+                   ".yaml (robot, or calibration.yaml with --as=ur), .urdf or .csv (DH table)");
+}
+
+// What the other format has no place for.
+std::string LeftOut(const Robot& robot) {
+  std::string words;
+  const auto add = [&words](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
+  if (!robot.compliances.empty()) add("joint compliances");
+  if (robot.gravity_compensator) add("the gravity compensator");
+  if (!robot.effects.empty()) add("effects");
+  return words;
+}
+
+// The largest distance of the flanges and of points 1 m from them, over random joint values.
+double LargestDifference(const Chain& a, const Chain& b) {
+  const ForwardModel models[2] = {ForwardModel(a), ForwardModel(b)};
+  std::mt19937_64 random(1);
+  double largest = 0.0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Eigen::VectorXd q(a.num_joints());
+    for (int j = 0; j < q.size(); ++j) q[j] = 2.0 * static_cast<double>(random() >> 11) * 0x1.0p-53 - 1.0;
+    for (int j = 0; j < q.size(); ++j) q[j] *= a.joints[j].type == JointType::kRevolute ? M_PI : 1.0;
+    Pose<double> flange[2];
+    for (int m = 0; m < 2; ++m) {
+      const std::vector<double> no_errors(models[m].num_parameters(), 0.0);
+      ChainState<double> state;
+      EvaluateChain(models[m].chain(), models[m].TransformValues(q, no_errors.data()).data(), &state);
+      flange[m] = state.frames.back();
+    }
+    for (int i = 0; i < 3; ++i) {
+      const Vector3<double> arm = Vector3<double>::Unit(i);
+      largest = std::max(largest, (flange[0] * arm - flange[1] * arm).norm());
+    }
+  }
+  return largest;
+}
+
+// Reads what is about to be written as any reader of it would.
+Robot ReadBack(const std::string& text, const std::string& out) {
+  const std::string probe = out + ".check" + std::filesystem::path(out).extension().string();
+  WriteTextFile(probe, text);
+  RobotReadOptions options;
+  if (!FLAGS_template.empty()) options.ends = {FLAGS_base_link, FLAGS_tip_link};
+  try {
+    const Robot robot = ReadAnyRobot(probe, options).robot;
+    std::filesystem::remove(probe);
+    return robot;
+  } catch (...) {
+    std::filesystem::remove(probe);
+    throw;
+  }
+}
+
+int RunConvert(const CommandLine& line) {
+  ExpectArguments(line, ConvertCommand(), 2, 2);
+  const std::string& in = line.arguments[0];
+  const std::string& out = line.arguments[1];
+  const RobotReading reading = ReadAnyRobot(in, RobotOptionsFromFlags());
+  const Written written = WrittenAs(reading.robot, out);
+  constexpr double kSame = 1e-9;  // m
+  const double difference = LargestDifference(reading.robot.chain, ReadBack(written.text, out).chain);
+  if (written.is_exact && difference > kSame) {
+    throw std::runtime_error("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
+                             " mm; nothing is written");
+  }
+  WriteTextFile(out, written.text);
+  std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";
+  for (const std::string& note : reading.notes) std::cout << "  " << note << "\n";
+  for (const std::string& guess : reading.guesses) std::cout << "  guessed: " << guess << "\n";
+  std::cout << out << ": written\n";
+  for (const std::string& note : written.notes) std::cout << "  " << note << "\n";
+  if (written.is_exact)
+    std::cout << "  read again it moves as before, to " << FormatNumber(std::ceil(1e15 * difference) / 1e12)
+              << " mm at 1 m from the flange\n";
+  const std::string left_out = LeftOut(reading.robot);
+  const std::string ending = std::filesystem::path(out).extension().string();
+  if (!left_out.empty() && (FLAGS_as == "ur" || ending == ".urdf" || ending == ".csv")) {
+    std::cout << "  left out, the format has no place for them: " << left_out << "\n";
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command ConvertCommand() {
+  return {"convert",
+          "robot files between formats",
+          R"(sagitta convert IN OUT [--as=chain|dh|mdh|ur] [--template=FILE.urdf] [--plain]
+
+Reads a robot from IN, by its content: robot.yaml, URDF, a DH table as text (any column order, separator and unit),
+calibration.yaml or .conf of Universal Robots, MATLAB text (SerialLink, dhparams, elementary transforms). Writes it to
+OUT, by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibration.yaml), .urdf, .csv (DH table). What is written is
+read again and has to move alike to 1e-9 m.
+
+--template edits the origins of an existing URDF and nothing else. --plain gives a DH table without Hayati's beta, for
+controllers that have none, and says what that costs. Details: docs/CONVERT.md.
+
+Examples
+  sagitta convert robot.urdf robot.yaml
+  sagitta convert results/robot.calibrated.yaml calibrated.urdf --template=robot.urdf
+  sagitta convert results/robot.calibrated.yaml table.csv --as=dh --plain
+  sagitta convert calibration.conf robot.yaml --nominal=urcontrol.conf
+)",
+          {"as", "template", "plain", "convention", "base_link", "tip_link", "nominal"},
+          RunConvert};
+}
+
+}  // namespace sagitta

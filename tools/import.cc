@@ -1,0 +1,332 @@
+// sagitta import: robot.yaml, measurements.csv and experiment.yaml from what people have.
+#include <fmt/format.h>
+#include <gflags/gflags.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+
+#include "estimator/alignment/aligned_misfit.h"
+#include "problems/calibration_problem.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/import/import_plan.h"
+#include "problems/io/import/imported_rows.h"
+#include "problems/io/import/robot_reading.h"
+#include "problems/io/measurement_file.h"
+#include "problems/io/robot_file.h"
+#include "tools/commands.h"
+#include "tools/convert_options.h"
+
+DEFINE_string(
+    map, "",
+    "COLUMN=HEADER,…: columns of measurements.csv and where they come from (a header, a column's number, a+b or a-b)");
+DEFINE_bool(strict, false, "refuse whatever would have to be guessed");
+DEFINE_string(robot, "", "robot whose table this program ships, by its name (ur5, irb120, …)");
+
+namespace sagitta {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSuspicious = 0.05;  // of the reach: as in calibrate, such a robot did not make the readings
+constexpr double kBetter = 3.0;       // the best of several readings has to fit so much better than any other
+constexpr double kComputed = 2e-6;    // m: no instrument and no robot agree with a nominal table so well
+constexpr size_t kSampleRows = 60;
+
+// How far the aligned nominal robot misses; infinite where that cannot be said.
+double Misfit(const Robot& robot, const std::string& csv) {
+  const std::string probe =
+      (fs::temp_directory_path() / ("sagitta-import-" + std::to_string(getpid()) + ".csv")).string();
+  WriteTextFile(probe, csv);
+  double misfit = std::numeric_limits<double>::infinity();
+  try {
+    const CalibrationProblem problem = MakeCalibrationProblem(robot, ReadMeasurementsFor(robot, {probe}), Experiment());
+    misfit = AlignedMisfit(problem, SampleOfRows(problem));
+  } catch (const InputError&) {  // too few rows: nothing can be said
+  }
+  fs::remove(probe);
+  return misfit;
+}
+
+double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  ImportedRows rows;
+  rows.Add(table, plan, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
+  return Misfit(robot, rows.ToCsv(robot.num_joints()));
+}
+
+struct Choice {
+  ImportPlan plan;
+  double misfit = std::numeric_limits<double>::infinity();  // m
+};
+
+std::string InMillimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
+
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans) {
+  std::vector<double> misfits;
+  for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
+  const size_t best = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
+  if (!(misfits[best] < std::numeric_limits<double>::infinity())) return {plans[PlanBySize(table, plans)]};
+  const double tolerance = kSuspicious * Reach(robot.chain);
+  if (misfits[best] > tolerance) {
+    throw InputError({table.path, table.header_line, ""},
+                     "this robot cannot have made these readings: at best its nominal geometry misses them by " +
+                         InMillimetres(misfits[best]) + " (RMS)",
+                     "check robot, units and which columns hold measured points; --map=… says it");
+  }
+  for (size_t i = 0; i < plans.size(); ++i) {
+    if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
+    throw InputError(
+        {table.path, table.header_line, ""},
+        "the columns can be read in two ways, which fit equally well: " + plans[best].choice + "; " + plans[i].choice,
+        "--map=… says which, as in --map=x_mm=1,q1_deg=4");
+  }
+  Choice choice{plans[best], misfits[best]};
+  // Of several readings one fits: that is evidence, and stays a guess.
+  return choice;
+}
+
+// Positions that the nominal robot reproduces were computed from its joints.
+void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped) {
+  if (choice.misfit > kComputed || is_mapped) return;
+  throw InputError({table.path, table.header_line, ""},
+                   "the points agree with the nominal robot to " + InMillimetres(choice.misfit) +
+                       ": they were computed, not measured",
+                   "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them");
+}
+
+std::map<std::string, std::string> MapFromFlag() {
+  std::map<std::string, std::string> columns;
+  if (FLAGS_map.empty()) return columns;
+  for (const std::string& entry : SplitText(FLAGS_map, ',')) {
+    const size_t equals = entry.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size()) {
+      throw InputError({"", 0, "--map"}, "'" + entry + "' does not name a column and where it comes from",
+                       "--map=x_mm=measurement_x,q1_rad=shoulder_pan_joint");
+    }
+    if (!columns.emplace(entry.substr(0, equals), entry.substr(equals + 1)).second) {
+      throw InputError({"", 0, "--map"}, "'" + entry.substr(0, equals) + "' is mapped twice");
+    }
+  }
+  return columns;
+}
+
+struct FoundRobot {
+  RobotReading reading;
+  std::string words;
+};
+
+// Tables that ship with the program, by file name.
+std::vector<std::string> ShippedTables() {
+  std::vector<std::string> tables;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(SAGITTA_ROBOTS_DIR, ignored)) {
+    if (entry.path().extension() == ".csv") tables.push_back(entry.path().string());
+  }
+  std::sort(tables.begin(), tables.end());
+  return tables;
+}
+
+FoundRobot ShippedRobot(const std::string& name) {
+  std::vector<std::string> names;
+  for (const std::string& path : ShippedTables()) {
+    names.push_back(fs::path(path).stem().string());
+    if (names.back() == name) return {ReadAnyRobot(path), "the table '" + name + "' that this program ships"};
+  }
+  throw InputError({"", 0, "--robot"}, "there is no table '" + name + "'", SpellingHint(name, names));
+}
+
+// Of the shipped tables the one that can have made the readings, if there is exactly one.
+FoundRobot RobotByFit(const TextTable& table, const std::map<std::string, std::string>& columns) {
+  struct Candidate {
+    std::string path;
+    double misfit;
+  };
+  std::vector<Candidate> fitting;
+  for (const std::string& path : ShippedTables()) {
+    const RobotReading reading = ReadAnyRobot(path);
+    try {
+      const Choice choice = ChoosePlan(reading.robot, table, PossiblePlans(table, reading.robot.chain.joints, columns));
+      if (choice.misfit < std::numeric_limits<double>::infinity()) fitting.push_back({path, choice.misfit});
+    } catch (const InputError&) {  // other joints, or it misses by far
+    }
+  }
+  std::sort(fitting.begin(), fitting.end(), [](const Candidate& a, const Candidate& b) { return a.misfit < b.misfit; });
+  if (fitting.empty() || (fitting.size() > 1 && fitting[1].misfit < kBetter * fitting[0].misfit)) {
+    throw InputError({table.path, 0, ""},
+                     fitting.empty()
+                         ? "no robot is given, and none of the tables that this program ships made these readings"
+                         : "no robot is given, and several of the tables that this program ships fit",
+                     "give the robot as one of the files: robot.yaml, URDF, a DH table, calibration.yaml …");
+  }
+  FoundRobot found{ReadAnyRobot(fitting[0].path), ""};
+  found.reading.guesses.push_back(
+      fmt::format("no robot is given: of the tables that this program ships only '{}' can have made the readings (its "
+                  "nominal geometry misses by {})",
+                  fs::path(fitting[0].path).stem().string(), InMillimetres(fitting[0].misfit)));
+  found.words = "the table '" + fs::path(fitting[0].path).stem().string() + "' that this program ships";
+  return found;
+}
+
+FoundRobot RobotOf(const std::vector<std::string>& robot_files, const std::vector<TextTable>& tables,
+                   const std::map<std::string, std::string>& columns) {
+  if (robot_files.size() > 1 || (!robot_files.empty() && !FLAGS_robot.empty())) {
+    throw InputError({robot_files.back(), 0, ""}, "this is a second robot",
+                     "one robot and any number of measurement files are expected");
+  }
+  if (!robot_files.empty()) return {ReadAnyRobot(robot_files[0], RobotOptionsFromFlags()), robot_files[0]};
+  if (!FLAGS_robot.empty()) return ShippedRobot(FLAGS_robot);
+  return RobotByFit(tables.front(), columns);
+}
+
+std::string FirstValue(const TextTable& table, const PlannedColumn& column) {
+  const auto& cells = table.rows.front().cells;
+  std::string value = cells[column.source];
+  if (column.second >= 0) value += (column.sign > 0 ? " + " : " - ") + cells[column.second];
+  return value;
+}
+
+void PrintPlan(const TextTable& table, const Choice& choice) {
+  std::cout << "\n"
+            << table.path << ": " << table.rows.size() << " rows, " << table.columns() << " columns, " << table.encoding
+            << ", separator " << table.separator << ", decimal " << (table.decimal_comma ? "comma" : "point")
+            << (table.has_header() ? "" : ", no header") << "\n";
+  std::cout << fmt::format("  {:<30} {:<28} {:<6} {}\n", "column", "meaning", "unit", "first value");
+  for (const PlannedColumn& column : choice.plan.columns) {
+    std::cout << fmt::format("  {:<30} {:<28} {:<6} {}\n", column.header, column.stem + " (" + column.meaning + ")",
+                             column.unit.empty() ? "-" : column.unit, FirstValue(table, column));
+  }
+  for (const auto& [header, why] : choice.plan.unused) std::cout << fmt::format("  {:<30} not used: {}\n", header, why);
+  if (choice.misfit < std::numeric_limits<double>::infinity()) {
+    std::cout << "  the nominal robot, base and marker fitted, misses by " << InMillimetres(choice.misfit)
+              << " (RMS): the columns fit the robot\n";
+  } else {
+    std::cout << "  too few rows to check the columns against the robot\n";
+  }
+}
+
+void PrintGuesses(const std::vector<std::string>& guesses) {
+  if (guesses.empty()) {
+    std::cout << "\nNothing had to be guessed.\n";
+    return;
+  }
+  std::cout << "\nGuessed (--strict refuses):\n";
+  for (const std::string& guess : guesses) std::cout << "  - " << guess << "\n";
+}
+
+// A file's name as an id.
+std::string LabelOf(const std::string& path) {
+  std::string label = fs::path(path).stem().string();
+  for (char& c : label) c = std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' ? c : '_';
+  return label;
+}
+
+// Files from different folders may share a name.
+std::vector<std::string> Labels(const std::vector<TextTable>& tables) {
+  std::vector<std::string> labels;
+  for (const TextTable& table : tables) {
+    std::string label = LabelOf(table.path);
+    while (std::count(labels.begin(), labels.end(), label)) label += "_";
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+std::string ExperimentText() {
+  return "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [measurements.csv]\n";
+}
+
+int RunImport(const CommandLine& line) {
+  ExpectArguments(line, ImportCommand(), 1, 1000);
+  if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "the folder for the files is missing", "--out=DIR");
+  const std::map<std::string, std::string> columns = MapFromFlag();
+  std::vector<std::string> robot_files;
+  std::vector<TextTable> tables;
+  for (const std::string& path : line.arguments) {
+    if (LooksLikeRobot(path)) {
+      robot_files.push_back(path);
+    } else {
+      tables.push_back(ReadTextTable(path));
+    }
+  }
+  if (tables.empty())
+    throw InputError({line.arguments[0], 0, ""}, "there are no measurements among the files",
+                     "a robot alone is for 'sagitta convert'");
+  const FoundRobot found = RobotOf(robot_files, tables, columns);
+  const Robot& robot = found.reading.robot;
+
+  std::vector<std::string> guesses = found.reading.guesses;
+  const auto guess = [&guesses](const std::string& words) {
+    if (std::find(guesses.begin(), guesses.end(), words) == guesses.end()) guesses.push_back(words);
+  };
+  std::vector<Choice> choices;
+  ImportedRows rows;
+  const std::vector<std::string> labels = Labels(tables);
+  for (size_t t = 0; t < tables.size(); ++t) {
+    choices.push_back(ChoosePlan(robot, tables[t], PossiblePlans(tables[t], robot.chain.joints, columns)));
+    RefuseComputedPoints(tables[t], choices.back(),
+                         columns.count("x_mm") + columns.count("x_m") + columns.count("x_um") > 0);
+    const ImportPlan& plan = choices.back().plan;
+    for (const std::string& words : plan.guesses) guess(words);
+    RowDefaults defaults;
+    if (tables.size() > 1) {
+      defaults.station = labels[t];
+      defaults.marker = "M" + std::to_string(t + 1);
+      if (!plan.Find("station"))
+        guess("each file is a station of its own: the instrument may have been moved between them");
+      if (!plan.Find("marker")) guess("each file has a marker of its own: the reflector may have been mounted anew");
+    }
+    rows.Add(tables[t], plan, defaults);
+  }
+  if (FLAGS_strict && !guesses.empty()) {
+    std::string all;
+    for (const std::string& words : guesses) all += "\n  - " + words;
+    throw InputError({"", 0, "--strict"}, std::to_string(guesses.size()) + " things would have to be guessed:" + all,
+                     "say them: --map=COLUMN=HEADER,…, units in headers, columns station and marker");
+  }
+  const std::string csv = rows.ToCsv(robot.num_joints());
+  PrepareOutputFolder(FLAGS_out);
+  WriteTextFile(FLAGS_out + "/robot.yaml", RobotToYaml(robot));
+  WriteTextFile(FLAGS_out + "/measurements.csv", csv);
+  WriteTextFile(FLAGS_out + "/experiment.yaml", ExperimentText());
+  std::cout << "Robot: " << found.words << ", " << found.reading.format << ", " << robot.num_joints() << " joints"
+            << (robot.name.empty() ? "" : ", " + robot.name) << "\n";
+  for (const std::string& note : found.reading.notes) std::cout << "  " << note << "\n";
+  for (size_t t = 0; t < tables.size(); ++t) PrintPlan(tables[t], choices[t]);
+  if (!rows.notes().empty()) std::cout << "\n";
+  for (const std::string& note : rows.notes()) std::cout << note << "\n";
+  PrintGuesses(guesses);
+  std::cout << "\n"
+            << rows.size() << " readings in " << FLAGS_out
+            << ": robot.yaml, measurements.csv, experiment.yaml\nNext: sagitta calibrate " << FLAGS_out
+            << "/experiment.yaml --out=results\n";
+  return 0;
+}
+
+}  // namespace
+
+Command ImportCommand() {
+  return {"import",
+          "robot, measurements and experiment from what people have",
+          R"(sagitta import FILES… --out=DIR [--map=COLUMN=HEADER,…] [--strict]
+
+Takes one robot (anything 'sagitta convert' reads) and any number of measurement tables as text, and writes
+robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign, encoding, header and units are
+found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made. What
+was understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
+nominal or computed are never taken for measured ones. Several files are several stations.
+
+Without a robot the tables that this program ships are tried; --robot=NAME takes one of them. Details: docs/IMPORT.md.
+
+Examples
+  sagitta import robot.urdf tracker.csv --out=job
+  sagitta import dh.csv series1.csv series2.csv --out=job --strict
+  sagitta import robot.yaml export.txt --out=job --map=x_mm=measurement_x,y_mm=measurement_y,z_mm=measurement_z
+)",
+          {"out", "map", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "quiet"},
+          RunImport};
+}
+
+}  // namespace sagitta
