@@ -8,7 +8,6 @@ namespace sagitta {
 namespace {
 
 using test::ExpectPoint;
-using test::kDegree;
 using test::TwoLinkScene;
 
 constexpr double kG = 9.80665;  // m/s^2

@@ -11,7 +11,6 @@ namespace sagitta {
 namespace {
 
 using test::ExpectPoint;
-using test::kDegree;
 using test::TwoLinkScene;
 
 // The base stands 2 m along the station's y, turned by 90 deg about z: the flange (1.4, 0, 0.5) is seen at (0, 3.4,
