@@ -63,7 +63,7 @@ TEST_F(ConditionsTest, GravityIsInTheFrameItIsStatedIn) {
   experiment.stations["S1"].instrument_xyz = Vector3<double>(1.0, 2.0, 3.0);
   // The station sees the base turned by 90 deg about z: the measurement frame's -x is the base's +y.
   Pose<double> base;
-  base.rotation = RotationFromVector(Vector3<double>(0.0, 0.0, 90 * test::kDegree));
+  base.rotation = RotationFromVector(Vector3<double>(0.0, 0.0, 90 * kDegree));
   const std::vector<double> theta = model.NominalValues();
   for (const bool in_base : {true, false}) {
     experiment.gravity_in_base = in_base;
@@ -105,7 +105,7 @@ TEST_F(ConditionsTest, AComplianceIsLimitedByWhatItMoves) {
     // Weights do not turn an upright axis at all: what they leave there is of its kind.
     EXPECT_EQ(limit("compliance/J1"), TraitsOf(Quantity::kCompliance).hold_limit);
     // The largest |q2| is 60 deg: 5 mrad of it.
-    EXPECT_NEAR(limit("effect/encoder_gain/J2/gain"), 5e-3 / (60 * test::kDegree), 1e-9);
+    EXPECT_NEAR(limit("effect/encoder_gain/J2/gain"), 5e-3 / (60 * kDegree), 1e-9);
     EXPECT_EQ(limit("marker/M1/x"), 5e-3);
     EXPECT_EQ(limit("geometry/a1"), 5e-3);
   }
