@@ -12,12 +12,14 @@ namespace {
 
 constexpr double kOverlapListed = 0.8;
 
-// The change points of one effect are many candidates and one alternative.
-std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
+// The change points, widths and time constants of one effect are many candidates and one alternative.
+std::string WithoutNumbers(const Robot& robot, EffectSpec spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   if (definition == nullptr) return spec.Path();
   for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kMoment) spec.settings.erase(setting.name);
+    const bool is_number =
+        setting.kind == SettingDefinition::Kind::kMoment || setting.kind == SettingDefinition::Kind::kNumber;
+    if (is_number) spec.settings.erase(setting.name);
   }
   return spec.Path();
 }
@@ -48,9 +50,9 @@ std::vector<Alternative> FindAlternatives(const StepBench& bench, const ChosenSt
   std::stable_sort(alternatives.begin(), alternatives.end(),
                    [](const auto& a, const auto& b) { return a.overlap > b.overlap; });
   const Robot& robot = bench.model().problem->robot;
-  std::set<std::string> seen = {WithoutChangePoint(robot, step.candidate.spec)};
+  std::set<std::string> seen = {WithoutNumbers(robot, step.candidate.spec)};
   const auto is_neighbour = [&](const Alternative& entry) {
-    const bool is_first = seen.insert(WithoutChangePoint(robot, entry.spec)).second;
+    const bool is_first = seen.insert(WithoutNumbers(robot, entry.spec)).second;
     return !entry.tied && !is_first;
   };
   alternatives.erase(std::remove_if(alternatives.begin(), alternatives.end(), is_neighbour), alternatives.end());
