@@ -26,11 +26,9 @@ inline Vector3<double> MeasuredMinusPredicted(const TargetReading& measured, con
   return RotationVector(Matrix3<double>(measured.rotation * RotationFromVector(predicted).transpose()));
 }
 
-// d misfit / d prediction, the latter by left perturbation; misfit = predicted - measured. Of what was not measured (NaN)
-// the prediction itself.
+// d misfit / d prediction, the latter by left perturbation; misfit = predicted - measured.
 inline Matrix3<double> MisfitByPrediction(ReadingKind kind, const Vector3<double>& misfit) {
-  if (kind == ReadingKind::kPoint || !misfit.allFinite()) return Matrix3<double>::Identity();
-  return InverseLeftJacobian(misfit);
+  return kind == ReadingKind::kPoint ? Matrix3<double>(Matrix3<double>::Identity()) : InverseLeftJacobian(misfit);
 }
 
 }  // namespace sagitta
