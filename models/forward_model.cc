@@ -460,9 +460,8 @@ void ForwardModel::AddLoads(const ShotInput& shot, const Equilibrium& equilibriu
 
 Eigen::VectorXd ForwardModel::ModelledJointTorques(ShotInput shot, const double* theta,
                                                    const Matrix3<double>& base_rotation) const {
-  shot.conditions.joint_torques.resize(0);
-  shot.prepared = false;
-  Prepare(&shot);
+  if (!shot.prepared) Prepare(&shot);
+  shot.terms.torques.clear();
   const Equilibrium equilibrium = Equilibrate(shot, theta, base_rotation);
   if (!equilibrium.converged) return {};
   const Eigen::VectorXd coupled = chain().CoupledJointValues(shot.conditions.q);

@@ -127,7 +127,8 @@ Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& p
         const Matrix3<double> root_inverse = noise[k].inverse();
         const Vector3<double> misfit = -MeasuredMinusPredicted(observation.reading(), prediction.point);
         result.residual.segment<3>(3 * k) = root_inverse * misfit;
-        const Matrix3<double> whitener = root_inverse * MisfitByPrediction(observation.kind, misfit);
+        Matrix3<double> whitener = root_inverse;  // of what was not measured (NaN): the prediction's own derivative
+        if (misfit.allFinite()) whitener *= MisfitByPrediction(observation.kind, misfit);
         auto rows = result.jacobian.middleRows(3 * k, 3);
         const auto write = [&](int first_coordinate, const auto& derivative) {
           for (int i = 0; i < 3; ++i) {

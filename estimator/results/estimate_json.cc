@@ -153,7 +153,7 @@ Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parame
     const auto spec = problem.experiment.markers.find(problem.data.markers[m]);
     const std::string on = spec == problem.experiment.markers.end() ? "flange" : spec->second.on;
     Json& marker = json[problem.data.markers[m]];
-    marker = {{"xyz_mm", MillimetresOf(parameters.MarkerPoint(m))}};
+    marker["xyz_mm"] = MillimetresOf(parameters.MarkerPoint(m));
     if (parameters.is_oriented(static_cast<int>(m))) {  // mrad of rad, as mm of m
       marker["rotvec_mrad"] = MillimetresOf(RotationVector(parameters.MarkerRotation(static_cast<int>(m))));
     }
