@@ -46,6 +46,13 @@ Linearization AllColumns(const CalibrationProblem& problem, const std::vector<in
   return Linearize(problem, problem.parameters, rows, columns, metres, LatentTreatment::kIgnore);
 }
 
+// Points by a joint's encoder: the joints that are coupled to it move too.
+Eigen::VectorXd ZeroColumn(const Chain& chain, const Linearization& all, int joint) {
+  const auto n = static_cast<long>(chain.num_joints());
+  return all.latent * (chain.CoupledJointValues(Eigen::VectorXd::Unit(n, joint)) -
+                       chain.CoupledJointValues(Eigen::VectorXd::Zero(n)));
+}
+
 Eigen::MatrixXd Columns(const std::vector<std::string>& names, const CalibrationProblem& problem,
                         const Linearization& all) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(all.num_rows(), static_cast<long>(names.size()));
@@ -322,7 +329,7 @@ EstimateComparison::Linear EstimateComparison::Linearise() const {
     const ChangeGroup& group = groups_[g];
     auto columns = linear.columns.middleCols(first, group.size());
     columns = all.jacobian * group.coordinates;
-    if (group.joint >= 0) columns.col(0) += group.joint_size * all.latent.col(group.joint);
+    if (group.joint >= 0) columns.col(0) += group.joint_size * ZeroColumn(problems_[0].model.chain(), all, group.joint);
     applied.segment(first, group.size()) = applied_[g];
     std::vector<int> indices(group.size());
     std::iota(indices.begin(), indices.end(), first);

@@ -13,13 +13,13 @@ namespace sagitta {
 // One explanation: what moves, per typical size of each of its parameters.
 struct ChangeGroup {
   std::string what, target;
-  Eigen::MatrixXd coordinates;  // of the old problem's coordinates (SI) by parameter
-  int joint = -1;               // whose encoder zero moves; -1: none
-  double joint_size = 0.0;      // rad or m, typical
-  std::vector<std::string> names;
-  std::vector<double> unit;  // SI value of the unit of each parameter
-  std::vector<std::string> units;
-  std::vector<double> typical;  // SI
+  Eigen::MatrixXd coordinates = {};  // of the old problem's coordinates (SI) by parameter
+  int joint = -1;                    // whose encoder zero moves; -1: none
+  double joint_size = 0.0;           // rad or m, typical
+  std::vector<std::string> names = {};
+  std::vector<double> unit = {};  // SI value of the unit of each parameter
+  std::vector<std::string> units = {};
+  std::vector<double> typical = {};  // SI
   int size() const { return static_cast<int>(names.size()); }
 };
 

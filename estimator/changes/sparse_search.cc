@@ -11,7 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kNegligible = 12.0;  // a set e^-12 below the best is not followed
-constexpr size_t kBeam = 25;          // sets that are followed at a time
+constexpr size_t kBeam = 12;          // sets that are followed at a time
 constexpr size_t kMostGroups = 6;     // in a set
 
 // Group and index of its scale, sorted.
