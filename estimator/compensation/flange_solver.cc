@@ -21,6 +21,7 @@ constexpr double kAngleWeight = 1e-5;
 // end where they gain a millionth. Steps to one that can are quadratic and never gain so little there.
 constexpr double kNoGain = 1e-6;
 constexpr double kFarOff = 1e-6;
+constexpr double kGentle = 1e-2;       // a step damped beyond that gains little wherever it leads
 constexpr double kLimitSlack = 1e-12;  // rad or m
 // Singular values below this share of the largest carry no information in double precision.
 constexpr double kRankShare = 1e-12;
@@ -52,7 +53,7 @@ class Newton {
       const double next_error = stands ? Error(next).norm() : std::numeric_limits<double>::infinity();
       // Where the error is at the rounding of the kinematics, the rest of the step is along the null space.
       if (next_error <= error || next_error < kRounding) {
-        const bool slow = error - next_error < kNoGain * error && next_error > kFarOff;
+        const bool slow = damping < kGentle && error - next_error < kNoGain * error && next_error > kFarOff;
         q += step, error = next_error, solution->state = next;
         damping = damping < 1e-8 ? 0.0 : damping / 10.0;
         settled |= slow || (error < kRounding && step.lpNorm<Eigen::Infinity>() < kQuadratic);
