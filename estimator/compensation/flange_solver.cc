@@ -163,7 +163,8 @@ bool LoadedArm::At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<doubl
                    const std::vector<int>& parameters, FlangeState* state) const {
   shot.conditions.q = q;
   model_.Prepare(&shot);
-  shot.terms.station.clear();  // what the instrument saw is no matter of where the flange is
+  shot.terms.station.clear();  // what the instrument sees is no matter of where the flange is
+  shot.terms.sights.clear();
   constexpr int kNoMarker = -2;
   const int flange = chain().FlangeFrame();
   std::vector<MarkerInFrame> points = {{flange, Vector3<double>::Zero(), kNoMarker}};
