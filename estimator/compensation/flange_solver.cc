@@ -250,6 +250,10 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
   solution.left_rotation = left.tail<3>().norm();
   solution.least_singular = LeastSingularValue(chain, solution.state);
   if (solution.status == TargetStatus::kOk) solution.status = Judge(chain, solution);
+  // Steps that do not settle beside a singularity are what a singularity does.
+  if (solution.status == TargetStatus::kNotConverged && solution.least_singular < kNearSingular) {
+    solution.status = TargetStatus::kSingular;
+  }
   return solution;
 }
 
