@@ -8,6 +8,7 @@ namespace sagitta {
 Command CalibrateCommand();
 Command PredictCommand();
 Command SimulateCommand();
+Command ChangedCommand();
 Command CompareCommand();
 Command CompensateCommand();
 Command ConvertCommand();

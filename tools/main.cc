@@ -21,6 +21,7 @@ const std::vector<Command>& Commands() {
       CoverageCommand(),
       {"plan", "which poses to measure next", "", {}},
       CompensateCommand(),
+      ChangedCommand(),
       {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
       ImportCommand(),
       ConvertCommand(),

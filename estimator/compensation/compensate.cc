@@ -173,7 +173,8 @@ std::string Compensator::Words(const Target& target, const CompensatedTarget& re
       }
       return s.at_limit.empty() ? "" : JointNames(s.at_limit) + " at the limit, the others make up for it";
     case TargetStatus::kSingular:
-      return "on target, close to a singularity (smallest singular value " + Significant(s.least_singular, 2) +
+      return (s.left_position <= kOnTarget ? "on target" : left + " are left") +
+             ", close to a singularity (smallest singular value " + Significant(s.least_singular, 2) +
              "): small errors take large joint motions there";
     case TargetStatus::kLimit:
       return JointNames(s.at_limit) + " would leave the limits; the nearest pose within them is " + left + " off";

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sagitta {
 namespace {
@@ -16,6 +17,11 @@ constexpr double kLongestStep = 0.2;    // rad or m: a Newton step beyond that l
 // Of an angle below six joints. What an orientation that is 0.1 rad out of reach takes from the position is its square
 // times that, 1e-11 of the reach.
 constexpr double kAngleWeight = 1e-5;
+// Steps towards a pose that cannot be reached gain ever less; far from the target (in units of the reach, or rad) they
+// end where they gain a millionth. Steps to one that can are quadratic and never gain so little there.
+constexpr double kNoGain = 1e-6;
+constexpr double kFarOff = 1e-6;
+constexpr double kGentle = 1e-2;       // a step damped beyond that gains little wherever it leads
 constexpr double kLimitSlack = 1e-12;  // rad or m
 // Singular values below this share of the largest carry no information in double precision.
 constexpr double kRankShare = 1e-12;
@@ -47,7 +53,7 @@ class Newton {
       const double next_error = stands ? Error(next).norm() : std::numeric_limits<double>::infinity();
       // Where the error is at the rounding of the kinematics, the rest of the step is along the null space.
       if (next_error <= error || next_error < kRounding) {
-        const bool slow = error - next_error < 1e-14 * error && next_error > kRounding;
+        const bool slow = damping < kGentle && error - next_error < kNoGain * error && next_error > kFarOff;
         q += step, error = next_error, solution->state = next;
         damping = damping < 1e-8 ? 0.0 : damping / 10.0;
         settled |= slow || (error < kRounding && step.lpNorm<Eigen::Infinity>() < kQuadratic);
@@ -157,7 +163,8 @@ bool LoadedArm::At(const Eigen::VectorXd& q, ShotInput shot, const Matrix3<doubl
                    const std::vector<int>& parameters, FlangeState* state) const {
   shot.conditions.q = q;
   model_.Prepare(&shot);
-  shot.terms.station.clear();  // what the instrument saw is no matter of where the flange is
+  shot.terms.station.clear();  // what the instrument sees is no matter of where the flange is
+  shot.terms.sights.clear();
   constexpr int kNoMarker = -2;
   const int flange = chain().FlangeFrame();
   std::vector<MarkerInFrame> points = {{flange, Vector3<double>::Zero(), kNoMarker}};
@@ -243,6 +250,10 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
   solution.left_rotation = left.tail<3>().norm();
   solution.least_singular = LeastSingularValue(chain, solution.state);
   if (solution.status == TargetStatus::kOk) solution.status = Judge(chain, solution);
+  // Steps that do not settle beside a singularity are what a singularity does.
+  if (solution.status == TargetStatus::kNotConverged && solution.least_singular < kNearSingular) {
+    solution.status = TargetStatus::kSingular;
+  }
   return solution;
 }
 

@@ -1,0 +1,141 @@
+// What changed between two estimates, on pairs measured by a generator of its own (tests/support/kr270_experiment.h).
+#include "estimator/changes/changes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "estimator/changes/sparse_search.h"
+#include "estimator/sagitta.h"
+#include "problems/input_error.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using test::Kr270Truth;
+using ::testing::HasSubstr;
+
+KnownRobot Estimated(const Kr270Truth& truth, std::uint64_t seed, const std::vector<std::string>& fixed = {},
+                     const std::string& robot_name = "KR 270") {
+  test::Kr270Design design;
+  design.seed = seed;  // other poses every time
+  design.configurations = 24;
+  design.sigma = 3e-5;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, design.sigma, 1000 + seed, &data);
+  Experiment experiment;
+  experiment.estimate.fixed = fixed;
+  Robot robot;
+  robot.name = robot_name;
+  robot.chain = test::Kr270Chain();
+  const CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
+  const Calibration calibration{problem, EstimateJointly(problem)};
+  EXPECT_TRUE(IsUsable(calibration.estimate.status)) << calibration.estimate.message;
+  return KnownFrom(calibration);
+}
+
+std::string NamesOf(const Changes& changes) {
+  std::string names;
+  for (const Change& change : changes.changes) names += change.what + "/" + change.target + " ";
+  return names;
+}
+
+TEST(ChangesTest, ASlippedJointIsNamed) {
+  const Kr270Truth before;
+  Kr270Truth after = before;
+  after.errors[7] += 0.4e-3;  // dq3
+  const Changes changes = FindChanges(Estimated(before, 1), Estimated(after, 2));
+  ASSERT_EQ(NamesOf(changes), "joint_zero/A3 ") << changes.words;
+  const Change& slip = changes.changes[0];
+  EXPECT_EQ(slip.unit, "mrad");
+  EXPECT_GT(slip.probability, 0.9);
+  // Four standard deviations to either side hold it but once in 16 000.
+  const double sigma = (slip.ci95[1] - slip.ci95[0]) / (2 * 1.959964);
+  EXPECT_NEAR(slip.value, 0.4, 4 * sigma);
+  EXPECT_LT(sigma, 0.1);
+  EXPECT_LT(changes.after_rms, changes.before_rms);
+}
+
+TEST(ChangesTest, AKnockedToolIsOneRigidMotion) {
+  const Kr270Truth before;
+  Kr270Truth after = before;
+  const Vector3<double> turn(0, 2e-3, 1e-3);
+  for (Vector3<double>& tool : after.tools) tool = RotationFromVector(turn) * tool + Vector3<double>(3e-4, 0, -5e-4);
+  const Changes changes = FindChanges(Estimated(before, 3), Estimated(after, 4));
+  ASSERT_EQ(NamesOf(changes), "tool/flange ") << changes.words;
+  ASSERT_EQ(changes.changes[0].parts.size(), 6u);
+  const double truth[6] = {0.3, 0.0, -0.5, 0.0, 2.0, 1.0};
+  for (int i = 0; i < 6; ++i) {
+    const Change::Part& part = changes.changes[0].parts[i];
+    EXPECT_NEAR(part.value, truth[i], 2.0 * (part.ci95[1] - part.ci95[0])) << part.name;
+  }
+}
+
+TEST(ChangesTest, AMovedBaseIsFound) {
+  const Kr270Truth before;
+  Kr270Truth after = before;
+  after.base_xyz[0] += Vector3<double>(0.8e-3, -0.5e-3, 0.3e-3);
+  after.base_rotvec[0] += Vector3<double>(1e-3, -2e-3, 1e-3);
+  const Changes changes = FindChanges(Estimated(before, 5), Estimated(after, 6));
+  ASSERT_EQ(NamesOf(changes), "base/S1 ") << changes.words;
+  EXPECT_NEAR(changes.changes[0].value, std::sqrt(0.98), 0.15);
+}
+
+// P(something) > 1/2 where nothing changed: at most 2 of 12. With a rate of 3 % more are 1 in 200.
+TEST(ChangesTest, NothingIsSaidToHaveChangedWhereNothingDid) {
+  const Kr270Truth truth;
+  int alarms = 0;
+  for (std::uint64_t pair = 0; pair < 12; ++pair) {
+    const Changes changes = FindChanges(Estimated(truth, 20 + 2 * pair), Estimated(truth, 21 + 2 * pair));
+    alarms += changes.nothing < 0.5;
+  }
+  EXPECT_LE(alarms, 2);
+}
+
+TEST(ChangesTest, WhatOnlyOneEstimatedIsNoChange) {
+  Kr270Truth truth;
+  truth.errors[4] = truth.errors[10] = 0.0;  // what was assumed is true
+  const Changes changes = FindChanges(Estimated(truth, 7, {"geometry/p_x2", "geometry/phi_z3"}), Estimated(truth, 8));
+  EXPECT_EQ(NamesOf(changes), "") << changes.words;
+  ASSERT_EQ(changes.notes.size(), 1u);
+  EXPECT_THAT(changes.notes[0], HasSubstr("geometry/p_x2"));
+}
+
+TEST(ChangesTest, OtherRobotsAreRefused) {
+  const KnownRobot known = Estimated(Kr270Truth(), 9);
+  EXPECT_THROW(FindChanges(known, Estimated(Kr270Truth(), 9, {}, "KR 210")), InputError);
+  KnownRobot other = known;
+  other.robot.chain.joints.pop_back();
+  EXPECT_THROW(FindChanges(known, other), InputError);
+  other = known;
+  other.markers.clear();
+  EXPECT_THROW(FindChanges(known, other), InputError);
+}
+
+// One column of length c against a residual r: log B(s) = 1/2 s^2 (c.r)^2 / (1 + s^2 c.c) - 1/2 log(1 + s^2 c.c), by
+// hand for c = (3, 4), r = (1, 2): c.c = 25, c.r = 11.
+TEST(SparseSearchTest, OneColumnAgainstTheClosedForm) {
+  const Eigen::Vector2d c(3, 4), r(1, 2);
+  double evidence = 0.0;
+  for (const double s : kChangeScales) {
+    const double v = s * s;
+    evidence += std::exp(0.5 * v * 121 / (1 + 25 * v)) / std::sqrt(1 + 25 * v) / kNumChangeScales;
+  }
+  const SparsePosterior posterior = SearchSparse(c, r, {{0}});
+  EXPECT_NEAR(posterior.probability[0], evidence / (1 + evidence), 1e-12);
+  EXPECT_NEAR(posterior.nothing, 1 / (1 + evidence), 1e-12);
+}
+
+TEST(SparseSearchTest, APairIsFoundThatALikenessHides) {
+  // Columns 0 and 1 made the residual; column 2 is near their sum and wins alone.
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(4, 3);
+  columns.col(0) << 20, 0, 0, 0;
+  columns.col(1) << 0, 20, 0, 0;
+  columns.col(2) << 15, 14, 6, 0;
+  const Eigen::Vector4d residual(20, 20, 0, 0);
+  const SparsePosterior posterior = SearchSparse(columns, residual, {{0}, {1}, {2}});
+  EXPECT_THAT(posterior.best, ::testing::UnorderedElementsAre(0, 1));
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,50 @@
+// sagitta changed: what changed between two estimates of one robot.
+#include <iostream>
+
+#include "estimator/changes/changes.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "tools/commands.h"
+
+namespace sagitta {
+namespace {
+
+int RunChanged(const CommandLine& line) {
+  ExpectArguments(line, ChangedCommand(), 2, 2);
+  if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
+  const KnownRobot old_estimate = ReadEstimateFile(line.arguments[0]);
+  const KnownRobot new_estimate = ReadEstimateFile(line.arguments[1]);
+  const Changes changes = FindChanges(old_estimate, new_estimate);
+  PrepareOutputFolder(FLAGS_out);
+  WriteTextFile(FLAGS_out + "/changed.json", DumpJson(ChangesToJson(changes)));
+  std::cout << changes.words << "\n";
+  std::cout << "Predictions are " << Significant(1e3 * changes.before_rms, 3) << " mm apart (RMS), "
+            << Significant(1e3 * changes.after_rms, 3) << " mm with that taken out\n";
+  for (const Change& other : changes.alternatives) {
+    std::cout << "possible too: " << other.what << " " << other.target << " (" << Significant(other.probability, 2)
+              << ")\n";
+  }
+  for (const std::string& note : changes.notes) std::cout << note << "\n";
+  return 0;
+}
+
+}  // namespace
+
+Command ChangedCommand() {
+  return {"changed",
+          "what changed between two estimates of one robot",
+          R"(sagitta changed OLD.json NEW.json --out=DIR
+
+Compares what two estimates of one robot predict for the markers that they share, and says what changed beyond both
+uncertainties: the zero of a joint that slipped, a tool that was knocked, a marker that was reseated, a base (or an
+instrument) that moved, a length, an angle or a stiffness. DIR/changed.json has every change with its value, 95 %
+interval and probability, and "nothing", the probability that none is needed.
+
+Examples
+  sagitta changed before/estimate.json after/estimate.json --out=changed
+)",
+          {"out", "seed", "threads", "quiet"},
+          RunChanged};
+}
+
+}  // namespace sagitta
