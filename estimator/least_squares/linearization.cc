@@ -207,7 +207,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
   const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r);
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r);  // values alone
   const double largest = n > 0 ? svd.singularValues()[0] : 0.0;
   const double smallest = n > 0 ? svd.singularValues()[n - 1] : 0.0;
   solution.condition = smallest > 0.0 ? largest / smallest : std::numeric_limits<double>::infinity();
