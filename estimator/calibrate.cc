@@ -6,6 +6,7 @@
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/results/residuals_csv.h"
+#include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
 #include "problems/io/files.h"
 #include "problems/text.h"
@@ -47,7 +48,7 @@ Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions&
   joint.num_threads = options.num_threads;
   joint.progress = options.progress;
   ResolvedEstimate resolved = EstimateWithNoise(problem, joint);
-  Calibration result{std::move(resolved.problem), std::move(resolved.estimate)};
+  Calibration result{std::move(resolved.problem), std::move(resolved.estimate), {}};
   Estimate& estimate = result.estimate;
   if (options.method != "joint" && IsUsable(estimate.status)) {
     say("running " + options.method);
@@ -61,13 +62,21 @@ Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions&
   }
   const std::string misfit = WarningOfMisfit(result.problem, estimate.fit.distance_rms);
   if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  say("cross-validating");
+  result.trust = JudgeTrust(result.problem, options.seed, &estimate);
   return result;
+}
+
+nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance) {
+  nlohmann::ordered_json json = EstimateToJson(calibration.problem, calibration.estimate, provenance);
+  AddTrustTo(calibration.estimate, calibration.trust, &json);
+  return json;
 }
 
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance) {
   const CalibrationProblem& problem = calibration.problem;
   const Estimate& estimate = calibration.estimate;
-  const std::string json = DumpJson(EstimateToJson(problem, estimate, provenance));
+  const std::string json = DumpJson(CalibrationToJson(calibration, provenance));
   const std::string residuals = ResidualsToCsv(problem, estimate);
   const std::string robot = RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
   PrepareOutputFolder(folder);
@@ -77,7 +86,7 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {
-  return ReadEstimateText(DumpJson(EstimateToJson(calibration.problem, calibration.estimate, {})), "estimate");
+  return ReadEstimateText(DumpJson(CalibrationToJson(calibration, {})), "estimate");
 }
 
 }  // namespace sagitta

@@ -21,6 +21,7 @@
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/results/estimate_json.h"
+#include "estimator/validation/trust.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
 #include "problems/io/experiment_inputs.h"
@@ -43,12 +44,16 @@ struct CalibrateOptions {
 struct Calibration {
   CalibrationProblem problem;  // with the noise that was found and outliers excluded: judge and refit with this one
   Estimate estimate;
+  Trust trust;  // of a usable estimate: what its verdict says, and on what grounds
 };
 
-// Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, and the agreement
-// between parts of the data. Judge it by estimate.status (IsUsable). Throws InputError where the method cannot honour
+// Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, the agreement
+// between parts of the data, and the verdict. Judge it by estimate.status (IsUsable). Throws InputError where the method cannot honour
 // what the problem states.
 Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
+
+// estimate.json as written: the estimate, its verdict, cross-validation and suspect rows.
+nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);
 
 // estimate.json, robot.calibrated.yaml and residuals.csv (FORMATS section 4) in a folder that is made if it is absent.
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance = {});

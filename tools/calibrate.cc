@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/first_screen.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
@@ -37,11 +38,11 @@ struct ResultFiles {
   nlohmann::ordered_json json;
   std::string residuals, robot, report;
 
-  ResultFiles(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance)
-      : json(EstimateToJson(problem, estimate, provenance)),
-        residuals(ResidualsToCsv(problem, estimate)),
-        robot(RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()))),
-        report(ReportToHtml(problem, estimate, provenance)) {}
+  ResultFiles(const Calibration& calibration, const std::vector<Section>& sections, const Provenance& provenance)
+      : json(CalibrationToJson(calibration, provenance)),
+        residuals(ResidualsToCsv(calibration.problem, calibration.estimate)),
+        robot(RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()))),
+        report(SectionsToPage(sections, ResidualCharts(calibration.problem, calibration.estimate), provenance)) {}
 
   // The estimate last: where it is, the others are.
   void Write(const std::string& folder) const {
@@ -54,8 +55,8 @@ struct ResultFiles {
 
 Calibration CalibrateWithProgress(const CalibrationProblem& problem) {
   Progress progress(FLAGS_quiet);
-  return Calibrate(problem, {FLAGS_method, FLAGS_threads, FLAGS_seed,
-                             [&progress](const std::string& what) { progress.Say(what); }});
+  return Calibrate(
+      problem, {FLAGS_method, FLAGS_threads, FLAGS_seed, [&progress](const std::string& what) { progress.Say(what); }});
 }
 
 int RunCalibrate(const CommandLine& line) {
@@ -63,15 +64,14 @@ int RunCalibrate(const CommandLine& line) {
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
 
-  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const ExperimentInputs inputs = ReadInputs(line.arguments);
   const Calibration result = CalibrateWithProgress(PlausibleProblem(inputs));
-  const CalibrationProblem& problem = result.problem;
-  const Estimate& estimate = result.estimate;
-  if (!IsUsable(estimate.status)) return ReportFailure(estimate);
+  if (!IsUsable(result.estimate.status)) return ReportFailure(result.estimate);
 
-  const ResultFiles files(problem, estimate, {line.text, FLAGS_method, inputs.files});
+  const std::vector<Section> sections = CalibrationSections(result);
+  const ResultFiles files(result, sections, {line.text, FLAGS_method, inputs.files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
-  std::cout << SectionsToText(Summarise(problem, estimate));
+  std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {

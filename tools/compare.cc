@@ -112,7 +112,7 @@ int RunCompare(const CommandLine& line) {
   ExpectArguments(line, CompareCommand(), 1, 1000);
   std::vector<std::string> methods = MethodsAsked();
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
-  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const ExperimentInputs inputs = ReadInputs(line.arguments);
   if (methods.empty()) methods = DefaultMethods(inputs.data);
   const CalibrationProblem problem = PlausibleProblem(inputs);
 

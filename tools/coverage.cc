@@ -173,7 +173,7 @@ std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
 int RunCoverage(const CommandLine& line) {
   ExpectArguments(line, CoverageCommand(), 1, 1000);
   CheckFlags();
-  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = PlausibleProblem(inputs);
   CheckIntervalsFit(problem, FLAGS_method);
   const std::string obstacle = MethodObstacle(problem, FLAGS_method);

@@ -117,7 +117,7 @@ int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
-  const ExperimentInputs inputs = WithHoldout(ReadExperimentInputs(line.arguments));
+  const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));
   const SimulationBaseline baseline = BaselineOf(inputs);
   const CalibrationProblem& problem = baseline.problem;
   Diagnosis diagnosis;

@@ -24,7 +24,7 @@ int RunInspect(const CommandLine& line) {
   ExpectArguments(line, InspectCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
-  const ExperimentInputs inputs = ReadExperimentInputs(line.arguments);
+  const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = ProblemAsStated(inputs);
   Inspection inspection;
   {

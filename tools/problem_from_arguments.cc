@@ -86,6 +86,12 @@ std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
   return flags;
 }
 
+ExperimentInputs ReadInputs(const std::vector<std::string>& paths) {
+  MeasurementReadOptions options;
+  options.row_sigmas_used = !IsGiven("sigma_mm");
+  return ReadExperimentInputs(paths, options);
+}
+
 CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs) {
   Experiment experiment = inputs.experiment;
   ApplyNoiseFlags(&experiment);

@@ -16,6 +16,8 @@ namespace sagitta {
 // The flags that an estimating command takes beside its own.
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 
+// EXP of a command with these flags: what a flag replaces is not checked in the rows. Throws InputError.
+ExperimentInputs ReadInputs(const std::vector<std::string>& paths);
 // Applies the flags. Throws InputError.
 CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs);
 // The same, and refuses data in a wrong unit.

@@ -54,11 +54,12 @@ Eigen::VectorXd Errors(const CalibrationProblem& problem, const Unknowns& unknow
 
 }  // namespace
 
-ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::vector<int>& rows) {
+ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::vector<int>& readings) {
+  const std::vector<int> rows = problem.data.PointsAmong(readings);
   const Unknowns unknowns = UnknownsOf(problem);
   ParameterSet parameters = problem.parameters;
   ExplainedErrors found;
-  found.left = FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
+  found.left = FindStartingValues(problem, readings, StartingValueOptions(), &parameters);
   const double precision = kPrecision * Reach(problem.robot.chain);
   if (unknowns.columns.empty() || !(precision > 0.0)) return found;
   const NoiseRoots noise(rows.size(), precision * Matrix3<double>::Identity());

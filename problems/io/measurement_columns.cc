@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <optional>
+#include <regex>
 #include <set>
 
 #include "problems/input_error.h"
@@ -39,6 +40,15 @@ bool IsOwnOutput(const std::string& name) {
     if (name.compare(0, std::string(prefix).size(), prefix) == 0) return true;
   }
   return false;
+}
+
+// A target, commanded or nominal point is not a measured one, whatever its name resembles. Joint values are commanded.
+bool IsOtherMeaning(const std::string& name) {
+  static const std::regex other(
+      "[xyz]_?(t|tgt|target|c|cmd|command|commanded|n|nom|nominal|ref|reference|set|setpoint|des|desired|goal|prog|"
+      "programmed)(_(mm|m|um))?",
+      std::regex::icase);
+  return std::regex_match(name, other);
 }
 
 std::string BeforeLastBar(const std::string& name) { return name.substr(0, name.rfind('_')); }
@@ -202,6 +212,7 @@ void ColumnFinder::CheckTorques(const MeasurementColumns& columns) const {
 void ColumnFinder::CheckUnlisted() const {
   for (const std::string& name : table_.file.header) {
     if (std::find(listed_.begin(), listed_.end(), name) != listed_.end() || IsOwnOutput(name)) continue;
+    if (IsOtherMeaning(name)) continue;
     if (IsQuaternion(name)) continue;
     if (IsReserved(name)) {
       Fail(name, "this column name is reserved for measurements that are not read by this version",
@@ -219,7 +230,11 @@ void ColumnFinder::CheckUnlisted() const {
 }
 
 void ColumnFinder::FailMissing(const std::string& name, const std::string& allowed) const {
-  Fail(name, "column '" + name + "' is missing", allowed.empty() ? "" : "allowed: " + allowed);
+  std::string hint = allowed.empty() ? "" : "allowed: " + allowed;
+  const auto other = std::find_if(table_.file.header.begin(), table_.file.header.end(), IsOtherMeaning);
+  if (other != table_.file.header.end() && name.size() > 1 && name[1] == '_')
+    hint += (hint.empty() ? "" : "; ") + ("'" + *other + "' reads like a target, not like a measured point");
+  Fail(name, "column '" + name + "' is missing", hint);
 }
 
 void ColumnFinder::CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required,

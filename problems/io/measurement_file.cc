@@ -76,7 +76,7 @@ struct Moment {
 
 class MeasurementsBuilder {
  public:
-  void Add(CsvTable table, const MeasurementColumns& columns, bool points_required);
+  void Add(CsvTable table, const MeasurementColumns& columns, const MeasurementReadOptions& options);
   Measurements Take();
 
  private:
@@ -103,6 +103,8 @@ class MeasurementsBuilder {
   std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;
   std::string first_repeated_;
+  int lost_ = 0;  // readings
+  std::string first_lost_;
 };
 
 void MeasurementsBuilder::Fail(const std::string& key, const std::string& what, const std::string& hint) const {
@@ -193,12 +195,17 @@ void MeasurementsBuilder::CheckApproach(const MeasurementRow& row, const Shot& s
   }
 }
 
-void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns, bool points_required) {
+void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
+                              const MeasurementReadOptions& options) {
   data_.files.push_back(std::move(table.file));
   const MeasurementFile& file = data_.files.back();
   MeasurementRow row;
   for (size_t r = 0; r < file.rows.size(); ++r) {
-    ReadMeasurementRow(file, file.rows[r], columns, points_required, &row);
+    ReadMeasurementRow(file, file.rows[r], columns, options, &row);
+    if (row.lost) {
+      if (lost_++ == 0) first_lost_ = file.path + ":" + std::to_string(file.rows[r].line);
+      continue;
+    }
     current_ = static_cast<int>(data_.observations.size());
     Observation& observation = data_.observations.emplace_back();
     observation.file = static_cast<int>(data_.files.size()) - 1;
@@ -221,6 +228,10 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
 }
 
 Measurements MeasurementsBuilder::Take() {
+  if (lost_ > 0) {
+    data_.warnings.push_back(std::to_string(lost_) + (lost_ == 1 ? " reading is" : " readings are") +
+                             " lost (x, y and z are empty): skipped (the first: " + first_lost_ + ")");
+  }
   if (repeated_ > 0) {
     data_.warnings.push_back(
         std::to_string(repeated_) +
@@ -248,7 +259,7 @@ Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::
   for (const std::string& path : paths) {
     CsvTable table = ReadCsvTable(path);
     const MeasurementColumns columns = FindMeasurementColumns(table, joints, prismatic, options.points_required);
-    builder.Add(std::move(table), columns, options.points_required);
+    builder.Add(std::move(table), columns, options);
   }
   return builder.Take();
 }

@@ -11,6 +11,7 @@ namespace sagitta {
 
 struct MeasurementReadOptions {
   bool points_required = true;  // predict and plan: x, y, z may be absent
+  bool row_sigmas_used = true;  // false: the rows' standard deviations are replaced, and not even looked at
 };
 
 // Several files make one set of data; ids are shared across them. `joints` are

@@ -58,11 +58,12 @@ class RowReader {
   const MeasurementFile::Row& row_;
 };
 
-void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, bool points_required, MeasurementRow* row) {
+void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, const MeasurementReadOptions& options,
+               MeasurementRow* row) {
   row->point.setConstant(std::numeric_limits<double>::quiet_NaN());
-  reader.Triple(columns.point, points_required, &row->point);
+  reader.Triple(columns.point, options.points_required, &row->point);
   row->sigma.setZero();
-  if (reader.Triple(columns.sigma, false, &row->sigma)) {
+  if (options.row_sigmas_used && reader.Triple(columns.sigma, false, &row->sigma)) {
     for (int i = 0; i < 3; ++i) {
       if (row->sigma[i] <= 0.0) reader.Fail(columns.sigma[i].name, "a standard deviation is above 0");
     }
@@ -153,8 +154,11 @@ void CheckSet(const RowReader& reader, const MeasurementColumns& columns) {
 }  // namespace
 
 void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row& cells,
-                        const MeasurementColumns& columns, bool points_required, MeasurementRow* row) {
+                        const MeasurementColumns& columns, const MeasurementReadOptions& options, MeasurementRow* row) {
   const RowReader reader(file, cells);
+  const auto is_empty = [&](const NumberColumn& column) { return column.present() && !reader.IsStated(column); };
+  row->lost = options.points_required && std::all_of(columns.point.begin(), columns.point.end(), is_empty);
+  if (row->lost) return;
   row->config = reader.RequiredText(columns.config);
   row->marker = reader.RequiredText(columns.marker);
   row->station = reader.Text(columns.station, "S1");
@@ -162,7 +166,7 @@ void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row&
   row->repeat = reader.Text(columns.repeat, "");
   row->q.resize(static_cast<Eigen::Index>(columns.q.size()));
   for (size_t j = 0; j < columns.q.size(); ++j) row->q[static_cast<Eigen::Index>(j)] = reader.Number(columns.q[j]);
-  ReadPoint(reader, columns, points_required, row);
+  ReadPoint(reader, columns, options, row);
   ReadRotation(reader, columns, row);
   ReadLoad(reader, columns, row);
   ReadApproach(reader, columns, row);

@@ -5,11 +5,13 @@
 #include <vector>
 
 #include "problems/io/measurement_columns.h"
+#include "problems/io/measurement_file.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
 
 struct MeasurementRow {
+  bool lost = false;  // points are required and x, y, z are all empty; nothing else of the row is read
   std::string config, marker, station, visit, repeat, load;
   Eigen::VectorXd q;
   Vector3<double> point = Vector3<double>::Zero();  // NaN where not stated
@@ -26,6 +28,6 @@ struct MeasurementRow {
 
 // Throws InputError naming file, line and column.
 void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row& cells,
-                        const MeasurementColumns& columns, bool points_required, MeasurementRow* row);
+                        const MeasurementColumns& columns, const MeasurementReadOptions& options, MeasurementRow* row);
 
 }  // namespace sagitta

@@ -1,0 +1,63 @@
+#include "estimator/results/trust_json.h"
+
+#include <cmath>
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json WorstToJson(const UnseenPoints& unseen) {
+  Json worst = Json::array();
+  for (const FarPose& pose : unseen.worst)
+    worst.push_back({{"config", pose.configuration}, {"distance_mm", 1e3 * pose.distance}});
+  return worst;
+}
+
+void AddUnseen(const UnseenPoints& unseen, Json* json) {
+  (*json)["distance_p50_mm"] = 1e3 * unseen.distance_p50;
+  (*json)["distance_p95_mm"] = 1e3 * unseen.distance_p95;
+  (*json)["worst"] = WorstToJson(unseen);
+  (*json)["prediction_p_value"] = unseen.p_value;
+}
+
+Json CrossValidationToJson(const CrossValidation& cross_validation) {
+  const UnseenPoints& unseen = cross_validation.unseen;
+  Json json = {{"folds", cross_validation.folds},
+               {"rms_mm", 1e3 * unseen.rms},
+               {"distance_rms_mm", 1e3 * unseen.distance_rms},
+               {"distance_max_mm", 1e3 * unseen.distance_max},
+               {"predicted_rms_mm", 1e3 * unseen.predicted_rms}};
+  AddUnseen(unseen, &json);
+  return json;
+}
+
+Json PairOf(const Interval& interval, double unit) { return Json::array({interval.low / unit, interval.high / unit}); }
+
+}  // namespace
+
+void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
+  (*json)["verdict"] = {
+      {"words", trust.verdict.words}, {"trusted", trust.verdict.trusted}, {"reasons", trust.verdict.reasons}};
+  (*json)["cross_validation"] = CrossValidationToJson(trust.cross_validation);
+  if (trust.holdout.points > 0) AddUnseen(trust.holdout, &(*json)["validation"]);
+  (*json)["suspects"] = Json::array();
+  for (const Suspect& suspect : trust.suspects)
+    (*json)["suspects"].push_back({{"row", suspect.row}, {"words", suspect.words}});
+  (*json)["model_error"] = {{"factor", trust.model_error}, {"words", trust.model_error_words}};
+  for (size_t i = 0; i < estimate.table.size() && i < trust.ci95_noise_only.size(); ++i) {
+    Json& row = (*json)["parameters"][i];
+    const double unit = TraitsOf(estimate.table[i].quantity).si_per_unit;
+    const bool known = !row.at("ci95").is_null();
+    row["ci95_noise_only"] = known ? PairOf(trust.ci95_noise_only[i], unit) : Json(nullptr);
+    if (!known) continue;
+    row["sigma_noise_only"] = row.at("sigma");
+    row["sigma"] = trust.model_error * row.at("sigma").get<double>();
+    // Ends that a profile likelihood did not find stay open.
+    for (int end = 0; end < 2; ++end) {
+      if (row.at("ci95")[end].is_null()) row["ci95_noise_only"][end] = nullptr;
+    }
+  }
+}
+
+}  // namespace sagitta

@@ -1,0 +1,13 @@
+// verdict, cross_validation, suspects and the two intervals of each parameter in estimate.json (FORMATS section 4).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "estimator/validation/trust.h"
+
+namespace sagitta {
+
+// estimate: as EstimateToJson wrote it, of the estimate that `trust` judged.
+void AddTrustTo(const Estimate& estimate, const Trust& trust, nlohmann::ordered_json* json);
+
+}  // namespace sagitta

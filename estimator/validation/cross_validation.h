@@ -1,0 +1,30 @@
+// How far an estimate misses what it was not fitted to, without holding anything out: the configurations are divided
+// into folds, and each fold is predicted by the fit without it,
+//
+//   x_f = x - (N - J_f' J_f)^-1 (g - J_f' r_f),    N = J'J and g = J'r of all rows,
+//
+// one Gauss-Newton step from the estimate of all rows. Whole configurations, those with equal joint values together:
+// their rows share the robot's error. What is held stays held.
+#pragma once
+
+#include <cstdint>
+
+#include "estimator/validation/unseen.h"
+
+namespace sagitta {
+
+struct CrossValidation {
+  int folds = 0;  // 0: there was nothing to divide
+  UnseenPoints unseen;
+};
+
+constexpr int kFolds = 10;
+
+// Fold of each configuration of the data (-1: it is not fitted): sorted by the hash that splits off hold-outs
+// (FORMATS section 3), dealt in turn.
+std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed);
+
+// Of a judged estimate.
+CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed);
+
+}  // namespace sagitta

@@ -1,0 +1,152 @@
+#include "estimator/validation/suspects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "estimator/inspection/row_lint.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/median.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
+
+struct Rows {
+  const CalibrationProblem& problem;
+  const ParameterSet& parameters;
+  std::vector<int> observations;
+  Eigen::Matrix3Xd residuals;  // predicted - measured, m
+
+  const Observation& at(int k) const { return problem.data.observations[observations[k]]; }
+  const Shot& shot(int k) const { return problem.data.shots[at(k).shot]; }
+  Vector3<double> measured(int k) const { return at(k).point_in_station; }
+  Vector3<double> predicted(int k) const { return measured(k) + residuals.col(k); }
+};
+
+// Other ways to read one point; the nearest to its prediction wins.
+class Proposals {
+ public:
+  Proposals(double as_stated, const Vector3<double>& predicted) : least_(as_stated / kGain), predicted_(predicted) {}
+  void TryPoint(const Vector3<double>& point, const std::string& words) {
+    TryDistance((point - predicted_).norm(), words);
+  }
+  void TryDistance(double distance, const std::string& words) {
+    if (distance >= least_) return;
+    least_ = distance;
+    words_ = words;
+  }
+  const std::string& words() const { return words_; }
+
+ private:
+  double least_;
+  Vector3<double> predicted_;
+  std::string words_;
+};
+
+void TryNumbers(const Vector3<double>& point, Proposals* proposals) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string name(1, "xyz"[axis]);
+    Vector3<double> turned = point;
+    turned[axis] *= -1.0;
+    proposals->TryPoint(turned, "fits with " + name + " of the other sign");
+    const int next = (axis + 1) % 3;
+    Vector3<double> exchanged = point;
+    std::swap(exchanged[axis], exchanged[next]);
+    const std::string pair = name + " and " + std::string(1, "xyz"[next]);
+    proposals->TryPoint(exchanged, "fits with " + pair + " exchanged");
+    for (const double factor : {10.0, 0.1}) {
+      Vector3<double> shifted = point;
+      shifted[axis] *= factor;
+      proposals->TryPoint(shifted, "fits with the decimal point of " + name + " one digit " +
+                                       (factor > 1.0 ? "to the right" : "to the left"));
+    }
+  }
+  proposals->TryPoint(1e3 * point, "fits when its numbers are read in m");
+  proposals->TryPoint(1e-3 * point, "fits when its numbers are read in a unit 1000 times smaller");
+  proposals->TryPoint(25.4 * point, "fits when its numbers are read in inches");
+}
+
+// Another marker of the shot, the other station, another configuration.
+void TryLabels(const Rows& rows, int k, Proposals* proposals) {
+  const Measurements& data = rows.problem.data;
+  for (int other = 0; other < static_cast<int>(rows.observations.size()); ++other) {
+    if (other == k) continue;
+    const double distance = (rows.measured(k) - rows.predicted(other)).norm();
+    const Observation& row = rows.at(other);
+    const std::string source = " (" + data.SourceOf(row) + ")";
+    if (row.shot == rows.at(k).shot) {
+      proposals->TryDistance(distance, "fits as marker " + data.markers[row.marker] +
+                                           " of the same shot: marker names exchanged" + source);
+    } else if (row.marker == rows.at(k).marker && rows.shot(other).station == rows.shot(k).station) {
+      proposals->TryDistance(distance,
+                             "fits the joint values of configuration " + data.ConfigurationOf(row).id + source);
+    }
+  }
+  const int own = rows.shot(k).station;
+  const Pose<double> base = rows.parameters.BaseInStation(own);
+  const Vector3<double> in_base = base.rotation.transpose() * (rows.predicted(k) - base.translation);
+  for (int s = 0; s < rows.parameters.num_stations(); ++s) {
+    if (s == own) continue;
+    proposals->TryDistance((rows.parameters.BaseInStation(s) * in_base - rows.measured(k)).norm(),
+                           "fits as read from station " + data.stations[s]);
+  }
+}
+
+std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
+
+// Excluded as an outlier by the noise model, which has looked closer.
+std::vector<Suspect> LeftOut(const CalibrationProblem& problem, const Estimate& estimate) {
+  std::vector<Suspect> suspects;
+  for (const Outlier& outlier : estimate.noise_report.outliers) {
+    const Observation& row = problem.data.observations[outlier.observation];
+    std::string words = "off by " + Millimetres(outlier.size);
+    if (outlier.swapped_with >= 0) {
+      const Observation& other = problem.data.observations[outlier.swapped_with];
+      words += "; fits as marker " + problem.data.markers[other.marker] +
+               " of the same shot: marker names exchanged (" + problem.data.SourceOf(other) + ")";
+    }
+    suspects.push_back({outlier.observation, problem.data.SourceOf(row), words});
+  }
+  return suspects;
+}
+
+}  // namespace
+
+std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
+  std::vector<Suspect> suspects = LeftOut(problem, estimate);
+  Rows rows{problem, estimate.parameters, problem.data.PointsAmong(problem.CalibrationObservations()), {}};
+  const NoiseRoots noise = ObservationNoise(problem, rows.observations, kFallbackSigma);
+  Linearization here =
+      Linearize(problem, estimate.parameters, rows.observations, estimate.estimated, noise, LatentTreatment::kIgnore);
+  std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
+  for (int c = 0; c < here.num_columns(); ++c) {
+    if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);
+  }
+  here.jacobian = here.jacobian(Eigen::all, seen).eval();
+  if (!here.valid || here.num_rows() <= here.num_columns()) return suspects;
+  rows.residuals = RobustLinearResiduals(here, noise);
+  std::vector<double> distances;
+  for (Eigen::Index k = 0; k < rows.residuals.cols(); ++k) distances.push_back(rows.residuals.col(k).norm());
+  const double median = Median(distances);
+  for (const int k : GrossOutliers(rows.residuals)) {
+    const int observation = rows.observations[k];
+    const auto is_known = [&](const Suspect& suspect) { return suspect.observation == observation; };
+    if (std::any_of(suspects.begin(), suspects.end(), is_known)) continue;
+    Proposals proposals(distances[k], rows.predicted(k));
+    TryNumbers(rows.measured(k), &proposals);
+    TryLabels(rows, k, &proposals);
+    const std::string off =
+        "off by " + Millimetres(distances[k]) + ", " + Significant(distances[k] / median, 2) + " times the median";
+    const bool explained = !proposals.words().empty();
+    suspects.push_back({observation, problem.data.SourceOf(rows.at(k)),
+                        off + "; " + (explained ? proposals.words() : "measure it again or take it out")});
+  }
+  std::stable_sort(suspects.begin(), suspects.end(),
+                   [](const Suspect& a, const Suspect& b) { return a.observation < b.observation; });
+  return suspects;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,124 @@
+// Cross-validation by one step against refits of each fold, suspect rows made for the purpose, the verdict.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/refit.h"
+#include "estimator/validation/trust.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using test::Kr270Design;
+using ::testing::HasSubstr;
+
+CalibrationProblem Problem(const std::function<void(Measurements*)>& change = {}, const Experiment& experiment = {},
+                           std::uint64_t seed = 1) {
+  Kr270Design design;
+  design.configurations = 30;
+  design.seed = seed;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 100 + seed, &data);
+  if (change) change(&data);
+  return test::Kr270ProblemOf(data, experiment);
+}
+
+TEST(CrossValidation, AgreesWithTenRefits) {
+  const CalibrationProblem problem = Problem();
+  const Estimate estimate = EstimateJointly(problem);
+  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  ASSERT_EQ(found.folds, 10);
+  const std::vector<int> fold_of = FoldsOf(problem, 1);
+  const std::vector<int> observations = problem.CalibrationObservations();
+  double squares = 0.0, most = 0.0;
+  for (int fold = 0; fold < 10; ++fold) {
+    RefitOptions options;
+    std::vector<int> left_out;
+    for (const int i : observations) {
+      const bool is_out = fold_of[problem.data.shots[problem.data.observations[i].shot].configuration] == fold;
+      options.weights.push_back(is_out ? 0.0 : 1.0);
+      if (is_out) left_out.push_back(i);
+    }
+    ASSERT_FALSE(left_out.empty());
+    const Refit refit = RefitFrom(problem, estimate.parameters, options);
+    ASSERT_TRUE(refit.converged);
+    const Eigen::Matrix3Xd predicted = PredictPoints(problem, refit.parameters, left_out);
+    for (size_t k = 0; k < left_out.size(); ++k) {
+      const double distance = (problem.data.observations[left_out[k]].point_in_station - predicted.col(k)).norm();
+      squares += distance * distance;
+      most = std::max(most, distance);
+    }
+  }
+  const double refitted = std::sqrt(squares / observations.size());
+  EXPECT_NEAR(found.unseen.distance_rms / refitted, 1.0, 0.02);
+  EXPECT_NEAR(found.unseen.distance_max / most, 1.0, 0.02);
+  EXPECT_GT(found.unseen.distance_rms, estimate.fit.distance_rms);
+  // Stated noise, right model: errors as predicted. 270 coordinates: 4 standard errors are 17 %.
+  EXPECT_NEAR(found.unseen.Excess(), 1.0, 0.17);
+}
+
+TEST(Suspects, EachIsNamedWithWhatWouldMakeItFit) {
+  const CalibrationProblem problem = Problem([](Measurements* data) {
+    auto& rows = data->observations;
+    std::swap(rows[9].point_in_station, rows[10].point_in_station);  // two markers of one shot
+    rows[20].point_in_station.y() *= -1.0;
+    rows[40].point_in_station *= 1e-3;
+    rows[61].point_in_station.z() += 3e-3;
+  });
+  const Estimate estimate = EstimateJointly(problem);
+  const std::vector<Suspect> suspects = FindSuspects(problem, estimate);
+  std::map<std::string, std::string> words;
+  for (const Suspect& suspect : suspects) words[suspect.row] = suspect.words;
+  EXPECT_THAT(words["simulated.csv:11"], HasSubstr("marker names exchanged (simulated.csv:12)"));
+  EXPECT_THAT(words["simulated.csv:12"], HasSubstr("marker names exchanged (simulated.csv:11)"));
+  EXPECT_THAT(words["simulated.csv:22"], HasSubstr("y of the other sign"));
+  EXPECT_THAT(words["simulated.csv:42"], HasSubstr("read in m"));
+  EXPECT_THAT(words["simulated.csv:63"], HasSubstr("measure it again"));
+  EXPECT_EQ(suspects.size(), 5u);
+}
+
+TEST(Trust, CleanDataAreTrustedAndKeepTheirIntervals) {
+  int trusted = 0, wide = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    const CalibrationProblem problem = Problem({}, {}, seed);
+    Estimate estimate = EstimateJointly(problem);
+    const Trust trust = JudgeTrust(problem, 1, &estimate);
+    EXPECT_TRUE(trust.suspects.empty()) << trust.verdict.words;
+    trusted += trust.verdict.trusted;
+    wide += trust.model_error > 1.0;
+    EXPECT_THAT(trust.verdict.words, HasSubstr("On poses it has not seen this robot is now within"));
+  }
+  EXPECT_EQ(trusted, 5);
+  EXPECT_EQ(wide, 0);
+}
+
+TEST(Trust, HoldoutBeyondItsPredictionIsSaidAndInTheIntervals) {
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  CalibrationProblem problem = Problem({}, experiment);
+  for (const int i : problem.ValidationObservations())
+    problem.data.observations[i].point_in_station.z() += (i % 2 == 0 ? 1.0 : -1.0) * 4e-4;
+  Estimate estimate = EstimateJointly(problem);
+  const Interval before = estimate.table[0].ci95;
+  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  EXPECT_FALSE(trust.verdict.trusted);
+  EXPECT_THAT(trust.verdict.words, HasSubstr("times what the estimate predicted"));
+  EXPECT_GT(trust.model_error, 1.5);
+  const Interval after = estimate.table[0].ci95;
+  EXPECT_NEAR((after.high - after.low) / (before.high - before.low), trust.model_error, 1e-9);
+  EXPECT_EQ(trust.ci95_noise_only[0].low, before.low);
+}
+
+TEST(Trust, PointsThatWereNeverMeasuredAreDoubted) {
+  const CalibrationProblem problem =
+      Problem([](Measurements* data) { test::MeasureKr270(test::Kr270Truth(), 1e-9, 3, data); });
+  Estimate estimate = EstimateJointly(problem);
+  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  EXPECT_FALSE(trust.verdict.trusted);
+  EXPECT_THAT(trust.verdict.words, HasSubstr("below any instrument's noise"));
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,141 @@
+#include "tools/report/first_screen.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/constants.h"
+#include "tools/report/svg.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kShown = 10;  // suspect rows
+constexpr int kBins = 40;
+
+std::string Millimetres(double metres) { return Fixed(1e3 * metres, 3); }
+
+std::vector<int> Counts(const std::vector<double>& distances, double most) {
+  std::vector<int> counts(kBins);
+  for (const double distance : distances) ++counts[std::clamp(static_cast<int>(distance / most * kBins), 0, kBins - 1)];
+  return counts;
+}
+
+// One row of bars from 0 to the largest distance drawn.
+std::string Histogram(const std::string& name, const std::vector<double>& distances, double most, const char* kind) {
+  constexpr double kWidth = 400, kHeight = 150, kFloor = 125;
+  const std::vector<int> counts = Counts(distances, most);
+  const int highest = std::max(1, *std::max_element(counts.begin(), counts.end()));
+  std::string body;
+  for (int b = 0; b < kBins; ++b) {
+    const double height = (kFloor - 20) * counts[b] / highest;
+    body += svg::Rectangle(b * kWidth / kBins, kFloor - height, kWidth / kBins - 1, height, kind,
+                           std::to_string(counts[b])) +
+            "\n";
+  }
+  body += "<line class=\"axis\" x1=\"0\" x2=\"400\" y1=\"125\" y2=\"125\"/>\n";
+  body += svg::Text(0, 140, "start", "0") + "\n";
+  body += svg::Text(kWidth, 140, "end", Millimetres(most) + " mm") + "\n";
+  body += svg::Text(4, 12, "start", name) + "\n";
+  return svg::Picture(kWidth, kHeight, "distances " + name, "\n" + body);
+}
+
+std::string Histograms(const UnseenPoints& before, const UnseenPoints& after) {
+  if (before.points == 0 || !(before.distance_max > 0.0) || !(after.distance_max > 0.0)) return "";
+  return Histogram("before", before.distances, before.distance_max, "held-out") +
+         Histogram("after", after.distances, after.distance_max, "bar");
+}
+
+Section Unseen(const Trust& trust) {
+  const UnseenPoints& quoted = trust.Quoted();
+  Section section;
+  const bool is_holdout = trust.holdout.points > 0;
+  section.title = "On points that were not fitted (" + std::to_string(quoted.points) + ", " +
+                  (is_holdout ? "held out" : std::to_string(trust.cross_validation.folds) + "-fold cross-validation") +
+                  "), distances in mm";
+  section.header = {"", "RMS", "P50", "P95", "max"};
+  const auto add = [&](const std::string& name, const UnseenPoints& points) {
+    if (points.points == 0) return;
+    section.rows.push_back({name, Millimetres(points.distance_rms), Millimetres(points.distance_p50),
+                            Millimetres(points.distance_p95), Millimetres(points.distance_max)});
+  };
+  add("before (nominal robot)", trust.nominal);
+  add("after", quoted);
+  if (is_holdout) add("after, cross-validation of the rest", trust.cross_validation.unseen);
+  std::string worst;
+  for (const FarPose& pose : quoted.worst)
+    worst += (worst.empty() ? "" : ", ") + pose.configuration + " " + Millimetres(pose.distance);
+  section.paragraphs = {"Worst poses: " + worst + " mm."};
+  if (quoted.predicted_rms > 0.0) {
+    section.paragraphs.push_back("Coordinate RMS " + Millimetres(quoted.rms) + " mm, predicted " +
+                                 Millimetres(quoted.predicted_rms) + " mm (p = " + Significant(quoted.p_value, 2) +
+                                 ").");
+  }
+  section.figure = Histograms(trust.nominal, quoted);
+  return section;
+}
+
+Section NotMeasured(const Estimate& estimate) {
+  Section section;
+  section.title = "Not measured";
+  for (const Direction& direction : estimate.identifiability.unidentifiable)
+    section.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
+  return section;
+}
+
+Section Suspects(const Trust& trust) {
+  Section section;
+  section.title = "Suspect rows: " + std::to_string(trust.suspects.size());
+  for (size_t i = 0; i < std::min(kShown, trust.suspects.size()); ++i)
+    section.paragraphs.push_back("- " + trust.suspects[i].row + ": " + trust.suspects[i].words);
+  if (trust.suspects.size() > kShown)
+    section.paragraphs.push_back("- and " + std::to_string(trust.suspects.size() - kShown) +
+                                 " more, in estimate.json under suspects");
+  return section;
+}
+
+}  // namespace
+
+std::vector<Section> FirstScreen(const Calibration& calibration) {
+  const Trust& trust = calibration.trust;
+  Section first;
+  first.title = calibration.problem.robot.name.empty() ? "Calibration" : calibration.problem.robot.name;
+  first.paragraphs = {trust.verdict.words};
+  if (!trust.model_error_words.empty()) first.paragraphs.push_back("Model error: " + trust.model_error_words + ".");
+  std::vector<Section> sections = {first};
+  if (trust.Quoted().points > 0) sections.push_back(Unseen(trust));
+  if (!calibration.estimate.identifiability.unidentifiable.empty())
+    sections.push_back(NotMeasured(calibration.estimate));
+  if (!trust.suspects.empty()) sections.push_back(Suspects(trust));
+  return sections;
+}
+
+std::vector<Section> CorrectedTable(const Calibration& calibration) {
+  const Robot& nominal = calibration.problem.robot;
+  const Robot robot = calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues());
+  if (!nominal.dh || !robot.dh) return {};
+  Section section;
+  const bool standard = robot.dh->convention == DhConvention::kStandard;
+  section.title = std::string("Corrected table, ") + (standard ? "standard" : "modified") + " DH, mm and deg";
+  section.header = {"joint", "a", "alpha", "d", "theta", "beta", "Δa", "Δalpha", "Δd", "Δtheta"};
+  for (size_t i = 0; i < robot.dh->links.size(); ++i) {
+    const DhLink &now = robot.dh->links[i], &before = nominal.dh->links[i];
+    const auto length = [](double metres) { return Fixed(1e3 * metres, 4); };
+    const auto angle = [](double radians) { return Fixed(radians / kDegree, 5); };
+    section.rows.push_back({robot.chain.joints[now.joint].name, length(now.a), angle(now.alpha), length(now.d),
+                            angle(now.theta), angle(now.beta), length(now.a - before.a),
+                            angle(now.alpha - before.alpha), length(now.d - before.d),
+                            angle(now.theta - before.theta)});
+  }
+  return {section};
+}
+
+std::vector<Section> CalibrationSections(const Calibration& calibration) {
+  std::vector<Section> sections = FirstScreen(calibration);
+  for (Section& section : CorrectedTable(calibration)) sections.push_back(std::move(section));
+  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate);
+  rest.front().title = "Estimate";
+  for (Section& section : rest) sections.push_back(std::move(section));
+  return sections;
+}
+
+}  // namespace sagitta
