@@ -7,6 +7,7 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/compensation/compensate.h"
+#include "problems/loads.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {

@@ -3,6 +3,7 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/torque_lint.h"
+#include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
 
 namespace sagitta {
