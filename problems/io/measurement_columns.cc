@@ -85,7 +85,7 @@ class ColumnFinder {
   void CheckUnlisted() const;
   void CheckComplete(const std::array<NumberColumn, 3>& columns, const std::string& stem, bool required,
                      Dimension dimension = Dimension::kLength) const;
-  void CheckRotation(const MeasurementColumns& columns) const;
+  void CheckRotation(const MeasurementColumns& columns, bool points_required) const;
   void CheckRequired(const MeasurementColumns& columns, bool points_required) const;
 
   [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const {
@@ -248,7 +248,7 @@ void ColumnFinder::CheckComplete(const std::array<NumberColumn, 3>& columns, con
   }
 }
 
-void ColumnFinder::CheckRotation(const MeasurementColumns& columns) const {
+void ColumnFinder::CheckRotation(const MeasurementColumns& columns, bool points_required) const {
   CheckComplete(columns.rotation, "r", false, Dimension::kAngle);
   CheckComplete(columns.rotation_sigma, "sigma_r", false, Dimension::kAngle);
   const auto present = [](const NumberColumn& column) { return column.present(); };
@@ -265,7 +265,7 @@ void ColumnFinder::CheckRotation(const MeasurementColumns& columns) const {
     Fail(common.name, "the rotation's standard deviation is given twice: for all axes and per axis",
          "keep one of them");
   }
-  if (any || columns.rotation[0].present()) return;
+  if (any || columns.rotation[0].present() || !points_required) return;  // to be simulated: nothing is read yet
   const NumberColumn& sigma = common.present() ? common : columns.rotation_sigma[0];
   if (sigma.present()) {
     Fail(sigma.name, "standard deviations of rotations are given, but no rotations",
@@ -286,7 +286,7 @@ void ColumnFinder::CheckRequired(const MeasurementColumns& columns, bool points_
   CheckComplete(columns.point, "", points_required);
   CheckComplete(columns.sigma, "sigma_", false);
   CheckComplete(columns.sim, "sim_", false);
-  CheckRotation(columns);
+  CheckRotation(columns, points_required);
 }
 
 MeasurementColumns ColumnFinder::Find(bool points_required) {

@@ -212,6 +212,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     observation.row = static_cast<int>(r);
     observation.point_in_station = row.point;
     observation.sigma = row.sigma;
+    observation.rotation_sigma = row.rotation_sigma;
     RefuseCopy();
     observation.marker = IndexOf(row.marker, &markers_, &data_.markers);
     const int configuration = ConfigurationIndex(row);
@@ -223,7 +224,6 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     if (!row.is_pose) continue;
     Observation& rotation = data_.AddRotation(current_);
     rotation.rotation_in_station = row.rotation;
-    rotation.rotation_sigma = row.rotation_sigma;
   }
 }
 

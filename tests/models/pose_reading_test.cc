@@ -99,8 +99,8 @@ TEST(PoseReading, DerivativesEqualDifferences) {
     std::vector<PointPrediction> here;
     ASSERT_TRUE(model.Predict(shot, theta.data(), all, base, {target}, &here, still.data()));
     const auto differences = [&](const auto& predict, double step) -> Vector3<double> {
-      return test::RiddersDerivative(
-          [&](double x) -> Eigen::VectorXd { return Turned(predict(x), here[0].point); }, 0.0, step);
+      return test::RiddersDerivative([&](double x) -> Eigen::VectorXd { return Turned(predict(x), here[0].point); },
+                                     0.0, step);
     };
     const auto predicted = [&](const std::vector<double>& at, const Pose<double>& from, const MarkerInFrame& marker,
                                const std::vector<double>& latent) {
@@ -113,33 +113,49 @@ TEST(PoseReading, DerivativesEqualDifferences) {
     };
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3<double> unit = Vector3<double>::Unit(axis);
-      expect(here[0].d_rotation.col(axis), differences([&](double x) {
-               Pose<double> moved = base;
-               moved.rotation = RotationFromVector(Vector3<double>(x * unit)) * base.rotation;
-               return predicted(theta, moved, target, still);
-             }, 1e-3), "base rotation");
-      expect(here[0].d_marker.col(axis), differences([&](double x) {
-               MarkerInFrame moved = target;
-               moved.rotation = RotationFromVector(Vector3<double>(x * unit)) * target.rotation;
-               return predicted(theta, base, moved, still);
-             }, 1e-3), "target");
+      expect(here[0].d_rotation.col(axis),
+             differences(
+                 [&](double x) {
+                   Pose<double> moved = base;
+                   moved.rotation = RotationFromVector(Vector3<double>(x * unit)) * base.rotation;
+                   return predicted(theta, moved, target, still);
+                 },
+                 1e-3),
+             "base rotation");
+      expect(here[0].d_marker.col(axis),
+             differences(
+                 [&](double x) {
+                   MarkerInFrame moved = target;
+                   moved.rotation = RotationFromVector(Vector3<double>(x * unit)) * target.rotation;
+                   return predicted(theta, base, moved, still);
+                 },
+                 1e-3),
+             "target");
       EXPECT_TRUE(here[0].d_translation.col(axis).isZero(0.0));
     }
     for (int i = 0; i < n; ++i) {
       const ModelParameter& parameter = model.parameters()[i];
       const double step = std::max(1e-3 * std::abs(theta[i]), 1e-2 * TraitsOf(parameter.quantity).hold_limit);
-      expect(here[0].d_theta.col(i), differences([&](double x) {
-               std::vector<double> moved = theta;
-               moved[i] += x;
-               return predicted(moved, base, target, still);
-             }, step), parameter.name);
+      expect(here[0].d_theta.col(i),
+             differences(
+                 [&](double x) {
+                   std::vector<double> moved = theta;
+                   moved[i] += x;
+                   return predicted(moved, base, target, still);
+                 },
+                 step),
+             parameter.name);
     }
     for (int j = 0; j < 6; ++j) {
-      expect(here[0].d_latent.col(j), differences([&](double x) {
-               std::vector<double> moved = still;
-               moved[j] += x;
-               return predicted(theta, base, target, moved);
-             }, 1e-3), "deviation of joint " + std::to_string(j));
+      expect(here[0].d_latent.col(j),
+             differences(
+                 [&](double x) {
+                   std::vector<double> moved = still;
+                   moved[j] += x;
+                   return predicted(theta, base, target, moved);
+                 },
+                 1e-3),
+             "deviation of joint " + std::to_string(j));
     }
   }
 }

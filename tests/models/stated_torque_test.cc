@@ -14,8 +14,7 @@ namespace {
 Robot PlanarArm() {
   Robot robot;
   robot.chain.joints = test::Revolutes(2);
-  robot.chain.transforms = {test::OnJoint(Motion::kRotation, Axis::kZ, 0, "dq1"),
-                            test::Translate(Axis::kX, 1.0, "a1"),
+  robot.chain.transforms = {test::OnJoint(Motion::kRotation, Axis::kZ, 0, "dq1"), test::Translate(Axis::kX, 1.0, "a1"),
                             test::OnJoint(Motion::kRotation, Axis::kZ, 1, "dq2", -1.0),
                             test::Translate(Axis::kX, 0.5, "a2")};
   robot.compliances = {{0, {{0.0, 2e-6}}, false}, {1, {{0.0, 5e-6}}, false}};

@@ -213,8 +213,7 @@ TEST_F(MeasurementFileTest, PosesArePointsAndRotations) {
   EXPECT_EQ(data.shots[0].observations, (std::vector<int>{0, 1, 2}));
   // Rodrigues: cos(a) I + sin(a) [n]x + (1 - cos(a)) n n'.
   const Vector3<double> v(0.1, -0.2, 0.3), n = v.normalized();
-  const Matrix3<double> expected = std::cos(v.norm()) * Matrix3<double>::Identity() +
-                                   std::sin(v.norm()) * Skew(n) +
+  const Matrix3<double> expected = std::cos(v.norm()) * Matrix3<double>::Identity() + std::sin(v.norm()) * Skew(n) +
                                    (1.0 - std::cos(v.norm())) * n * n.transpose();
   EXPECT_LT((rotation.rotation_in_station - expected).norm(), 1e-15);
   EXPECT_TRUE(rotation.rotation_sigma.isApprox(Vector3<double>::Constant(40e-6)));

@@ -38,8 +38,8 @@ class PoseCommandTest : public ProgramTest {
 
   // simulated.csv: poses of the truth.
   void Simulate() {
-    const std::string poses = Write("poses.csv", Configurations(",sigma_x_mm,sigma_y_mm,sigma_z_mm,sigma_rot_urad",
-                                                                ",0.02,0.02,0.02,60"));
+    const std::string poses =
+        Write("poses.csv", Configurations(",sigma_x_mm,sigma_y_mm,sigma_z_mm,sigma_rot_urad", ",0.02,0.02,0.02,60"));
     const Outcome outcome =
         Run({"simulate", Write("truth.yaml", Scene(poses, truth_)), "--out=" + Path("simulated.csv"), "--seed=3"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -50,7 +50,8 @@ TEST_F(PoseCommandTest, GoThroughEveryCommand) {
   Simulate();
   const Rows simulated = Cells(Read("simulated.csv"));
   EXPECT_GE(Column(simulated, "rx_mrad"), 0);
-  const std::string calibration = Write("exp.yaml", Scene(Path("simulated.csv"), "validation: {fraction: 0.2, seed: 2}\n"));
+  const std::string calibration =
+      Write("exp.yaml", Scene(Path("simulated.csv"), "validation: {fraction: 0.2, seed: 2}\n"));
   const Outcome calibrated = Run({"calibrate", calibration, "--out=" + Path("out")});
   ASSERT_EQ(calibrated.status, 0) << calibrated.err;
   const nlohmann::json estimate = ReadJson("out/estimate.json");
@@ -109,9 +110,9 @@ TEST_F(PoseCommandTest, RotationsWithoutSigmaAreSaid) {
 }
 
 TEST_F(PoseCommandTest, MeasuredTorquesAreAskedForByFileLineAndKey) {
-  const Outcome outcome = Run(
-      {"calibrate", Write("exp.yaml", Scene(Published("kr270/geometric.csv"), "torques: measured\n")),
-       "--out=" + Path("out")});
+  const Outcome outcome =
+      Run({"calibrate", Write("exp.yaml", Scene(Published("kr270/geometric.csv"), "torques: measured\n")),
+           "--out=" + Path("out")});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("geometric.csv:"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("tau1_Nm"), std::string::npos) << outcome.err;
