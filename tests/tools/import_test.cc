@@ -159,6 +159,7 @@ class Import : public ProgramTest {
     std::vector<std::string> arguments = {"import", Write("robot.yaml", kRobot), Write("export.txt", bytes),
                                           "--out=" + Path("job")};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
+    std::filesystem::remove_all(Path("job"));
     return Run(arguments);
   }
 
@@ -361,10 +362,15 @@ TEST_F(Import, WhatCannotBeToldIsRefused) {
   ExpectRefused("PK\x03\x04 something zipped", {"workbook", "CSV"});
   ExpectRefused("no numbers\nat all\n", {"no table"});
   Table grouped = Table(right).With(";").DecimalComma();
-  grouped.rows[0][6] = "1.234,5";
-  const Outcome read = ImportText(grouped.ToText());
-  EXPECT_EQ(read.status, 0) << read.err;
-  EXPECT_NE(Read("job/measurements.csv").find("1234.5,"), std::string::npos);
+  // 2345,6 as 2.345,6: the same number.
+  for (auto& row : grouped.rows) {
+    for (std::string& cell : row) {
+      const size_t comma = cell.find(',');
+      if (comma != std::string::npos && comma >= 4 + (cell[0] == '-')) cell.insert(comma - 3, ".");
+    }
+  }
+  ASSERT_NE(grouped.ToText().find('.'), std::string::npos);
+  ExpectRight(grouped.ToText(), right);
 }
 
 TEST_F(Import, SeveralFilesAreStations) {

@@ -18,8 +18,8 @@ Format FormatOf(const std::string& text, const std::string& path) {
   if (LooksLikeUrConf(text)) return Format::kUrConf;
   if (text.find("Body Name") != std::string::npos && text.find("Joint Type") != std::string::npos)
     return Format::kBodyTree;
-  if (LooksLikeMatlab(text)) return Format::kMatlab;
   if (LooksLikeDhTable(text, path)) return Format::kDhTable;
+  if (LooksLikeMatlab(text)) return Format::kMatlab;
   return Format::kOther;
 }
 
