@@ -17,7 +17,7 @@ LAYERS = ['models', 'problems', 'estimator', 'tools']  # each may use those befo
 
 # Folders of estimator/: each may use those before it. Files of estimator/ itself (the front door) may use all.
 ROOMS = ['statistics', 'least_squares', 'alignment', 'estimate', 'noise', 'calibration', 'baselines', 'intervals',
-         'compensation', 'agreement', 'inspection', 'validation', 'diagnosis', 'results', 'changes']
+         'compensation', 'planning', 'agreement', 'inspection', 'validation', 'diagnosis', 'results', 'changes']
 
 # Libraries a layer may include and link. What reads files (yaml-cpp, urdfdom, expat) and OpenSSL stay behind problems/.
 LIBRARIES = {

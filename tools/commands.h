@@ -16,6 +16,7 @@ Command CoverageCommand();
 Command DiagnoseCommand();
 Command ImportCommand();
 Command InspectCommand();
+Command PlanCommand();
 Command ValidateCommand();
 
 }  // namespace sagitta

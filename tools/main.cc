@@ -19,7 +19,7 @@ const std::vector<Command>& Commands() {
       ValidateCommand(),
       InspectCommand(),
       CoverageCommand(),
-      {"plan", "which poses to measure next", "", {}},
+      PlanCommand(),
       CompensateCommand(),
       ChangedCommand(),
       {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},

@@ -1,0 +1,178 @@
+#include "estimator/planning/criterion.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+const std::vector<std::pair<std::string, CriterionKind>>& Names() {
+  static const std::vector<std::pair<std::string, CriterionKind>> names = {
+      {"I", CriterionKind::kI},   {"D", CriterionKind::kD},
+      {"A", CriterionKind::kA},   {"E", CriterionKind::kE},
+      {"O1", CriterionKind::kO1}, {"O2", CriterionKind::kO2},
+      {"O3", CriterionKind::kO3}, {"O4", CriterionKind::kO4},
+      {"O5", CriterionKind::kO5}, {"discriminate", CriterionKind::kDiscriminate}};
+  return names;
+}
+
+Eigen::VectorXd EigenvaluesOf(const Eigen::MatrixXd& block) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().cwiseMax(1e-300);
+}
+
+// Places in `rival_of` of each rival.
+std::vector<std::vector<int>> PlacesOfRivals(const std::vector<int>& rival_of) {
+  std::vector<std::vector<int>> places;
+  for (size_t i = 0; i < rival_of.size(); ++i) {
+    if (rival_of[i] >= static_cast<int>(places.size())) places.resize(rival_of[i] + 1);
+    places[rival_of[i]].push_back(static_cast<int>(i));
+  }
+  return places;
+}
+
+}  // namespace
+
+std::vector<int> Criterion::Columns(int all) const {
+  if (kind != CriterionKind::kI) return interest;
+  std::vector<int> columns(all);
+  std::iota(columns.begin(), columns.end(), 0);
+  return columns;
+}
+
+double Criterion::Cost(const Eigen::MatrixXd& covariance) const {
+  if (kind == CriterionKind::kI) return weight.cwiseProduct(covariance).sum();
+  return CostOfBlock(covariance(interest, interest));
+}
+
+double Criterion::CostOfBlock(const Eigen::MatrixXd& block) const {
+  switch (kind) {
+    case CriterionKind::kI:
+      return weight.cwiseProduct(block).sum();
+    case CriterionKind::kA:
+      return block.trace();
+    case CriterionKind::kD:
+    case CriterionKind::kO1:
+      return 2.0 * block.llt().matrixLLT().diagonal().array().log().sum();
+    case CriterionKind::kDiscriminate: {
+      double separation = 0.0;
+      for (const std::vector<int>& places : PlacesOfRivals(rival_of)) {
+        const Eigen::MatrixXd own = block(places, places);
+        const Eigen::MatrixXd sizes = size(places).asDiagonal();
+        separation += 0.5 * (sizes * own.llt().solve(sizes)).trace();
+      }
+      return -separation;
+    }
+    default:
+      break;
+  }
+  const Eigen::Array<double, 5, 1> indices = ObservabilityIndices(block).array();
+  switch (kind) {
+    case CriterionKind::kO2:
+      return -indices[1];
+    case CriterionKind::kO4:
+      return -indices[3];
+    case CriterionKind::kO5:
+      return 1.0 / indices[4];
+    default:  // E and O3 agree
+      return 1.0 / (indices[2] * indices[2]);
+  }
+}
+
+bool Criterion::HasCertificate() const {
+  switch (kind) {
+    case CriterionKind::kI:
+    case CriterionKind::kA:
+    case CriterionKind::kD:
+    case CriterionKind::kO1:
+    case CriterionKind::kO5:
+    case CriterionKind::kDiscriminate:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// With S = C_SS^-1 (the Schur complement of M) dS = V' dM V, V = C_:S S; hence -d f(S) = tr(V (-f') V' dM).
+Eigen::MatrixXd Criterion::Slope(const Eigen::MatrixXd& covariance) const {
+  if (kind == CriterionKind::kI) return covariance * weight * covariance;
+  const Eigen::MatrixXd tall = covariance(Eigen::all, interest);
+  const Eigen::MatrixXd block = covariance(interest, interest);
+  if (kind == CriterionKind::kA) return tall * tall.transpose();
+  if (kind == CriterionKind::kO5) {  // -f' = 1/2 S^-3/2
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
+    return 0.5 * tall * solver.operatorInverseSqrt() * tall.transpose();
+  }
+  if (kind != CriterionKind::kDiscriminate) return tall * block.llt().solve(tall.transpose());
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
+  for (const std::vector<int>& places : PlacesOfRivals(rival_of)) {
+    const Eigen::MatrixXd own = block(places, places);
+    const Eigen::MatrixXd sized =
+        tall(Eigen::all, places) * own.llt().solve(Eigen::MatrixXd(size(places).asDiagonal()));
+    slope += 0.5 * sized * sized.transpose();
+  }
+  return slope;
+}
+
+double Criterion::Efficiency(double cost, double best) const {
+  switch (kind) {
+    case CriterionKind::kD:
+    case CriterionKind::kO1:
+      return std::exp((best - cost) / static_cast<double>(interest.size()));
+    case CriterionKind::kDiscriminate:
+    case CriterionKind::kO2:
+    case CriterionKind::kO4:
+      return best < 0.0 ? std::max(0.0, cost / best) : 0.0;
+    default:
+      return std::max(0.0, best / cost);
+  }
+}
+
+Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block) {
+  const Eigen::ArrayXd s = EigenvaluesOf(block).array().rsqrt();
+  const double least = s.minCoeff(), largest = s.maxCoeff();
+  Eigen::Matrix<double, 5, 1> indices;
+  indices << std::exp(s.log().mean()), least / largest, least, least * least / largest, 1.0 / s.inverse().sum();
+  return indices;
+}
+
+CriterionKind CriterionNamed(const std::string& name) {
+  std::vector<std::string> known;
+  for (const auto& [own, kind] : Names()) {
+    if (kind == CriterionKind::kDiscriminate) continue;  // asked for with --discriminate
+    if (own == name) return kind;
+    known.push_back(own);
+  }
+  throw InputError({"", 0, "--criterion"}, "there is no criterion '" + name + "'", SpellingHint(name, known));
+}
+
+const char* NameOf(CriterionKind kind) {
+  for (const auto& [name, own] : Names()) {
+    if (own == kind) return name.c_str();
+  }
+  return "";
+}
+
+std::string InWords(CriterionKind kind) {
+  switch (kind) {
+    case CriterionKind::kI:
+      return "mean squared position error at the test poses after compensation";
+    case CriterionKind::kD:
+      return "volume of the confidence ellipsoid of the robot's parameters";
+    case CriterionKind::kA:
+      return "sum of the variances of the robot's parameters, scaled";
+    case CriterionKind::kE:
+      return "largest variance of any direction of the robot's parameters, scaled";
+    case CriterionKind::kDiscriminate:
+      return "expected log-likelihood that separates the stated effects";
+    default:
+      return std::string("observability index ") + NameOf(kind) + " (Sun and Hollerbach 2008)";
+  }
+}
+
+}  // namespace sagitta

@@ -1,0 +1,57 @@
+// What a plan is judged by: a function of the covariance C = M^-1 that its readings will leave, smaller is better.
+//
+//   I   tr(W C)            W = mean J'J of test points: mean squared position error there after compensation, the
+//                          industry-oriented measure of papers 000 and 002
+//   D   ln det C_SS        S: the robot's parameters; base and markers stay unknown beside them (marginalised)
+//   A   tr C_SS
+//   E   largest eigenvalue of C_SS
+//   O1..O5                 observability indices (Sun and Hollerbach, ICRA 2008) of the singular values s of the
+//                          identification Jacobian that is left for S: s = eigenvalues of C_SS, to the power -1/2
+//                          O1 = (s1 .. sL)^(1/L), O2 = s_min/s_max, O3 = s_min, O4 = s_min^2/s_max, O5 = 1/sum(1/s)
+//   T   -1/2 sum_k tr(T_k^2 C_kk^-1)   of rival effects k with parameters of size T_k: expected log-likelihood by which
+//                          data of one rival contradict the other, base, markers, robot and the other rival refitted
+//                          (half the mean noncentrality; Atkinson and Fedorov, Biometrika 62, 1975)
+//
+// Parameters are scaled to columns of unit root mean square over the candidates, so that D apart they have one unit.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace sagitta {
+
+enum class CriterionKind { kI, kD, kA, kE, kO1, kO2, kO3, kO4, kO5, kDiscriminate };
+
+struct Criterion {
+  CriterionKind kind = CriterionKind::kI;
+  Eigen::MatrixXd weight;     // W, of I
+  std::vector<int> interest;  // S, columns; of T: those of all rivals, one after the other
+  std::vector<int> rival_of;  // of T: which rival each of `interest` is a parameter of
+  Eigen::VectorXd size;       // of T: T_k's diagonal, one per `interest`
+
+  // Cost of a covariance.
+  double Cost(const Eigen::MatrixXd& covariance) const;
+  // The same from C_SS (of I: from the whole of C).
+  double CostOfBlock(const Eigen::MatrixXd& block) const;
+  // Convex in the information: the cost has a slope that bounds every other plan (equivalence theorem).
+  bool HasCertificate() const;
+  // -d cost / d M, positive semidefinite; only with a certificate.
+  Eigen::MatrixXd Slope(const Eigen::MatrixXd& covariance) const;
+  // Ratio of what `best` needs to what `cost` needs, 0 to 1: of variances (I, A), of the volume's side squared (D),
+  // of standard deviations (O5), of log-likelihoods (T).
+  double Efficiency(double cost, double best) const;
+  // Columns of C that the cost depends on.
+  std::vector<int> Columns(int all) const;
+};
+
+// "I", "D", ... ; throws InputError for another name.
+CriterionKind CriterionNamed(const std::string& name);
+const char* NameOf(CriterionKind kind);
+// What is made small or large, for people.
+std::string InWords(CriterionKind kind);
+
+// O1 .. O5 of C_SS.
+Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block);
+
+}  // namespace sagitta

@@ -1,0 +1,61 @@
+// Which of many candidates to measure, and how good any choice can be. Numbers only: rows of a whitened Jacobian.
+//
+// A candidate i brings information A_i' A_i; N of them, beside what is known already (M0), M = M0 + sum n_i A_i' A_i.
+// The approximate design lets n_i = N w_i be any share; it is solved by the multiplicative algorithm (Silvey,
+// Titterington and Torsney 1978; Yu, Annals of Statistics 38, 2010), w_i <- w_i d_i^p / sum, d_i = tr(G A_i' A_i) with
+// G = -d cost / d M. By convexity, for any plan of N of the candidates (general equivalence theorem, Kiefer 1974),
+//
+//   cost(plan) >= cost(w) - N (max_i d_i - sum_i w_i d_i)
+//
+// which is the certificate. The exact plan comes from greedy growth and draws from w, improved by exchange with block
+// updates of C (Fedorov 1972; Mitchell 1974), each by every candidate that d_i does not rule out.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "estimator/planning/criterion.h"
+
+namespace sagitta {
+
+struct CandidateSet {
+  Eigen::MatrixXd rows;    // of all candidates, one below the other; a column per parameter
+  std::vector<int> first;  // row of each candidate, and one more: the number of rows
+  int size() const { return static_cast<int>(first.size()) - 1; }
+  int count(int i) const { return first[i + 1] - first[i]; }
+  auto of(int i) const { return rows.middleRows(first[i], count(i)); }
+};
+
+struct ApproximateDesign {
+  Eigen::VectorXd weights;  // sum 1
+  double cost = 0.0;        // at N times the weights
+  double bound = 0.0;       // no plan of N candidates costs less
+  Eigen::VectorXd gain;     // d_i at the end
+  int iterations = 0;
+};
+
+// known: M0, positive definite. tolerance: of the bound, relative to the cost's scale; the search ends there.
+ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
+                                   double poses, double tolerance, int max_iterations = 300);
+
+struct ExactDesign {
+  std::vector<int> picks;      // candidates, in the order of the list; some may come twice
+  Eigen::MatrixXd covariance;  // scaled
+  double cost = 0.0;
+};
+
+struct ExactOptions {
+  int starts = 3;
+  bool repeats = true;   // a pose may be taken again
+  int max_trials = 300;  // candidates that an exchange tries: those of the largest d_i
+  std::uint64_t seed = 1;
+};
+
+ExactDesign SolveExact(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, int poses,
+                       const ApproximateDesign& approximate, const ExactOptions& options = {});
+
+// C of a list of candidates.
+Eigen::MatrixXd CovarianceOf(const CandidateSet& set, const Eigen::MatrixXd& known, const std::vector<int>& picks);
+
+}  // namespace sagitta

@@ -1,0 +1,71 @@
+// Which poses to measure, how many, and how good the calibration will be.
+//
+// One problem holds what is measured, the candidates and the test points. Its linearization at the robot's values, in
+// the experiment's noise, with priors and joint repeatability (once per arrival), gives the information of each
+// candidate: all shots of one configuration. Directions that no data could tell count with the hold limits of the
+// estimate (FORMATS section 4). The predicted error at a test point is that of the point in its station's frame,
+// sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/planning/design.h"
+#include "models/effects/effect_spec.h"
+#include "models/robot.h"
+#include "problems/experiment.h"
+#include "problems/measurements.h"
+#include "problems/parameter_set.h"
+
+namespace sagitta {
+
+struct PlanRequest {
+  int poses = 0;          // 0: as many as `accuracy` needs
+  double accuracy = 0.0;  // m, RMS distance at the test points
+  bool augment = false;   // the experiment's calibration rows are measured already
+  CriterionKind criterion = CriterionKind::kI;
+  std::vector<EffectSpec> discriminate;      // rivals; more than one: in place of the criterion
+  const Measurements* candidates = nullptr;  // null: drawn in the joint limits
+  const Measurements* tests = nullptr;       // null: the validation rows of the experiment, else all rows
+  bool random_tests = false;                 // drawn in the joint limits instead
+  int pool = 500;                            // poses drawn
+  int most_poses = 500;                      // of the search for an accuracy
+  int starts = 3;
+  std::uint64_t seed = 1;
+  std::function<void(const std::string&)> progress = {};
+};
+
+struct PlannedParameter {
+  std::string name;
+  Quantity quantity = Quantity::kLength;
+  double sigma = 0.0;        // SI, expected
+  bool identifiable = true;  // false: expected worse than its hold limit
+};
+
+struct PosesAndAccuracy {
+  int poses = 0;
+  double position_rms = 0.0;  // m
+};
+
+struct Plan {
+  Measurements rows;  // the chosen configurations, with the points that are expected
+  Criterion criterion;
+  double cost = 0.0;
+  double bound = 0.0;                   // cost of no plan of as many candidates is below; only with a certificate
+  double efficiency = 0.0;              // of the bound over the cost; 0 without a certificate
+  double position_rms = 0.0;            // m, distance, at the test points
+  double position_max = 0.0;            // m, of the worst test point
+  double best_rms = 0.0;                // m: no plan of as many candidates is better; 0: not known
+  Eigen::Matrix<double, 5, 1> indices;  // O1 .. O5
+  std::vector<PlannedParameter> parameters;
+  std::vector<PosesAndAccuracy> curve;
+  int candidates = 0, infeasible = 0, tests = 0, measured = 0;
+  std::vector<std::string> words;  // what was assumed and what was not checked
+};
+
+// Throws InputError for what cannot be planned.
+Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request);
+
+}  // namespace sagitta

@@ -1,0 +1,129 @@
+#include "estimator/results/plan_json.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problems/io/files.h"
+#include "problems/io/units.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double Millimetres(double metres) { return 1e3 * metres; }
+
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json CertificateToJson(const Plan& plan) {
+  Json json = {{"words", CertificateInWords(plan)}};
+  if (!plan.criterion.HasCertificate()) return json;
+  json["cost"] = NumberOrNull(plan.cost);
+  json["bound"] = NumberOrNull(plan.bound);
+  json["efficiency"] = NumberOrNull(plan.efficiency);
+  return json;
+}
+
+std::string Quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.find('#') != 0) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+bool AnyShot(const Measurements& data, bool (*is_so)(const Shot&)) {
+  return std::any_of(data.shots.begin(), data.shots.end(), is_so);
+}
+
+}  // namespace
+
+std::string CertificateInWords(const Plan& plan) {
+  if (!plan.criterion.HasCertificate()) {
+    return std::string("The criterion ") + NameOf(plan.criterion.kind) +
+           " is not convex or has no slope: how near the plan is to the best one is not known. Use I, D, A, O1 or O5 "
+           "for a certificate.";
+  }
+  const double efficiency = plan.efficiency;
+  std::string words = "Within " + Significant(100.0 * (1.0 / std::max(efficiency, 1e-9) - 1.0), 2) +
+                      " % of the best possible plan of as many of these candidates (" + InWords(plan.criterion.kind) +
+                      "; equivalence theorem).";
+  if (plan.best_rms > 0.0) {
+    words += " No such plan predicts less than " + Significant(Millimetres(plan.best_rms), 3) +
+             " mm at the test poses; this one predicts " + Significant(Millimetres(plan.position_rms), 3) + " mm.";
+  }
+  return words;
+}
+
+Json PlanToJson(const Plan& plan) {
+  Json json = {{"schema", "sagitta/plan/1"},
+               {"criterion", {{"name", NameOf(plan.criterion.kind)}, {"words", InWords(plan.criterion.kind)}}},
+               {"poses", plan.rows.configurations.size()},
+               {"measured", plan.measured},
+               {"candidates", plan.candidates},
+               {"infeasible", plan.infeasible},
+               {"test_points", plan.tests},
+               {"certificate", CertificateToJson(plan)},
+               {"predicted",
+                {{"position_rms_mm", Millimetres(plan.position_rms)},
+                 {"position_max_mm", Millimetres(plan.position_max)},
+                 {"rms_mm", Millimetres(plan.position_rms) / std::sqrt(3.0)}}}};
+  if (plan.criterion.kind == CriterionKind::kDiscriminate) {
+    json["separation"] = {{"log_likelihood", -plan.cost},
+                          {"words",
+                           "expected log-likelihood between the stated effects, each of a size that moves "
+                           "its joint by 0.1 mm or 0.1 mrad"}};
+  } else {
+    for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = NumberOrNull(plan.indices[i]);
+  }
+  json["parameters"] = Json::array();
+  for (const PlannedParameter& parameter : plan.parameters) {
+    const QuantityTraits& traits = TraitsOf(parameter.quantity);
+    json["parameters"].push_back({{"name", parameter.name},
+                                  {"sigma", parameter.sigma / traits.si_per_unit},
+                                  {"unit", traits.unit},
+                                  {"identifiable", parameter.identifiable}});
+  }
+  json["accuracy_over_poses"] = Json::array();
+  for (const PosesAndAccuracy& point : plan.curve) {
+    json["accuracy_over_poses"].push_back(
+        {{"poses", point.poses}, {"position_rms_mm", Millimetres(point.position_rms)}});
+  }
+  json["words"] = plan.words;
+  return json;
+}
+
+std::string PlanToCsv(const Chain& chain, const Plan& plan) {
+  const Measurements& data = plan.rows;
+  const bool has_load = AnyShot(data, [](const Shot& shot) { return shot.load != "none"; });
+  const bool has_wrench = AnyShot(data, [](const Shot& shot) { return !shot.wrench.IsZero(); });
+  const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
+                                     [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });
+  std::string csv = "config,marker,station";
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    csv += ",q" + std::to_string(j + 1) + (chain.joints[j].type == JointType::kRevolute ? "_deg" : "_mm");
+  }
+  if (has_load) csv += ",load";
+  if (has_wrench) csv += ",fx_N,fy_N,fz_N,mx_Nm,my_Nm,mz_Nm";
+  if (has_sigma) csv += ",sigma_x_mm,sigma_y_mm,sigma_z_mm";
+  csv += "\n";
+  const auto add = [&csv](double value) { csv += "," + FormatNumber(value); };
+  for (const Observation& row : data.observations) {
+    if (!row.is_point()) continue;
+    const Shot& shot = data.shots[row.shot];
+    const Configuration& configuration = data.configurations[shot.configuration];
+    csv +=
+        Quoted(configuration.id) + "," + Quoted(data.markers[row.marker]) + "," + Quoted(data.stations[shot.station]);
+    for (int j = 0; j < chain.num_joints(); ++j) {
+      add(ToUnit(configuration.q[j], UnitNamed(chain.joints[j].type == JointType::kRevolute ? "deg" : "mm")));
+    }
+    if (has_load) csv += "," + Quoted(shot.load);
+    for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.force[i]);
+    for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.moment[i]);
+    for (int i = 0; i < 3 && has_sigma; ++i) add(ToUnit(row.sigma[i], UnitNamed("mm")));
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace sagitta

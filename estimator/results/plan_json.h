@@ -1,0 +1,20 @@
+// plan.json (sagitta/plan/1) and plan.csv: what a plan says, and the poses as a measurement file without readings.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "estimator/planning/plan.h"
+#include "models/chain.h"
+
+namespace sagitta {
+
+nlohmann::ordered_json PlanToJson(const Plan& plan);
+
+// config, marker, joint values (deg, mm), station, and load, wrench, sigma columns where a row has some.
+std::string PlanToCsv(const Chain& chain, const Plan& plan);
+
+// The certificate: how near the plan is to the best possible one of these candidates.
+std::string CertificateInWords(const Plan& plan);
+
+}  // namespace sagitta

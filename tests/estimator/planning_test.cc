@@ -1,0 +1,182 @@
+// Plans: the certificate on a design with a known optimum, and plans of a KR 270 against random ones.
+#include <Eigen/Dense>
+#include <random>
+
+#include "estimator/planning/plan.h"
+#include "estimator/planning/pose_space.h"
+#include "problems/input_error.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+// y = b1 x + b2 x^2 on 0, 0.01 .. 1. det M = w1 w2 x1^2 x2^2 (x2 - x1)^2 is largest at x2 = 1, x1 = 1/2, w = 1/2:
+// with two readings ln det C = -ln(1/16) = ln 16.
+CandidateSet Parabola() {
+  CandidateSet set;
+  set.rows.resize(101, 2);
+  set.first = {0};
+  for (int i = 0; i <= 100; ++i) {
+    const double x = i / 100.0;
+    set.rows.row(i) << x, x * x;
+    set.first.push_back(i + 1);
+  }
+  return set;
+}
+
+Criterion OfBoth(CriterionKind kind) {
+  Criterion criterion;
+  criterion.kind = kind;
+  criterion.interest = {0, 1};
+  criterion.weight = Eigen::Matrix2d::Identity();
+  return criterion;
+}
+
+const Eigen::Matrix2d kNearlyNothing = 1e-9 * Eigen::Matrix2d::Identity();
+
+TEST(PlanningTest, DOptimumOfAParabolaIsTheClosedForm) {
+  const CandidateSet set = Parabola();
+  const Criterion criterion = OfBoth(CriterionKind::kD);
+  const ApproximateDesign design = SolveApproximate(set, kNearlyNothing, criterion, 2, 1e-4, 20000);
+  EXPECT_NEAR(design.cost, std::log(16.0), 1e-3);
+  EXPECT_LE(design.bound, std::log(16.0) + 1e-6);  // a bound: never above the optimum
+  EXPECT_GT(design.bound, std::log(16.0) - 1e-3);
+  // Kiefer and Wolfowitz: at the optimum the largest N d_i is the number of parameters.
+  EXPECT_NEAR(2.0 * design.gain.maxCoeff(), 2.0, 1e-3);
+  const ExactDesign exact = SolveExact(set, kNearlyNothing, criterion, 2, design);
+  EXPECT_EQ(exact.picks, (std::vector<int>{50, 100}));
+  EXPECT_NEAR(exact.cost, std::log(16.0), 1e-6);
+}
+
+TEST(PlanningTest, BoundHoldsFarFromTheOptimum) {
+  const CandidateSet set = Parabola();
+  for (const CriterionKind kind : {CriterionKind::kI, CriterionKind::kA, CriterionKind::kD, CriterionKind::kO5}) {
+    const Criterion criterion = OfBoth(kind);
+    const ApproximateDesign early = SolveApproximate(set, kNearlyNothing, criterion, 4, 0.0, 1);
+    double least = 1e300;  // of all plans of two poses, twice each
+    for (int a = 0; a < set.size(); ++a) {
+      for (int b = a + 1; b < set.size(); ++b) {
+        least = std::min(least, criterion.Cost(CovarianceOf(set, kNearlyNothing, {a, a, b, b})));
+      }
+    }
+    EXPECT_LT(early.bound, least) << NameOf(kind);
+    const ApproximateDesign late = SolveApproximate(set, kNearlyNothing, criterion, 4, 1e-3, 20000);
+    EXPECT_LE(late.cost, least + 1e-3 * std::abs(least)) << NameOf(kind);
+    EXPECT_LE(late.bound, least) << NameOf(kind);
+  }
+}
+
+TEST(PlanningTest, SlopesAgreeWithFiniteDifferences) {
+  Eigen::Matrix3d information;
+  information << 4.0, 0.7, -0.3, 0.7, 3.0, 0.5, -0.3, 0.5, 2.0;
+  Eigen::Matrix3d direction;
+  direction << 1.0, 0.2, 0.4, 0.2, 2.0, -0.6, 0.4, -0.6, 1.5;
+  for (const CriterionKind kind :
+       {CriterionKind::kI, CriterionKind::kA, CriterionKind::kD, CriterionKind::kO5, CriterionKind::kDiscriminate}) {
+    Criterion criterion;
+    criterion.kind = kind;
+    criterion.interest = {0, 2};
+    criterion.rival_of = {0, 1};
+    criterion.size = Eigen::Vector2d(1.5, 0.8);
+    criterion.weight = direction;
+    const double step = 1e-5;
+    const double slope = -(criterion.Cost((information + step * direction).inverse()) -
+                           criterion.Cost((information - step * direction).inverse())) /
+                         (2.0 * step);
+    const double expected = criterion.Slope(information.inverse()).cwiseProduct(direction).sum();
+    EXPECT_NEAR(slope, expected, 1e-7 * (1.0 + std::abs(expected))) << NameOf(kind);
+  }
+}
+
+// A KR 270 with the limits of DesignMeasurements.
+Robot Arm() {
+  Robot robot;
+  robot.name = "KR 270";
+  robot.chain = test::Kr270Chain();
+  const double low[6] = {-150, -140, -100, -170, -110, -170}, high[6] = {150, 0, 140, 170, 110, 170};
+  for (int j = 0; j < 6; ++j) {
+    robot.chain.joints[j].min = low[j] * test::kDegree;
+    robot.chain.joints[j].max = high[j] * test::kDegree;
+  }
+  return robot;
+}
+
+Measurements Measured(int configurations, std::uint64_t seed) {
+  test::Kr270Design design;
+  design.configurations = configurations;
+  design.stations = 1;
+  design.seed = seed;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, seed, &data);
+  return data;
+}
+
+PlanRequest Request(int poses) {
+  PlanRequest request;
+  request.poses = poses;
+  request.pool = 150;
+  request.starts = 1;
+  return request;
+}
+
+// The predicted error of a list of candidates by itself: as many as are listed, all of them.
+double PredictedOf(const Measurements& data, const Measurements& list) {
+  PlanRequest request = Request(static_cast<int>(list.configurations.size()));
+  request.candidates = &list;
+  return MakePlan(Arm(), data, Experiment(), request).position_rms;
+}
+
+TEST(PlanningTest, BeatsRandomPosesAndComesBackFromItsOwnRows) {
+  const Measurements data = Measured(18, 3);
+  const Plan plan = MakePlan(Arm(), data, Experiment(), Request(12));
+  ASSERT_EQ(plan.rows.configurations.size(), 12u);
+  EXPECT_GT(plan.efficiency, 0.85);
+  EXPECT_LE(plan.best_rms, plan.position_rms);
+  // The plan's rows as the only candidates predict the same.
+  EXPECT_NEAR(PredictedOf(data, plan.rows), plan.position_rms, 1e-6 * plan.position_rms);
+  for (std::uint64_t seed = 101; seed < 111; ++seed) {
+    EXPECT_GT(PredictedOf(data, Measured(12, seed)), plan.position_rms) << seed;
+  }
+}
+
+TEST(PlanningTest, AugmentCountsWhatIsMeasured) {
+  const Measurements data = Measured(14, 3);
+  PlanRequest request = Request(4);
+  EXPECT_THROW(MakePlan(Arm(), data, Experiment(), request), InputError);  // 4 x 9 readings, 33 + 9 unknowns
+  request.augment = true;
+  const Plan more = MakePlan(Arm(), data, Experiment(), request);
+  EXPECT_EQ(more.measured, 14);
+  // All 18 as candidates of a plan without anything measured: the same information.
+  Measurements all = data;
+  for (int c = 0; c < 4; ++c) AppendConfiguration(more.rows, c, {}, "", &all);
+  EXPECT_NEAR(PredictedOf(data, all), more.position_rms, 1e-6 * more.position_rms);
+}
+
+TEST(PlanningTest, FewestPosesReachTheAccuracy) {
+  const Measurements data = Measured(18, 3);
+  PlanRequest request = Request(0);
+  request.accuracy = 0.12e-3;
+  const Plan plan = MakePlan(Arm(), data, Experiment(), request);
+  EXPECT_LE(plan.position_rms, request.accuracy);
+  const int poses = static_cast<int>(plan.rows.configurations.size());
+  for (const PosesAndAccuracy& point : plan.curve) {
+    if (point.poses < poses) EXPECT_GT(point.position_rms, request.accuracy) << point.poses;
+  }
+}
+
+TEST(PlanningTest, WhatCannotBePlannedIsRefused) {
+  const Measurements data = Measured(18, 3);
+  EXPECT_THROW(MakePlan(Arm(), data, Experiment(), Request(2)), InputError);
+  Robot narrow = Arm();
+  narrow.chain.joints[1].max = -139.9 * test::kDegree;
+  PlanRequest request = Request(12);
+  const Measurements list = Measured(12, 5);
+  request.candidates = &list;
+  EXPECT_THROW(MakePlan(narrow, data, Experiment(), request), InputError);
+  Robot unlimited = Arm();
+  unlimited.chain.joints[0].min.reset();
+  EXPECT_THROW(MakePlan(unlimited, data, Experiment(), Request(12)), InputError);
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,208 @@
+// sagitta plan: which poses to measure, how many, and how good the calibration will be.
+#include "estimator/planning/plan.h"
+
+#include <gflags/gflags.h>
+
+#include <iostream>
+
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/plan_json.h"
+#include "models/effects/catalogue.h"
+#include "problems/input_error.h"
+#include "problems/io/experiment_inputs.h"
+#include "problems/io/files.h"
+#include "tools/commands.h"
+#include "tools/progress.h"
+#include "tools/run_command.h"
+
+DECLARE_double(sigma_mm);
+DEFINE_int32(poses, 0, "how many poses to plan");
+DEFINE_double(accuracy_mm, 0.0, "as few poses as reach this RMS position error at the test poses");
+DEFINE_bool(augment, false, "the calibration rows of EXP are measured already; plan further ones");
+DEFINE_string(criterion, "I", "I, D, A, E, or an observability index O1 to O5");
+DEFINE_string(discriminate, "", "EFFECT[SETTINGS]/TARGET,…: poses that tell these effects apart");
+DEFINE_string(candidates, "", "FILE.csv: choose among its configurations instead of the joint limits");
+DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint limits");
+DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
+
+namespace sagitta {
+namespace {
+
+// The parts between commas outside of brackets.
+std::vector<std::string> SplitOutsideBrackets(const std::string& text) {
+  std::vector<std::string> parts = {""};
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '[' ? 1 : c == ']' ? -1 : 0;
+    if (c == ',' && depth == 0) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+// joint_harmonic[order=2]/A3, as results name it.
+EffectSpec EffectNamed(const Robot& robot, const std::string& text) {
+  const char* kHint = "EFFECT/TARGET or EFFECT[SETTING=VALUE,…]/TARGET, for example joint_harmonic[order=1]/A3";
+  const size_t slash = text.rfind('/');
+  if (slash == std::string::npos) {
+    throw InputError({"", 0, "--discriminate"}, "'" + text + "' does not say what the effect acts on", kHint);
+  }
+  EffectSpec spec;
+  spec.effect = text.substr(0, slash);
+  spec.target = text.substr(slash + 1);
+  const size_t open = spec.effect.find('[');
+  if (open != std::string::npos) {
+    if (spec.effect.back() != ']') throw InputError({"", 0, "--discriminate"}, "'" + text + "' lacks a ']'", kHint);
+    for (const std::string& setting : SplitText(spec.effect.substr(open + 1, spec.effect.size() - open - 2), ',')) {
+      const size_t equals = setting.find('=');
+      if (equals == std::string::npos) {
+        throw InputError({"", 0, "--discriminate"}, "'" + setting + "' is no setting", kHint);
+      }
+      spec.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
+    }
+    spec.effect.resize(open);
+  }
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr || spec.effect == "gravity_compensator") {
+    throw InputError({"", 0, "--discriminate"}, "there is no effect '" + spec.effect + "' to plan for", kHint);
+  }
+  for (const auto& [name, value] : spec.settings) {
+    const bool is_known = std::any_of(definition->settings.begin(), definition->settings.end(),
+                                      [&name = name](const SettingDefinition& known) { return known.name == name; });
+    if (!is_known) {
+      throw InputError({"", 0, "--discriminate"}, spec.effect + " has no setting '" + name + "'", kHint);
+    }
+  }
+  for (const SettingDefinition& setting : definition->settings) {
+    const bool needed = setting.fallback.empty() && setting.fallback_of == nullptr && setting.MeansSomethingFor(spec);
+    if (needed && spec.settings.count(setting.name) == 0) {
+      throw InputError({"", 0, "--discriminate"}, spec.effect + " needs the setting '" + setting.name + "'", kHint);
+    }
+  }
+  if (definition->target == EffectTarget::kJoint && robot.chain.FindJoint(spec.target) < 0) {
+    throw InputError({"", 0, "--discriminate"}, "the robot has no joint '" + spec.target + "'", kHint);
+  }
+  if (definition->target == EffectTarget::kError && robot.chain.FindError(spec.target) < 0) {
+    throw InputError({"", 0, "--discriminate"}, "the robot has no error '" + spec.target + "'", kHint);
+  }
+  return spec;
+}
+
+void CheckFlags() {
+  if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
+  if (IsGiven("poses") == IsGiven("accuracy_mm")) {
+    throw InputError({"", 0, "--poses"}, "one of --poses and --accuracy_mm says how many", "--poses=20");
+  }
+  if (IsGiven("poses") && FLAGS_poses < 1) throw InputError({"", 0, "--poses"}, "at least one pose is expected");
+  if (IsGiven("accuracy_mm") && !(FLAGS_accuracy_mm > 0.0)) {
+    throw InputError({"", 0, "--accuracy_mm"}, "an accuracy above 0 is expected");
+  }
+  if (FLAGS_pool < 1) throw InputError({"", 0, "--pool"}, "at least one candidate is expected");
+  if (IsGiven("sigma_mm") && !(FLAGS_sigma_mm > 0.0)) {
+    throw InputError({"", 0, "--sigma_mm"}, "a standard deviation has to be above 0");
+  }
+}
+
+std::vector<EffectSpec> Rivals(const Robot& robot) {
+  if (FLAGS_discriminate.empty()) return {};
+  std::vector<EffectSpec> rivals;
+  for (const std::string& name : SplitOutsideBrackets(FLAGS_discriminate)) rivals.push_back(EffectNamed(robot, name));
+  for (size_t i = 1; i < rivals.size(); ++i) {
+    if (rivals[i].Path() != rivals[0].Path()) continue;
+    throw InputError({"", 0, "--discriminate"}, "an effect cannot be told from itself", "name two different ones");
+  }
+  if (rivals.size() < 2) {
+    throw InputError({"", 0, "--discriminate"}, "two effects are expected", "EFFECT/TARGET,EFFECT/TARGET");
+  }
+  return rivals;
+}
+
+void Summarise(const Plan& plan) {
+  std::cout << plan.rows.configurations.size() << " poses";
+  if (plan.measured > 0) std::cout << " beside the " << plan.measured << " that are measured";
+  std::cout << ", chosen among " << plan.candidates << " candidates";
+  if (plan.infeasible > 0) std::cout << " (" << plan.infeasible << " more are not feasible)";
+  std::cout << ": " << InWords(plan.criterion.kind) << ".\n"
+            << "Predicted position error at the " << plan.tests << " test points: RMS "
+            << Significant(1e3 * plan.position_rms, 3) << " mm, worst point " << Significant(1e3 * plan.position_max, 3)
+            << " mm, as far as the model is true.\n"
+            << CertificateInWords(plan) << "\n";
+  for (const PosesAndAccuracy& point : plan.curve) {
+    std::cout << "  " << point.poses << " poses: " << Significant(1e3 * point.position_rms, 3) << " mm\n";
+  }
+  for (const std::string& words : plan.words) std::cout << words << "\n";
+}
+
+int RunPlan(const CommandLine& line) {
+  ExpectArguments(line, PlanCommand(), 1, 1000);
+  CheckFlags();
+  MeasurementReadOptions options;
+  options.points_required = false;
+  ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
+  if (IsGiven("sigma_mm")) {
+    inputs.experiment.noise.from = NoiseSpec::From::kSigma;
+    inputs.experiment.noise.sigma = FLAGS_sigma_mm / 1e3;
+    inputs.experiment.noise.replaces_rows = true;
+  }
+  PlanRequest request;
+  request.poses = IsGiven("poses") ? FLAGS_poses : 0;
+  request.accuracy = FLAGS_accuracy_mm / 1e3;
+  request.augment = FLAGS_augment;
+  request.criterion = CriterionNamed(FLAGS_criterion);
+  request.discriminate = Rivals(inputs.robot);
+  request.pool = FLAGS_pool;
+  request.seed = FLAGS_seed;
+  std::optional<Measurements> candidates, tests;
+  if (!FLAGS_candidates.empty()) candidates = ReadMeasurementsFor(inputs.robot, {FLAGS_candidates}, options);
+  request.random_tests = FLAGS_tests == "random";
+  if (!FLAGS_tests.empty() && !request.random_tests) {
+    tests = ReadMeasurementsFor(inputs.robot, {FLAGS_tests}, options);
+  }
+  request.candidates = candidates ? &*candidates : nullptr;
+  request.tests = tests ? &*tests : nullptr;
+  Progress progress(FLAGS_quiet);
+  request.progress = [&progress](const std::string& what) { progress.Say(what); };
+  const Plan plan = MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
+  nlohmann::ordered_json json = PlanToJson(plan);
+  json["version"] = SAGITTA_VERSION;
+  json["command"] = line.text;
+  PrepareOutputFolder(FLAGS_out);
+  WriteTextFile(FLAGS_out + "/plan.csv", PlanToCsv(inputs.robot.chain, plan));
+  WriteTextFile(FLAGS_out + "/plan.json", DumpJson(json));
+  Summarise(plan);
+  std::cout << "Results in " << FLAGS_out << ": plan.csv, plan.json\n";
+  return 0;
+}
+
+}  // namespace
+
+Command PlanCommand() {
+  return {"plan",
+          "which poses to measure, how many, and how good the calibration will be",
+          R"(sagitta plan EXP --poses=N|--accuracy_mm=A [--augment] [--discriminate=EFFECT,EFFECT] --out=DIR
+
+EXP is an experiment file, or ROBOT.yaml MEAS.csv…; x, y, z of its rows may be absent. Its rows say how a pose is
+measured (stations, markers, loads) and where accuracy is wanted: the validation rows, else all, are the test poses.
+Written are plan.csv, a measurement file without x, y, z, and plan.json with the criterion, how near the plan is to the
+best possible one of the candidates, the predicted accuracy, the expected sigma of every parameter and the accuracy
+over the number of poses.
+
+The criterion I is the mean squared position error at the test poses after compensation; D, A, E and O1 to O5 are
+explained in docs/PLAN.md. --discriminate names effects as results do, joint_harmonic[order=1]/A3. Poses are within the
+joint limits and in equilibrium under their load; collisions and line of sight are not checked.
+
+Examples
+  sagitta plan experiment.yaml --poses=20 --out=plan
+  sagitta plan experiment.yaml --accuracy_mm=0.1 --tests=welding_spots.csv --out=plan
+  sagitta plan experiment.yaml --augment --poses=6 --candidates=reachable.csv --out=plan
+  sagitta plan experiment.yaml --poses=6 --discriminate='joint_harmonic[order=1]/A3,encoder_gain/A3' --out=plan
+)",
+          {"poses", "accuracy_mm", "augment", "discriminate", "criterion", "candidates", "tests", "pool", "sigma_mm",
+           "out", "seed", "threads", "quiet"},
+          RunPlan};
+}
+
+}  // namespace sagitta
