@@ -95,8 +95,8 @@ Robot Arm() {
   robot.chain = test::Kr270Chain();
   const double low[6] = {-150, -140, -100, -170, -110, -170}, high[6] = {150, 0, 140, 170, 110, 170};
   for (int j = 0; j < 6; ++j) {
-    robot.chain.joints[j].min = low[j] * test::kDegree;
-    robot.chain.joints[j].max = high[j] * test::kDegree;
+    robot.chain.joints[j].min = low[j] * kDegree;
+    robot.chain.joints[j].max = high[j] * kDegree;
   }
   return robot;
 }
@@ -168,7 +168,7 @@ TEST(PlanningTest, WhatCannotBePlannedIsRefused) {
   const Measurements data = Measured(18, 3);
   EXPECT_THROW(MakePlan(Arm(), data, Experiment(), Request(2)), InputError);
   Robot narrow = Arm();
-  narrow.chain.joints[1].max = -139.9 * test::kDegree;
+  narrow.chain.joints[1].max = -139.9 * kDegree;
   PlanRequest request = Request(12);
   const Measurements list = Measured(12, 5);
   request.candidates = &list;
