@@ -49,8 +49,9 @@ JointTorqueComparison Compare(int joint, const Eigen::VectorXd& measured, const 
   line.difference_rms = Rms(measured - modelled);
   const Eigen::VectorXd x = modelled.array() - modelled.mean();
   const Eigen::VectorXd y = measured.array() - measured.mean();
-  // What does not vary beyond rounding has no slope.
-  if (x.norm() <= 1e-9 * modelled.norm() || y.norm() <= 1e-9 * measured.norm()) return line;
+  // What does not vary beyond rounding has no slope; 1e-9 N m is rounding for every arm.
+  line.varies = x.norm() > 1e-9 * std::max(modelled.norm(), 1.0);
+  if (!line.varies || y.norm() <= 1e-9 * measured.norm()) return line;
   line.slope = x.dot(y) / x.squaredNorm();
   line.offset = measured.mean() - line.slope * modelled.mean();
   line.correlation = x.dot(y) / (x.norm() * y.norm());
@@ -58,10 +59,12 @@ JointTorqueComparison Compare(int joint, const Eigen::VectorXd& measured, const 
 }
 
 std::string InWords(const CalibrationProblem& problem, const TorqueComparison& comparison) {
-  std::vector<std::string> agree, opposite, scaled, differ;
+  std::vector<std::string> agree, opposite, scaled, differ, untold;
   for (const JointTorqueComparison& line : comparison.joints) {
     const std::string& name = problem.robot.chain.joints[line.joint].name;
-    if (line.correlation < -kAgrees) {
+    if (!line.varies) {
+      untold.push_back(name);
+    } else if (line.correlation < -kAgrees) {
       opposite.push_back(name);
     } else if (line.correlation < kAgrees) {
       differ.push_back(name);
@@ -83,6 +86,9 @@ std::string InWords(const CalibrationProblem& problem, const TorqueComparison& c
   if (!differ.empty()) {
     words += " They have little in common on " + Enumerate(differ) +
              ": the model knows the stated loads and the tool, a sensor feels the links and friction as well.";
+  }
+  if (!untold.empty()) {
+    words += " What the model knows of does not vary the torque on " + Enumerate(untold) + ": nothing to compare.";
   }
   return words;
 }

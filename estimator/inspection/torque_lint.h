@@ -18,6 +18,7 @@ struct JointTorqueComparison {
   double measured_rms = 0.0, modelled_rms = 0.0, difference_rms = 0.0;  // N m, or N
   double slope = 0.0, offset = 0.0;                                     // of measured over modelled; N m, or N
   double correlation = 0.0;                                             // 0 where one of the two does not vary
+  bool varies = false;                                                  // what the model expects
 };
 
 struct TorqueComparison {

@@ -130,7 +130,7 @@ TEST_F(MeasurementFileTest, QuotedAndBlankPaddedCells) {
 
 TEST_F(MeasurementFileTest, ExtraColumnsAreCarriedAlong) {
   for (const char* extra : {"group", "dx_mm", "rotation", "temperature2_degC", "pred_x_mm", "psig_x_mm", "res_x_mm",
-                            "whitened_x", "leverage", "operator", "rx_mrad", "load_kg", "date"}) {
+                            "whitened_x", "leverage", "operator", "load_kg", "date"}) {
     const Measurements data =
         Read(std::string("config,marker,q1_deg,q2_mm,x_mm,y_mm,z_mm,") + extra + "\nC1,M1,10,200,1,2,3,some text\n");
     EXPECT_EQ(data.Cell(data.observations[0], extra), "some text");
