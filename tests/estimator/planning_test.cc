@@ -1,6 +1,7 @@
 // Plans: the certificate on a design with a known optimum, and plans of a KR 270 against random ones.
+#include <gtest/gtest.h>
+
 #include <Eigen/Dense>
-#include <random>
 
 #include "estimator/planning/plan.h"
 #include "estimator/planning/pose_space.h"
@@ -141,14 +142,14 @@ TEST(PlanningTest, BeatsRandomPosesAndComesBackFromItsOwnRows) {
 
 TEST(PlanningTest, AugmentCountsWhatIsMeasured) {
   const Measurements data = Measured(14, 3);
-  PlanRequest request = Request(4);
-  EXPECT_THROW(MakePlan(Arm(), data, Experiment(), request), InputError);  // 4 x 9 readings, 33 + 9 unknowns
+  PlanRequest request = Request(3);
+  EXPECT_THROW(MakePlan(Arm(), data, Experiment(), request), InputError);  // 27 readings, 33 unknowns
   request.augment = true;
   const Plan more = MakePlan(Arm(), data, Experiment(), request);
   EXPECT_EQ(more.measured, 14);
-  // All 18 as candidates of a plan without anything measured: the same information.
+  // All 17 as candidates of a plan without anything measured: the same information.
   Measurements all = data;
-  for (int c = 0; c < 4; ++c) AppendConfiguration(more.rows, c, {}, "", &all);
+  for (int c = 0; c < 3; ++c) AppendConfiguration(more.rows, c, {}, "", &all);
   EXPECT_NEAR(PredictedOf(data, all), more.position_rms, 1e-6 * more.position_rms);
 }
 
