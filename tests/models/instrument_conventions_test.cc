@@ -193,12 +193,13 @@ TEST(DescriptionConventions, BetaComesLastInStandardAndBeforeThetaInModified) {
 
 // Fixed axes: roll 90 about x first, then pitch 90 about y: y -> z -> x. (0, 1, 0) of the flange is (1, 0, 0).
 TEST(DescriptionConventions, RpyIsAboutFixedAxesXFirst) {
+  DhTable table;
+  table.links.resize(1);
+  table.links[0].joint = 0;
+  table.flange_xyz = {0.0, 0.0, 0.2};
+  table.flange_rpy = {90 * kDegree, 90 * kDegree, 0.0};
   Robot robot;
-  robot.chain = ChainFromDhTable(test::Revolutes(1), {},
-                                 {DhConvention::kStandard,
-                                  {{}},
-                                  Vector3<double>(0.0, 0.0, 0.2),
-                                  Vector3<double>(90 * kDegree, 90 * kDegree, 0.0)});
+  robot.chain = ChainFromDhTable(test::Revolutes(1), {}, table);
   const ForwardModel model(robot);
   const std::vector<double> theta = model.NominalValues();
   const Vector3<double> seen = model.PointInBase<double>(ShotInput(Eigen::VectorXd::Zero(1)), theta.data(),
