@@ -19,7 +19,6 @@ namespace {
 
 using test::DhRow;
 using test::ExpectSameFlange;
-using test::kDegree;
 using test::KdlChainOfDh;
 
 class RobotFormats : public FileTest {
@@ -293,8 +292,8 @@ TEST(PlainDhTest, IsTheBestTableWithoutBeta) {
 }
 
 TEST(ExpressionTest, NumbersAsPeopleTypeThem) {
-  EXPECT_NEAR(ParseTypedNumber("-pi/2")->value, -0.5 * test::kPi, 1e-15);
-  EXPECT_NEAR(ParseTypedNumber("0.5*π")->value, 0.5 * test::kPi, 1e-15);
+  EXPECT_NEAR(ParseTypedNumber("-pi/2")->value, -0.5 * kPi, 1e-15);
+  EXPECT_NEAR(ParseTypedNumber("0.5*π")->value, 0.5 * kPi, 1e-15);
   EXPECT_TRUE(ParseTypedNumber("90°")->is_degrees);
   EXPECT_EQ(ParseTypedNumber("−90")->value, -90.0);
   EXPECT_FALSE(ParseTypedNumber("L1"));
