@@ -69,8 +69,13 @@ EstimateComparison::EstimateComparison(const KnownRobot& old_estimate, const Kno
     : old_(old_estimate), new_(new_estimate) {
   CheckSameRobot(old_, new_);
   // Both in the same conditions, and with each joint's own derivative at hand.
-  old_.loading.repeatability.angle.common = 1.0;
-  old_.loading.repeatability.length.common = 1.0;
+  const bool any_slides = std::any_of(old_.robot.chain.joints.begin(), old_.robot.chain.joints.end(),
+                                      [](const Joint& joint) { return joint.type == JointType::kPrismatic; });
+  const bool any_turns = std::any_of(old_.robot.chain.joints.begin(), old_.robot.chain.joints.end(),
+                                     [](const Joint& joint) { return joint.type == JointType::kRevolute; });
+  old_.loading.repeatability = RepeatabilitySpec();
+  if (any_turns) old_.loading.repeatability.angle.common = 1.0;
+  if (any_slides) old_.loading.repeatability.length.common = 1.0;
   new_.loading = old_.loading;
   const Measurements rows = MakeRows(old_, new_);
   problems_.push_back(PredictionProblem(old_, rows));

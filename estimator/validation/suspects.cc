@@ -6,6 +6,7 @@
 
 #include "estimator/inspection/row_lint.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/refit.h"
 #include "estimator/statistics/median.h"
 #include "problems/text.h"
 
@@ -113,25 +114,63 @@ std::vector<Suspect> LeftOut(const CalibrationProblem& problem, const Estimate& 
   return suspects;
 }
 
+ParameterSet Unheld(ParameterSet parameters) {
+  for (int i = 0; i < parameters.num_coordinates(); ++i) parameters.coordinate(i).held = false;
+  return parameters;
+}
+
+// Residuals of a fit that resists what it finds: gross readings leave it, and the rest is looked at again until no more
+// are found. One reading in metres moves everything by so much that no other would be seen.
+bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outliers) {
+  constexpr int kRounds = 6;
+  const NoiseRoots noise = ObservationNoise(rows->problem, rows->observations, kFallbackSigma);
+  const std::vector<int> fitted = rows->problem.CalibrationObservations();
+  // Where a blunder spoiled the estimate so far that nothing is left of it, begin at the aligned nominal robot.
+  ParameterSet parameters = IsUsable(estimate.status) ? estimate.parameters : Unheld(estimate.aligned);
+  bool is_restarted = !IsUsable(estimate.status);
+  for (int round = 0; round < kRounds; ++round) {
+    Linearization here = Linearize(rows->problem, parameters, rows->observations, parameters.EstimatedCoordinates(), noise,
+                                   LatentTreatment::kIgnore);
+    std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
+    for (int c = 0; c < here.num_columns(); ++c) {
+      if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);
+    }
+    here.jacobian = here.jacobian(Eigen::all, seen).eval();
+    if (!here.valid || here.num_rows() <= here.num_columns()) return round > 0;
+    rows->residuals = RobustLinearResiduals(here, noise);
+    const std::vector<int> found = GrossOutliers(rows->residuals);
+    if (found == *outliers) return true;
+    *outliers = found;
+    RefitOptions options;
+    options.weights.assign(fitted.size(), 1.0);
+    for (const int k : found) {
+      const auto place = std::lower_bound(fitted.begin(), fitted.end(), rows->observations[k]);
+      if (place != fitted.end()) options.weights[place - fitted.begin()] = 0.0;
+    }
+    const Refit refit = RefitFrom(rows->problem, parameters, options);
+    if (refit.converged) {
+      parameters = refit.parameters;
+    } else if (!is_restarted) {  // what a blunder has led astray does not find back: begin at the aligned nominal robot
+      parameters = Unheld(estimate.aligned);
+      is_restarted = true;
+    } else {
+      return true;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
   std::vector<Suspect> suspects = LeftOut(problem, estimate);
   Rows rows{problem, estimate.parameters, problem.data.PointsAmong(problem.CalibrationObservations()), {}};
-  const NoiseRoots noise = ObservationNoise(problem, rows.observations, kFallbackSigma);
-  Linearization here =
-      Linearize(problem, estimate.parameters, rows.observations, estimate.estimated, noise, LatentTreatment::kIgnore);
-  std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
-  for (int c = 0; c < here.num_columns(); ++c) {
-    if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);
-  }
-  here.jacobian = here.jacobian(Eigen::all, seen).eval();
-  if (!here.valid || here.num_rows() <= here.num_columns()) return suspects;
-  rows.residuals = RobustLinearResiduals(here, noise);
+  std::vector<int> outliers;
+  if (!FitRobustly(estimate, &rows, &outliers)) return suspects;
   std::vector<double> distances;
   for (Eigen::Index k = 0; k < rows.residuals.cols(); ++k) distances.push_back(rows.residuals.col(k).norm());
   const double median = Median(distances);
-  for (const int k : GrossOutliers(rows.residuals)) {
+  for (const int k : outliers) {
     const int observation = rows.observations[k];
     const auto is_known = [&](const Suspect& suspect) { return suspect.observation == observation; };
     if (std::any_of(suspects.begin(), suspects.end(), is_known)) continue;

@@ -41,14 +41,6 @@ TEST_F(CommandLineTest, UnknownCommandNamesTheNearest) {
   EXPECT_EQ(outcome.out, "");
 }
 
-TEST_F(CommandLineTest, CommandsOfLaterVersionsSaySo) {
-  for (const char* command : {"plan"}) {
-    const Outcome outcome = Run({command, kExperiment});
-    EXPECT_EQ(outcome.status, 2) << command;
-    EXPECT_NE(outcome.err.find("does not have"), std::string::npos) << outcome.err;
-  }
-}
-
 TEST_F(CommandLineTest, UnknownFlagNamesTheNearest) {
   const Outcome outcome = Run({"calibrate", kExperiment, "--sigmamm=0.1", "--out=" + Path("out")});
   EXPECT_EQ(outcome.status, 2);

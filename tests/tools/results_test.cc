@@ -246,14 +246,21 @@ TEST_F(ResultsTest, NumericalFailureSaysWhyAndWritesNoEstimate) {
   EXPECT_FALSE(Exists("out/estimate.json"));
 }
 
-// Signs and zero positions are no units: nothing to propose, but not to be passed over.
+// A joint that counts the other way is refused with its cure; whoever insists learns that nothing fits.
 TEST_F(ResultsTest, ARobotThatDoesNotFitTheDataIsSaidSo) {
   auto rows = Cells(ReadAll(data_));
   for (size_t i = 1; i < rows.size(); ++i) {
     std::string& cell = rows[i][Column(rows, "q2_deg")];
     cell = std::to_string(-std::stod(cell));
   }
-  const Outcome outcome = Run({"calibrate", robot_, Write("sign.csv", Csv(rows)), "--out=" + Path("out")});
+  const std::vector<std::string> command = {"calibrate", robot_, Write("sign.csv", Csv(rows)), "--out=" + Path("out")};
+  const Outcome refused = Run(command);
+  EXPECT_EQ(refused.status, 2) << refused.err;
+  EXPECT_NE(refused.err.find("with joint A2 counted the other way"), std::string::npos) << refused.err;
+  EXPECT_FALSE(Exists("out/estimate.json"));
+  std::vector<std::string> insisting = command;
+  insisting.push_back("--force");
+  const Outcome outcome = Run(insisting);
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_NE(outcome.err.find("check signs"), std::string::npos) << outcome.err;
   EXPECT_FALSE(Exists("out/estimate.json"));
