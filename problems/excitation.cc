@@ -1,6 +1,7 @@
 #include "problems/excitation.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "models/excitation.h"
 
@@ -39,7 +40,22 @@ void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) 
   const auto& model_parameters = problem.model.parameters();
   const bool any = std::any_of(model_parameters.begin(), model_parameters.end(), IsLimitedByMotion);
   if (!any) return;
-  const std::vector<double> motions = LargestMotions(problem, *parameters);
+  std::vector<double> motions = LargestMotions(problem, *parameters);
+  // A load along a joint's axis makes no torque about it but what the base's rotation, known to the hold limit only, may
+  // feign: that is no excitation.
+  for (int axis = 0; axis < 2; ++axis) {
+    ParameterSet tilted = *parameters;
+    for (int s = 0; s < tilted.num_stations(); ++s) {
+      Pose<double> pose = tilted.BaseInStation(s);
+      const Vector3<double> turn = kHoldMotion * Vector3<double>::Unit(axis);
+      pose.rotation = RotationFromVector(turn) * pose.rotation;
+      tilted.SetBaseInStation(s, pose);
+    }
+    const std::vector<double> feigned = LargestMotions(problem, tilted);
+    for (size_t i = 0; i < motions.size(); ++i) {
+      if (motions[i] < std::abs(feigned[i] - motions[i])) motions[i] = 0.0;
+    }
+  }
   for (size_t i = 0; i < motions.size(); ++i) {
     if (!IsLimitedByMotion(model_parameters[i])) continue;
     Coordinate& coordinate = parameters->coordinate(parameters->model_parameter(static_cast<int>(i)).first_coordinate);
