@@ -37,7 +37,7 @@ struct ApproximateDesign {
 
 // known: M0, positive definite. tolerance: of the bound, relative to the cost's scale; the search ends there.
 ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
-                                   double poses, double tolerance, int max_iterations = 300);
+                                   double poses, double tolerance, int max_iterations = 3000);
 
 struct ExactDesign {
   std::vector<int> picks;      // candidates, in the order of the list; some may come twice
