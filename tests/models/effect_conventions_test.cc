@@ -103,6 +103,9 @@ TEST(Conventions, WeightOfALinkAtItsJointAndTheFoot) {
   scene.Add({"link_gravity", "J2", {}, {10.0, 0.0, 0.0, 0.0}});
   scene.Add({"base_compliance", "base", {}, {0.0, 1e-6}});
   ExpectPoint(scene.Seen(), 1.4 + 49.03325e-6, 0.0, 0.5 - 137.2931e-6, 3e-8);
+  // A first moment is a couple: 2 g = 19.6133 N m at the foot too, however far out the link is.
+  scene.robot.effects[0].values = {0.0, 2.0, 0.0, 0.0};
+  ExpectPoint(scene.Seen(), 1.4 + 9.80665e-6, 0.0, 0.5 - 27.45862e-6, 3e-9);
 }
 
 // kx: 100 N down at y = 1.4: -140 N m about x at the base's origin, 1 urad/Nm: the flange (0, 1.4, 0.5) sinks by
