@@ -42,15 +42,26 @@ struct ScaledSvd {
   Eigen::MatrixXd v;
 };
 
-// Through the R factor, so that tall problems stay cheap; exact for fewer rows
-// than columns too.
-ScaledSvd DecomposeScaled(const Linearization& linearization, const Eigen::VectorXd& limits) {
+// The R factor of the columns in units of their limits, so that tall problems stay cheap; exact for fewer rows than
+// columns too.
+Eigen::MatrixXd ScaledFactor(const Linearization& linearization, const Eigen::VectorXd& limits) {
   const int n = linearization.num_columns();
   Eigen::MatrixXd scaled = linearization.jacobian * limits.asDiagonal();
   if (scaled.rows() < n) scaled.conservativeResizeLike(Eigen::MatrixXd::Zero(n, n));
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
-  const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullV);
+  return qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+}
+
+// Without singular values: no one is smaller than 1 / |R^-1| (Frobenius).
+bool AllAbove(const Eigen::MatrixXd& r, double limit) {
+  if (!(r.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
+  const Eigen::MatrixXd inverse =
+      r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(r.rows(), r.cols()));
+  return inverse.norm() * std::max(limit, kNumericallyZero * r.norm()) < 1.0;
+}
+
+ScaledSvd Decompose(const Eigen::MatrixXd& r) {
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullV);
   return {svd.singularValues(), svd.matrixV()};
 }
 
@@ -125,7 +136,9 @@ Unidentifiable FindUnidentifiable(const Linearization& linearization, const Para
   const int n = linearization.num_columns();
   if (n == 0) return result;
   const Eigen::VectorXd limits = HoldLimits(linearization, parameters);
-  const ScaledSvd svd = DecomposeScaled(linearization, limits);
+  const Eigen::MatrixXd factor = ScaledFactor(linearization, limits);
+  if (AllAbove(factor, sigma)) return result;
+  const ScaledSvd svd = Decompose(factor);
   std::vector<int> lost;
   for (int i = 0; i < n; ++i) {
     const bool zero = svd.singular_values[i] <= kNumericallyZero * svd.singular_values[0];
@@ -172,7 +185,9 @@ std::vector<Direction> FindWeak(const Linearization& linearization, const Parame
     const double of_value = half > kNumericallyZero * hold_limit ? std::min(half, moved) : moved;
     limits[c] = own > 0.0 ? own : of_value;
   }
-  const ScaledSvd svd = DecomposeScaled(linearization, limits);
+  const Eigen::MatrixXd factor = ScaledFactor(linearization, limits);
+  if (AllAbove(factor, sigma)) return weak;
+  const ScaledSvd svd = Decompose(factor);
   for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) {
     weak.push_back(MakeDirection(svd.v.col(i), sigma / svd.singular_values[i], linearization, parameters));
     Direction& direction = weak.back();

@@ -1,5 +1,8 @@
 #include "estimator/least_squares/sandwich.h"
 
+#include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/row_batches.h"
+
 #include <Eigen/SVD>
 #include <cmath>
 #include <map>
@@ -21,30 +24,56 @@ std::vector<std::vector<int>> RowsOfClusters(const std::vector<int>& cluster_of)
   return list;
 }
 
-// A_g x for b = J_g M^1/2: I - H_gg = I - b b' has the eigenvectors of b's left
-// singular vectors U, hence A_g = I + U diag((1 - s^2)^-1/2 - 1) U'.
-Eigen::MatrixXd Unshrink(const Eigen::MatrixXd& b, const Eigen::MatrixXd& x) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(b, Eigen::ComputeThinU);
-  Eigen::VectorXd gain(svd.singularValues().size());
+// A_g - I for b = J_g M^1/2: I - H_gg = I - b b' has the eigenvectors U of b b', hence
+// A_g = I + U diag((1 - lambda)^-1/2 - 1) U'. A small symmetric problem, of as many rows as the cluster has.
+Eigen::MatrixXd Unshrinking(const Eigen::MatrixXd& b) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(b * b.transpose());
+  Eigen::VectorXd gain(b.rows());
   for (int i = 0; i < gain.size(); ++i) {
-    const double left = 1.0 - svd.singularValues()[i] * svd.singularValues()[i];
+    const double left = 1.0 - eigen.eigenvalues()[i];
     gain[i] = left > kNoResidualLeft ? 1.0 / std::sqrt(left) - 1.0 : -1.0;
   }
-  return x + svd.matrixU() * (gain.asDiagonal() * (svd.matrixU().transpose() * x));
+  return eigen.eigenvectors() * gain.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-// Satterthwaite's degrees of freedom of one column's variance under independent
-// noise. With a_g = A_g J_g M e and u_g = J_g' a_g, the variance is a quadratic
-// form with P_gh = [g = h] |a_g|^2 - u_g' M u_h; nu = tr(P)^2 / tr(P^2).
-double DegreesOfFreedom(const Eigen::VectorXd& squares, const Eigen::MatrixXd& w) {  // w: rows u_g' M^1/2
-  const Eigen::VectorXd own = w.rowwise().squaredNorm();
-  const double trace = squares.sum() - own.sum();
-  const double of_square = squares.squaredNorm() - 2.0 * squares.dot(own) + (w.transpose() * w).squaredNorm();
-  return of_square > 0.0 ? trace * trace / of_square : 1.0;
-}
+// |w' w|^2 of rows that are filled in one by one, kBatchLanes of them in one row of lanes.
+class RowProducts {
+ public:
+  RowProducts(int rows, int columns) : columns_((columns + kGramBlock - 1) / kGramBlock * kGramBlock) {
+    const int blocks = columns_ / kGramBlock;
+    sums_ = GramSums(blocks, blocks, true);
+    const int lanes = (rows + kBatchLanes - 1) / kBatchLanes;
+    memory_ = buffer_.Reserve(static_cast<size_t>(lanes) * columns_ * kBatchLanes);
+    for (int i = 0; i < lanes; ++i) rows_.push_back(memory_ + static_cast<size_t>(i) * columns_ * kBatchLanes);
+  }
+
+  void Set(int row, const Eigen::VectorXd& values) {
+    double* const lane = memory_ + static_cast<size_t>(row / kBatchLanes) * columns_ * kBatchLanes + row % kBatchLanes;
+    for (int c = 0; c < values.size(); ++c) lane[c * kBatchLanes] = values[c];
+  }
+  double SquaredNorm() {
+    sums_.Clear();
+    sums_.Add(rows_, 0, 0);
+    double sum = 0.0;
+    for (int a = 0; a < columns_; ++a) {
+      for (int b = a; b < columns_; ++b) sum += (a == b ? 1.0 : 2.0) * sums_.At(a, b) * sums_.At(a, b);
+    }
+    return sum;
+  }
+
+ private:
+  int columns_;
+  BatchBuffer buffer_;
+  double* memory_;
+  std::vector<const double*> rows_;
+  GramSums sums_;
+};
 
 }  // namespace
 
+// With W W' = M and b_g = J_g W: s_g = J_g' A_g r_g = W^-T b_g' A_g r_g, and A_g J_g M = A_g b_g W'. Satterthwaite's
+// degrees of freedom of one column's variance under independent noise: with a_g = A_g J_g M e and w_g = b_g' a_g, the
+// variance is a quadratic form with P_gh = [g = h] |a_g|^2 - w_g . w_h; nu = tr(P)^2 / tr(P^2).
 RobustCovariance SandwichCovariance(const Linearization& linearization, const std::vector<int>& cluster_of) {
   const int n = linearization.num_columns();
   const int observed = static_cast<int>(3 * linearization.observations.size());
@@ -55,32 +84,43 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
   result.covariance = solution.covariance;
   result.dof = Eigen::VectorXd::Constant(n, std::max(1, linearization.num_rows() - n));
   if (n == 0 || !solution.full_rank) return result;
-  const Eigen::MatrixXd& m = solution.covariance;
-  const Eigen::MatrixXd b = linearization.jacobian.topRows(observed) * solution.covariance_root;
-  Eigen::MatrixXd a(observed, n);  // rows of A_g J_g M
-  Eigen::MatrixXd scores(clusters.size(), n);
+  std::vector<int> order;  // rows, cluster by cluster
+  for (const std::vector<int>& rows : clusters) order.insert(order.end(), rows.begin(), rows.end());
+  const Eigen::MatrixXd& root = solution.covariance_root;
+  const Eigen::MatrixXd b = linearization.jacobian(order, Eigen::all) * root;
+  const Eigen::VectorXd residual = linearization.residual(order);
+  Eigen::MatrixXd unshrunk(observed, n);  // A_g b_g
+  Eigen::MatrixXd scores(n, clusters.size());
+  std::vector<int> first(1, 0);
   for (size_t g = 0; g < clusters.size(); ++g) {
-    const Eigen::MatrixXd j = linearization.jacobian(clusters[g], Eigen::all);
-    Eigen::MatrixXd both(j.rows(), n + 1);
-    both << j * m, linearization.residual(clusters[g]);
-    const Eigen::MatrixXd unshrunk = Unshrink(b(clusters[g], Eigen::all), both);
-    a(clusters[g], Eigen::all) = unshrunk.leftCols(n);
-    scores.row(g) = (j.transpose() * unshrunk.col(n)).transpose();
+    const auto rows = static_cast<int>(clusters[g].size());
+    const Eigen::MatrixXd own = b.middleRows(first.back(), rows);
+    const Eigen::MatrixXd more = Unshrinking(own);
+    unshrunk.middleRows(first.back(), rows) = own + more * own;
+    scores.col(static_cast<int>(g)) =
+        unshrunk.middleRows(first.back(), rows).transpose() * residual.segment(first.back(), rows);
+    first.push_back(first.back() + rows);
   }
   const Eigen::MatrixXd priors = linearization.jacobian.bottomRows(linearization.num_rows() - observed);
-  const Eigen::MatrixXd sampled = m * scores.transpose();
-  const Eigen::MatrixXd stated = m * priors.transpose();
+  const Eigen::MatrixXd sampled = root * scores;
+  const Eigen::MatrixXd stated = solution.covariance * priors.transpose();
   result.covariance = sampled * sampled.transpose() + stated * stated.transpose();
-  Eigen::VectorXd squares(clusters.size());
-  Eigen::MatrixXd w(clusters.size(), n);
+  const Eigen::MatrixXd a = unshrunk * root.transpose();
+  RowProducts w(static_cast<int>(clusters.size()), n);
   for (int c = 0; c < n; ++c) {
+    double trace = 0.0, of_square = 0.0;
     for (size_t g = 0; g < clusters.size(); ++g) {
-      const Eigen::VectorXd own = a(clusters[g], c);
-      squares[g] = own.squaredNorm();
-      w.row(g) = own.transpose() * b(clusters[g], Eigen::all);
+      const auto rows = static_cast<int>(clusters[g].size());
+      const Eigen::VectorXd own = b.middleRows(first[g], rows).transpose() * a.col(c).segment(first[g], rows);
+      const double square = a.col(c).segment(first[g], rows).squaredNorm(), product = own.squaredNorm();
+      trace += square - product;
+      of_square += square * square - 2.0 * square * product;
+      w.Set(static_cast<int>(g), own);
     }
+    of_square += w.SquaredNorm();
+    const double dof = of_square > 0.0 ? trace * trace / of_square : 1.0;
     const double share = sampled.row(c).squaredNorm() / std::max(1e-300, result.covariance(c, c));
-    result.dof[c] = DegreesOfFreedom(squares, w) / std::max(1e-12, share * share);
+    result.dof[c] = dof / std::max(1e-12, share * share);
   }
   return result;
 }
