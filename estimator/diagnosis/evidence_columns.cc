@@ -45,6 +45,7 @@ double TypicalOf(const Robot& robot, const EffectSpec& spec, size_t parameter) {
   if (definition == nullptr) return 0.0;
   const std::vector<EffectParameter> parameters = definition->parameters(robot, spec);
   if (parameter >= parameters.size()) return 0.0;
+  if (parameters[parameter].of_motion) return 0.0;  // its size goes with the machine's: by what it moves (SetUnits)
   const double stated = parameters[parameter].typical;
   return stated > 0.0 ? stated : TypicalSize(spec.effect, parameters[parameter].name);
 }
