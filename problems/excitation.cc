@@ -16,8 +16,6 @@ bool IsLimitedByMotion(const ModelParameter& parameter) {
   return parameter.law != ParameterLaw::kGeometry;
 }
 
-}  // namespace
-
 std::vector<double> LargestMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<double> theta = parameters.ModelValues();
   std::vector<double> largest(problem.model.num_parameters(), 0.0);
@@ -36,15 +34,12 @@ std::vector<double> LargestMotions(const CalibrationProblem& problem, const Para
   return largest;
 }
 
-void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) {
-  const auto& model_parameters = problem.model.parameters();
-  const bool any = std::any_of(model_parameters.begin(), model_parameters.end(), IsLimitedByMotion);
-  if (!any) return;
-  std::vector<double> motions = LargestMotions(problem, *parameters);
-  // A load along a joint's axis makes no torque about it but what the base's rotation, known to the hold limit only, may
-  // feign: that is no excitation.
+}  // namespace
+
+std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  std::vector<double> motions = LargestMotions(problem, parameters);
   for (int axis = 0; axis < 2; ++axis) {
-    ParameterSet tilted = *parameters;
+    ParameterSet tilted = parameters;
     for (int s = 0; s < tilted.num_stations(); ++s) {
       Pose<double> pose = tilted.BaseInStation(s);
       const Vector3<double> turn = kHoldMotion * Vector3<double>::Unit(axis);
@@ -56,6 +51,14 @@ void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) 
       if (motions[i] < std::abs(feigned[i] - motions[i])) motions[i] = 0.0;
     }
   }
+  return motions;
+}
+
+void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) {
+  const auto& model_parameters = problem.model.parameters();
+  const bool any = std::any_of(model_parameters.begin(), model_parameters.end(), IsLimitedByMotion);
+  if (!any) return;
+  const std::vector<double> motions = LargestTrueMotions(problem, *parameters);
   for (size_t i = 0; i < motions.size(); ++i) {
     if (!IsLimitedByMotion(model_parameters[i])) continue;
     Coordinate& coordinate = parameters->coordinate(parameters->model_parameter(static_cast<int>(i)).first_coordinate);

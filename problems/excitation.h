@@ -8,8 +8,9 @@
 namespace sagitta {
 
 // The largest among the calibration rows, by model parameter: rad or m per SI unit (models/excitation.h), at these
-// values.
-std::vector<double> LargestMotions(const CalibrationProblem& problem, const ParameterSet& parameters);
+// values. 0 where it is less than what a rotation of the base that the data do not tell (5 mrad) would change: a load
+// along a joint's axis makes no torque about it.
+std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters);
 
 // Sets Coordinate::hold_limit of compliances, effects and the spring's rate: 5 mm or 5 mrad of what it moves. That of
 // geometric errors, points, poses and lengths is of their kind; so is that of a parameter which no row excites at all.

@@ -11,6 +11,7 @@
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
 #include "problems/input_error.h"
+#include "problems/io/diagnosis_prior.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
@@ -108,6 +109,7 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
   WriteTextFile(FLAGS_out + "/residuals.csv", residuals);
   WriteTextFile(FLAGS_out + "/report.html", report);
   WriteTextFile(FLAGS_out + "/estimate.json", estimate_json);
+  if (diagnosis.next) WriteTextFile(FLAGS_out + "/" + kNextFile, NextToCsv(diagnosis));
   WriteTextFile(FLAGS_out + "/diagnosis.json", diagnosis_json);
   std::cout << "\nResults in " << FLAGS_out
             << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
@@ -125,6 +127,7 @@ int RunDiagnose(const CommandLine& line) {
     Progress progress(FLAGS_quiet);
     DiagnosisOptions options;
     options.significance = problem.experiment.significance;
+    options.prior = ReadDiagnosisPrior(problem.experiment.file);
     options.points_are_measured = !IsAgainstColumns();
     options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
@@ -154,8 +157,9 @@ Command DiagnoseCommand() {
   return {"diagnose", "finds, names and adds the missing effect",
           R"(sagitta diagnose EXP --out=DIR
 
-Fits the believed model, asks whether simulation and measurement disagree, screens every effect of the
-catalogue, adds what is significant and shows the gap on configurations that nothing was fitted to. Without a
+Fits the believed model, asks whether simulation and measurement disagree, weighs every effect of the catalogue
+and what has no name against each other, says what is missing with its probability, adds it and shows the gap on
+configurations that nothing was fitted to; next.csv holds poses that would decide what is still open. Without a
 validation of its own the experiment holds out 30 % of the configurations. Verdicts: consistent, noise,
 explained, partly, unknown.
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "estimator/diagnosis/compensator_search.h"
+#include "estimator/diagnosis/compensator_shapes.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -14,7 +14,7 @@ namespace {
 constexpr int kHarmonicOrders = 6;        // scanned with few configurations
 constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
 constexpr int kConfigurationsPerOrder = 20;
-constexpr int kChangePoints = 80;  // at least, and less than twice as many, where the visits allow
+constexpr int kChangePoints = 30;  // at least, and less than twice as many, where the visits allow
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),

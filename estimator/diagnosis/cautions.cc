@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/refit.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "problems/split.h"
@@ -82,8 +83,8 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
   if (!is_judged) keys.push_back("covariance: " + experiment.covariance);
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (keys.empty()) return;
-  cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " + Enumerate(keys, kNamesListed) +
-                      ".");
+  cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " +
+                      Enumerate(keys, kNamesListed) + ".");
 }
 
 void AppendFew(const CalibrationProblem& problem, const Counts& counts, std::vector<std::string>* cautions) {
@@ -100,10 +101,11 @@ void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>*
   const std::vector<std::string> standing = StandingJoints(problem);
   if (standing.empty()) return;
   const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
-  cautions->push_back((all ? std::string("All configurations are alike: no joint moves")
-                           : Enumerate(standing, kNamesListed) + (standing.size() == 1 ? " hardly moves" : " hardly move")) +
-                      " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
-                      (all ? ", and the verdict holds for this one pose." : "."));
+  cautions->push_back(
+      (all ? std::string("All configurations are alike: no joint moves")
+           : Enumerate(standing, kNamesListed) + (standing.size() == 1 ? " hardly moves" : " hardly move")) +
+      " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
+      (all ? ", and the verdict holds for this one pose." : "."));
 }
 
 struct DrivingColumn {
@@ -147,8 +149,9 @@ void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
   for (const Coordinate& coordinate : estimate.parameters.coordinates()) {
     if (coordinate.held) held.push_back(coordinate.name);
   }
-  cautions->push_back("The believed model already has what these data cannot tell (held: " + Enumerate(held, kNamesListed) +
-                      "): an effect that moves the markers like these cannot be told from them.");
+  cautions->push_back(
+      "The believed model already has what these data cannot tell (held: " + Enumerate(held, kNamesListed) +
+      "): an effect that moves the markers like these cannot be told from them.");
 }
 
 // What the robot file states and the experiment holds is neither estimated nor a candidate.

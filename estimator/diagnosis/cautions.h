@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/diagnosed_model.h"
 
 namespace sagitta {
 

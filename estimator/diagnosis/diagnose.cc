@@ -1,223 +1,311 @@
 #include "estimator/diagnosis/diagnose.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "estimator/diagnosis/cautions.h"
-#include "estimator/least_squares/parallel.h"
+#include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/refit.h"
+#include "estimator/diagnosis/set_aside.h"
+#include "estimator/diagnosis/steps.h"
+#include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kShareOfNaming = 0.25;     // of the significance; lack of fit and decoys have their own shares
-constexpr double kShareOfLackOfFit = 0.15;  // beside it: the decoys, and the shares of the noise (noise_book.cc)
-constexpr int kMostNoiseRounds = 3;
-constexpr int kManyRows = 3000;
+constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked beside the posterior
+constexpr double kEvenOdds = 0.5;
+constexpr double kMostOfTheSets = 0.99;  // of the probability: FORMATS section 6
+constexpr unsigned long long kSeedOfPoses = 1;
+constexpr int kMostRounds = 2;  // outliers beside the believed model, then beside the extended one
 
-// Whether the model with the decoy's kind fits the stated noise.
-bool LeavesNothing(const DiagnosedModel& model, const DecoyBench& bench, const Decoy& decoy) {
-  const Eigen::MatrixXd columns = bench.ColumnsOfKind(decoy);
-  const ProjectedResidual rest = bench.residual().With(columns);
-  const int dof = model.estimate.dof - static_cast<int>(columns.cols());
-  return dof > 0 && rest.residual().squaredNorm() < 1.2 * dof;
+bool IsSigmaStated(const CalibrationProblem& problem) {
+  return problem.sigma_is_stated() && problem.experiment.noise.from != NoiseSpec::From::kVarianceComponents;
 }
 
-// What is chosen beside one model of the noise. Where only the common sigma followed, the same steps are the start
-// again; and where there are many rows, which name the same steps whatever the noise.
-void SelectAndKeep(const DiagnosedModel& baseline, const std::vector<Candidate>& candidates, bool sigma_is_stated,
-                   double significance, SelectionOptions* selection, std::vector<ChosenStep>* steps,
-                   Diagnosis* diagnosis) {
-  const DecoyBench bench(baseline);
-  const Decoy decoy = bench.Best();
-  selection->decoy_gain = decoy.penalised - kUnknownMargin;
-  selection->decoy_explains_all = sigma_is_stated && LeavesNothing(baseline, bench, decoy);
-  if (sigma_is_stated && baseline.estimate.rows < kManyRows) steps->clear();
-  *steps = SelectEffects(baseline, candidates, *selection, *steps, &diagnosis->final);
-  diagnosis->has_unexplained = false;
-  if (steps->empty()) return;
-  if (selection->progress) selection->progress("decoys against the steps, " + std::to_string(steps->size()));
-  const Unexplained rest = KeepWhatHolds(baseline, candidates, *selection, steps, &diagnosis->final);
-  // What was found beside the decoy may have taken its place.
-  const bool stands = steps->empty() || rest.decoy.penalised > EvidenceNeeded(significance);
-  diagnosis->has_unexplained = rest.found && stands;
-  diagnosis->unexplained = rest.decoy;
+// Where nothing states sigma the scatter about the baseline scales the rows; its level has no say (Student).
+CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stated) {
+  CalibrationProblem working = *baseline.problem;
+  if (is_stated) return working;
+  const Estimate& estimate = baseline.estimate;
+  if (working.sigma_is_stated()) {
+    return WithScaledSigmas(working, std::sqrt(estimate.chi2 / std::max(1, estimate.dof)));
+  }
+  working.experiment.noise.sigma = estimate.sigma.estimated;
+  return working;
 }
 
-// What the first `count` steps do: on the hold-out, and to chi-square.
-void MeasurePrefix(const std::vector<ChosenStep>& chosen, size_t count, const SelectionOptions& selection,
-                   const DiagnosedModel& baseline, const DiagnosedModel& final, DiagnosisStep* result) {
-  const std::vector<ChosenStep> first(chosen.begin(), chosen.begin() + static_cast<long>(count));
-  const bool is_whole = count == chosen.size();
-  const DiagnosedModel here = is_whole ? final : Extend(baseline, CandidatesOf(first), selection.joint);
-  if (!IsUsable(here.estimate.status)) return;
-  result->holdout_after = HoldoutRms(here);
-  result->reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
-}
-
-void FillSteps(const std::vector<ChosenStep>& chosen, const std::vector<Candidate>& candidates,
-               const SelectionOptions& selection, Diagnosis* diagnosis) {
-  if (chosen.empty()) return;
-  const StepBench bench(diagnosis->final, candidates);
-  const ConfirmationBench confirmation(bench);
-  std::vector<DiagnosisStep>& steps = diagnosis->steps;
-  steps.resize(chosen.size());
-  ParallelFor(static_cast<int>(chosen.size()), selection.num_threads, [&](int i, int) {
-    DiagnosisStep& result = steps[i];
-    result.chosen = chosen[i];
-    MeasurePrefix(chosen, i + 1, selection, diagnosis->baseline, diagnosis->final, &result);
-    const Eigen::VectorXd neutral_residual = bench.NeutralResidual(chosen[i]);
-    result.alternatives = FindAlternatives(bench, chosen[i], neutral_residual, selection.tie);
-    result.confirmation = confirmation.Confirm(chosen[i], neutral_residual, selection.tie);
-    result.view = ViewStep(bench, chosen[i]);
-    for (const ParameterEstimate& row : diagnosis->final.estimate.table) {
-      if (row.free && IsParameterOf(chosen[i].candidate.spec, row.name)) result.parameters.push_back(row);
+// What each candidate alone does beside the believed model, to first order.
+std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedModel& baseline) {
+  const ExplanationList& list = evidence.list();
+  const ProjectedNormal& normal = evidence.views()[0].beside.normal;
+  const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
+  std::map<std::string, ScreenedCandidate> best;  // by name
+  int tests = 0;
+  for (size_t k = 0; k < list.math.size(); ++k) {
+    if (list.IsUnnamed(static_cast<int>(k))) continue;
+    ++tests;
+    const Sweep alone(normal, {}, {});
+    const Eigen::MatrixXd information = alone.Information(list.math[k].group);
+    const Eigen::VectorXd gradient = alone.Gradient(list.math[k].group);
+    std::vector<double> logs;
+    for (const double scale : kScales) {
+      logs.push_back(likelihood.Gain(normal.residual, GainOf(information, gradient, scale)));
     }
-    result.lag = AllowForLag(diagnosis->final, chosen[i], &result.parameters);
-  });
-  double before = HoldoutRms(diagnosis->baseline);
-  for (DiagnosisStep& step : steps) {
-    step.holdout_before = before;
-    before = step.holdout_after;
+    const double log_evidence = LogSumExp(logs) - std::log(kNumScales);
+    const auto entry = best.find(list.name[k]);
+    if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
+    const MemberFit fit = FitOf(evidence, {0, {{static_cast<int>(k)}, {1.0}, 0.0, 0.0}, 0.0, 0.0}, static_cast<int>(k));
+    if (fit.parameters == 0) continue;
+    best[list.name[k]] = {list.start[k], fit.reduction, fit.parameters, 1.0, log_evidence, {}};
   }
+  std::vector<ScreenedCandidate> screened;
+  const double left = baseline.estimate.chi2 / std::max(1, baseline.estimate.dof);
+  for (auto& [name, entry] : best) {
+    const int dof = baseline.estimate.dof - entry.parameters;
+    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, tests);
+    screened.push_back(std::move(entry));
+  }
+  std::stable_sort(screened.begin(), screened.end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+  return screened;
 }
 
-// What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
-// rate does nothing, whatever its shape.
-ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
-                         const ParameterSet& nominal) {
-  ParameterSet aligned = extended;
-  Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
-  for (int i = 0; i < aligned.num_coordinates(); ++i) {
-    const std::string& name = aligned.coordinates()[i].name;
-    const bool is_shape = name.rfind("compensator/", 0) == 0 && name != "compensator/Kc";
-    const bool is_new = std::any_of(steps.begin(), steps.end(),
-                                    [&](const ChosenStep& step) { return IsParameterOf(step.candidate.spec, name); });
-    if (is_new && !is_shape) delta[i] = -aligned.Value(i);
+ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const PriorMasses& prior) {
+  const ExplanationList& list = evidence.list();
+  ReportedPosterior report;
+  report.nothing = posterior.nothing;
+  report.noise = posterior.noise;
+  report.unnamed = posterior.unnamed;
+  report.prior = prior;
+  for (const NamedProbability& entry : posterior.explanations) {
+    report.explanations.push_back({list.start[entry.explanation], entry.probability});
   }
-  aligned.Plus(delta);
-  aligned.CopyByName(nominal);
-  return aligned;
+  double sum = posterior.nothing + posterior.noise;
+  for (const NameSet& set : posterior.sets) {
+    if (sum >= kMostOfTheSets) break;
+    sum += set.probability;
+    ReportedSet reported{set.probability, {}, {}};
+    for (const int m : evidence.models()[set.best].set.members) {
+      if (list.IsUnnamed(m)) {
+        reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
+      } else {
+        reported.specs.push_back(list.start[m]);
+      }
+    }
+    report.sets.push_back(std::move(reported));
+  }
+  report.flips = WhatFlips(evidence, posterior);
+  return report;
 }
 
-bool IsEstimated(const ChosenStep& step, const Estimate& estimate) {
-  return std::any_of(estimate.table.begin(), estimate.table.end(), [&](const ParameterEstimate& row) {
-    return row.free && IsParameterOf(step.candidate.spec, row.name);
-  });
-}
-
-// The full estimator has the last word: a step with which it finds no optimum is not named, and none of which it has to
-// hold every parameter.
-void JudgeFinal(const DiagnosedModel& baseline, const SelectionOptions& selection, std::vector<ChosenStep>* steps,
-                Diagnosis* diagnosis) {
-  DiagnosedModel& final = diagnosis->final;
-  while (!steps->empty()) {
-    const ParameterSet aligned = AlignedWith(*steps, final.problem->parameters, baseline.estimate.aligned);
-    final = JudgeFully(final.problem, final.estimate.parameters, aligned, selection.joint);
-    const bool usable = IsUsable(final.estimate.status);
-    const auto idle = std::find_if(steps->begin(), steps->end(),
-                                   [&](const ChosenStep& step) { return !IsEstimated(step, final.estimate); });
-    if (usable && idle == steps->end()) return;
-    steps->erase(usable ? idle : steps->end() - 1);
-    diagnosis->has_unexplained |= !usable;
-    final = Extend(baseline, CandidatesOf(*steps), selection.joint);
+class Session {
+ public:
+  Session(const CalibrationProblem& problem, const DiagnosisOptions& options, Diagnosis* diagnosis)
+      : problem_(problem),
+        options_(options),
+        joint_(options.joint),
+        d_(*diagnosis),
+        aside_(options.significance, joint_) {
+    joint_.progress = nullptr;
   }
-  final = baseline;
-}
 
-// What each of the best candidates alone does on the hold-out: for people, nothing is chosen by it.
-void RefitBest(const DiagnosedModel& baseline, const SelectionOptions& selection,
-               std::vector<ScreenedCandidate>* candidates) {
-  if (baseline.problem->ValidationObservations().empty()) return;
-  for (size_t i = 0; i < candidates->size() && static_cast<int>(i) < selection.refitted; ++i) {
-    ScreenedCandidate& entry = (*candidates)[i];
-    if (entry.score.rank == 0) return;
-    const DiagnosedModel extended = Extend(baseline, {entry.candidate}, selection.joint);
-    if (IsUsable(extended.estimate.status)) entry.holdout_rms = HoldoutRms(extended);
+  void Run() {
+    Say("fitting the believed model");
+    d_.baseline = FitFully(problem_, options_.joint);
+    d_.status = d_.baseline.estimate.status;
+    d_.message = d_.baseline.estimate.message;
+    if (!IsUsable(d_.status)) return;
+    aside_.FromFitted(&d_.baseline);
+    if (options_.points_are_measured) d_.cautions = CautionsOfReadings(*d_.baseline.problem);
+    for (const std::string& caution : FindCautions(problem_, d_.baseline)) d_.cautions.push_back(caution);
+    for (int round = 0; round < kMostRounds; ++round) {
+      Search();
+      if (!aside_.Follow(d_.final, &d_.baseline)) break;
+    }
+    JudgeFinal();
+    Describe();
+    Decide();
   }
-}
 
-void Decide(const DiagnosisOptions& options, NoiseBook* noise, Diagnosis* diagnosis) {
-  const double gate = kShareOfLackOfFit * options.significance;
-  diagnosis->final_p = noise->LackOfFit(diagnosis->final);
-  if (!diagnosis->has_unexplained) {
-    const Decoy rest = DecoyBench(diagnosis->final).BestInScatter();
-    diagnosis->has_unexplained = rest.penalised > EvidenceNeeded(options.significance);
-    diagnosis->unexplained = rest.penalised > 0.0 ? rest : Decoy();  // else no driver stands out
+ private:
+  void Say(const std::string& words) const {
+    if (options_.progress) options_.progress(words);
   }
-  const bool is_sigma = noise->Close(diagnosis->final, diagnosis->has_unexplained, gate);
-  diagnosis->noise = noise->finding();
-  diagnosis->has_unexplained |= diagnosis->final_p < gate && !is_sigma;
-  const bool noise_is_wrong = diagnosis->noise.is_finding || !diagnosis->noise.outliers.empty();
-  if (!diagnosis->steps.empty()) {
-    diagnosis->verdict = diagnosis->has_unexplained ? "partly" : "explained";
-  } else if (diagnosis->has_unexplained) {
-    diagnosis->verdict = "unknown";
-  } else {
-    diagnosis->verdict = noise_is_wrong ? "noise" : "consistent";
-  }
-}
 
-SelectionOptions SelectionFor(const DiagnosisOptions& options) {
-  SelectionOptions selection;
-  selection.significance = kShareOfNaming * options.significance;
-  selection.joint = options.joint;
-  selection.num_threads = options.num_threads;
-  selection.joint.progress = nullptr;
-  selection.progress = options.progress;
-  return selection;
-}
+  // Weighs everything, takes the most probable set and refits it.
+  void Search() {
+    const bool is_stated = IsSigmaStated(problem_);
+    working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
+    const CalibrationProblem& working = *working_;
+    const ParameterSet& parameters = d_.baseline.estimate.parameters;
+    candidates_ = ListCandidates(working, parameters);
+    const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
+    evidence_ =
+        std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof, options_.progress);
+    d_.not_testable = evidence_->list().not_testable;
+    posterior_ = PosteriorOf(*evidence_, evidence_->models());
+    // Where nothing is missing, odds of B on something come about with probability 1 / B at most (Markov's inequality),
+    // and in fact with about the share 1 / B of that: the smallest effects, which have these odds at all, are few.
+    named_ = posterior_.Something() > 1.0 - std::sqrt(options_.significance) && !posterior_.sets.empty();
+    leading_ = named_ ? evidence_->models()[posterior_.sets[0].best] : BestOfNothing();
+    lacking_ = d_.baseline;
+    lacking_.problem = std::make_shared<CalibrationProblem>(WithNoiseOf(*evidence_, leading_, working));
+    const bool is_other = evidence_->views()[leading_.view].view.kind != NoiseView::Kind::kStated;
+    if (is_other || !is_stated || evidence_->SigmaIsWrong(leading_) > kEvenOdds) {
+      const DiagnosedModel refit = RefitFully(*lacking_.problem, lacking_.estimate, joint_);
+      if (IsUsable(refit.estimate.status)) lacking_ = refit;
+    }
+    steps_ = StepsOf(*evidence_, leading_, lacking_);
+    d_.has_unexplained = named_ && posterior_.sets[0].has_unnamed;
+    d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+    while (!steps_.empty() && !IsUsable(d_.final.estimate.status)) {
+      steps_.pop_back();  // the weakest
+      d_.has_unexplained = true;
+      d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+    }
+  }
+
+  WeightedModel BestOfNothing() const {
+    for (const WeightedModel& model : evidence_->models()) {
+      if (model.set.members.empty()) return model;
+    }
+    return {};
+  }
+
+  // The full estimator has the last word: a step with which it finds no optimum is not named, nor one of which it has
+  // to hold every parameter, nor one that makes untouched rows worse beyond chance.
+  void JudgeFinal() {
+    Say("fitting the extended model");
+    while (true) {
+      d_.final = steps_.empty() ? lacking_ : JudgedWith(steps_);
+      if (steps_.empty()) break;
+      const bool usable = IsUsable(d_.final.estimate.status);
+      const auto idle = std::find_if(steps_.begin(), steps_.end(), [&](const ChosenStep& step) {
+        return !IsEstimated(step.candidate.spec, d_.final.estimate);
+      });
+      const int worse = usable && idle == steps_.end() ? MeasurePrefixes() : -1;
+      if (usable && idle == steps_.end() && worse < 0) break;
+      const auto out = !usable ? steps_.end() - 1 : idle != steps_.end() ? idle : steps_.begin() + worse;
+      steps_.erase(out);
+      d_.has_unexplained = true;
+    }
+    aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
+  }
+
+  DiagnosedModel JudgedWith(const std::vector<ChosenStep>& steps) const {
+    const DiagnosedModel quick = Extend(lacking_, CandidatesOf(steps), joint_);
+    if (!IsUsable(quick.estimate.status)) return quick;
+    const ParameterSet aligned = AlignedWith(steps, quick.problem->parameters, d_.baseline.estimate.aligned);
+    return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
+  }
+
+  // Hold-out after each step; the first step that makes it worse beyond chance, or -1.
+  int MeasurePrefixes() {
+    prefixes_.assign(1, lacking_);
+    for (size_t count = 1; count < steps_.size(); ++count) {
+      const std::vector<ChosenStep> first(steps_.begin(), steps_.begin() + static_cast<long>(count));
+      prefixes_.push_back(Extend(lacking_, CandidatesOf(first), joint_));
+    }
+    prefixes_.push_back(d_.final);
+    for (size_t k = steps_.size(); k > 0; --k) {
+      if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[k])) return static_cast<int>(k) - 1;
+    }
+    return -1;
+  }
+
+  void Describe() {
+    Say("alternatives and halves");
+    d_.posterior = Report(*evidence_, posterior_, options_.prior);
+    d_.candidates = Screen(*evidence_, d_.baseline);
+    d_.where = FindWhere(d_.baseline);
+    double before = HoldoutRms(d_.baseline);
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      d_.steps.push_back(DescribeStep(steps_[k], static_cast<int>(d_.candidates.size())));
+      DiagnosisStep& step = d_.steps.back();
+      const DiagnosedModel& here = k + 1 == steps_.size() ? d_.final : prefixes_[k + 1];
+      step.holdout_before = before;
+      if (IsUsable(here.estimate.status)) {
+        step.holdout_after = HoldoutRms(here);
+        step.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
+      }
+      before = step.holdout_after;
+    }
+    d_.next =
+        ProposeNext(*evidence_, posterior_, *working_, d_.baseline.estimate.parameters, candidates_, kSeedOfPoses);
+    d_.gap_map = MapGap(d_.baseline, d_.final);
+    d_.gap = JudgeGap(d_.baseline, d_.final, IsSigmaStated(problem_));
+    d_.groups = GroupSteps(d_.steps, lacking_, d_.baseline, d_.final, joint_);
+  }
+
+  DiagnosisStep DescribeStep(const ChosenStep& chosen, int tests) const {
+    DiagnosisStep step;
+    step.candidate = chosen.candidate;
+    step.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
+    step.reduction = chosen.fit.reduction;
+    const Estimate& after = d_.final.estimate;
+    const double left = after.chi2 / std::max(1, after.dof);
+    step.corrected_p = CorrectedP(chosen.fit.reduction, chosen.fit.parameters, left, after.dof, tests);
+    const std::vector<NamedProbability> in_place = InPlaceOf(*evidence_, leading_, chosen.explanation);
+    step.alternatives = FindAlternatives(*evidence_, posterior_, leading_, chosen.explanation, in_place);
+    step.confirmation = Confirm(*evidence_, leading_, chosen.explanation, in_place);
+    step.view = ViewStep(d_.final, chosen.candidate.spec);
+    for (const ParameterEstimate& row : after.table) {
+      if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) step.parameters.push_back(row);
+    }
+    step.lag = AllowForLag(d_.final, chosen.candidate.spec, &step.parameters);
+    return step;
+  }
+
+  void Decide() {
+    d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
+    for (const int i : aside_.outliers()) {
+      d_.noise.outliers.push_back(problem_.data.SourceOf(problem_.data.observations[i]));
+    }
+    d_.noise.outliers_held_out = aside_.held_out();
+    d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
+    d_.final_p = LackOfFit(problem_, d_.final, d_.noise);
+    const double gate = kShareOfLackOfFit * options_.significance;
+    const bool misfits = IsSigmaStated(problem_) && d_.final_p < gate;
+    // Nothing but joints that deviate, and no pose was visited again: a cause that follows the pose looks the same.
+    const bool is_ambiguous =
+        d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose && !d_.noise.repeatability_is_overstated;
+    const bool is_far = IsFarFromFloor(d_.final, IsSigmaStated(problem_), options_.significance);
+    d_.has_unexplained |= misfits || is_far || (is_ambiguous && steps_.empty());
+    if (d_.has_unexplained) d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
+    d_.noise.is_bound = d_.has_unexplained;
+    if (!steps_.empty()) {
+      d_.verdict = d_.has_unexplained ? "partly" : "explained";
+    } else if (d_.has_unexplained) {
+      d_.verdict = "unknown";
+    } else {
+      d_.verdict = d_.noise.is_finding || !d_.noise.outliers.empty() ? "noise" : "consistent";
+    }
+    CautionOfHoldout(d_.final, d_.has_unexplained, &d_.cautions);
+  }
+
+  const CalibrationProblem& problem_;
+  const DiagnosisOptions& options_;
+  JointOptions joint_;
+  Diagnosis& d_;
+  SetAside aside_;
+  std::unique_ptr<CalibrationProblem> working_;  // what the evidence is made of
+  CandidateList candidates_;
+  std::unique_ptr<Evidence> evidence_;
+  Posterior posterior_;
+  bool named_ = false;
+  WeightedModel leading_;
+  DiagnosedModel lacking_;  // the believed model beside the noise that goes with the leading set
+  std::vector<ChosenStep> steps_;
+  std::vector<DiagnosedModel> prefixes_;
+};
 
 }  // namespace
 
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options) {
-  const auto report = [&](const std::string& words) {
-    if (options.progress) options.progress(words);
-  };
   Diagnosis diagnosis;
-  report("fitting the believed model");
-  DiagnosedModel model = FitFully(problem, options.joint);
-  diagnosis.status = model.estimate.status;
-  diagnosis.message = model.estimate.message;
-  if (!IsUsable(model.estimate.status)) return diagnosis;
-  NoiseBook noise(problem, options.significance, options.joint);
-  noise.Prepare(&model);
-  if (options.points_are_measured) diagnosis.cautions = CautionsOfReadings(*model.problem);
-  for (const std::string& caution : FindCautions(problem, model)) diagnosis.cautions.push_back(caution);
-
-  const CandidateList list = ListCandidates(*model.problem, model.estimate.parameters);
-  diagnosis.not_testable = list.not_testable;
-  SelectionOptions selection = SelectionFor(options);
-  report("screening " + std::to_string(list.candidates.size()) + " candidates");
-  if (!noise.repeatability_is_stated()) {
-    const std::vector<ScreenedCandidate> screened = Screen(model, list.candidates);
-    const double effect = screened.empty() ? 0.0 : screened[0].score.penalised;
-    noise.AddRepeatability(std::max(effect, DecoyBench(model).Best().penalised), &model);
-  }
-  std::vector<ChosenStep> steps;
-  for (int round = 0; round < kMostNoiseRounds; ++round) {
-    SelectAndKeep(model, list.candidates, noise.sigma_is_stated(), options.significance, &selection, &steps,
-                  &diagnosis);
-    const double unnamed = diagnosis.has_unexplained ? diagnosis.unexplained.penalised : 0.0;
-    const bool is_last = round + 1 == kMostNoiseRounds;
-    if (!noise.Follow(diagnosis.final, unnamed, &model)) break;
-    if (is_last) {  // noise that nothing states is what is found about what is named in the end
-      diagnosis.final = Extend(model, CandidatesOf(steps), selection.joint);
-    } else {
-      report("the noise beside the effects is not what was taken: once more");
-    }
-  }
-  diagnosis.baseline = model;
-  diagnosis.baseline_p = noise.LackOfFit(model);
-  diagnosis.where = FindWhere(model);
-  JudgeFinal(model, selection, &steps, &diagnosis);
-  noise.SetAsideHeldOut(&diagnosis.baseline, &diagnosis.final);
-  diagnosis.candidates = Screen(diagnosis.baseline, list.candidates);
-  RefitBest(diagnosis.baseline, selection, &diagnosis.candidates);
-  report("alternatives and halves");
-  FillSteps(steps, list.candidates, selection, &diagnosis);
-  Decide(options, &noise, &diagnosis);
-  diagnosis.gap_map = MapGap(diagnosis.baseline, diagnosis.final);
-  diagnosis.gap = JudgeGap(diagnosis.baseline, diagnosis.final);
-  CautionOfHoldout(diagnosis.final, diagnosis.has_unexplained, &diagnosis.cautions);
+  Session(problem, options, &diagnosis).Run();
   return diagnosis;
 }
 

@@ -1,5 +1,5 @@
-// Find where simulation and measurement disagree, name what is missing, add it,
-// and show the gap shrink on data it has not seen. FORMATS section 6.
+// Find where simulation and measurement disagree, say what is missing with its probability, add it, and show the gap
+// shrink on data it has not seen. FORMATS section 6.
 #pragma once
 
 #include <functional>
@@ -8,16 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/alternatives.h"
-#include "estimator/diagnosis/confirmation.h"
-#include "estimator/diagnosis/decoys.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/gap_map.h"
-#include "estimator/diagnosis/noise_book.h"
-#include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/learnt_function.h"
+#include "estimator/diagnosis/next_poses.h"
+#include "estimator/diagnosis/noise_finding.h"
+#include "estimator/diagnosis/step_checks.h"
 #include "estimator/diagnosis/step_view.h"
 #include "estimator/diagnosis/thermal_lag.h"
-#include "estimator/diagnosis/unexplained.h"
 
 namespace sagitta {
 
@@ -29,8 +27,21 @@ struct WhereShare {
   double share = 0.0;  // of the excess chi-square
 };
 
+// A candidate alone beside the believed model.
+struct ScreenedCandidate {
+  EffectSpec spec;
+  double reduction = 0.0;  // chi-square
+  int parameters = 0;
+  double corrected_p = 1.0;
+  double log_evidence = 0.0;          // over nothing, prior not included
+  std::optional<double> holdout_rms;  // m; of those with a share of the probability
+};
+
 struct DiagnosisStep {
-  ChosenStep chosen;
+  Candidate candidate;  // vague: parameters that the data cannot tell
+  double probability = 0.0;
+  double reduction = 0.0;  // chi-square, the others given
+  double corrected_p = 1.0;
   std::vector<ParameterEstimate> parameters;
   std::optional<ThermalLag> lag;  // that their intervals allow for
   // m; not a number without a hold-out, or where this prefix of the steps does not converge alone
@@ -41,30 +52,55 @@ struct DiagnosisStep {
   StepView view;
 };
 
+// Steps of one effect, on how many targets whatever.
+struct StepGroup {
+  std::string effect;
+  std::vector<int> steps;
+  double share_of_gap = kNotKnown;  // on untouched rows: of the squared gap, group after group, strongest first
+};
+
+// One set of the posterior, by name.
+struct ReportedSet {
+  double probability = 0.0;
+  std::vector<EffectSpec> specs;
+  std::vector<std::string> unnamed;  // words
+};
+
+struct ReportedPosterior {
+  double nothing = 1.0, noise = 0.0, unnamed = 0.0;
+  std::vector<std::pair<EffectSpec, double>> explanations;
+  std::vector<ReportedSet> sets;  // all that are needed for 99 %
+  PriorMasses prior;
+  std::vector<std::string> flips;  // what another prior would say
+};
+
 struct Diagnosis {
   std::string verdict;  // consistent, noise, explained, partly, unknown
-  std::string words;
   Status status = Status::kNoConvergence;
   std::string message;
   DiagnosedModel baseline, final;
   std::vector<WhereShare> where;
   std::vector<JointGap> gap_map;
   NoiseFinding noise;
+  ReportedPosterior posterior;
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
   std::vector<DiagnosisStep> steps;
+  std::vector<StepGroup> groups;
   double baseline_p = 1.0, final_p = 1.0;  // lack of fit
   GapReport gap;
+  std::optional<NextPoses> next;  // that would decide between what shares the probability
   bool has_unexplained = false;
-  Decoy unexplained;
+  LearntFunction unexplained;
   std::vector<std::string> cautions;  // what limits the verdict, in words
 };
 
 struct DiagnosisOptions {
   double significance = 0.01;
+  PriorMasses prior;
   JointOptions joint;
   bool points_are_measured = true;  // not shifted by a simulation: readings can be judged
-  int num_threads = 1;              // of the search: candidates and steps side by side
+  int num_threads = 1;              // of the search
   std::function<void(const std::string&)> progress;
 };
 

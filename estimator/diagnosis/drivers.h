@@ -1,9 +1,8 @@
 // What a deviation of the arm may depend on, per shot, in the units that people read.
 #pragma once
 
-#include <string>
-
 #include <Eigen/Core>
+#include <string>
 
 #include "problems/calibration_problem.h"
 

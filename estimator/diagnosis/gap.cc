@@ -46,7 +46,7 @@ double HoldoutRms(const DiagnosedModel& model) {
   return std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
 }
 
-GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended) {
+GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated) {
   GapReport gap;
   const auto before = HoldoutByConfiguration(baseline);
   const auto after = HoldoutByConfiguration(extended);
@@ -64,7 +64,8 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   gap.closed = closed(held_out);
   gap.closed_ci95 = {kNone, kNone};
   if (held_out.empty()) gap.before = gap.after = gap.closed = kNone;
-  if (held_out.size() < kFewestResampled) return gap;
+  if (!is_noise_stated) gap.closed = kNone;
+  if (held_out.size() < kFewestResampled || !is_noise_stated) return gap;
   std::mt19937_64 random(1);
   std::vector<double> draws;
   for (int d = 0; d < kBootstrapDraws; ++d) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "estimator/diagnosis/screening.h"
+#include "estimator/diagnosis/model_rows.h"
 
 namespace sagitta {
 namespace {

@@ -234,18 +234,6 @@ RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const Param
   return fit;
 }
 
-double RepeatabilityOverstated(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const std::vector<DeviationGroup> stated = StatedDeviations(problem);
-  const std::vector<DeviationGroup> common = CommonDeviations(problem);
-  double sum = 0.0;
-  for (const DeviationGroup& group : stated) sum += Turns(problem, group.joints[0]) ? group.variance : 0.0;
-  const RestrictedLikelihood reml(problem, parameters);
-  if (common[0].joints.empty() || reml.dof() <= 0) return 0.0;
-  const RemlFit best = reml.Maximise(false, common);
-  const double mean = sum / static_cast<double>(common[0].joints.size());
-  return best.variances[1] < mean ? reml.Deviance(1.0, stated) - best.deviance : 0.0;
-}
-
 bool RowsShareVisits(const CalibrationProblem& problem) {
   std::set<int> visits;
   const std::vector<int> observations = problem.CalibrationObservations();

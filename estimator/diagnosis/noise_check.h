@@ -52,10 +52,6 @@ struct RepeatabilityFit {
 RepeatabilityFit FitRepeatability(const CalibrationProblem& problem, const ParameterSet& parameters,
                                   bool sigma_is_open);
 
-// What one smaller repeatability of all revolute joints gains over the stated ones, as above; 0 where the best is none
-// smaller (than their root mean square).
-double RepeatabilityOverstated(const CalibrationProblem& problem, const ParameterSet& parameters);
-
 // Whether rows share arrivals (markers of one shot, repeats, loads): what deviating joints do to all of them alike can
 // be told from what the instrument does to each.
 bool RowsShareVisits(const CalibrationProblem& problem);

@@ -4,6 +4,8 @@
 #include <map>
 
 #include "estimator/diagnosis/drivers.h"
+#include "estimator/diagnosis/model_rows.h"
+#include "estimator/diagnosis/refit.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
@@ -27,18 +29,29 @@ Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
   return joint >= 0 ? AngleOf(problem, joint) : ConfigurationNumberOf(problem);
 }
 
+// The effect's contribution to the whitened rows: its columns times its values (neutral: 0). The torque of a
+// compensator is proportional to its rate.
+Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec, const Linearization& here) {
+  const bool spring = spec.effect == "gravity_compensator";
+  Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
+  for (int c = 0; c < here.num_columns(); ++c) {
+    const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
+    if (!IsParameterOf(spec, name) || (spring && name != "compensator/Kc")) continue;
+    contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
+  }
+  return contribution;
+}
+
 struct VisitSums {
   double squared = 0.0, measured = 0.0, simulated = 0.0, x = 0.0;
 };
 
 }  // namespace
 
-StepView ViewStep(const StepBench& bench, const ChosenStep& step) {
-  const DiagnosedModel& with = bench.model();
+StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
   const CalibrationProblem& problem = *with.problem;
-  const EffectSpec& spec = step.candidate.spec;
-  const Linearization& here = bench.whole().believed;
-  const Eigen::VectorXd contribution = bench.Contribution(step);
+  const Linearization here = LinearizeEstimate(problem, with.estimate.parameters);
+  const Eigen::VectorXd contribution = Contribution(with, spec, here);
   const Driver driver = DriverOf(problem, spec);
   StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
   Eigen::VectorXd along = contribution;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/step_bench.h"
+#include "estimator/diagnosis/diagnosed_model.h"
 
 namespace sagitta {
 
@@ -18,6 +18,6 @@ struct StepView {
   std::vector<double> simulated;    // what the step says
 };
 
-StepView ViewStep(const StepBench& bench, const ChosenStep& step);
+StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec);
 
 }  // namespace sagitta

@@ -21,8 +21,8 @@ struct LaggedFit {
   QuickRefit refit;
 };
 
-bool IsDrivenByTemperature(const Robot& robot, const ChosenStep& step) {
-  const EffectDefinition* definition = FindEffect(robot, step.candidate.spec.effect);
+bool IsDrivenByTemperature(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
   return definition != nullptr && definition->driven_by == EffectDriver::kTemperature;
 }
 
@@ -102,9 +102,9 @@ void LagTemperatures(double lag, Measurements* data) {
   }
 }
 
-std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const ChosenStep& step,
+std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectSpec& spec,
                                       std::vector<ParameterEstimate>* rows) {
-  if (rows->empty() || !IsDrivenByTemperature(final.problem->robot, step)) return std::nullopt;
+  if (rows->empty() || !IsDrivenByTemperature(final.problem->robot, spec)) return std::nullopt;
   const std::vector<LaggedFit> fits = FitLags(final);
   if (fits.size() < 2) return std::nullopt;
   const double least = LeastChiSquare(fits), noise = NoiseScale(fits, rows->front());

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "estimator/diagnosis/diagnosed_model.h"
-#include "estimator/diagnosis/selection.h"
 
 namespace sagitta {
 
@@ -26,7 +25,7 @@ void LagTemperatures(double lag, Measurements* data);
 
 // Widens `rows`, the step's parameters in the final model, to what any lag up to half an hour leaves possible; values
 // stay. None, and nothing changed, where the step is not driven by temperature.
-std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const ChosenStep& step,
+std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectSpec& spec,
                                       std::vector<ParameterEstimate>* rows);
 
 }  // namespace sagitta

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/model_rows.h"
 
 namespace sagitta {
 namespace {

@@ -1,17 +1,21 @@
 #include "estimator/results/diagnosis_json.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdio>
 
-#include "problems/io/effect_entries.h"
 #include "estimator/results/diagnosis_words.h"
+#include "problems/io/effect_entries.h"
 
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr size_t kListedCandidates = 40;
+constexpr double kHardlyWorthALine = 1e-4;  // of probability
 
 Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -25,9 +29,9 @@ Json SpecToJson(const Robot& robot, const EffectSpec& spec) {
 }
 
 Json HalvesToJson(const Confirmation& confirmation) {
-  Json json = {{"named_again", Json::array()}, {"best", Json::array()}};
+  Json json = {{"probability", Json::array()}, {"best", Json::array()}};
   for (const HalfResult& half : confirmation.halves) {
-    json["named_again"].push_back(half.named);
+    json["probability"].push_back(half.probability);
     json["best"].push_back(half.best);
   }
   json["compatible_p"] = Finite(confirmation.compatible_p);
@@ -36,9 +40,10 @@ Json HalvesToJson(const Confirmation& confirmation) {
 }
 
 Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
-  Json json = SpecToJson(robot, step.chosen.candidate.spec);
-  json["p_value"] = step.chosen.corrected_p;
-  json["chi2_reduction"] = step.chosen.reduction;
+  Json json = SpecToJson(robot, step.candidate.spec);
+  json["probability"] = step.probability;
+  json["p_value"] = step.corrected_p;
+  json["chi2_reduction"] = step.reduction;
   json["parameters"] = Json::array();
   for (const ParameterEstimate& row : step.parameters) {
     const double unit = TraitsOf(row.quantity).si_per_unit;
@@ -55,20 +60,93 @@ Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
   json["holdout_rms_before_mm"] = Finite(1e3 * step.holdout_before);
   json["holdout_rms_after_mm"] = Finite(1e3 * step.holdout_after);
   json["reduced_chi2_after"] = Finite(step.reduced_chi2_after);
-  json["cross_validation"] = {{"folds", step.confirmation.folds},
-                              {"chi2_per_row_before", Finite(step.confirmation.cv_before)},
-                              {"chi2_per_row_after", Finite(step.confirmation.cv_after)}};
   json["halves"] = HalvesToJson(step.confirmation);
   json["physical"] = {{"plausible", IsPlausible(robot, step)}, {"words", PhysicalInWords(robot, step)}};
   json["alternatives"] = Json::array();
   for (const Alternative& alternative : step.alternatives) {
     Json entry = SpecToJson(robot, alternative.spec);
+    entry["probability"] = alternative.probability;
     entry["overlap"] = alternative.overlap;
     entry["words"] = AlternativeInWords(robot, alternative);
     entry["separate_by"] = SeparateBy(robot, alternative.spec);
     json["alternatives"].push_back(entry);
   }
   json["words"] = StepInWords(robot, step);
+  return json;
+}
+
+Json PosteriorToJson(const Robot& robot, const ReportedPosterior& posterior) {
+  Json json = {{"nothing", posterior.nothing}, {"noise", posterior.noise}, {"unnamed", posterior.unnamed}};
+  json["explanations"] = Json::array();
+  for (const auto& [spec, probability] : posterior.explanations) {
+    if (probability < kHardlyWorthALine) break;
+    Json entry = SpecToJson(robot, spec);
+    entry["probability"] = probability;
+    json["explanations"].push_back(entry);
+  }
+  return json;
+}
+
+// Most probable first; nothing missing is a set without explanations.
+Json SetsToJson(const Robot& robot, const ReportedPosterior& posterior) {
+  std::vector<Json> sets = {{{"probability", posterior.nothing + posterior.noise}, {"explanations", Json::array()}}};
+  for (const ReportedSet& set : posterior.sets) {
+    Json entry = {{"probability", set.probability}, {"explanations", Json::array()}};
+    for (const EffectSpec& spec : set.specs) entry["explanations"].push_back(SpecToJson(robot, spec));
+    if (!set.unnamed.empty()) entry["unnamed"] = set.unnamed;
+    sets.push_back(entry);
+  }
+  const auto probability = [](const Json& set) { return set["probability"].get<double>(); };
+  std::stable_sort(sets.begin(), sets.end(),
+                   [&](const Json& a, const Json& b) { return probability(a) > probability(b); });
+  Json json = Json::array();
+  for (Json& set : sets) json.push_back(std::move(set));
+  return json;
+}
+
+Json PriorToJson(const ReportedPosterior& posterior) {
+  const PriorMasses& prior = posterior.prior;
+  Json json = {{"nothing", prior.nothing},
+               {"catalogue", prior.catalogue},
+               {"unnamed", prior.unnamed},
+               {"further", prior.further},
+               {"noise_wrong", kNoiseIsWrong}};
+  json["flips"] = posterior.flips;
+  return json;
+}
+
+Json GroupsToJson(const Diagnosis& d) {
+  Json json = Json::array();
+  for (const StepGroup& group : d.groups) {
+    json.push_back(
+        {{"words", GroupInWords(d, group)}, {"steps", group.steps}, {"share_of_gap", Finite(group.share_of_gap)}});
+  }
+  return json;
+}
+
+// What a cell of a proposed row is: joint values are the pose's, readings are to be filled in.
+std::string NextCell(const std::string& column, const std::string& cell, const ProposedPose& pose, size_t number) {
+  if (column == "config") return "next" + std::to_string(number + 1);
+  if (column == "x_mm" || column == "y_mm" || column == "z_mm" || column == "time_s") return "";
+  if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return cell;
+  const size_t end = column.find('_');
+  const long joint = std::stol(column.substr(1)) - 1;
+  if (end == std::string::npos || joint < 0 || joint >= pose.q.size()) return cell;
+  const std::string unit = column.substr(end + 1);
+  const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", pose.q[joint] / si);
+  return text;
+}
+
+Json UnexplainedToJson(const LearntFunction& learnt) {
+  Json json = {{"words", UnexplainedInWords(learnt)}, {"depends_on", learnt.depends_on}, {"kind", learnt.kind}};
+  json["function"] = nullptr;
+  if (learnt.table.empty()) return json;
+  Json table = Json::array();
+  for (const FunctionPoint& point : learnt.table) table.push_back({point.at, point.value, point.sigma});
+  json["function"] = {{"acts_on", learnt.acts_on}, {"driver", learnt.driver}, {"driver_unit", learnt.driver_unit},
+                      {"unit", learnt.unit},       {"table", table},          {"formula", learnt.formula}};
   return json;
 }
 
@@ -80,7 +158,8 @@ Json NoiseToJson(const NoiseFinding& noise) {
   }
   json["outliers"] = noise.outliers;
   if (noise.repeatability_is_overstated) json["repeatability_is_overstated"] = true;
-  if (noise.is_bound || noise.repeatability_is_bound) json["is_bound"] = true;
+  if (noise.is_bound) json["is_bound"] = true;
+  json["probability"] = noise.probability;
   json["words"] = NoiseInWords(noise);
   return json;
 }
@@ -89,11 +168,10 @@ Json CandidatesToJson(const Diagnosis& d) {
   Json json = Json::array();
   for (size_t i = 0; i < std::min(kListedCandidates, d.candidates.size()); ++i) {
     const ScreenedCandidate& candidate = d.candidates[i];
-    if (candidate.score.rank == 0) continue;
-    Json entry = SpecToJson(d.final.problem->robot, candidate.candidate.spec);
-    entry["score"] = candidate.score.reduction;
+    Json entry = SpecToJson(d.final.problem->robot, candidate.spec);
+    entry["score"] = candidate.reduction;
     entry["p_value"] = candidate.corrected_p;
-    entry["penalised"] = candidate.score.penalised;
+    entry["log_evidence"] = candidate.log_evidence;
     entry["holdout_rms_mm"] = candidate.holdout_rms ? Json(1e3 * *candidate.holdout_rms) : Json(nullptr);
     json.push_back(entry);
   }
@@ -138,9 +216,27 @@ bool MoveHome(const EffectSpec& spec, Robot* robot) {
   return true;
 }
 
-std::string KindOf(const Decoy& decoy) { return decoy.kind.empty() ? "other" : decoy.kind; }
-
 }  // namespace
+
+std::string NextToCsv(const Diagnosis& d) {
+  const Measurements& data = d.baseline.problem->data;
+  const MeasurementFile& file = data.files.front();
+  std::string text;
+  for (size_t c = 0; c < file.header.size(); ++c) text += (c > 0 ? "," : "") + file.header[c];
+  text += "\n";
+  for (size_t k = 0; k < d.next->poses.size(); ++k) {
+    const ProposedPose& pose = d.next->poses[k];
+    for (const Observation& observation : data.observations) {
+      if (data.shots[observation.shot].configuration != pose.like || observation.file != 0) continue;
+      const std::vector<std::string>& cells = file.rows[observation.row].cells;
+      for (size_t c = 0; c < file.header.size(); ++c) {
+        text += (c > 0 ? "," : "") + NextCell(file.header[c], cells[c], pose, k);
+      }
+      text += "\n";
+    }
+  }
+  return text;
+}
 
 Robot ExtendedRobot(const Diagnosis& diagnosis) {
   Robot robot = diagnosis.final.problem->model.WithValues(diagnosis.final.estimate.parameters.ModelValues());
@@ -154,6 +250,7 @@ Robot ExtendedRobot(const Diagnosis& diagnosis) {
 
 Json DiagnosisToJson(const Diagnosis& d, double significance) {
   const Estimate& before = d.baseline.estimate;
+  const Robot& robot = d.final.problem->robot;
   Json json = {{"schema", "sagitta/diagnosis/1"}, {"verdict", d.verdict}, {"significance", significance}};
   json["words"] = VerdictInWords(d);
   if (!d.cautions.empty()) json["cautions"] = d.cautions;
@@ -175,14 +272,16 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
     json["not_testable"].push_back({{"effect", entry.effect}, {"target", entry.target}, {"needs", entry.needs}});
   }
   json["steps"] = Json::array();
-  for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(d.final.problem->robot, step));
+  for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(robot, step));
   json["final"] = FinalToJson(d);
   json["unexplained"] = nullptr;
-  if (d.verdict == "unknown" || d.verdict == "partly") {
-    const Json depends = d.unexplained.depends_on;
-    json["unexplained"] = {
-        {"words", UnexplainedInWords(d.unexplained)}, {"depends_on", depends}, {"kind", KindOf(d.unexplained)}};
-  }
+  if (d.verdict == "unknown" || d.verdict == "partly") json["unexplained"] = UnexplainedToJson(d.unexplained);
+  json["posterior"] = PosteriorToJson(robot, d.posterior);
+  json["sets"] = SetsToJson(robot, d.posterior);
+  json["prior"] = PriorToJson(d.posterior);
+  json["groups"] = GroupsToJson(d);
+  json["next"] = nullptr;
+  if (d.next) json["next"] = {{"words", NextInWords(*d.next)}, {"file", kNextFile}, {"decides", d.next->decides}};
   return json;
 }
 

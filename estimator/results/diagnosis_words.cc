@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "estimator/estimate/parameter_table.h"
-#include "problems/text.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
 
@@ -55,16 +54,15 @@ std::string LagInWords(const ThermalLag& lag) {
 }
 
 std::string RepeatabilityInWords(const NoiseFinding& noise) {
-  const std::string about = "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) + " urad ";
-  if (noise.repeatability_is_bound) {
-    return about + "is taken, " + Significant(1e6 * noise.repeatability_high, 3) +
-           " at most: what has no name is part of it. ";
-  }
-  return about + "(95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
+  return "Joint repeatability of about " + Significant(1e6 * noise.repeatability, 3) +
+         " urad (95 %: " + Significant(1e6 * noise.repeatability_low, 3) + " to " +
          Significant(1e6 * noise.repeatability_high, 3) +
          (noise.asks_repeatability            ? ") is found, as asked. "
           : noise.repeatability_is_overstated ? ") is found; more is stated. "
-                                              : ") was not declared. ");
+          : noise.is_told_from_pose           ? ") was not declared. "
+                                    : ") would explain what is left, and so would any error that follows the pose: no "
+                                      "pose was visited again. "
+                                      "Visit ten poses a second time to tell them apart. ");
 }
 
 // Of the verdict `noise`: what is wrong with it.
@@ -76,6 +74,11 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
   }
   if (!noise.outliers.empty()) wrong.push_back("readings are outliers");
   return Enumerate(wrong);
+}
+
+std::string Percent(double probability) {
+  if (probability > 0.9995) return "above 99.9 %";
+  return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
 }
 
 }  // namespace
@@ -95,20 +98,21 @@ std::string VerdictInWords(const Diagnosis& d) {
   if (d.verdict == "noise") return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
   std::string names;
   for (const DiagnosisStep& step : d.steps)
-    names += (names.empty() ? "" : "; ") + Title(d.final.problem->robot, step.chosen.candidate.spec);
+    names += (names.empty() ? "" : "; ") + Title(d.final.problem->robot, step.candidate.spec) + ", " +
+             Percent(step.probability);
   if (d.verdict == "explained") return "Found: " + names + ". Nothing significant is left.";
   if (d.verdict == "partly") return "Found: " + names + ". A significant rest has no name in the catalogue.";
   return "There is a significant gap that no effect of the catalogue explains well.";
 }
 
 bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row) {
-  const std::vector<std::string>& vague = step.chosen.candidate.vague;
+  const std::vector<std::string>& vague = step.candidate.vague;
   return std::find(vague.begin(), vague.end(), row.name) == vague.end();
 }
 
 std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
-  std::string words = Title(robot, step.chosen.candidate.spec) + ":";
-  const std::vector<std::string>& vague = step.chosen.candidate.vague;
+  std::string words = Title(robot, step.candidate.spec) + ", " + Percent(step.probability) + ":";
+  const std::vector<std::string>& vague = step.candidate.vague;
   for (const ParameterEstimate& row : step.parameters) {
     if (!IsTold(step, row)) continue;
     words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
@@ -122,15 +126,15 @@ std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   } else {
     words.back() = '.';
   }
-  const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
+  const EffectDefinition* definition = FindEffect(robot, step.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
   if (step.lag) words += " " + LagInWords(*step.lag);
   return words;
 }
 
 std::string AlternativeInWords(const Robot& robot, const Alternative& alternative) {
-  return Title(robot, alternative.spec) + " would explain " + Significant(100 * alternative.overlap, 3) + " % of it" +
-         (alternative.tied ? "; the data cannot tell the two apart" : "");
+  return Title(robot, alternative.spec) + ", " + Percent(alternative.probability) + "; it would explain " +
+         Significant(100 * alternative.overlap, 3) + " % of the same";
 }
 
 std::string SeparateBy(const Robot& robot, const EffectSpec& spec) {
@@ -143,37 +147,46 @@ std::string SeparateBy(const Robot& robot, const EffectSpec& spec) {
 }
 
 std::string HalvesInWords(const Confirmation& confirmation) {
-  int named = 0, telling = 0;
-  for (const HalfResult& half : confirmation.halves) {
-    named += half.named;
-    telling += half.telling;
-  }
-  std::string words = "On two disjoint halves of the configurations: ";
-  if (telling == 0) return words + "neither is large enough to name anything.";
-  words += named == 2 ? "named in both" : named == 1 ? "named in one" : "named in neither";
-  if (telling < 2) words += " (one is too small to name anything)";
+  if (confirmation.halves.size() < 2) return "Too few poses to compare two halves.";
+  std::string words =
+      "On two disjoint halves of the poses, each by itself: " + Percent(confirmation.halves[0].probability) + " and " +
+      Percent(confirmation.halves[1].probability);
   if (std::isnan(confirmation.compatible_p)) return words + ".";
   return words +
          (confirmation.compatible_p < kCompatible ? "; the values contradict each other" : "; the values agree") +
          " (p " + Significant(confirmation.compatible_p, 3) + ").";
 }
 
-std::string UnexplainedInWords(const Decoy& decoy) {
-  return decoy.words.empty() ? "no driving variable stands out" : decoy.words;
+std::string NextInWords(const NextPoses& next) {
+  return "Measure " + std::to_string(next.poses.size()) +
+         " more poses, chosen where the explanations that are left say " +
+         "different things (next.csv, to be filled in): the right one is expected to have " + Percent(next.decides) +
+         " then; it is " + Percent(next.decided) + " now.";
+}
+
+std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
+  std::vector<std::string> targets;
+  for (const int k : group.steps) {
+    const std::string& target = d.steps[static_cast<size_t>(k)].candidate.spec.target;
+    if (std::find(targets.begin(), targets.end(), target) == targets.end()) targets.push_back(target);
+  }
+  const EffectDefinition* definition = FindEffect(d.final.problem->robot, group.effect);
+  const std::string title = definition != nullptr                   ? definition->title
+                            : group.effect == "gravity_compensator" ? "gravity compensator"
+                                                                    : "other effects";
+  return title + " on " + Enumerate(targets);
+}
+
+std::string UnexplainedInWords(const LearntFunction& learnt) {
+  if (learnt.acts_on.empty()) return "no driving variable stands out";
+  return learnt.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
 }
 
 std::string NoiseInWords(const NoiseFinding& noise) {
   std::string words;
-  if (std::abs(noise.taken_of_repeats - 1.0) > kNotWorthAWord) {
-    words += "Repeats are too few to fix their sigma; " + Significant(noise.taken_of_repeats, 3) +
-             " times what they show is taken, as the scatter about the model says. ";
-  }
   if (noise.scale_differs) {
     words += "The instrument's noise is " + Significant(noise.scale, 3) +
              " times what is stated (95 %: " + Significant(noise.low, 3) + " to " + Significant(noise.high, 3) + "). ";
-  }
-  if (noise.repeatability_is_overstated && noise.repeatability == 0.0) {
-    words += "The rows scatter less than the stated joint repeatability lets them: none is found. ";
   }
   if (noise.repeatability > 0.0) {
     words += RepeatabilityInWords(noise);
@@ -187,9 +200,7 @@ std::string NoiseInWords(const NoiseFinding& noise) {
   if (!words.empty()) return words.substr(0, words.size() - 1);  // without the blank before another sentence
   if (!noise.is_stated) return "None is stated: it is the scatter about the extended model.";
   if (std::isnan(noise.high)) return "The noise is taken as stated: nothing is left over that would tell it.";
-  if (!noise.is_bound) return "The noise is as stated.";
-  return "The noise is taken as stated: what has no name is part of the scatter, which bounds it at " +
-         Significant(noise.high, 3) + " times that.";
+  return noise.is_bound ? "The noise is taken as stated." : "The noise is as stated.";
 }
 
 std::string ShareInWords(const WhereShare& share) {
@@ -208,13 +219,13 @@ bool IsPlausibleSpring(const DiagnosisStep& step) {
 
 // Whether a machine could show it: sign, and size within what its definition allows.
 bool IsPlausible(const Robot& robot, const DiagnosisStep& step) {
-  const EffectDefinition* definition = FindEffect(robot, step.chosen.candidate.spec.effect);
+  const EffectDefinition* definition = FindEffect(robot, step.candidate.spec.effect);
   if (definition == nullptr) return IsPlausibleSpring(step);
   for (const ParameterEstimate& row : step.parameters) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
     if (is_compliance && row.ci95.high < 0.0) return false;
     if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
-    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.chosen.candidate.spec.effect == "link_gravity")
+    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.candidate.spec.effect == "link_gravity")
       return false;
   }
   return true;
@@ -245,8 +256,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
     text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
     if (!IsPlausible(robot, d.steps[i])) text << "    " << PhysicalInWords(robot, d.steps[i]) << "\n";
     for (const Alternative& alternative : d.steps[i].alternatives) {
-      text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3)
-           << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
+      text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3) << ", "
+           << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
     }
   }
   text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
@@ -256,6 +267,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   if (!std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d.unexplained) << "\n";
+  if (d.next) text << "Next: " << NextInWords(*d.next) << "\n";
+  for (const std::string& flip : d.posterior.flips) text << "Prior: " << flip << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
   for (const std::string& warning : d.baseline.problem->data.warnings) text << "Warning: " << warning << "\n";
   return text.str();

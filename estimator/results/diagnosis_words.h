@@ -17,7 +17,10 @@ std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
 std::string HalvesInWords(const Confirmation& confirmation);
 std::string NoiseInWords(const NoiseFinding& noise);
 // What a rest without a name depends on.
-std::string UnexplainedInWords(const Decoy& decoy);
+std::string UnexplainedInWords(const LearntFunction& learnt);
+std::string NextInWords(const NextPoses& next);
+// "periodic joint error on A1, A2 and A3".
+std::string GroupInWords(const Diagnosis& diagnosis, const StepGroup& group);
 std::string ShareInWords(const WhereShare& share);
 
 std::string ClosedInWords(const GapReport& gap);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "problems/io/diagnosis_prior.h"
 #include "problems/io/experiment_parts.h"
 #include "problems/io/files.h"
 
@@ -47,6 +48,7 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
   if (const auto estimate = map->Find("estimate")) experiment->estimate = ReadEstimate(*estimate);
   if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);
   if (const auto validation = map->Find("validation")) experiment->validation = ReadValidation(*validation);
+  if (const auto prior = map->Find("prior")) ReadPriorMasses(*prior);  // checked; the diagnosis reads it
   if (const auto significance = map->Find("significance")) experiment->significance = ReadSignificance(*significance);
 }
 

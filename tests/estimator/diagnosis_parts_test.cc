@@ -1,16 +1,14 @@
-// Parts of the diagnosis alone: what counts as an outlier, the rule of choosing, decoys beside a joint that stands
-// still, searches on several threads.
+// Parts of the diagnosis alone: what can be tested, what counts as an outlier, searches on several threads.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "estimator/diagnosis/decoys.h"
-#include "estimator/diagnosis/noise_book.h"
+#include "estimator/diagnosis/candidates.h"
+#include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/diagnosis/screening.h"
-#include "estimator/diagnosis/selection.h"
+#include "estimator/diagnosis/steps.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/parallel.h"
 #include "problems/loads.h"
@@ -128,125 +126,6 @@ TEST(Candidates, WeightsNeedTheDirectionOfGravity) {
   EXPECT_EQ(of_sag(ListCandidates(problem, problem.parameters)), of_sag(levelled));
 }
 
-// Repeats that show half of the noise: three leave it open, three hundred do not.
-TEST(NoiseBook, FewRepeatsLeaveSigmaOpen) {
-  for (const int repeats : {3, 300}) {
-    CalibrationProblem problem = *Healthy(1).problem;
-    problem.experiment.noise.from = NoiseSpec::From::kRepeats;
-    problem.repeat_scatter = RepeatScatter{Vector3<double>::Constant(0.5 * kSigma), repeats};
-    problem.resolved_noise.assign(problem.data.observations.size(), 0.5 * kSigma * Matrix3<double>::Identity());
-    DiagnosedModel model = FitFully(problem, JointOptions());
-    NoiseBook book(problem, 0.01, JointOptions());
-    book.Prepare(&model);
-    EXPECT_NEAR(model.estimate.chi2 / model.estimate.dof, 1.0, 0.1);
-    EXPECT_EQ(book.finding().scale_differs, repeats == 300);
-    book.Close(model, false, 0.01);
-    EXPECT_EQ(book.finding().is_finding, repeats == 300);
-    if (repeats == 3) {
-      EXPECT_GT(book.LackOfFit(model), 0.001);
-      EXPECT_NEAR(book.finding().taken_of_repeats, 2.0, 0.15);
-      // chi2_9 has its 2.5 and 97.5 % at 2.70 and 19.02: 2 sqrt(2.70 / 9) and 2 sqrt(19.02 / 9).
-      EXPECT_NEAR(book.finding().low, 1.095, 0.1);
-      EXPECT_NEAR(book.finding().high, 2.907, 0.15);
-    }
-  }
-}
-
-// A stated sigma that is a fifth too small shows in 200 degrees of freedom, but hardly in the 87 that the markers'
-// rigidity has: it is the sigma all the same, for what is left scatters no more than the rigidity says.
-TEST(NoiseBook, SigmaThatIsALittleTooSmallIsNoStructure) {
-  const CalibrationProblem problem = WithScaledSigmas(*Healthy(1).problem, 1.0 / 1.2);
-  DiagnosedModel model = FitFully(problem, JointOptions());
-  NoiseBook book(problem, 0.01, JointOptions());
-  book.Prepare(&model);
-  ASSERT_FALSE(book.finding().scale_differs);
-  EXPECT_LT(book.LackOfFit(model), 0.0015);
-  EXPECT_TRUE(book.Close(model, false, 0.0015));
-  EXPECT_TRUE(book.finding().scale_differs);
-  EXPECT_LT(book.finding().low, 1.2);
-  EXPECT_GT(book.finding().high, 1.2);
-}
-
-// Markers that move as a whole, by twice the noise, are no noise of the instrument.
-TEST(NoiseBook, BodiesThatMoveAreStructure) {
-  CalibrationProblem problem = *Healthy(1).problem;
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    for (const int i : problem.data.shots[s].observations) {
-      problem.data.observations[i].point_in_station.z() += (s % 2 ? 2.0 : -2.0) * kSigma;
-    }
-  }
-  DiagnosedModel model = FitFully(problem, JointOptions());
-  NoiseBook book(problem, 0.01, JointOptions());
-  book.Prepare(&model);
-  EXPECT_LT(book.LackOfFit(model), 0.0015);
-  EXPECT_FALSE(book.Close(model, false, 0.0015));
-  EXPECT_FALSE(book.finding().is_finding);
-}
-
-CalibrationProblem WithStatedRepeatability(CalibrationProblem problem, double sigma) {
-  problem.experiment.repeatability.angle.common = sigma;
-  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
-  return problem;
-}
-
-// The joints do not deviate here. A microradian more or less is nothing; 60 would hide most effects.
-TEST(NoiseBook, RepeatabilityThatRowsContradictIsNotTaken) {
-  for (const double stated : {1e-6, 60e-6}) {
-    const CalibrationProblem problem = WithStatedRepeatability(*Healthy(1).problem, stated);
-    DiagnosedModel model = FitFully(problem, JointOptions());
-    NoiseBook book(problem, 0.01, JointOptions());
-    book.Prepare(&model);
-    EXPECT_EQ(book.repeatability_is_stated(), stated < 2e-6);
-    EXPECT_EQ(book.finding().repeatability_is_overstated, stated > 2e-6);
-    EXPECT_EQ(model.problem->latent.empty(), stated > 2e-6);
-  }
-}
-
-// Moves every marker as if the joint stood this many urad beyond its reading, a function of the angles.
-void Deviate(const DiagnosedModel& healthy, int joint, const std::function<double(const Eigen::VectorXd&)>& urad,
-             CalibrationProblem* problem) {
-  const Eigen::MatrixXd per_urad = JointDeviationColumns(*problem, healthy.estimate.parameters);
-  const std::vector<int> rows = problem->CalibrationObservations();
-  for (size_t k = 0; k < rows.size(); ++k) {
-    Observation& observation = problem->data.observations[rows[k]];
-    const double size = urad(problem->data.ConfigurationOf(observation).q);
-    observation.point_in_station += kSigma * size * per_urad.col(joint).segment<3>(3 * k);
-  }
-}
-
-// Joint 3 deviates by the product of two other joints' angles: as large as any repeatability, but no chance.
-TEST(NoiseBook, ACauseOutsideTheCatalogueIsNoRepeatability) {
-  const DiagnosedModel healthy = Healthy(1);
-  CalibrationProblem problem = *healthy.problem;
-  Deviate(
-      healthy, 2, [](const Eigen::VectorXd& q) { return 200.0 * q[1] * q[4]; }, &problem);
-  DiagnosedModel model = FitFully(problem, JointOptions());
-  EXPECT_GT(FitRepeatability(problem, model.estimate.parameters, false).gain, 100.0);
-  NoiseBook book(problem, 0.01, JointOptions());
-  book.AddRepeatability(DecoyBench(model).Best().penalised, &model);
-  EXPECT_EQ(book.finding().repeatability, 0.0);
-  EXPECT_TRUE(model.problem->latent.empty());
-}
-
-// A gap far beyond what repeats leave open is none of the noise's.
-TEST(NoiseBook, RepeatsBoundTheNoise) {
-  CalibrationProblem problem = *Healthy(1).problem;
-  problem.experiment.noise.from = NoiseSpec::From::kRepeats;
-  problem.repeat_scatter = RepeatScatter{Vector3<double>::Constant(kSigma), 100};
-  problem.resolved_noise.assign(problem.data.observations.size(), kSigma * Matrix3<double>::Identity());
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {  // the shot as a whole: markers stay rigid
-    for (const int i : problem.data.shots[s].observations) {
-      problem.data.observations[i].point_in_station.z() += (s % 2 ? 10.0 : -10.0) * kSigma;
-    }
-  }
-  DiagnosedModel model = FitFully(problem, JointOptions());
-  NoiseBook book(problem, 0.01, JointOptions());
-  book.Prepare(&model);
-  // 300 degrees of freedom: at most 1.12 of the sigma that the repeats show, sqrt(300 / chi2_300(0.005)).
-  EXPECT_GT(model.estimate.chi2 / model.estimate.dof, 10.0);
-  EXPECT_LT(book.LackOfFit(model), 1e-6);
-}
-
 std::vector<int> Outliers(const DiagnosedModel& model, bool held_out) {
   const CalibrationProblem& problem = *model.problem;
   std::vector<int> found = FindOutliers(problem, model.estimate.parameters,
@@ -315,133 +194,6 @@ TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
   EXPECT_EQ(apart->dof, 29);
   EXPECT_LT(apart->low, 1.0);
   EXPECT_GT(apart->high, 1.0);
-}
-
-// Where markers are no rigid body the scatter of 100 degrees of freedom tells the scale, and with structure in it
-// bounds it. Quantiles of chi-square, 2.5 % and 97.5 %, 100 degrees of freedom: 74.222 and 129.561.
-TEST(DiagnosisNoise, StructureLeavesAnUpperBoundOfTheScale) {
-  const CalibrationProblem problem = *Healthy(1).problem;
-  DiagnosedModel final;
-  final.estimate.chi2 = 400.0;
-  final.estimate.dof = 100;
-  NoiseBook told(problem, 0.01, JointOptions());
-  EXPECT_TRUE(std::isnan(told.finding().high));
-  EXPECT_TRUE(told.Close(final, false, 0.001));
-  EXPECT_NEAR(told.finding().scale, 2.0, 1e-12);
-  EXPECT_NEAR(told.finding().low, std::sqrt(400.0 / 129.561), 1e-5);
-  EXPECT_NEAR(told.finding().high, std::sqrt(400.0 / 74.222), 1e-5);
-  NoiseBook bounded(problem, 0.01, JointOptions());
-  EXPECT_FALSE(bounded.Close(final, true, 0.001));
-  EXPECT_EQ(bounded.finding().scale, 1.0);
-  EXPECT_EQ(bounded.finding().low, 0.0);
-  EXPECT_NEAR(bounded.finding().high, std::sqrt(400.0 / 74.222), 1e-5);
-  EXPECT_TRUE(bounded.finding().is_bound);
-  EXPECT_FALSE(bounded.finding().is_finding);
-}
-
-ChosenStep Step(const std::string& effect, const std::string& target, int parameters, double reduction,
-                double penalised, int place) {
-  ChosenStep step;
-  step.candidate.spec = {effect, target, {}, {}};
-  step.candidate.place = place;
-  step.parameters = parameters;
-  step.reduction = reduction;
-  step.penalised = penalised;
-  return step;
-}
-
-TEST(DiagnosisRule, TiesGoToTheFewestParametersThenTheCatalogue) {
-  const std::vector<ChosenStep> steps = {Step("axis_wobble", "A2", 4, 130, 102, 1),
-                                         Step("encoder_gain", "A2", 1, 104, 97, 2),
-                                         Step("backlash", "A3", 1, 104, 97.5, 3), Step("payload", "V1", 1, 90, 83, 0)};
-  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.effect, "encoder_gain");
-  EXPECT_EQ(PickByRule(steps, 1.0).candidate.spec.effect, "axis_wobble");
-}
-
-// What only an absurd size explains loses a tie, and wins where it fits better than any other.
-TEST(DiagnosisRule, AnOversizedEffectLosesTies) {
-  std::vector<ChosenStep> steps = {Step("encoder_gain", "A6", 1, 110, 103, 0),
-                                   Step("joint_coupling", "A5", 1, 108, 101, 1),
-                                   Step("axis_wobble", "A6", 2, 90, 76, 2)};
-  steps[0].candidate.oversized = true;
-  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.effect, "joint_coupling");
-  EXPECT_EQ(PickByRule(steps, 1.0).candidate.spec.effect, "encoder_gain");
-}
-
-// Of one effect the better fit, not the target of which the data tell fewer parameters.
-TEST(DiagnosisRule, TargetsOfOneEffectAreChosenByTheirFit) {
-  const std::vector<ChosenStep> steps = {Step("link_gravity", "A3", 3, 91.8, 70.8, 1),
-                                         Step("link_gravity", "A6", 4, 98.2, 70.2, 1)};
-  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "A6");
-}
-
-// Rounding does not decide which of two that no data tell apart is named.
-TEST(DiagnosisRule, OfTwinsTheFirstInTheList) {
-  const std::vector<ChosenStep> steps = {Step("station_scale", "S2", 1, 50.0004, 43.0004, 2),
-                                         Step("station_scale", "S1", 1, 50, 43, 1),
-                                         Step("station_scale", "S3", 1, 49, 42, 0)};
-  EXPECT_EQ(PickByRule(steps, 6.0).candidate.spec.target, "S1");
-}
-
-// Quantiles: chi-square with 1 degree of freedom, and F with 1 and 10, both at 1 %.
-TEST(Screening, ScatterThatIsEstimatedIsNoKnownSigma) {
-  EXPECT_NEAR(CorrectedP(6.6349, 1, 1.0, 10, 1), 0.01, 1e-6);
-  EXPECT_NEAR(CorrectedP(6.6349, 1, 0.5, 10, 1), 0.01, 1e-6);
-  EXPECT_NEAR(CorrectedP(2.0 * 10.0443, 1, 2.0, 10, 1), 0.01, 1e-6);
-}
-
-// Two columns that are nearly believed, and nearly the same: what they differ by holds as much rounding as meaning.
-TEST(Screening, ABasisOfNearlyDependentColumnsStaysOrthonormal) {
-  const int rows = 120;
-  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(rows, -1.0, 1.0);
-  Eigen::MatrixXd believed(rows, 3);
-  believed << Eigen::VectorXd::Ones(rows), x, x.cwiseAbs2();
-  const Eigen::VectorXd residual = (7.0 * x).array().sin();
-  Eigen::MatrixXd kind(rows, 2);
-  kind.col(0) = believed * Eigen::Vector3d(1.0, -0.7, 0.3) + 1e-4 * (3.0 * x).array().sin().matrix();
-  kind.col(1) = kind.col(0) + 1e-13 * (5.0 * x).array().cos().matrix();
-  const ProjectedResidual beside = ProjectedResidual(believed, residual).With(kind);
-  const Eigen::MatrixXd gram = beside.basis().transpose() * beside.basis();
-  EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).norm(), 1e-12);
-  EXPECT_EQ(gram.rows(), 5);
-}
-
-// What is believed already adds no direction.
-TEST(Screening, NothingNewLeavesTheBasisAsItIs) {
-  const Eigen::MatrixXd believed = Eigen::MatrixXd::Random(9, 3);
-  const ProjectedResidual residual(believed, Eigen::VectorXd::Ones(9));
-  EXPECT_EQ(residual.With(believed * Eigen::MatrixXd::Random(3, 5)).basis().cols(), 3);
-}
-
-// A joint that is 1 mrad higher on one side, beside bodies that move by four times the noise: the gain counts in that
-// scatter, the size does not.
-TEST(DiagnosisDecoys, SizesAreNotInUnitsOfTheScatter) {
-  const DiagnosedModel healthy = Healthy(1);
-  CalibrationProblem problem = *healthy.problem;
-  Deviate(
-      healthy, 3, [](const Eigen::VectorXd& q) { return q[3] > 0.3 ? 1000.0 : 0.0; }, &problem);
-  for (const int i : problem.CalibrationObservations()) {
-    Observation& observation = problem.data.observations[i];
-    observation.point_in_station.z() += (observation.shot % 2 ? 4.0 : -4.0) * kSigma;
-  }
-  const DiagnosedModel model = FitFully(problem, JointOptions());
-  const Decoy known = DecoyBench(model).Best(), scattered = DecoyBench(model).BestInScatter();
-  EXPECT_LT(scattered.penalised, known.penalised);
-  ASSERT_EQ(scattered.kind, "step") << scattered.words;
-  const double size = std::stod(scattered.words.substr(scattered.words.find(" by ") + 4));
-  EXPECT_NEAR(size, 1.0, 0.2) << scattered.words;
-}
-
-TEST(DiagnosisDecoys, AJointThatStandsStillDrivesNothing) {
-  const DiagnosedModel model = Healthy(3, true);
-  const DecoyBench bench(model);
-  const Decoy decoy = bench.Best();
-  EXPECT_EQ(std::count(decoy.depends_on.begin(), decoy.depends_on.end(), "A6"), 0);
-  Decoy parked = decoy;
-  parked.kind = "other";
-  parked.acts_on = "A2";
-  parked.depends_on = {"A3", "A6"};
-  EXPECT_TRUE(bench.ColumnsOfKind(parked).allFinite());
 }
 
 TEST(SolveLinearization, FewerRowsThanColumnsIsNotOfFullRank) {

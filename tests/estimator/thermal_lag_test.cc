@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/refit.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -53,23 +54,23 @@ CalibrationProblem Warming(double lag, bool with_time = true) {
 
 struct Grown {
   DiagnosedModel model;
-  ChosenStep step;
+  Candidate step;
   ParameterEstimate before, after;
   std::optional<ThermalLag> lag;
 };
 
 Grown FitGrowth(const CalibrationProblem& problem) {
   Grown grown;
-  grown.step.candidate.spec = {"thermal_growth", "robot", {}, {}};
-  grown.model = Extend(FitFully(problem, JointOptions()), {grown.step.candidate}, JointOptions());
+  grown.step.spec = {"thermal_growth", "robot", {}, {}};
+  grown.model = Extend(FitFully(problem, JointOptions()), {grown.step}, JointOptions());
   grown.model =
       JudgeFully(grown.model.problem, grown.model.estimate.parameters, grown.model.estimate.parameters, JointOptions());
   std::vector<ParameterEstimate> rows;
   for (const ParameterEstimate& row : grown.model.estimate.table) {
-    if (IsParameterOf(grown.step.candidate.spec, row.name)) rows.push_back(row);
+    if (IsParameterOf(grown.step.spec, row.name)) rows.push_back(row);
   }
   grown.before = rows.at(0);
-  grown.lag = AllowForLag(grown.model, grown.step, &rows);
+  grown.lag = AllowForLag(grown.model, grown.step.spec, &rows);
   grown.after = rows.at(0);
   return grown;
 }
@@ -106,9 +107,9 @@ TEST(ThermalLag, WithoutTimeTheOrderOfTheShotsHasToDo) {
 
 TEST(ThermalLag, OnlyWhatTemperatureDrives) {
   Grown grown = FitGrowth(Warming(420.0));
-  grown.step.candidate.spec = {"encoder_gain", "A2", {}, {}};
+  grown.step.spec = {"encoder_gain", "A2", {}, {}};
   std::vector<ParameterEstimate> rows = {grown.before};
-  EXPECT_FALSE(AllowForLag(grown.model, grown.step, &rows));
+  EXPECT_FALSE(AllowForLag(grown.model, grown.step.spec, &rows));
   EXPECT_EQ(rows[0].ci95.high, grown.before.ci95.high);
 }
 

@@ -24,7 +24,7 @@ std::string Labelled(const std::string& name, const std::string& unit) {
 std::string Waterfall(const Diagnosis& d) {
   std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
   for (const DiagnosisStep& step : d.steps) {
-    stages.push_back({Title(d.final.problem->robot, step.chosen.candidate.spec), 1e3 * step.holdout_after});
+    stages.push_back({Title(d.final.problem->robot, step.candidate.spec), 1e3 * step.holdout_after});
   }
   return WaterfallChart("hold-out RMS per coordinate, mm", stages, 1e3 * d.final.estimate.noise_floor, "noise floor");
 }
@@ -66,7 +66,7 @@ Section GapSection(const Diagnosis& d) {
 
 Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number) {
   Section section;
-  section.title = "Step " + std::to_string(number) + ": " + Title(robot, step.chosen.candidate.spec);
+  section.title = "Step " + std::to_string(number) + ": " + Title(robot, step.candidate.spec);
   section.header = {"parameter", "value", "95 % from", "to", "unit", ""};
   for (const ParameterEstimate& row : step.parameters) {
     const QuantityTraits& traits = TraitsOf(row.quantity);
@@ -76,9 +76,6 @@ Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number
                             IsTold(step, row) ? "" : "not told by these data"});
   }
   section.paragraphs = {StepInWords(robot, step), HalvesInWords(step.confirmation),
-                        "Cross-validated chi-square per row: " + Significant(step.confirmation.cv_before, 4) + " -> " +
-                            Significant(step.confirmation.cv_after, 4) + " (" +
-                            std::to_string(step.confirmation.folds) + " folds of configurations).",
                         "Physical bounds: " + PhysicalInWords(robot, step) + "."};
   for (const Alternative& alternative : step.alternatives) {
     section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
@@ -94,13 +91,12 @@ Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number
 Section CandidateSection(const Diagnosis& d) {
   Section section;
   section.title = "What was screened";
-  section.header = {"effect", "chi-square explained", "parameters", "p, corrected", "hold-out RMS, mm"};
+  section.header = {"effect", "chi-square explained", "parameters", "p, corrected", "log evidence"};
   for (size_t i = 0; i < d.candidates.size() && i < 12; ++i) {
     const ScreenedCandidate& entry = d.candidates[i];
-    if (entry.score.rank == 0) break;
-    section.rows.push_back({Title(d.final.problem->robot, entry.candidate.spec), Fixed(entry.score.reduction, 1),
-                            std::to_string(entry.score.rank), Probability(entry.corrected_p),
-                            entry.holdout_rms ? Millimetres(*entry.holdout_rms) : ""});
+    section.rows.push_back({Title(d.final.problem->robot, entry.spec), Fixed(entry.reduction, 1),
+                            std::to_string(entry.parameters), Probability(entry.corrected_p),
+                            Fixed(entry.log_evidence, 1)});
   }
   section.paragraphs = {std::to_string(d.candidates.size()) +
                         " candidates, each alone beside the believed model; p counts the whole search."};
@@ -157,13 +153,11 @@ Section VerdictSection(const Diagnosis& d) {
   }
   for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
   if (d.steps.empty()) return section;
-  section.header = {"step", "named", "hold-out RMS, mm", "on two halves", "a machine shows that"};
+  section.header = {"step", "named", "hold-out RMS, mm", "probability", "a machine shows that"};
   for (size_t i = 0; i < d.steps.size(); ++i) {
     const DiagnosisStep& step = d.steps[i];
-    const auto& halves = step.confirmation.halves;
-    const auto named = std::count_if(halves.begin(), halves.end(), [](const HalfResult& half) { return half.named; });
-    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot, step.chosen.candidate.spec),
-                            Millimetres(step.holdout_after), "named in " + std::to_string(named),
+    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot, step.candidate.spec),
+                            Millimetres(step.holdout_after), Fixed(100.0 * step.probability, 1) + " %",
                             IsPlausible(d.final.problem->robot, step) ? "yes" : "no: a description"});
   }
   return section;

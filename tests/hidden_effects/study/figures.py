@@ -1,6 +1,7 @@
 """The figures of a study, from its records: what the sealed answers say about the diagnoses."""
 import math
 
+from . import probabilities
 from . import statistics as st
 
 SIGNIFICANCE = 0.01
@@ -242,5 +243,5 @@ def all_figures(records):
             'nothing_hidden': nothing_hidden(done), 'naming': naming(done), 'pairs': pairs(done), 'power': power(done),
             'outside': outside(done), 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
             'gap_closed': gap_closed(done), 'wrong_noise': wrong_noise(done), 'confusion': confusion(done),
-            'groups': by_group(done), 'seconds': {'median': st.median([r['seconds'] for r in records]),
+            'groups': by_group(done), 'probabilities': probabilities.summary(single(done)), 'seconds': {'median': st.median([r['seconds'] for r in records]),
                                                   'largest': max((r['seconds'] for r in records), default=None)}}

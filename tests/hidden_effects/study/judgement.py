@@ -1,5 +1,5 @@
 """One case: the diagnosis against the sealed answer."""
-from . import naming
+from . import naming, probabilities
 
 # A gauge ties these parameters together: no interval is judged.
 NO_INTERVALS = {'link_gravity', 'self_weight_sag', 'gravity_compensator'}
@@ -54,6 +54,7 @@ def judge(case, sized, answer, diagnosis, separations):
         'named_or_listed': bool(truths) and all(t in every_name for t in truths),
         'one_named_or_listed': any(t in every_name for t in truths),
         'exact': bool(truths) and set(truths) <= set(steps) <= accepted and len(steps) == len(set(steps)),
+        'said': probabilities.said(diagnosis, truths),
         'parameters': parameters, 'gap_closed': diagnosis['final'].get('gap_closed'),
         'tests': diagnosis.get('screened'), 'lack_of_fit_p': diagnosis['baseline'].get('lack_of_fit_p'), 'best_p': best.get('p_value'),
         'noise': diagnosis['noise'], 'sealed_noise': {

@@ -77,6 +77,14 @@ def noise_lines(table):
     return lines
 
 
+def probability_lines(p):
+    lines = ['%d cases: mean log p(truth) %.3f; the leading name is right in %.3f, said %.3f; calibration error %.3f' % (
+        p['n'], p['log_score'], p['leading_is_true'], p['mean_largest'], p['calibration_error']),
+        'the 95 %% set holds the truth in %.3f, with %.2f names' % (p['set_holds'], p['set_size'])]
+    return lines + ['said %.2f to %.2f: %d, mean %.3f, right %.3f' % (
+        b['from'], b['to'], b['n'], b['said'], b['right']) for b in p['reliability']]
+
+
 def summary(figures):
     lines = ['%d cases, %d failed; %.1f s per case (median), %.1f s at most' % (
         figures['cases'], len(figures['failed']), figures['seconds']['median'], figures['seconds']['largest'])]
@@ -88,6 +96,8 @@ def summary(figures):
         lines += block('By sep, NC >= 40', naming_lines(figures['naming']['by_sep']))
         lines += block('By kind, NC >= 40', naming_lines(figures['naming']['by_kind']))
         lines += block('Detection against the power curve', power_lines(figures['power']))
+    if figures.get('probabilities'):
+        lines += block('Probabilities, of single effects that were detected', probability_lines(figures['probabilities']))
     two = figures['pairs']
     if two['n']:
         lines += block('Two effects at once', ['%-24s %s' % (k.replace('_', ' '), share(two[k])) for k in two if k != 'n'])

@@ -1,0 +1,82 @@
+#include "estimator/diagnosis/compensator_shapes.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "models/gravity_compensator.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kLever = 0.2;  // m: L of every shape; the gauge makes it free
+// a / L of springs from short to long; beyond 8 the torque is a sine whatever the ratio (to 1 %).
+constexpr double kRatios[] = {1.3, 1.8, 2.5, 3.5, 5.0, 8.0};
+constexpr int kDirections = 24;  // of the anchor around the joint: neighbours differ by 15 degrees
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y: the largest arms are as long
+constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
+constexpr double kLeastRate = 100.0;  // N/m
+
+}  // namespace
+
+std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint) {
+  std::vector<int> nodes;
+  for (int i = 0; i < parameters.num_coordinates(); ++i) {
+    const std::string& name = parameters.coordinates()[i].name;
+    if (name == "compliance/" + joint || name.rfind("compliance/" + joint + "@", 0) == 0) nodes.push_back(i);
+  }
+  return nodes;
+}
+
+double ComplianceOf(const ParameterSet& parameters, const std::string& joint) {
+  const std::vector<int> nodes = ComplianceCoordinates(parameters, joint);
+  double sum = 0.0;
+  for (const int i : nodes) sum += parameters.Value(i);
+  return nodes.empty() ? 0.0 : sum / static_cast<double>(nodes.size());
+}
+
+std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
+  std::vector<EffectSpec> shapes;
+  for (const double ratio : kRatios) {
+    for (int d = 0; d < kDirections; ++d) {
+      const double alpha = kTwoPi * d / kDirections;
+      const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
+      shapes.push_back({"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}});
+    }
+  }
+  return shapes;
+}
+
+Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& angles) {
+  const CompensatorParameters<double> unit{shape.values[0], shape.values[1], shape.values[2], 0.0, 1.0};
+  Eigen::MatrixX2d torques(angles.size(), 2);
+  for (long r = 0; r < angles.size(); ++r) {
+    torques(r, 0) = CompensatorTorque(unit, angles[r]);  // s0 = 0: -a L sin(gamma)
+    torques(r, 1) = -torques(r, 0) / CompensatorSpringLength(unit, angles[r]);
+  }
+  return torques;
+}
+
+void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape) {
+  const Eigen::Vector2d rates = TorquesPerRate(*shape, angles).colPivHouseholderQr().solve(torques);
+  std::vector<double>& p = shape->values;
+  const double longest = 2.0 * std::hypot(p[1], p[2]) + 2.0 * p[0];
+  const double s0 = rates[0] > 0.0 ? rates[1] / rates[0] : -1.0;
+  p[3] = std::min(std::max(s0, 0.5 * p[0]), longest);
+  p[4] = std::max(rates[0], kLeastRate);
+}
+
+void BoundCompensatorShape(ParameterSet* parameters) {
+  const auto prior = [&](const char* name, double value, double sigma) {
+    const int i = parameters->FindCoordinate(name);
+    if (i < 0 || !parameters->coordinates()[i].free) return;
+    parameters->coordinate(i).prior_value = value;
+    parameters->coordinate(i).prior_sigma = sigma;
+  };
+  prior("compensator/a_x", 0.0, kAnchorReach);
+  prior("compensator/a_y", 0.0, kAnchorReach);
+  prior("compensator/s0", kSpringRest, kSpringRest);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,27 @@
+// Functions of what drives a deviation, one row per shot: what an unnamed smooth function, a wave or a step is made of.
+// Random functions have unit variance where their coefficients have.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace sagitta {
+
+// Gaussian bumps, `count` of them evenly over [low, high], as wide as they are apart: a random smooth function with a
+// correlation length of that distance.
+Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count);
+// cos and sin of n x for n = 1 .. orders, in pairs.
+Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders);
+// One where x is above the place.
+Eigen::MatrixXd Steps(const Eigen::VectorXd& x, const std::vector<double>& places);
+// Middles between distinct values, at most so many.
+std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most);
+
+// functions = basis * mixing to within `tolerance` of the largest singular value: fewer columns where many functions
+// are alike.
+struct Compressed {
+  Eigen::MatrixXd basis, mixing;
+};
+Compressed Compress(const Eigen::MatrixXd& functions, double tolerance);
+
+}  // namespace sagitta

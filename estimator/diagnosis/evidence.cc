@@ -1,0 +1,177 @@
+#include "estimator/diagnosis/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sagitta {
+namespace {
+
+// Repeatability of arms, from small ones to worn ones: 2 to 500 urad, by octaves, then refined.
+constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
+constexpr double kSettled = 0.03;  // of log sigma
+// A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
+constexpr double kWorthSearching = -4.0;
+constexpr int kMostViews = 4;
+// A deviation that follows the pose in its own way is one family of unnamed functions among about ten
+// (explanations.cc).
+constexpr double kOfUnnamed = 0.1;
+
+Eigen::VectorXd StatedRepeatability(const CalibrationProblem& problem) {
+  Eigen::VectorXd stated = Eigen::VectorXd::Zero(problem.robot.num_joints());
+  for (int i = 0; i < problem.latent.size(); ++i) stated[problem.latent.joints[i]] = problem.latent.sigmas[i];
+  return stated;
+}
+
+}  // namespace
+
+void Normalise(std::vector<WeightedModel>* models) {
+  std::stable_sort(models->begin(), models->end(),
+                   [](const WeightedModel& a, const WeightedModel& b) { return a.log_weight > b.log_weight; });
+  std::vector<double> logs;
+  for (const WeightedModel& model : *models) logs.push_back(model.log_weight);
+  const double sum = LogSumExp(logs);
+  for (WeightedModel& model : *models) model.probability = std::exp(model.log_weight - sum);
+}
+
+Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
+                   const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress)
+    : problem_(problem),
+      columns_(problem, parameters, candidates.candidates),
+      list_(ListExplanations(problem, parameters, candidates, masses, &columns_)),
+      masses_(masses),
+      prior_{masses.nothing, masses.further},
+      sigma_dof_(sigma_dof),
+      stated_(StatedRepeatability(problem)) {
+  ViewedNormal stated{{}, ScatterOf({}), {}};
+  stated.beside = columns_.Project(columns_.Sum(stated.scatter));
+  DropInvisible(stated.beside.normal, masses, &list_);
+  if (progress) {
+    progress("weighing " + std::to_string(list_.math.size()) + " explanations, " +
+             std::to_string(columns_.num_columns()) + " columns");
+  }
+  Search(std::move(stated));
+  const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);
+  for (int round = 1; round < kMostViews; ++round) {
+    const WeightedModel best = models_[0];
+    std::vector<Trial> trials = {BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), best.set)};
+    if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, best.set));
+    for (const WeightedModel& model : models_) {  // nothing, which other noise may be enough for
+      if (!model.set.members.empty() || best.set.members.empty()) continue;
+      trials.push_back(BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), model.set));
+      if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, model.set));
+      break;
+    }
+    const auto is_known = [&](const NoiseView& view) {
+      return std::any_of(views_.begin(), views_.end(), [&](const ViewedNormal& known) {
+        return known.view.kind == view.kind && std::abs(std::log(known.view.sigma / view.sigma)) < 0.1;
+      });
+    };
+    const Trial* next = nullptr;
+    for (const Trial& trial : trials) {
+      if (trial.log_weight < best.log_weight + kWorthSearching || is_known(trial.view)) continue;
+      if (next == nullptr || trial.log_weight > next->log_weight) next = &trial;
+    }
+    if (next == nullptr) break;
+    if (progress) {
+      progress("once more with joints that deviate by " + std::to_string(std::lround(1e6 * next->view.sigma)) +
+               " urad");
+    }
+    const JointScatter scatter = ScatterOf(next->view);
+    Search({next->view, scatter, columns_.Project(columns_.Sum(scatter))});
+  }
+}
+
+JointScatter Evidence::ScatterOf(const NoiseView& view) const {
+  JointScatter scatter{stated_, Eigen::VectorXd::Zero(stated_.size())};
+  if (view.kind == NoiseView::Kind::kStated) return scatter;
+  for (long j = 0; j < stated_.size(); ++j) {
+    if (problem_.robot.chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
+    (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
+  }
+  return scatter;
+}
+
+double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const {
+  std::vector<int> columns;
+  for (const int m : set.members) {
+    const std::vector<int>& own = list_.math[m].group.columns;
+    columns.insert(columns.end(), own.begin(), own.end());
+  }
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  std::vector<Explanation> few;
+  std::vector<int> members;
+  for (const int m : set.members) {
+    few.push_back(list_.math[m]);
+    for (int& column : few.back().group.columns) {
+      column = static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
+    }
+    members.push_back(static_cast<int>(members.size()));
+  }
+  const BesideBelieved beside = columns_.Project(columns_.Sum(ScatterOf(view), &columns));
+  const SetSearch search(beside.normal, few, prior_, Likelihood(beside.normal.dof));
+  return search.Evaluate(members, set.scales).log_weight + beside.log_constant + view.log_prior;
+}
+
+Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
+  const auto weight = [&](double log_sigma) { return LogWeight({kind, std::exp(log_sigma), log_prior}, set); };
+  double best = std::log(kLeastRepeatability), best_weight = weight(best), step = std::log(2.0);
+  for (double at = best + step; at < std::log(kMostRepeatability); at += step) {
+    const double here = weight(at);
+    if (here > best_weight) {
+      best = at;
+      best_weight = here;
+    }
+  }
+  while (step > kSettled) {
+    step *= 0.5;
+    for (const double at : {best - step, best + step}) {
+      const double here = weight(at);
+      if (here <= best_weight) continue;
+      best = at;
+      best_weight = here;
+      break;
+    }
+  }
+  // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
+  const double apart = 4.0 * kSettled;
+  const double curvature = (2.0 * best_weight - weight(best - apart) - weight(best + apart)) / (apart * apart);
+  const double width = std::sqrt(6.283185307179586 / std::max(curvature, 1e-3));
+  const double occam = std::log(std::min(1.0, width / std::log(kMostRepeatability / kLeastRepeatability)));
+  return {{kind, std::exp(best), log_prior + occam}, best_weight + occam};
+}
+
+void Evidence::Search(ViewedNormal viewed) {
+  views_.push_back(std::move(viewed));
+  const int index = static_cast<int>(views_.size()) - 1;
+  const NoiseView& view = views_.back().view;
+  const BesideBelieved& beside = views_.back().beside;
+  SetSearch search(beside.normal, list_.math, prior_, LikelihoodOf(index));
+  for (WeightedSet& set : search.Run()) {
+    const double weight = set.log_weight + beside.log_constant + view.log_prior;
+    models_.push_back({index, std::move(set), 0.0, weight});
+  }
+  Normalise(&models_);
+}
+
+void Evidence::Reweigh(const std::function<double(const WeightedModel&)>& log_factor) {
+  for (WeightedModel& model : models_) model.log_weight += log_factor(model);
+  Normalise(&models_);
+}
+
+std::vector<const ColumnGroup*> Evidence::GroupsOf(const WeightedSet& set) const {
+  std::vector<const ColumnGroup*> groups;
+  for (const int m : set.members) groups.push_back(&list_.math[m].group);
+  return groups;
+}
+
+double Evidence::ResidualOf(const WeightedModel& model) const {
+  return Sweep(views_[model.view].beside.normal, GroupsOf(model.set), model.set.scales).residual();
+}
+
+double Evidence::SigmaIsWrong(const WeightedModel& model) const {
+  return LikelihoodOf(model.view).ProbabilityWrong(ResidualOf(model));
+}
+
+}  // namespace sagitta

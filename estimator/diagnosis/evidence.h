@@ -1,0 +1,97 @@
+// The posterior over everything that could explain the gap: sets of explanations beside each view of the noise.
+//
+// The noise is one more thing that may be other than stated. Its factor is part of the likelihood (evidence_score.h);
+// that joints deviate at every visit by more or less than stated, or that some deviation follows the pose in a way of
+// its own, are other covariances of the rows. Each view has its normal equations; their log weights compare directly:
+//
+//   log p(r | view, set) = -1/2 log |C| - 1/2 log |J' C^-1 J| + log f(R) + log B(set)
+//
+// A view is searched only where it is worth that, which the best set so far says at the cost of its few columns.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/explanations.h"
+#include "estimator/diagnosis/set_search.h"
+
+namespace sagitta {
+
+// That a stated noise is wrong in its factor, and in its repeatability: one experiment in twenty each.
+constexpr double kNoiseIsWrong = 0.05;
+
+struct NoiseView {
+  enum class Kind {
+    kStated,
+    kVisit,  // joint repeatability is another than stated
+    kPose    // a deviation of the joints that follows the pose, without a name
+  };
+  Kind kind = Kind::kStated;
+  double sigma = 0.0;  // rad, of the latter two
+  double log_prior = 0.0;
+};
+
+// Weights over all views and sets, normalised.
+struct WeightedModel {
+  int view = 0;
+  WeightedSet set;
+  double probability = 0.0;
+  double log_weight = 0.0;  // before normalisation
+};
+
+// Sorted by weight, with probabilities that sum to 1.
+void Normalise(std::vector<WeightedModel>* models);
+
+struct ViewedNormal {
+  NoiseView view;
+  JointScatter scatter;
+  BesideBelieved beside;
+};
+
+class Evidence {
+ public:
+  // sigma_dof: what states the noise (ResidualLikelihood).
+  Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
+           const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress);
+
+  const ExplanationList& list() const { return list_; }
+  const EvidenceColumns& columns() const { return columns_; }
+  const std::vector<ViewedNormal>& views() const { return views_; }
+  // Best first; without those below e^-kWorthKeeping of the best.
+  const std::vector<WeightedModel>& models() const { return models_; }
+  ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(views_[view].beside.normal.dof); }
+  ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
+  const SetPrior& prior() const { return prior_; }
+  const PriorMasses& masses() const { return masses_; }
+  // Multiplies weights by what the refits say, and normalises.
+  void Reweigh(const std::function<double(const WeightedModel&)>& log_factor);
+  // That sigma is not what is stated, in a model.
+  double SigmaIsWrong(const WeightedModel& model) const;
+  // Square of the residual that a model leaves.
+  double ResidualOf(const WeightedModel& model) const;
+  std::vector<const ColumnGroup*> GroupsOf(const WeightedSet& set) const;
+
+ private:
+  struct Trial {
+    NoiseView view;
+    double log_weight = 0.0;
+  };
+  JointScatter ScatterOf(const NoiseView& view) const;
+  // Of the set beside a view, with its few columns alone.
+  double LogWeight(const NoiseView& view, const WeightedSet& set) const;
+  Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
+  void Search(ViewedNormal viewed);
+
+  const CalibrationProblem problem_;
+  EvidenceColumns columns_;
+  ExplanationList list_;
+  PriorMasses masses_;
+  SetPrior prior_;
+  double sigma_dof_;
+  Eigen::VectorXd stated_;  // repeatability, one per joint
+  std::vector<ViewedNormal> views_;
+  std::vector<WeightedModel> models_;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,333 @@
+#include "estimator/diagnosis/evidence_columns.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "estimator/diagnosis/typical_units.h"
+#include "problems/split.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kRowsPerBlock = 384;                 // enough for the products to run at full speed
+constexpr size_t kMostStored = 128 * 1024 * 1024;  // bytes of linearized blocks
+// Of J'J scaled to a unit diagonal: below, a direction is rounding.
+constexpr double kRank = 1e-13;
+// Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
+constexpr double kContained = 1e-9;
+
+LatentModel AllJoints(const CalibrationProblem& problem) {
+  LatentModel latent = problem.latent;
+  latent.joints.clear();
+  for (int j = 0; j < problem.robot.num_joints(); ++j) latent.joints.push_back(j);
+  latent.sigmas = Eigen::VectorXd::Ones(problem.robot.num_joints());
+  return latent;
+}
+
+std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
+  std::set<std::string> known;
+  for (const EffectSpec& own : problem.robot.effects) known.insert(own.Path());
+  std::vector<EffectSpec> fresh;
+  for (const Candidate& candidate : candidates) {
+    const bool has_columns = candidate.spec.effect != "gravity_compensator";
+    if (has_columns && known.insert(candidate.spec.Path()).second) fresh.push_back(candidate.spec);
+  }
+  return fresh;
+}
+
+}  // namespace
+
+EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const std::vector<Candidate>& candidates)
+    : extended_(problem.WithEffects(FreshSpecs(problem, candidates))) {
+  extended_.parameters.CopyByName(parameters);
+  extended_.latent = AllJoints(problem);
+  const ParameterSet& all = extended_.parameters;
+  std::map<std::string, std::vector<int>> coordinates_of;  // by path
+  for (int i = 0; i < all.num_coordinates(); ++i) {
+    const std::string& name = all.coordinates()[i].name;
+    const int own = parameters.FindCoordinate(name);
+    if (own < 0) coordinates_of[name.substr(0, name.rfind('/'))].push_back(i);
+    if (own >= 0 && parameters.coordinates()[own].estimated()) believed_.push_back(i);
+  }
+  for (const Candidate& candidate : candidates) {
+    std::vector<int> columns;
+    const auto own = coordinates_of.find(candidate.spec.Path());
+    if (own != coordinates_of.end()) {
+      for (const int coordinate : own->second) {
+        columns.push_back(static_cast<int>(catalogue_.size()));
+        catalogue_.push_back(coordinate);
+        names_.push_back(all.coordinates()[coordinate].name);
+      }
+      coordinates_of.erase(own);
+    }
+    of_candidate_.push_back(std::move(columns));
+  }
+  num_columns_ = static_cast<int>(catalogue_.size());
+  const std::vector<double> sizes = TypicalSizes(extended_, all);
+  for (const int coordinate : catalogue_) units_.push_back(sizes[coordinate]);
+  linearized_ = believed_;
+  linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());
+  const std::set<int> there(linearized_.begin(), linearized_.end());
+  const auto append = [&](const ParameterBlock& block) {
+    for (int i = 0; i < block.tangent_size; ++i) {
+      if (there.count(block.first_coordinate + i) == 0) linearized_.push_back(block.first_coordinate + i);
+    }
+  };
+  for (int s = 0; s < all.num_stations(); ++s) append(all.station_translation(s));
+  for (int m = 0; m < all.num_markers(); ++m) append(all.marker(m));
+
+  const Measurements& data = extended_.data;
+  std::vector<int> pose_of_configuration(data.configurations.size(), -1);
+  int next = 0;
+  for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
+    for (const int c : group) pose_of_configuration[c] = next;
+    ++next;
+  }
+  std::map<int, int> place;
+  pose_of_observation_.assign(data.observations.size(), -1);
+  std::vector<std::set<int>> visits;
+  for (const int i : extended_.CalibrationObservations()) {
+    const int shot = data.observations[i].shot;
+    const auto entry =
+        place.emplace(pose_of_configuration[data.shots[shot].configuration], static_cast<int>(poses_.size()));
+    if (entry.second) {
+      poses_.emplace_back();
+      visits.emplace_back();
+    }
+    poses_[entry.first->second].push_back(i);
+    visits[entry.first->second].insert(extended_.latent.visit_of_shot[shot]);
+    pose_of_observation_[i] = entry.first->second;
+  }
+  for (const std::set<int>& own : visits) has_revisits_ |= own.size() > 1;
+  int rows = 0;
+  for (int pose = 0; pose < num_poses(); ++pose) {
+    if (rows == 0 || rows > kRowsPerBlock) {
+      poses_of_block_.emplace_back();
+      rows = 0;
+    }
+    poses_of_block_.back().push_back(pose);
+    rows += 3 * static_cast<int>(poses_[pose].size());
+  }
+  size_t bytes = 0;
+  for (const std::vector<int>& own : poses_of_block_) {
+    std::vector<int> observations;
+    for (const int pose : own) observations.insert(observations.end(), poses_[pose].begin(), poses_[pose].end());
+    bytes += 3 * observations.size() * linearized_.size() * sizeof(double);
+    if (!stored_.empty() && bytes > kMostStored) break;
+    stored_.push_back(LinearizeBlock(observations));
+  }
+}
+
+int EvidenceColumns::Add(const FunctionFamily& family) {
+  const int first = num_columns_;
+  for (int f = 0; f < family.functions.cols(); ++f) {
+    family_of_column_.push_back(static_cast<int>(families_.size()));
+    function_of_column_.push_back(f);
+  }
+  families_.push_back(family);
+  num_columns_ += static_cast<int>(family.functions.cols());
+  return first;
+}
+
+Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
+  Eigen::MatrixXd functions(static_cast<long>(extended_.data.shots.size()), static_cast<long>(columns.size()));
+  for (size_t c = 0; c < columns.size(); ++c) {
+    const size_t beyond = static_cast<size_t>(columns[c]) - catalogue_.size();
+    functions.col(static_cast<long>(c)) =
+        families_[family_of_column_[beyond]].functions.col(function_of_column_[beyond]);
+  }
+  return functions;
+}
+
+EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& observations) const {
+  return {observations, Linearize(extended_, extended_.parameters, observations, linearized_,
+                                  ObservationNoise(extended_, observations, kFallbackSigma), LatentTreatment::kIgnore)};
+}
+
+const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch) const {
+  if (index < static_cast<int>(stored_.size())) return stored_[index];
+  std::vector<int> observations;
+  for (const int pose : poses_of_block_[index]) {
+    observations.insert(observations.end(), poses_[pose].begin(), poses_[pose].end());
+  }
+  *scratch = LinearizeBlock(observations);
+  return *scratch;
+}
+
+// What a unit of the source does to the rows of a block; a station's and a marker's are other coordinates for other
+// rows.
+Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& source) const {
+  if (source.kind == Source::Kind::kJoint) {
+    const bool turns = extended_.robot.chain.joints[source.owner].type == JointType::kRevolute;
+    return (turns ? kTypicalTurn : kTypicalTravel) * block.here.latent.col(source.owner);
+  }
+  const ParameterBlock& own = source.kind == Source::Kind::kStation
+                                  ? extended_.parameters.station_translation(source.owner)
+                                  : extended_.parameters.marker(source.owner);
+  const auto at = std::find(linearized_.begin(), linearized_.end(), own.first_coordinate + source.axis);
+  return kTypicalMovement * block.here.jacobian.col(at - linearized_.begin());
+}
+
+void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const {
+  const long believed = static_cast<long>(believed_.size()), height = block.here.num_rows();
+  const long count = of == nullptr ? num_columns_ : static_cast<long>(of->size());
+  rows->resize(height, believed + count + 1);
+  rows->leftCols(believed) = block.here.jacobian.leftCols(believed);
+  rows->col(believed + count) = block.here.residual;
+  int family = -1;
+  Eigen::VectorXd source;
+  Eigen::MatrixXd functions;
+  for (long k = 0; k < count; ++k) {
+    const int column = of == nullptr ? static_cast<int>(k) : (*of)[static_cast<size_t>(k)];
+    auto own = rows->col(believed + k);
+    if (column < static_cast<int>(catalogue_.size())) {
+      own = units_[column] * block.here.jacobian.col(believed + column);
+      continue;
+    }
+    const int beyond = column - static_cast<int>(catalogue_.size());
+    if (family_of_column_[beyond] != family) {
+      family = family_of_column_[beyond];
+      source = SourceRows(block, families_[family].source);
+    }
+    const auto function = families_[family].functions.col(function_of_column_[beyond]);
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const double value = function[extended_.data.observations[block.observations[o]].shot];
+      own.segment<3>(static_cast<long>(3 * o)) = value * source.segment<3>(static_cast<long>(3 * o));
+    }
+  }
+}
+
+// C = I + sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses; rows <- chol(C)^-1
+// rows.
+double EvidenceColumns::Whiten(const Block& block, const JointScatter& scatter, Eigen::MatrixXd* rows) const {
+  if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return 0.0;
+  double log_det = 0.0;
+  size_t first = 0;
+  while (first < block.observations.size()) {
+    const int pose = pose_of_observation_[block.observations[first]];
+    size_t last = first;
+    while (last < block.observations.size() && pose_of_observation_[block.observations[last]] == pose) ++last;
+    const long top = static_cast<long>(3 * first), height = static_cast<long>(3 * (last - first));
+    const Eigen::MatrixXd l = block.here.latent.middleRows(top, height);
+    const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
+    Eigen::MatrixXd covariance = of_pose * of_pose.transpose();
+    const Eigen::MatrixXd within = of_visit * of_visit.transpose();
+    for (long i = 0; i < height; ++i) {
+      for (long j = 0; j <= i; ++j) {
+        const auto visit = [&](long row) {
+          const int observation = block.observations[first + static_cast<size_t>(row / 3)];
+          return extended_.latent.visit_of_shot[extended_.data.observations[observation].shot];
+        };
+        if (visit(i) == visit(j)) covariance(i, j) += within(i, j);
+      }
+      covariance(i, i) += 1.0;
+    }
+    const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+    auto own = rows->middleRows(top, height);
+    own = root.matrixL().solve(Eigen::MatrixXd(own));
+    log_det += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+    first = last;
+  }
+  return log_det;
+}
+
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>* columns,
+                             const std::vector<int>& poses) const {
+  const std::set<int> wanted(poses.begin(), poses.end());
+  const long count = columns == nullptr ? num_columns_ : static_cast<long>(columns->size());
+  const long width = static_cast<long>(believed_.size()) + count + 1;
+  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
+  Block scratch;
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    FillRows(block, columns, &rows);
+    if (!poses.empty()) {
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        if (wanted.count(pose_of_observation_[block.observations[o]]) > 0) continue;
+        rows.middleRows(static_cast<long>(3 * o), 3).setZero();
+        sums.rows -= 3;
+      }
+    }
+    sums.log_det += Whiten(block, scatter, &rows);
+    sums.products.selfadjointView<Eigen::Upper>().rankUpdate(rows.transpose());
+    sums.rows += block.here.num_rows();
+  }
+  return sums;
+}
+
+// Those that the user stated, and markers on a spring.
+int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const {
+  Linearization priors;
+  priors.columns = believed_;
+  priors.jacobian.resize(0, static_cast<long>(believed_.size()));
+  AppendPriors(extended_.parameters, &priors);
+  *own += priors.jacobian.transpose() * priors.jacobian;
+  *along += priors.jacobian.transpose() * priors.residual;
+  *square += priors.residual.squaredNorm();
+  return static_cast<int>(priors.residual.size());
+}
+
+Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                                        const std::vector<int>& columns) const {
+  const Block block = LinearizeBlock(observations);
+  Eigen::MatrixXd rows;
+  FillRows(block, &columns, &rows);
+  Whiten(block, scatter, &rows);
+  return rows.leftCols(rows.cols() - 1);
+}
+
+Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const {
+  Eigen::MatrixXd products = Sum(scatter, &columns).products.selfadjointView<Eigen::Upper>();
+  const long believed = num_believed(), last = products.cols() - 1;
+  Eigen::MatrixXd own = products.topLeftCorner(believed, believed);
+  Eigen::VectorXd along = products.col(last).head(believed);
+  AddPriors(&own, &along, &products(last, last));
+  products.topLeftCorner(believed, believed) = own;
+  products.col(last).head(believed) = along;
+  products.row(last).head(believed) = along.transpose();
+  return products;
+}
+
+BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
+  const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
+  Eigen::MatrixXd own = sums.products.topLeftCorner(believed, believed).selfadjointView<Eigen::Upper>();
+  Eigen::MatrixXd beside = sums.products.topRightCorner(believed, count + 1);
+  Eigen::VectorXd along_residual = beside.col(count);
+  double square = sums.products(count + believed, count + believed);
+  const int priors = AddPriors(&own, &along_residual, &square);
+  beside.col(count) = along_residual;
+  const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * own * scale.asDiagonal());
+  const double least = kRank * eigen.eigenvalues().maxCoeff();
+  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
+  const Eigen::MatrixXd basis =
+      eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd along = basis.transpose() * (scale.asDiagonal() * beside);
+  Eigen::MatrixXd left = sums.products.bottomRightCorner(count + 1, count + 1);
+  left(count, count) = square;
+  const Eigen::VectorXd before = left.diagonal();
+  left.selfadjointView<Eigen::Upper>().rankUpdate(along.transpose(), -1.0);
+  BesideBelieved result;
+  ProjectedNormal& normal = result.normal;
+  normal.information = left.topLeftCorner(count, count).selfadjointView<Eigen::Upper>();
+  normal.gradient = left.col(count).head(count);
+  normal.residual = left(count, count);
+  normal.dof = sums.rows + priors - rank;
+  for (long c = 0; c < count; ++c) {
+    if (normal.information(c, c) > kContained * before[c]) continue;
+    normal.information.row(c).setZero();
+    normal.information.col(c).setZero();
+    normal.gradient[c] = 0.0;
+  }
+  result.log_constant =
+      -0.5 * (sums.log_det + eigen.eigenvalues().tail(rank).array().log().sum() - 2.0 * scale.array().log().sum());
+  return result;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,125 @@
+// Normal equations of everything that may be missing, from one linearization of the believed model with all candidates
+// at neutral. Rows come in blocks of whole poses and are added to the normal equations at once: what is kept does not
+// grow with the number of rows, beyond a store of fixed size that saves linearizing twice.
+//
+// Columns are in units of their typical size. Beside those of the catalogue there are columns "source times function":
+// a source is one way in which a pose may be off (a joint deviates, a station or a marker moves along an axis), a
+// function is one number per shot.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/candidates.h"
+#include "estimator/diagnosis/evidence_score.h"
+#include "estimator/least_squares/linearization.h"
+
+namespace sagitta {
+
+struct Source {
+  enum class Kind { kJoint, kStation, kMarker };
+  Kind kind = Kind::kJoint;
+  int owner = 0;  // index of the joint, station or marker
+  int axis = 0;   // of the latter two
+};
+
+// Sizes of an unnamed deviation: those of a harmonic (joint_harmonic.cc), of what moves a station or a marker.
+constexpr double kTypicalTurn = 75e-6;      // rad
+constexpr double kTypicalTravel = 50e-6;    // m, of a joint that slides
+constexpr double kTypicalMovement = 30e-6;  // m
+
+struct FunctionFamily {
+  Source source;
+  Eigen::MatrixXd functions;  // one row per shot of the data
+};
+
+// Joint deviations that rows of one visit, or of one pose (equal joint values), share: standard deviations, rad or m,
+// one per joint.
+struct JointScatter {
+  Eigen::VectorXd visit, pose;
+};
+
+// Sums over rows, whitened: rows of [believed, explaining, residual] times themselves.
+struct RowSums {
+  Eigen::MatrixXd products;  // upper triangle
+  double log_det = 0.0;      // of the covariance that whitened them
+  int rows = 0;
+};
+
+// Beside what is believed, which is eliminated with a flat prior (or its stated one).
+struct BesideBelieved {
+  ProjectedNormal normal;
+  double log_constant = 0.0;  // -1/2 (log |C| + log |J' C^-1 J|): compares ways to whiten
+};
+
+class EvidenceColumns {
+ public:
+  // Candidates without columns of their own (the gravity compensator) are left out.
+  EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                  const std::vector<Candidate>& candidates);
+
+  // Adds a family; returns its first column.
+  int Add(const FunctionFamily& family);
+  int num_columns() const { return num_columns_; }
+  // Columns of each candidate, empty for one that the model already has.
+  const std::vector<int>& ColumnsOf(int candidate) const { return of_candidate_[candidate]; }
+  // SI value of one unit of a catalogue column.
+  double Unit(int column) const { return units_[column]; }
+  // Name of its coordinate.
+  const std::string& Name(int column) const { return names_[column]; }
+
+  // Functions behind columns that are not the catalogue's, one row per shot of the data.
+  Eigen::MatrixXd FunctionOf(const std::vector<int>& columns) const;
+
+  // Groups of configurations with equal joint values, in the order of the data.
+  int num_poses() const { return static_cast<int>(poses_.size()); }
+  const std::vector<int>& ObservationsOfPose(int pose) const { return poses_[pose]; }
+  // Whether any pose has more than one visit.
+  bool HasRevisits() const { return has_revisits_; }
+
+  // All columns (null), or some; all poses (empty), or some.
+  RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
+              const std::vector<int>& poses = {}) const;
+  BesideBelieved Project(const RowSums& sums) const;
+
+  int num_believed() const { return static_cast<int>(believed_.size()); }
+  // Rows [believed, columns] of one pose that need not be fitted, whitened; and products of the fitted rows with
+  // [believed, columns, residual], priors of the believed included.
+  Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                         const std::vector<int>& columns) const;
+  Eigen::MatrixXd FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const;
+
+ private:
+  struct Block {
+    std::vector<int> observations;
+    Linearization here;  // believed, catalogue and source columns; deviations of the joints as `latent`
+  };
+
+  Block LinearizeBlock(const std::vector<int>& observations) const;
+  const Block& BlockOf(int index, Block* scratch) const;
+  Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
+  // of: null for all columns.
+  void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;
+  // Their number.
+  int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
+  double Whiten(const Block& block, const JointScatter& scatter, Eigen::MatrixXd* rows) const;
+
+  CalibrationProblem extended_;
+  std::vector<int> believed_;    // coordinates of extended_
+  std::vector<int> catalogue_;   // coordinates
+  std::vector<int> linearized_;  // coordinates behind the columns of a block
+  std::vector<std::vector<int>> of_candidate_;
+  std::vector<double> units_;  // of the catalogue columns
+  std::vector<std::string> names_;
+  std::vector<FunctionFamily> families_;
+  std::vector<int> family_of_column_, function_of_column_;  // of columns beyond the catalogue
+  int num_columns_ = 0;
+  std::vector<std::vector<int>> poses_;  // observations of each
+  std::vector<std::vector<int>> poses_of_block_;
+  std::vector<int> pose_of_observation_;
+  bool has_revisits_ = false;
+  std::vector<Block> stored_;  // of the first blocks
+};
+
+}  // namespace sagitta

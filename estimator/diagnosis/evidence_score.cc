@@ -1,0 +1,75 @@
+#include "estimator/diagnosis/evidence_score.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+
+GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
+                 const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale) {
+  const double variance = scale * scale;
+  if (gradient.size() == 1) {
+    const double t = 1.0 + variance * std::max(0.0, information(0, 0));
+    return {variance * gradient[0] * gradient[0] / t, std::log(t)};
+  }
+  Eigen::MatrixXd posterior = variance * information;
+  posterior.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(posterior);
+  if (root.info() != Eigen::Success) return {};
+  const Eigen::VectorXd rotated = root.matrixL().solve(gradient);
+  return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
+}
+
+double LogSumExp(const std::vector<double>& logs) {
+  const double largest = *std::max_element(logs.begin(), logs.end());
+  if (!std::isfinite(largest)) return largest;
+  double sum = 0.0;
+  for (const double value : logs) sum += std::exp(value - largest);
+  return largest + std::log(sum);
+}
+
+ResidualLikelihood::ResidualLikelihood(double dof, double sigma_dof, double wrong)
+    : dof_(std::max(1.0, dof)), sigma_dof_(sigma_dof), wrong_(sigma_dof > 0.0 ? wrong : 1.0) {
+  const double nu = sigma_dof_;
+  open_constant_ = std::lgamma(0.5 * dof_) - std::log(2.0);
+  stated_constant_ = std::isinf(nu) || !(nu > 0.0)
+                         ? 0.0
+                         : std::lgamma(0.5 * (nu + dof_)) - std::lgamma(0.5 * nu) + 0.5 * nu * std::log(0.5 * nu);
+}
+
+// Known, or 1/f^2 ~ Gamma(nu/2, nu/2): Student.
+double ResidualLikelihood::LogStated(double residual) const {
+  if (std::isinf(sigma_dof_)) return -0.5 * residual;
+  return stated_constant_ - 0.5 * (sigma_dof_ + dof_) * std::log(0.5 * (sigma_dof_ + residual));
+}
+
+// log f even between -log F and log F:  1 / (2 log F) times the integral of f^-n exp(-R / 2 f^2) dlog f, with
+// u = R / 2 f^2 an incomplete gamma function. Nothing stated: the limit of large F without its constant.
+double ResidualLikelihood::LogOpen(double residual) const {
+  const double whole = open_constant_ - 0.5 * dof_ * std::log(0.5 * residual);
+  if (!(sigma_dof_ > 0.0)) return whole;
+  const double widest = kWidestFactor * kWidestFactor;
+  const double within = ChiSquareSurvival(residual / widest, dof_) - ChiSquareSurvival(residual * widest, dof_);
+  return whole + std::log(std::max(1e-300, within)) - std::log(2.0 * std::log(kWidestFactor));
+}
+
+double ResidualLikelihood::Log(double residual) const {
+  const double positive = std::max(1e-12, residual);
+  if (wrong_ >= 1.0) return LogOpen(positive);
+  return LogSumExp({std::log(1.0 - wrong_) + LogStated(positive), std::log(wrong_) + LogOpen(positive)});
+}
+
+double ResidualLikelihood::ProbabilityWrong(double residual) const {
+  if (wrong_ >= 1.0) return 0.0;
+  return std::exp(std::log(wrong_) + LogOpen(std::max(1e-12, residual)) - Log(residual));
+}
+
+double ResidualLikelihood::Factor(double residual) const {
+  if (std::isinf(sigma_dof_) || !(sigma_dof_ > 0.0)) return std::sqrt(residual / dof_);
+  return std::sqrt((sigma_dof_ + residual) / (sigma_dof_ + dof_));
+}
+
+}  // namespace sagitta

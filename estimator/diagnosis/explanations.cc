@@ -1,0 +1,424 @@
+#include "estimator/diagnosis/explanations.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/diagnosis/driver_functions.h"
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+// Random smooth functions bend over a third or a ninth of the driver's range: a sag and a ripple.
+constexpr int kBumps[] = {4, 10};
+constexpr int kOrders = 6;       // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr int kPeriods = 8;      // of waves over the time of the campaign
+constexpr int kPlaces = 24;      // of a step along a joint's angle
+constexpr int kFineBumps = 25;   // of a joint's own angle: a bump of 10 degrees
+constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
+constexpr double kTwoPi = 6.283185307179586;
+
+// Change points, widths and lags of one effect are many settings and one explanation.
+std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return spec.effect;  // a robot has one compensator
+  for (const SettingDefinition& setting : definition->settings) {
+    const bool is_scanned =
+        setting.kind == SettingDefinition::Kind::kMoment || setting.kind == SettingDefinition::Kind::kNumber;
+    if (is_scanned) spec.settings.erase(setting.name);
+  }
+  return spec.Path();
+}
+
+// Of the catalogue or of what is unnamed, each with its mass: equal over families, then over targets, then over
+// settings.
+void SetShares(const PriorMasses& prior, ExplanationList* list) {
+  const double something = prior.catalogue + prior.unnamed;
+  for (const bool unnamed : {false, true}) {
+    std::map<std::string, std::map<std::string, int>> tree;
+    std::vector<size_t> own;
+    for (size_t k = 0; k < list->math.size(); ++k) {
+      if (list->IsUnnamed(static_cast<int>(k)) != unnamed) continue;
+      own.push_back(k);
+      ++tree[list->place[k].family][list->place[k].target];
+    }
+    const double mass = (unnamed ? prior.unnamed : prior.catalogue) / something;
+    for (const size_t k : own) {
+      const auto& targets = tree[list->place[k].family];
+      list->math[k].share = mass / static_cast<double>(tree.size()) / static_cast<double>(targets.size()) /
+                            targets.at(list->place[k].target);
+    }
+  }
+}
+
+template <typename Value>
+std::vector<Value> Kept(std::vector<Value> values, const std::vector<size_t>& kept) {
+  std::vector<Value> few;
+  for (const size_t k : kept) few.push_back(std::move(values[k]));
+  return few;
+}
+
+class ListBuilder {
+ public:
+  ListBuilder(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
+              EvidenceColumns* columns)
+      : problem_(problem), parameters_(parameters), columns_(columns) {
+    list_.candidates = candidates.candidates;
+    list_.not_testable = candidates.not_testable;
+    for (const int i : problem.CalibrationObservations()) fitted_.insert(problem.data.observations[i].shot);
+  }
+
+  ExplanationList Build(const PriorMasses& prior) {
+    AddCatalogue();
+    AddJointFunctions();
+    AddPairs();
+    AddStations();
+    AddMarkers();
+    SetShares(prior, &list_);
+    return std::move(list_);
+  }
+
+ private:
+  int Number(const std::string& name) {
+    return numbers_.emplace(name, static_cast<int>(numbers_.size())).first->second;
+  }
+
+  void Append(ColumnGroup group, int candidate, int unnamed, const EffectSpec& start, const PlaceInPrior& place,
+              const std::string& excludes) {
+    list_.name.push_back(start.effect == "gravity_compensator" ? start.effect + "/" + start.target : excludes);
+    list_.math.push_back({std::move(group), 0.0, Number(excludes)});
+    list_.candidate.push_back(candidate);
+    list_.unnamed.push_back(unnamed);
+    list_.start.push_back(start);
+    list_.place.push_back(place);
+    list_.listed_as.push_back(static_cast<int>(list_.listed_as.size()));
+  }
+
+  void AddCatalogue() {
+    for (size_t c = 0; c < list_.candidates.size(); ++c) {
+      const EffectSpec& spec = list_.candidates[c].spec;
+      const int candidate = static_cast<int>(c);
+      if (spec.effect == "gravity_compensator") {
+        AddCompensator(candidate);
+      } else if (!columns_->ColumnsOf(candidate).empty()) {
+        Append({columns_->ColumnsOf(candidate), {}}, candidate, -1, spec, {spec.effect, spec.target},
+               WithoutChangePoint(problem_.robot, spec));
+      }
+    }
+  }
+
+  // Two columns for each shape, orthogonal over the shots, each turning the joint by kTypicalSpringTurn (root mean
+  // square): the rate and the rest length of a spring cancel too nearly to have a typical size each.
+  void AddCompensator(int candidate) {
+    const EffectSpec& spec = list_.candidates[candidate].spec;
+    const int joint = problem_.robot.chain.FindJoint(spec.target);
+    const Source source{Source::Kind::kJoint, joint, 0};
+    const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
+    const Eigen::VectorXd angles = OfShots([&](const ShotConditions& shot) { return shot.q[joint]; });
+    Eigen::MatrixXd torques(angles.size(), 2 * static_cast<long>(shapes.size()));
+    const double turn = kTypicalSpringTurn / kTypicalTurn * std::sqrt(static_cast<double>(fitted_.size()));
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      Eigen::MatrixXd own = TorquesPerRate(shapes[s], angles);
+      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(OnFitted(own));
+      const Eigen::MatrixXd root = qr.matrixQR().topRows(2).triangularView<Eigen::Upper>();
+      own = root.transpose().triangularView<Eigen::Lower>().solve(own.transpose()).transpose();
+      torques.middleCols<2>(static_cast<long>(2 * s)) = turn * own;
+    }
+    const Compressed functions = Compress(torques, 1e-2 * kAlike);
+    const std::vector<int> own = Columns({source, functions.basis});
+    for (size_t s = 0; s < shapes.size(); ++s) {
+      Append({own, functions.mixing.middleCols(static_cast<long>(2 * s), 2)}, candidate, -1, shapes[s],
+             {spec.effect, spec.target}, spec.effect);
+    }
+  }
+
+  std::vector<int> Columns(const FunctionFamily& family) {
+    const int first = columns_->Add(family);
+    std::vector<int> own;
+    for (int c = first; c < columns_->num_columns(); ++c) own.push_back(c);
+    return own;
+  }
+
+  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const {
+    return functions(std::vector<int>(fitted_.begin(), fitted_.end()), Eigen::all);
+  }
+
+  template <typename Value>
+  Eigen::VectorXd OfShots(const Value& value) const {
+    Eigen::VectorXd values(static_cast<long>(problem_.shot_inputs.size()));
+    for (long s = 0; s < values.size(); ++s) values[s] = value(problem_.shot_inputs[s].conditions);
+    return values;
+  }
+
+  // What functions one driver has, and which of them go together.
+  struct Functions {
+    Eigen::MatrixXd columns;
+    struct Group {
+      std::string kind;
+      int first, count;
+    };
+    std::vector<Group> groups;
+
+    void Append(const Eigen::MatrixXd& more, const std::string& kind, int per_group) {
+      const long before = columns.cols();
+      columns.conservativeResize(more.rows(), before + more.cols());
+      columns.rightCols(more.cols()) = more;
+      for (int c = 0; c < more.cols(); c += per_group) {
+        groups.push_back({kind, static_cast<int>(before) + c, per_group});
+      }
+    }
+  };
+
+  // Smooth functions of x over the range of the fitted shots. False: it does not vary.
+  bool Smooth(const Eigen::VectorXd& x, const std::string& kind, Functions* functions) const {
+    const Eigen::VectorXd fitted = OnFitted(x);
+    const double low = fitted.minCoeff(), high = fitted.maxCoeff();
+    if (!(high - low > 1e-9 * (1.0 + std::abs(high)))) return false;
+    for (const int count : kBumps) functions->Append(Bumps(x, low, high, count), kind, count);
+    return true;
+  }
+
+  // Every group of functions on one source or on several that move together.
+  void AddFunctions(const Functions& functions, const UnnamedFunction& what, const std::string& family) {
+    const Compressed compressed = Compress(functions.columns, kAlike);
+    std::vector<std::vector<int>> own;
+    for (const Source& source : what.sources) own.push_back(Columns({source, compressed.basis}));
+    const long height = compressed.basis.cols();
+    for (const Functions::Group& group : functions.groups) {
+      ColumnGroup columns;
+      columns.mixing.setZero(height * static_cast<long>(own.size()), group.count * static_cast<long>(own.size()));
+      for (size_t s = 0; s < own.size(); ++s) {
+        columns.columns.insert(columns.columns.end(), own[s].begin(), own[s].end());
+        columns.mixing.block(height * static_cast<long>(s), group.count * static_cast<long>(s), height, group.count) =
+            compressed.mixing.middleCols(group.first, group.count);
+      }
+      UnnamedFunction function = what;
+      function.kind = group.kind;
+      list_.functions.push_back(function);
+      const std::string name = family + "/" + what.acts_on + "/" + what.words;
+      Append(std::move(columns), -1, static_cast<int>(list_.functions.size()) - 1, {}, {family, name}, name);
+    }
+  }
+
+  std::string JointName(int j) const { return problem_.robot.chain.joints[j].name; }
+  int joints() const { return problem_.robot.num_joints(); }
+
+  // A joint deviates with a driver.
+  void AddJointFunctions() {
+    const bool loaded = std::any_of(problem_.shot_inputs.begin(), problem_.shot_inputs.end(),
+                                    [](const ShotInput& shot) { return !shot.wrenches.empty(); });
+    const Eigen::MatrixXd torques = loaded ? JointTorques(problem_, parameters_) : Eigen::MatrixXd();
+    std::vector<std::pair<Driver, std::string>> common = {{TimeOf(problem_), "time"},
+                                                          {TemperatureOf(problem_), "temperature"}};
+    for (int j = 0; j < joints(); ++j) {
+      const Source source{Source::Kind::kJoint, j, 0};
+      for (int k = 0; k < joints(); ++k) {
+        Functions functions;
+        const Eigen::VectorXd q = OfShots([k](const ShotConditions& shot) { return shot.q[k]; });
+        if (!Smooth(q, "smooth", &functions)) continue;
+        if (k == j) {
+          const Eigen::VectorXd seen = OnFitted(q);
+          functions.Append(Bumps(q, seen.minCoeff(), seen.maxCoeff(), kFineBumps), "smooth", kFineBumps);
+        }
+        if (k == j) functions.Append(Steps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1);
+        if (k != j && Turns(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2);
+        AddFunctions(functions,
+                     {"",
+                      JointName(j),
+                      {JointName(k)},
+                      "a deviation of " + JointName(j) + " that depends on " + JointName(k),
+                      {source},
+                      AngleOf(problem_, k)},
+                     k == j ? "own angle" : "other angle");
+      }
+      std::vector<std::pair<Driver, std::string>> drivers = common;
+      if (loaded) drivers.push_back({TorqueOf(problem_, j, torques), "torque"});
+      for (const auto& [driver, family] : drivers) {
+        Functions functions;
+        if (!Smooth(driver.of_shot, family == "time" ? "time" : "smooth", &functions)) continue;
+        AddFunctions(functions,
+                     {"",
+                      JointName(j),
+                      {family == "torque" ? JointName(j) : family},
+                      "a deviation of " + JointName(j) + " that depends on " +
+                          (family == "torque" ? "the torque on it" : family),
+                      {source},
+                      driver},
+                     family);
+      }
+    }
+  }
+
+  // A joint deviates with two joints' angles together.
+  void AddPairs() {
+    for (int a = 0; a < joints(); ++a) {
+      for (int b = a + 1; b < joints(); ++b) {
+        const Eigen::VectorXd p = OfShots([a](const ShotConditions& shot) { return shot.q[a]; });
+        const Eigen::VectorXd q = OfShots([b](const ShotConditions& shot) { return shot.q[b]; });
+        const Eigen::ArrayXd u = p.array() - OnFitted(p).mean(), v = q.array() - OnFitted(q).mean();
+        if (!(OnFitted(p).maxCoeff() > OnFitted(p).minCoeff()) || !(OnFitted(q).maxCoeff() > OnFitted(q).minCoeff())) {
+          continue;
+        }
+        Functions functions;
+        functions.Append((u * v).matrix(), "other", 1);
+        Eigen::MatrixXd turning(p.size(), 4);
+        turning << (p + q).array().cos().matrix(), (p + q).array().sin().matrix(), (p - q).array().cos().matrix(),
+            (p - q).array().sin().matrix();
+        if (Turns(problem_, a) && Turns(problem_, b)) functions.Append(turning, "other", 4);
+        for (int j = 0; j < joints(); ++j) {
+          const std::string words = "a deviation of " + JointName(j) + " that depends on " + JointName(a) + " and " +
+                                    JointName(b) + " together";
+          AddFunctions(functions,
+                       {"", JointName(j), {JointName(a), JointName(b)}, words, {{Source::Kind::kJoint, j, 0}}, {}},
+                       "two angles");
+        }
+      }
+    }
+  }
+
+  static std::vector<Source> Axes(Source::Kind kind, int owner) {
+    return {{kind, owner, 0}, {kind, owner, 1}, {kind, owner, 2}};
+  }
+
+  // A station's points move with time, or with where they are.
+  void AddStations() {
+    const Driver time = TimeOf(problem_);
+    for (size_t s = 0; s < problem_.data.stations.size(); ++s) {
+      const std::string& station = problem_.data.stations[s];
+      const int owner = static_cast<int>(s);
+      Functions functions;
+      if (Smooth(time.of_shot, "time", &functions)) {
+        const double span = time.of_shot.maxCoeff() - time.of_shot.minCoeff();
+        functions.Append(Waves(kTwoPi / span * time.of_shot, kPeriods), "time", 2);
+        AddFunctions(functions,
+                     {"",
+                      station,
+                      {"time"},
+                      "station " + station + " moves with time",
+                      Axes(Source::Kind::kStation, owner),
+                      time},
+                     "station in time");
+        for (const Source& axis : Axes(Source::Kind::kStation, owner)) {
+          AddFunctions(functions,
+                       {"",
+                        station,
+                        {"time"},
+                        "station " + station + " moves along " + "xyz"[axis.axis] + " with time",
+                        {axis},
+                        time},
+                       "station in time");
+        }
+      }
+      Functions field;
+      field.Append(Field(owner), "other", 9);
+      AddFunctions(field,
+                   {"",
+                    station,
+                    {station},
+                    "the readings of station " + station + " are distorted over its field",
+                    Axes(Source::Kind::kStation, owner),
+                    {}},
+                   "station field");
+    }
+  }
+
+  // Linear and quadratic functions of where the shot's first marker was read, over the spread of all.
+  Eigen::MatrixXd Field(int station) const {
+    const Measurements& data = problem_.data;
+    Eigen::MatrixXd points = Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), 3);
+    Eigen::RowVector3d mean = Eigen::RowVector3d::Zero(), spread = Eigen::RowVector3d::Zero();
+    double count = 0.0;
+    for (const bool second : {false, true}) {
+      for (size_t s = 0; s < data.shots.size(); ++s) {
+        if (data.shots[s].station != station || data.shots[s].observations.empty()) continue;
+        points.row(static_cast<long>(s)) =
+            data.observations[data.shots[s].observations[0]].point_in_station.transpose();
+        if (!points.row(static_cast<long>(s)).allFinite()) points.row(static_cast<long>(s)) = mean;
+        if (fitted_.count(static_cast<int>(s)) == 0) continue;
+        const Eigen::RowVector3d off = points.row(static_cast<long>(s)) - mean;
+        if (second) {
+          spread += off.cwiseAbs2();
+        } else {
+          count += 1.0;
+          mean += off / count;
+        }
+      }
+    }
+    spread = (spread / std::max(1.0, count)).cwiseSqrt().cwiseMax(1e-3);
+    Eigen::MatrixXd functions = Eigen::MatrixXd::Zero(points.rows(), 9);
+    for (size_t s = 0; s < data.shots.size(); ++s) {
+      if (data.shots[s].station != station) continue;
+      const Eigen::RowVector3d x = (points.row(static_cast<long>(s)) - mean).cwiseQuotient(spread);
+      functions.row(static_cast<long>(s)) << x, x[0] * x[0], x[1] * x[1], x[2] * x[2], x[0] * x[1], x[0] * x[2],
+          x[1] * x[2];
+    }
+    return functions;
+  }
+
+  // A marker moves in its frame with time or with a joint's angle.
+  void AddMarkers() {
+    for (size_t m = 0; m < problem_.data.markers.size(); ++m) {
+      const std::string& marker = problem_.data.markers[m];
+      const std::vector<Source> sources = Axes(Source::Kind::kMarker, static_cast<int>(m));
+      std::vector<Driver> drivers = {TimeOf(problem_)};
+      for (int j = 0; j < joints(); ++j) drivers.push_back(AngleOf(problem_, j));
+      for (const Driver& driver : drivers) {
+        Functions functions;
+        const Eigen::VectorXd fitted = OnFitted(driver.of_shot);
+        const double low = fitted.minCoeff(), high = fitted.maxCoeff();
+        if (!(high - low > 1e-9 * (1.0 + std::abs(high)))) continue;
+        const bool is_time = driver.name == "time";
+        functions.Append(Bumps(driver.of_shot, low, high, kBumps[is_time ? 1 : 0]), is_time ? "time" : "smooth",
+                         kBumps[is_time ? 1 : 0]);
+        AddFunctions(functions,
+                     {"", marker, {driver.name}, "marker " + marker + " moves with " + driver.name, sources, driver},
+                     "marker");
+      }
+    }
+  }
+
+  const CalibrationProblem& problem_;
+  const ParameterSet& parameters_;
+  EvidenceColumns* columns_;
+  ExplanationList list_;
+  std::map<std::string, int> numbers_;
+  std::set<int> fitted_;  // shots
+};
+
+}  // namespace
+
+ExplanationList ListExplanations(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns) {
+  return ListBuilder(problem, parameters, candidates, columns).Build(prior);
+}
+
+void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, ExplanationList* list) {
+  const Sweep alone(normal, {}, {});
+  const double widest = kScales[kNumScales - 1] * kScales[kNumScales - 1];
+  std::vector<size_t> kept;
+  std::map<std::pair<std::string, std::string>, bool> seen;  // of the catalogue, by effect and target
+  for (size_t k = 0; k < list->math.size(); ++k) {
+    const bool is_visible = widest * alone.Information(list->math[k].group).trace() >= 1.0;
+    if (is_visible) kept.push_back(k);
+    if (list->IsUnnamed(static_cast<int>(k))) continue;
+    const EffectSpec& spec = list->SpecOf(static_cast<int>(k));
+    seen[{spec.effect, spec.target}] |= is_visible;
+  }
+  for (const auto& [what, is_visible] : seen) {
+    if (is_visible) continue;
+    list->not_testable.push_back({what.first, what.second, "rows in which it would stand out of the noise"});
+  }
+  list->math = Kept(std::move(list->math), kept);
+  list->candidate = Kept(std::move(list->candidate), kept);
+  list->unnamed = Kept(std::move(list->unnamed), kept);
+  list->start = Kept(std::move(list->start), kept);
+  list->name = Kept(std::move(list->name), kept);
+  list->place = Kept(std::move(list->place), kept);
+  list->listed_as = Kept(std::move(list->listed_as), kept);
+  SetShares(prior, list);
+}
+
+}  // namespace sagitta

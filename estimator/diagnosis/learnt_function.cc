@@ -1,0 +1,243 @@
+#include "estimator/diagnosis/learnt_function.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <set>
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kTableRows = 41;
+constexpr double kPerMicro = 1e-6;
+constexpr double kDegree = 57.29577951308232;
+constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
+// Log evidence that an unnamed function needs beside a set that has none of its own: odds of 20.
+constexpr double kStandsOut = 3.0;
+
+std::string Rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// The unnamed member that the set can least do without; else the best to add in the first view, if it stands out. -1:
+// none.
+int StrongestFunction(const Evidence& evidence, const WeightedModel& model, WeightedModel* with) {
+  const ExplanationList& list = evidence.list();
+  *with = model;
+  const SetSearch own(evidence.views()[model.view].beside.normal, list.math, evidence.prior(),
+                      evidence.LikelihoodOf(model.view));
+  int strongest = -1;
+  double most = -std::numeric_limits<double>::infinity();
+  for (size_t k = 0; k < model.set.members.size(); ++k) {
+    if (!list.IsUnnamed(model.set.members[k])) continue;
+    std::vector<int> others = model.set.members;
+    others.erase(others.begin() + static_cast<long>(k));
+    const double loss = -own.Evaluate(others).log_weight;
+    if (loss <= most) continue;
+    most = loss;
+    strongest = model.set.members[k];
+  }
+  if (strongest >= 0) return strongest;
+  with->view = 0;
+  const SetSearch search(evidence.views()[0].beside.normal, list.math, evidence.prior(), evidence.LikelihoodOf(0));
+  const WeightedSet base = search.Evaluate(model.set.members, model.set.scales);
+  const std::vector<double> weights = search.Additions(base);
+  most = base.log_weight + kStandsOut;
+  for (size_t k = 0; k < weights.size(); ++k) {
+    if (!list.IsUnnamed(static_cast<int>(k)) || weights[k] <= most) continue;
+    most = weights[k];
+    strongest = static_cast<int>(k);
+  }
+  if (strongest < 0) return -1;
+  std::vector<int> members = model.set.members;
+  members.insert(std::lower_bound(members.begin(), members.end(), strongest), strongest);
+  with->set = search.Evaluate(members);
+  return strongest;
+}
+
+// Weighted least squares; the share of the square that it explains.
+double Explained(const Eigen::MatrixXd& functions, const Eigen::VectorXd& values, const Eigen::VectorXd& weights,
+                 Eigen::VectorXd* coefficients) {
+  Eigen::MatrixXd columns(functions.rows(), functions.cols() + 1);
+  columns << functions, Eigen::VectorXd::Ones(functions.rows());
+  *coefficients = (weights.asDiagonal() * columns).colPivHouseholderQr().solve(weights.cwiseProduct(values));
+  const double mean = weights.cwiseAbs2().dot(values) / weights.squaredNorm();
+  const double all = (weights.array() * (values.array() - mean)).matrix().squaredNorm();
+  return all > 0.0 ? 1.0 - weights.cwiseProduct(values - columns * *coefficients).squaredNorm() / all : 0.0;
+}
+
+struct Formula {
+  std::string words;
+  double explained = 0.0;
+};
+
+// Offered in the order of simplicity: a later one has to explain half of what the one before leaves.
+class FormulaSearch {
+ public:
+  FormulaSearch(const LearntFunction& learnt) : driver_(learnt.driver), unit_(learnt.driver_unit), of_(learnt.unit) {
+    const long n = static_cast<long>(learnt.table.size());
+    x_.resize(n);
+    y_.resize(n);
+    weights_.resize(n);
+    for (long i = 0; i < n; ++i) {
+      const FunctionPoint& point = learnt.table[static_cast<size_t>(i)];
+      x_[i] = point.at;
+      y_[i] = point.value;
+      weights_[i] = 1.0 / std::max(1e-9, point.sigma);
+    }
+  }
+
+  std::string Nearest() {
+    TryLine();
+    TryStep();
+    if (unit_ == "deg") TryHarmonics();
+    if (unit_ == "s") TryExponential();
+    TryDeadband();
+    if (best_.words.empty()) return "";
+    return best_.words + " (" + Rounded(100.0 * best_.explained) + " % of it)";
+  }
+
+ private:
+  void Offer(double explained, const std::string& words) {
+    if (best_.words.empty() ? explained > 0.5 : 1.0 - explained < 0.5 * (1.0 - best_.explained)) {
+      best_ = {words, explained};
+    }
+  }
+
+  void TryLine() {
+    const double explained = Explained(x_, y_, weights_, &c_);
+    Offer(explained, "proportional to " + driver_ + ": " + Rounded(c_[0]) + " " + of_ + " per " + unit_);
+  }
+
+  void TryStep() {
+    double most = 0.0, size = 0.0, place = 0.0;
+    for (long i = 1; i < x_.size(); ++i) {
+      const double here = 0.5 * (x_[i - 1] + x_[i]);
+      const double explained = Explained((x_.array() > here).cast<double>().matrix(), y_, weights_, &c_);
+      if (explained <= most) continue;
+      most = explained;
+      size = c_[0];
+      place = here;
+    }
+    Offer(most, "a step of " + Rounded(size) + " " + of_ + " at " + driver_ + " = " + Rounded(place) + " " + unit_);
+  }
+
+  void TryHarmonics() {
+    double most = 0.0, size = 0.0;
+    int order = 0;
+    for (int n = 1; n <= kOrders; ++n) {
+      Eigen::MatrixXd waves(x_.size(), 2);
+      waves << (n / kDegree * x_.array()).cos().matrix(), (n / kDegree * x_.array()).sin().matrix();
+      const double explained = Explained(waves, y_, weights_, &c_);
+      if (explained <= most) continue;
+      most = explained;
+      size = std::hypot(c_[0], c_[1]);
+      order = n;
+    }
+    Offer(most, "a wave of " + Rounded(size) + " " + of_ + " that repeats " + std::to_string(order) +
+                    " time(s) per turn of " + driver_);
+  }
+
+  void TryExponential() {
+    const double first = x_.minCoeff(), span = x_.maxCoeff() - first;
+    double most = 0.0, size = 0.0, tau = 0.0;
+    for (double t = span / 32.0; t <= span; t *= 1.3) {
+      const double explained = Explained((-(x_.array() - first) / t).exp().matrix(), y_, weights_, &c_);
+      if (explained <= most) continue;
+      most = explained;
+      size = c_[0];
+      tau = t;
+    }
+    Offer(most, "exponential in time: " + Rounded(size) + " " + of_ + " that fade with " + Rounded(tau) + " s");
+  }
+
+  void TryDeadband() {
+    const double reach = x_.cwiseAbs().maxCoeff();
+    double most = 0.0, slope = 0.0, width = 0.0;
+    for (int i = 1; i < 16; ++i) {
+      const double half = reach * i / 16.0;
+      const Eigen::ArrayXd beyond = x_.array().sign() * (x_.array().abs() - half).max(0.0);
+      const double explained = Explained(beyond.matrix(), y_, weights_, &c_);
+      if (explained <= most) continue;
+      most = explained;
+      slope = c_[0];
+      width = half;
+    }
+    Offer(most, "a deadband of " + Rounded(width) + " " + unit_ + " about 0 of " + driver_ + ", beyond it " +
+                    Rounded(slope) + " " + of_ + " per " + unit_);
+  }
+
+  std::string driver_, unit_, of_;
+  Eigen::VectorXd x_, y_, weights_, c_;
+  Formula best_;
+};
+
+}  // namespace
+
+LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem) {
+  LearntFunction learnt;
+  WeightedModel with;
+  const int member = StrongestFunction(evidence, model, &with);
+  if (member < 0) return learnt;
+  const UnnamedFunction& what = evidence.list().functions[evidence.list().unnamed[member]];
+  learnt.kind = what.kind;
+  learnt.acts_on = what.acts_on;
+  learnt.depends_on = what.depends_on;
+  learnt.words = what.words;
+  if (what.driver.of_shot.size() == 0) return learnt;
+  learnt.driver = what.driver.name;
+  learnt.driver_unit = what.driver.unit;
+
+  const GroupValues all =
+      ValuesOf(evidence.views()[with.view].beside.normal, evidence.GroupsOf(with.set), with.set.scales);
+  long first = 0;
+  for (size_t k = 0; with.set.members[k] != member; ++k)
+    first += evidence.list().math[with.set.members[k]].group.size();
+  const ColumnGroup& group = evidence.list().math[member].group;
+  const Eigen::MatrixXd covariance = all.covariance.block(first, first, group.size(), group.size());
+  const Eigen::VectorXd coefficients = all.values.segment(first, group.size());
+  // Of several axes, the one that moves most.
+  const long height = static_cast<long>(group.columns.size() / what.sources.size());
+  long best = 0;
+  double most = -1.0;
+  const std::vector<int> own(group.columns.begin(), group.columns.begin() + height);
+  const Eigen::MatrixXd functions = evidence.columns().FunctionOf(own);
+  std::set<int> fitted;
+  for (const int i : problem.CalibrationObservations()) fitted.insert(problem.data.observations[i].shot);
+  const Eigen::MatrixXd seen = functions(std::vector<int>(fitted.begin(), fitted.end()), Eigen::all);
+  const Eigen::RowVectorXd mean = seen.colwise().mean();
+  for (long s = 0; s < static_cast<long>(what.sources.size()); ++s) {
+    const double size =
+        ((seen.rowwise() - mean) * group.mixing.middleRows(s * height, height) * coefficients).squaredNorm();
+    if (size <= most) continue;
+    most = size;
+    best = s;
+  }
+  const Source& source = what.sources[static_cast<size_t>(best)];
+  const bool is_turn = source.kind == Source::Kind::kJoint && Turns(problem, source.owner);
+  learnt.unit = is_turn ? "urad" : "um";
+  const double typical = is_turn                               ? kTypicalTurn
+                         : source.kind == Source::Kind::kJoint ? kTypicalTravel
+                                                               : kTypicalMovement;
+  std::vector<int> shots(fitted.begin(), fitted.end());
+  std::sort(shots.begin(), shots.end(), [&](int a, int b) { return what.driver.of_shot[a] < what.driver.of_shot[b]; });
+  const auto equal = [&](int a, int b) { return what.driver.of_shot[a] == what.driver.of_shot[b]; };
+  shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());
+  const size_t rows = std::min(kTableRows, shots.size());
+  for (size_t r = 0; r < rows; ++r) {
+    const int shot = shots[rows > 1 ? r * (shots.size() - 1) / (rows - 1) : 0];
+    const Eigen::VectorXd row =
+        ((functions.row(shot) - mean) * group.mixing.middleRows(best * height, height)).transpose();
+    const double unit = typical / kPerMicro;
+    learnt.table.push_back({what.driver.of_shot[shot], unit * row.dot(coefficients),
+                            unit * std::sqrt(std::max(0.0, row.dot(covariance * row)))});
+  }
+  learnt.formula = FormulaSearch(learnt).Nearest();
+  return learnt;
+}
+
+}  // namespace sagitta

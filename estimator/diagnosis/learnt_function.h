@@ -1,0 +1,31 @@
+// What a deviation without a name looks like: its posterior mean over the driver with its band, and the nearest
+// formula.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/posterior.h"
+
+namespace sagitta {
+
+struct FunctionPoint {
+  double at = 0.0;     // of the driver, in its unit
+  double value = 0.0;  // urad or um
+  double sigma = 0.0;
+};
+
+struct LearntFunction {
+  std::string kind = "other";  // smooth, periodic, step, time, other
+  std::string acts_on;         // joint, station or marker; empty: no cause stands out
+  std::vector<std::string> depends_on;
+  std::string words;
+  std::string driver, driver_unit, unit;  // of the table; empty where there is more than one driver
+  std::vector<FunctionPoint> table;
+  std::string formula;
+};
+
+// The strongest unnamed function of a model, the others of its set given; none (empty acts_on) where it has none.
+LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& problem);
+
+}  // namespace sagitta

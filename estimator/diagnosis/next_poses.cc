@@ -1,0 +1,285 @@
+#include "estimator/diagnosis/next_poses.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "problems/loads.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kPosesDrawn = 80;
+constexpr double kDecided = 0.95;        // of the leading explanation: nothing is left to decide
+constexpr double kWorthDeciding = 0.02;  // of an explanation
+constexpr size_t kMostRivals = 5;
+// Gauss-Hermite nodes and weights for the standard normal distribution, five points.
+constexpr double kNodes[] = {-2.856970013872806, -1.355626179974266, 0.0, 1.355626179974266, 2.856970013872806};
+constexpr double kWeights[] = {0.011257411327721, 0.222075922005613, 0.533333333333333, 0.222075922005613,
+                               0.011257411327721};
+
+// Poses within the joints' limits, or within the range of the data where none are stated; each like a measured one.
+std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned long long seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&random](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+  };
+  const std::vector<Configuration>& configurations = problem.data.configurations;
+  std::vector<ProposedPose> poses;
+  for (int k = 0; k < kPosesDrawn; ++k) {
+    ProposedPose pose;
+    do {
+      pose.like = static_cast<int>(random() % configurations.size());
+    } while (configurations[static_cast<size_t>(pose.like)].is_validation);
+    pose.q.resize(problem.robot.num_joints());
+    for (int j = 0; j < problem.robot.num_joints(); ++j) {
+      const Joint& joint = problem.robot.chain.joints[static_cast<size_t>(j)];
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const Configuration& each : configurations) {
+        low = std::min(low, each.q[j]);
+        high = std::max(high, each.q[j]);
+      }
+      if (joint.min && joint.max && high > low) {
+        low = *joint.min;
+        high = *joint.max;
+      }
+      pose.q[j] = uniform(low, high);
+    }
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+// The problem with the poses as configurations that are not fitted, shot like those they are like.
+CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
+  Measurements data = problem.data;
+  NoiseRoots roots = problem.resolved_noise;
+  for (const ProposedPose& pose : poses) {
+    const int configuration = static_cast<int>(data.configurations.size());
+    data.configurations.push_back({"next" + std::to_string(configuration), pose.q, true});
+    const size_t shots = problem.data.shots.size();
+    for (size_t s = 0; s < shots; ++s) {
+      if (problem.data.shots[s].configuration != pose.like) continue;
+      Shot shot = problem.data.shots[s];
+      shot.configuration = configuration;
+      shot.observations.clear();
+      const int first = static_cast<int>(data.observations.size());
+      const std::vector<int>& own = problem.data.shots[s].observations;
+      for (const int o : problem.data.shots[s].observations) {
+        Observation observation = problem.data.observations[static_cast<size_t>(o)];
+        observation.shot = static_cast<int>(data.shots.size());
+        if (observation.partner >= 0) {  // the other reading of a pose comes along
+          observation.partner = first + static_cast<int>(std::find(own.begin(), own.end(), observation.partner) - own.begin());
+        }
+        shot.observations.push_back(static_cast<int>(data.observations.size()));
+        data.observations.push_back(observation);
+        if (!problem.resolved_noise.empty()) roots.push_back(problem.resolved_noise[static_cast<size_t>(o)]);
+      }
+      data.shots.push_back(std::move(shot));
+    }
+  }
+  CalibrationProblem extended = problem;
+  extended.data = std::move(data);
+  extended.resolved_noise = std::move(roots);
+  extended.weight_roots.clear();
+  extended.shot_inputs = MakeShotInputs(extended.model, extended.data, extended.experiment);
+  extended.latent = MakeLatentModel(extended.robot.chain, extended.data, extended.experiment);
+  return extended;
+}
+
+struct Rival {
+  double probability = 0.0;
+  std::vector<int> columns;
+  Eigen::MatrixXd mixing;  // believed and own columns to unit prior coefficients
+  Eigen::MatrixXd precision;
+  Eigen::VectorXd values;
+};
+
+Rival MakeRival(const EvidenceColumns& columns, const ExplanationList& list, const JointScatter& scatter,
+                const WeightedSet& set, double probability) {
+  Rival rival;
+  rival.probability = probability;
+  int size = 0;
+  for (const int m : set.members) {
+    const ColumnGroup& group = list.math[static_cast<size_t>(m)].group;
+    rival.columns.insert(rival.columns.end(), group.columns.begin(), group.columns.end());
+    size += group.size();
+  }
+  const long believed = columns.num_believed(), raw = static_cast<long>(rival.columns.size());
+  rival.mixing.setZero(believed + raw, believed + size);
+  rival.mixing.topLeftCorner(believed, believed).setIdentity();
+  long row = believed, column = believed;
+  for (size_t k = 0; k < set.members.size(); ++k) {
+    const ColumnGroup& group = list.math[static_cast<size_t>(set.members[k])].group;
+    const long height = static_cast<long>(group.columns.size());
+    auto block = rival.mixing.block(row, column, height, group.size());
+    if (group.mixing.size() > 0) {
+      block = set.scales[k] * group.mixing;
+    } else {
+      block.setIdentity();
+      block *= set.scales[k];
+    }
+    row += height;
+    column += group.size();
+  }
+  const Eigen::MatrixXd rows = columns.FittedProducts(scatter, rival.columns);
+  rival.precision = rival.mixing.transpose() * rows.topLeftCorner(believed + raw, believed + raw) * rival.mixing;
+  rival.precision.diagonal().tail(size).array() += 1.0;
+  // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
+  rival.precision.diagonal() *= 1.0 + 1e-9;
+  rival.values =
+      -rival.precision.ldlt().solve(rival.mixing.transpose() * rows.col(believed + raw).head(believed + raw));
+  return rival;
+}
+
+// What a pose would show under each rival.
+struct Shown {
+  std::vector<Eigen::MatrixXd> rows;  // of each rival, in its coefficients
+};
+
+class Choice {
+ public:
+  Choice(std::vector<Rival> rivals, std::vector<Shown> shown) : rivals_(std::move(rivals)), shown_(std::move(shown)) {
+    apart_ = Eigen::MatrixXd::Zero(static_cast<long>(rivals_.size()), static_cast<long>(rivals_.size()));
+  }
+
+  // Takes the best pose that is left; its number.
+  size_t Take(std::vector<bool>* taken) {
+    size_t best = 0;
+    double most = -1.0;
+    Eigen::MatrixXd gained;
+    for (size_t c = 0; c < shown_.size(); ++c) {
+      if ((*taken)[c]) continue;
+      const Eigen::MatrixXd apart = Apart(shown_[c]);
+      double worth = 0.0;
+      for (size_t i = 0; i < rivals_.size(); ++i) {
+        for (size_t j = 0; j < i; ++j) worth += rivals_[i].probability * rivals_[j].probability * Told(i, j, apart);
+      }
+      if (worth <= most) continue;
+      most = worth;
+      best = c;
+      gained = apart;
+    }
+    (*taken)[best] = true;
+    apart_ += gained;
+    for (size_t i = 0; i < rivals_.size(); ++i) {
+      rivals_[i].precision += shown_[best].rows[i].transpose() * shown_[best].rows[i];
+    }
+    return best;
+  }
+
+  // The right one's probability afterwards, expected: log odds of i over j are normal about D / 2 with variance D.
+  double Decides() const {
+    double expected = 0.0;
+    for (size_t i = 0; i < rivals_.size(); ++i) {
+      for (int node = 0; node < 5; ++node) {
+        double odds = 0.0;
+        for (size_t j = 0; j < rivals_.size(); ++j) {
+          const double d = apart_(static_cast<long>(i), static_cast<long>(j));
+          odds += rivals_[j].probability / rivals_[i].probability *
+                  (i == j ? 1.0 : std::exp(-0.5 * d + std::sqrt(d) * kNodes[node]));
+        }
+        expected += rivals_[i].probability * kWeights[node] / odds;
+      }
+    }
+    return expected;
+  }
+
+ private:
+  // What is already told apart is worth less: 1 - exp(-D / 8) is the share of the error that D takes away
+  // (Bhattacharyya).
+  double Told(size_t i, size_t j, const Eigen::MatrixXd& apart) const {
+    const long a = static_cast<long>(i), b = static_cast<long>(j);
+    return std::exp(-apart_(a, b) / 8.0) - std::exp(-(apart_(a, b) + apart(a, b)) / 8.0);
+  }
+
+  Eigen::MatrixXd Apart(const Shown& shown) const {
+    const long n = static_cast<long>(rivals_.size());
+    std::vector<Eigen::VectorXd> means;
+    std::vector<Eigen::MatrixXd> covariances;
+    for (long i = 0; i < n; ++i) {
+      const Eigen::MatrixXd& rows = shown.rows[static_cast<size_t>(i)];
+      const Rival& rival = rivals_[static_cast<size_t>(i)];
+      means.push_back(rows * rival.values);
+      covariances.push_back(Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
+                            rows * rival.precision.ldlt().solve(rows.transpose()));
+    }
+    Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(n, n);
+    for (long i = 0; i < n; ++i) {
+      for (long j = 0; j < i; ++j) {
+        const Eigen::VectorXd difference = means[static_cast<size_t>(i)] - means[static_cast<size_t>(j)];
+        const Eigen::MatrixXd mean = 0.5 * (covariances[static_cast<size_t>(i)] + covariances[static_cast<size_t>(j)]);
+        apart(i, j) = apart(j, i) = difference.dot(mean.ldlt().solve(difference));
+      }
+    }
+    return apart;
+  }
+
+  std::vector<Rival> rivals_;
+  std::vector<Shown> shown_;
+  Eigen::MatrixXd apart_;  // D_ij of the poses that are taken
+};
+
+}  // namespace
+
+std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& posterior,
+                                     const CalibrationProblem& problem, const ParameterSet& parameters,
+                                     const CandidateList& candidates, unsigned long long seed) {
+  if (posterior.sets.empty()) return std::nullopt;
+  struct Held {
+    int model;
+    double probability;
+  };
+  std::vector<Held> held;
+  double sum = 0.0;
+  const double nothing = posterior.nothing + posterior.noise;
+  for (size_t m = 0; m < evidence.models().size() && nothing >= kWorthDeciding; ++m) {
+    if (!evidence.models()[m].set.members.empty()) continue;
+    held.push_back({static_cast<int>(m), nothing});
+    break;
+  }
+  for (const NameSet& set : posterior.sets) {
+    if (held.size() < kMostRivals && set.probability >= kWorthDeciding) held.push_back({set.best, set.probability});
+  }
+  double most = 0.0;
+  for (const Held& each : held) {
+    sum += each.probability;
+    most = std::max(most, each.probability);
+  }
+  if (held.size() < 2 || most > kDecided * sum) return std::nullopt;
+
+  const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
+  const CalibrationProblem extended = WithPoses(problem, drawn);
+  EvidenceColumns columns(extended, parameters, candidates.candidates);
+  const ExplanationList list = ListExplanations(extended, parameters, candidates, evidence.masses(), &columns);
+  const JointScatter& scatter = evidence.views()[evidence.models()[held[0].model].view].scatter;
+  std::vector<Rival> rivals;
+  for (const Held& each : held) {
+    WeightedSet set = evidence.models()[each.model].set;
+    for (int& member : set.members) member = evidence.list().listed_as[static_cast<size_t>(member)];
+    rivals.push_back(MakeRival(columns, list, scatter, set, each.probability / sum));
+  }
+  std::vector<Shown> shown(drawn.size());
+  const int first = static_cast<int>(problem.data.configurations.size());
+  std::vector<std::vector<int>> observations(drawn.size());
+  for (size_t o = problem.data.observations.size(); o < extended.data.observations.size(); ++o) {
+    const int configuration = extended.data.shots[extended.data.observations[o].shot].configuration;
+    observations[static_cast<size_t>(configuration - first)].push_back(static_cast<int>(o));
+  }
+  for (size_t c = 0; c < drawn.size(); ++c) {
+    for (const Rival& rival : rivals) {
+      shown[c].rows.push_back(columns.RowsAt(observations[c], scatter, rival.columns) * rival.mixing);
+    }
+  }
+  Choice choice(std::move(rivals), std::move(shown));
+  NextPoses next;
+  for (const Held& each : held) next.decided += each.probability * each.probability / (sum * sum);
+  std::vector<bool> taken(drawn.size(), false);
+  for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice.Take(&taken)]);
+  next.decides = choice.Decides();
+  return next;
+}
+
+}  // namespace sagitta

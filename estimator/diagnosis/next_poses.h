@@ -1,0 +1,39 @@
+// What to measure next: poses at which the explanations that still share the probability say different things.
+//
+// Explanation i predicts new whitened rows as N(m_i, V_i), V_i = I + R N_i^-1 R' with what is known so far. A reading
+// tells i from j by
+//
+//   D_ij = (m_i - m_j)' ((V_i + V_j) / 2)^-1 (m_i - m_j)
+//
+// (twice the expected log Bayes factor for small differences). Poses are taken one after the other, each the one of
+// many drawn that adds most to the sum of p_i p_j D_ij, a lower bound's worth of the mutual information between the
+// explanation and the readings (Box and Hill 1967, "Discrimination among mechanistic models").
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/posterior.h"
+
+namespace sagitta {
+
+struct ProposedPose {
+  Eigen::VectorXd q;  // rad or m
+  int like = 0;       // configuration of the data whose loads, stations and markers it is measured with
+};
+
+struct NextPoses {
+  std::vector<ProposedPose> poses;
+  double decides = 0.0;  // probability that the right explanation is expected to have after measuring them
+  double decided = 0.0;  // that it has now, expected in the same way: the sum of squared probabilities
+};
+
+constexpr int kPosesProposed = 6;
+
+// None where one explanation has it all. problem, parameters, candidates: what the evidence was made of.
+std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& posterior,
+                                     const CalibrationProblem& problem, const ParameterSet& parameters,
+                                     const CandidateList& candidates, unsigned long long seed);
+
+}  // namespace sagitta

@@ -1,0 +1,95 @@
+#include "estimator/diagnosis/noise_finding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/diagnosis/noise_check.h"
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kEvenOdds = 0.5;
+
+double MeanStated(const CalibrationProblem& stated) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < stated.latent.size(); ++i) {
+    const int joint = stated.latent.joints[i];
+    if (stated.robot.chain.joints[static_cast<size_t>(joint)].type != JointType::kRevolute) continue;
+    sum += stated.latent.sigmas[i];
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+}  // namespace
+
+CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model,
+                               const CalibrationProblem& problem) {
+  const NoiseView& view = evidence.views()[model.view].view;
+  CalibrationProblem with = problem;
+  if (view.kind == NoiseView::Kind::kVisit) with = WithRepeatability(with, view.sigma);
+  if (view.kind == NoiseView::Kind::kPose) {
+    with = WithRepeatability(with, std::hypot(view.sigma, MeanStated(problem)));
+  }
+  if (problem.sigma_is_stated() && evidence.SigmaIsWrong(model) > kEvenOdds) {
+    const double residual = evidence.ResidualOf(model);
+    with = WithScaledSigmas(with, evidence.LikelihoodOf(model.view).Factor(residual));
+  }
+  return with;
+}
+
+NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
+                       const DiagnosedModel& final) {
+  NoiseFinding noise;
+  noise.is_stated = stated.sigma_is_stated() && stated.experiment.noise.from != NoiseSpec::From::kVarianceComponents;
+  noise.asks_repeatability = stated.experiment.repeatability.IsEstimated();
+  noise.is_told_from_pose = evidence.columns().HasRevisits();
+  for (const WeightedModel& each : evidence.models()) {
+    const bool other = evidence.views()[each.view].view.kind == NoiseView::Kind::kVisit;
+    noise.probability += each.probability * (other ? 1.0 : evidence.SigmaIsWrong(each));
+  }
+  const NoiseView& view = evidence.views()[model.view].view;
+  if (view.kind == NoiseView::Kind::kVisit) {
+    const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise.is_stated);
+    noise.repeatability = fit.sigma > 0.0 ? fit.sigma : view.sigma;
+    noise.repeatability_low = fit.low;
+    noise.repeatability_high = fit.high;
+    noise.repeatability_is_overstated = view.sigma < MeanStated(stated);
+  }
+  noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;
+  const double applied =
+      noise.scale_differs ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
+  const auto rigid = InstrumentNoiseScale(*final.problem, final.estimate.parameters, 1.0);
+  if (rigid) {
+    noise.scale = applied * rigid->scale;
+    noise.low = applied * rigid->low;
+    noise.high = applied * rigid->high;
+  } else if (final.estimate.dof > 0) {
+    const double of_sigma = SigmaDof(stated.repeat_scatter);
+    const double scatter = std::sqrt(final.estimate.chi2 / final.estimate.dof);
+    noise.scale = applied * scatter;
+    noise.low = noise.scale / std::sqrt(FQuantile(0.975, final.estimate.dof, of_sigma));
+    noise.high = noise.scale / std::sqrt(FQuantile(0.025, final.estimate.dof, of_sigma));
+  }
+  noise.is_finding = noise.HasUndeclaredRepeatability() || noise.scale_differs;
+  return noise;
+}
+
+double LackOfFit(const CalibrationProblem& stated, const DiagnosedModel& model, const NoiseFinding& noise) {
+  const Estimate& estimate = model.estimate;
+  if (estimate.dof <= 0) return 1.0;
+  const double of_sigma = SigmaDof(stated.repeat_scatter);
+  const double reduced = estimate.chi2 / estimate.dof;
+  if (!noise.scale_differs) return FSurvival(reduced, estimate.dof, of_sigma);
+  // Joints move bodies as a whole: what rigid bodies leave is the instrument alone, and the two sums are independent.
+  const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters, 1.0);
+  if (!rigid) return 1.0;
+  const double pure = rigid->scale * rigid->scale;
+  const int rest = estimate.dof - rigid->dof;
+  if (rest <= 0) return 1.0;
+  return FSurvival((estimate.chi2 - pure * rigid->dof) / (rest * pure), rest, rigid->dof);
+}
+
+}  // namespace sagitta

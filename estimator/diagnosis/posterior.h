@@ -1,0 +1,44 @@
+// What the weights of all sets say, by name: one name for all change points of a jump and all shapes of a compensator.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/evidence.h"
+
+namespace sagitta {
+
+struct NameSet {
+  std::set<std::string> names;
+  bool has_unnamed = false;
+  double probability = 0.0;
+  int best = 0;  // of the models
+};
+
+struct NamedProbability {
+  std::string name;
+  int explanation = 0;  // the most probable of that name
+  double probability = 0.0;
+};
+
+struct Posterior {
+  double nothing = 0.0;                        // no explanation, noise as stated
+  double noise = 0.0;                          // no explanation, noise other than stated
+  double unnamed = 0.0;                        // sets that hold something without a name
+  std::vector<NameSet> sets;                   // most probable first
+  std::vector<NamedProbability> explanations;  // of the catalogue, most probable first
+  std::vector<NamedProbability> functions;     // unnamed ones
+
+  double Something() const { return 1.0 - nothing - noise; }
+  double Of(const std::string& name) const;
+};
+
+// The unnamed part of a deviation that follows the pose in its own way counts as unnamed.
+Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models);
+
+// What would be said with a prior mass three times as large or as small: sentences, none where nothing flips.
+std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior);
+
+}  // namespace sagitta

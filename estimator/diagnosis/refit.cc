@@ -1,0 +1,58 @@
+#include "estimator/diagnosis/refit.h"
+
+#include <algorithm>
+
+#include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/diagnosis/evidence_score.h"
+#include "estimator/diagnosis/typical_units.h"
+
+namespace sagitta {
+namespace {
+
+// Whether nothing new has become so uncertain that the full estimator would hold it.
+bool TellsAll(const QuickRefit& refit) {
+  for (const int i : refit.parameters.EstimatedCoordinates()) {
+    if (refit.sigmas[i] > refit.parameters.coordinates()[i].hold_limit) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
+  const std::string home = spec.effect == "gravity_compensator" ? "compensator" : spec.Path();
+  return name.rfind(home + "/", 0) == 0;
+}
+
+CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added) {
+  CalibrationProblem believed = *model.problem;
+  believed.parameters.CopyByName(model.estimate.parameters);
+  CalibrationProblem problem = believed.WithEffects(SpecsOf(added));
+  const std::vector<double> sizes = TypicalSizes(problem, problem.parameters);
+  for (const Candidate& candidate : added) {
+    for (const std::string& name : candidate.vague) {
+      const int i = problem.parameters.FindCoordinate(name);
+      problem.parameters.coordinate(i).prior_sigma = kScales[kNumScales - 1] * sizes[i];
+    }
+  }
+  const bool adds_spring = std::any_of(added.begin(), added.end(), [](const Candidate& candidate) {
+    return candidate.spec.effect == "gravity_compensator";
+  });
+  if (adds_spring) BoundCompensatorShape(&problem.parameters);
+  return problem;
+}
+
+DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options) {
+  if (added.empty()) return model;
+  DiagnosedModel extended;
+  extended.problem = std::make_shared<CalibrationProblem>(ExtendedProblem(model, added));
+  const QuickRefit quick = RefitQuickly(*extended.problem, extended.problem->parameters);
+  if (!quick.converged || !TellsAll(quick)) {
+    const ParameterSet& start = extended.problem->parameters;
+    return JudgeFully(extended.problem, start, start, options);
+  }
+  extended.estimate = QuickEstimate(quick);
+  return extended;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,21 @@
+// The believed model with effects more, fitted again.
+#pragma once
+
+#include <vector>
+
+#include "estimator/diagnosis/candidates.h"
+#include "estimator/diagnosis/diagnosed_model.h"
+
+namespace sagitta {
+
+// Whether a coordinate of this name is a parameter of the effect.
+bool IsParameterOf(const EffectSpec& spec, const std::string& name);
+
+// The problem with these effects; what the data cannot tell of them (Candidate::vague) has its widest prior.
+CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added);
+
+// Refitted from the model's own optimum: parameters, chi-square and degrees of freedom, by Gauss-Newton where that
+// converges and nothing becomes so uncertain that it has to be held. What is reported comes from JudgeFully.
+DiagnosedModel Extend(const DiagnosedModel& model, const std::vector<Candidate>& added, const JointOptions& options);
+
+}  // namespace sagitta

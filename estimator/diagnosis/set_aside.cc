@@ -1,0 +1,68 @@
+#include "estimator/diagnosis/set_aside.h"
+
+#include <algorithm>
+
+#include "estimator/diagnosis/noise_check.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kShareOfOutliers = 0.1;  // of the significance
+constexpr int kMostRounds = 12;           // each takes all above a twentieth of the worst (noise_check.cc)
+
+bool Replace(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* model) {
+  DiagnosedModel refit = RefitFully(problem, model->estimate, joint);
+  const bool usable = IsUsable(refit.estimate.status);
+  if (usable) *model = std::move(refit);
+  return usable;
+}
+
+}  // namespace
+
+void SetAside::FromFitted(DiagnosedModel* model) {
+  for (int round = 0; round < kMostRounds && Follow(*model, model); ++round) {
+  }
+}
+
+bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) {
+  const CalibrationProblem& seen = *extended.problem;
+  const ParameterSet& parameters = extended.estimate.parameters;
+  const double significance = kShareOfOutliers * significance_;
+  const std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
+  std::vector<int> out =
+      FindOutliers(seen, parameters, seen.CalibrationObservations(), significance, false, outliers_.size());
+  const auto came_back = [&](int i) { return returned_.count(i) > 0; };
+  out.erase(std::remove_if(out.begin(), out.end(), came_back), out.end());
+  if (back.empty() && out.empty()) return false;
+  CalibrationProblem problem = *baseline->problem;
+  for (const int i : back) problem.data.ExcludeRow(i, false);
+  for (const int i : out) problem.data.ExcludeRow(i);
+  if (!Replace(problem, joint_, baseline)) return false;
+  for (const int i : back) outliers_.erase(std::find(outliers_.begin(), outliers_.end(), i));
+  returned_.insert(back.begin(), back.end());
+  outliers_.insert(outliers_.end(), out.begin(), out.end());
+  return true;
+}
+
+void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final) {
+  CalibrationProblem cleaned = *final->problem;
+  std::vector<int> removed;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<int> outliers =
+        FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
+                     kShareOfOutliers * significance_, !lacks_nothing, removed.size());
+    if (outliers.empty()) break;
+    for (const int i : outliers) cleaned.data.ExcludeRow(i);
+    removed.insert(removed.end(), outliers.begin(), outliers.end());
+  }
+  if (removed.empty()) return;
+  CalibrationProblem before = *baseline->problem;
+  for (const int i : removed) before.data.ExcludeRow(i);
+  DiagnosedModel cleaned_baseline = *baseline;  // both or none: the gap compares the same rows
+  if (!Replace(before, joint_, &cleaned_baseline) || !Replace(cleaned, joint_, final)) return;
+  *baseline = std::move(cleaned_baseline);
+  outliers_.insert(outliers_.end(), removed.begin(), removed.end());
+  held_out_ = static_cast<int>(removed.size());
+}
+
+}  // namespace sagitta

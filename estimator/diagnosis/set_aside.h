@@ -1,0 +1,35 @@
+// Outliers: readings that no model of the robot gives, found beside the believed model and looked at again beside the
+// extended one.
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "estimator/diagnosis/diagnosed_model.h"
+
+namespace sagitta {
+
+class SetAside {
+ public:
+  SetAside(double significance, const JointOptions& joint) : significance_(significance), joint_(joint) {}
+
+  // Leaves out of the model what is an outlier to it, the worst first, and refits.
+  void FromFitted(DiagnosedModel* model);
+  // Readings that the extended model explains come back to the baseline, and stay; new ones leave. True: it changed.
+  bool Follow(const DiagnosedModel& extended, DiagnosedModel* baseline);
+  // Outliers among untouched rows say nothing of the model: other markers of their shot give them away, or, where the
+  // model lacks nothing, a reading that stands alone; no hold-out figure counts them.
+  void FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final);
+
+  const std::vector<int>& outliers() const { return outliers_; }
+  int held_out() const { return held_out_; }
+
+ private:
+  double significance_;
+  JointOptions joint_;
+  std::vector<int> outliers_;
+  std::set<int> returned_;  // that were some once
+  int held_out_ = 0;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,74 @@
+// One search over sets of explanations. A set's weight is its prior times its marginal likelihood; the moves are add,
+// drop and swap, each the conditioning of the same normal equations (sweep.h).
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "estimator/diagnosis/sweep.h"
+
+namespace sagitta {
+
+struct Explanation {
+  ColumnGroup group;
+  double share = 0.0;  // of the probability that something is missing; all of a list sum to 1
+  int excludes = 0;    // explanations of one number exclude each other: settings of one effect on one target
+};
+
+// nothing: no explanation holds. further: each one beside the first. P(set of m) = (1 - nothing) further^(m-1) m! times
+// the product of the shares: m draws in any order.
+struct SetPrior {
+  double nothing = 0.5;
+  double further = 0.3;
+
+  double Log(const std::vector<double>& shares) const;
+};
+
+struct WeightedSet {
+  std::vector<int> members;     // ascending
+  std::vector<double> scales;   // the best of each
+  double log_likelihood = 0.0;  // averaged over each member's scale beside the best of the others
+  double log_weight = 0.0;      // prior included
+};
+
+class SetSearch {
+ public:
+  SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
+            const ResidualLikelihood& likelihood);
+
+  // Sets within kWorthKeeping of the best, best first. The empty one is always among them.
+  std::vector<WeightedSet> Run();
+  // One set; scales start where they are given.
+  WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;
+  // Log weights of this set with each further explanation, averaged over its scale beside the best of the others;
+  // -infinity where it is excluded. scales: the best of each.
+  std::vector<double> Additions(const WeightedSet& given, std::vector<double>* scales = nullptr) const;
+
+ private:
+  using Key = std::vector<int>;
+
+  bool IsExcluded(const Key& members, int candidate) const;
+  std::vector<double> SharesOf(const Key& members) const;
+  void Expand(const WeightedSet& given);
+  // replaces: an evaluation, which is better than what an addition says.
+  void Record(WeightedSet set, bool replaces = false);
+  WeightedSet Settled(const WeightedSet& set);
+  WeightedSet Without(const WeightedSet& set, size_t member) const;
+  // Sweeps that swap or drop a member. True: a better set was found.
+  bool Exchange(const WeightedSet& set);
+  WeightedSet Climb(WeightedSet from);
+  const WeightedSet& Best() const;
+  double BestWeight() const { return Best().log_weight; }
+
+  const ProjectedNormal& normal_;
+  const std::vector<Explanation>& explanations_;
+  SetPrior prior_;
+  ResidualLikelihood likelihood_;
+  std::map<Key, WeightedSet> found_;
+  std::map<Key, bool> expanded_;
+  std::map<Key, bool> settled_;
+};
+
+constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best
+
+}  // namespace sagitta

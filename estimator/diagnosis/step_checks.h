@@ -1,0 +1,53 @@
+// What is asked of a step of the most probable set, from the same normal equations: what else would take its place, and
+// is it named and estimated alike on two disjoint halves of the data?
+#pragma once
+
+#include <vector>
+
+#include "estimator/diagnosis/posterior.h"
+
+namespace sagitta {
+
+struct Alternative {
+  EffectSpec spec;
+  double probability = 0.0;  // over all sets
+  double overlap = 0.0;      // share of the step's chi-square reduction that it reproduces
+};
+
+// Probability of each name in the step's place, given the others of the set: most probable first, the step's own
+// included, unnamed ones too.
+std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
+
+// Those of the catalogue with a probability of kWorthListing or more in the step's place.
+std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
+                                          const WeightedModel& model, int member,
+                                          const std::vector<NamedProbability>& in_place);
+constexpr double kWorthListing = 0.01;  // FORMATS section 6
+
+// Chi-square reduction of a member, given the others; and parameters that the data cannot tell: known no better than
+// before, to more than half of what the prior says.
+struct MemberFit {
+  double reduction = 0.0;
+  int parameters = 0;
+  std::vector<std::string> vague;  // coordinates
+};
+MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member);
+
+// The step's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the
+// others given; and what the half says of its parameters, in typical sizes.
+struct HalfResult {
+  double probability = 0.0;
+  std::string best;  // name that leads
+  Eigen::VectorXd values;
+  Eigen::MatrixXd covariance;
+};
+
+struct Confirmation {
+  std::vector<HalfResult> halves;
+  double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare
+};
+
+Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int member,
+                     const std::vector<NamedProbability>& in_place);
+
+}  // namespace sagitta

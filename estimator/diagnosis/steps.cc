@@ -1,0 +1,176 @@
+#include "estimator/diagnosis/steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/statistics/distributions.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kWorseBeyondChance = 0.01;
+constexpr size_t kFewHeldOut = 3;
+constexpr size_t kMostGroups = 5;  // FORMATS section 6
+
+// The spring whose torque moves the joint as the set's columns with their values do.
+EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, int member,
+                        const DiagnosedModel& lacking) {
+  const CalibrationProblem& problem = *lacking.problem;
+  EffectSpec spring = evidence.list().start[member];
+  const GroupValues values =
+      ValuesOf(evidence.views()[model.view].beside.normal, evidence.GroupsOf(model.set), model.set.scales);
+  long first = 0;
+  for (size_t k = 0; model.set.members[k] != member; ++k)
+    first += evidence.list().math[model.set.members[k]].group.size();
+  const ColumnGroup& group = evidence.list().math[member].group;
+  const Eigen::VectorXd coefficients = group.mixing * values.values.segment(first, group.size());
+  const Eigen::VectorXd turned = kTypicalTurn * evidence.columns().FunctionOf(group.columns) * coefficients;
+  const int joint = problem.robot.chain.FindJoint(spring.target);
+  std::vector<double> angles, torques;
+  const double compliance = ComplianceOf(lacking.estimate.parameters, spring.target);
+  for (const int i : problem.CalibrationObservations()) {
+    const int shot = problem.data.observations[i].shot;
+    angles.push_back(problem.shot_inputs[shot].conditions.q[joint]);
+    torques.push_back(turned[shot] / compliance);
+  }
+  const auto vector = [](const std::vector<double>& list) {
+    return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<long>(list.size()));
+  };
+  SeedSpring(vector(angles), vector(torques), &spring);
+  return spring;
+}
+
+// Squared untouched residuals per configuration, m^2; 0 of the others.
+Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* counts) {
+  const Measurements& data = model.problem->data;
+  const std::vector<int> held_out = data.PointsAmong(model.problem->ValidationObservations());
+  const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<long>(data.configurations.size()));
+  counts->assign(data.configurations.size(), 0);
+  for (size_t k = 0; k < held_out.size(); ++k) {
+    const Observation& observation = data.observations[held_out[k]];
+    const int c = data.shots[observation.shot].configuration;
+    squares[c] += (observation.point_in_station - predicted.col(static_cast<long>(k))).squaredNorm();
+    (*counts)[c] += 3;
+  }
+  return squares;
+}
+
+}  // namespace
+
+std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& model, const DiagnosedModel& lacking) {
+  const ExplanationList& list = evidence.list();
+  const SetSearch search(evidence.views()[model.view].beside.normal, list.math, evidence.prior(),
+                         evidence.LikelihoodOf(model.view));
+  const double whole = search.Evaluate(model.set.members, model.set.scales).log_weight;
+  std::vector<ChosenStep> steps;
+  for (size_t k = 0; k < model.set.members.size(); ++k) {
+    const int member = model.set.members[k];
+    if (list.IsUnnamed(member)) continue;
+    ChosenStep step;
+    step.explanation = member;
+    step.candidate = list.candidates[list.candidate[member]];
+    if (step.candidate.spec.effect == "gravity_compensator") {
+      step.candidate.spec = SeededSpring(evidence, model, member, lacking);
+    }
+    step.fit = FitOf(evidence, model, member);
+    step.candidate.vague = step.fit.vague;
+    std::vector<int> others = model.set.members;
+    std::vector<double> scales = model.set.scales;
+    others.erase(others.begin() + static_cast<long>(k));
+    scales.erase(scales.begin() + static_cast<long>(k));
+    step.loss = whole - search.Evaluate(others, scales).log_weight;
+    steps.push_back(std::move(step));
+  }
+  std::stable_sort(steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.loss > b.loss; });
+  return steps;
+}
+
+std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
+  std::vector<Candidate> candidates;
+  for (const ChosenStep& step : steps) candidates.push_back(step.candidate);
+  return candidates;
+}
+
+double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests) {
+  const double m = std::max(1, parameters);
+  const bool is_known = scatter <= 1.0 || dof <= 0;
+  const double p = is_known ? ChiSquareSurvival(reduction, m) : FSurvival(reduction / (m * scatter), m, dof);
+  return std::min(1.0, tests * p);
+}
+
+ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
+                         const ParameterSet& nominal) {
+  ParameterSet aligned = extended;
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
+  for (int i = 0; i < aligned.num_coordinates(); ++i) {
+    const std::string& name = aligned.coordinates()[i].name;
+    const bool is_shape = name.rfind("compensator/", 0) == 0 && name != "compensator/Kc";
+    const bool is_new = std::any_of(steps.begin(), steps.end(),
+                                    [&](const ChosenStep& step) { return IsParameterOf(step.candidate.spec, name); });
+    if (is_new && !is_shape) delta[i] = -aligned.Value(i);
+  }
+  aligned.Plus(delta);
+  aligned.CopyByName(nominal);
+  return aligned;
+}
+
+bool IsEstimated(const EffectSpec& spec, const Estimate& estimate) {
+  return std::any_of(estimate.table.begin(), estimate.table.end(),
+                     [&](const ParameterEstimate& row) { return row.free && IsParameterOf(spec, row.name); });
+}
+
+bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after) {
+  std::vector<int> counts;
+  const Eigen::VectorXd apart = HoldoutSquares(after, &counts) - HoldoutSquares(before, &counts);
+  if (std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; }) < static_cast<long>(kFewHeldOut)) {
+    return false;
+  }
+  return apart.sum() > NormalQuantile(1.0 - kWorseBeyondChance) * apart.norm();
+}
+
+bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {
+  if (!is_sigma_stated || model.estimate.validation.observations == 0) return false;
+  std::vector<int> counts;
+  HoldoutSquares(model, &counts);
+  const auto held_out = std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; });
+  if (held_out < static_cast<long>(kFewHeldOut)) return false;
+  // Rows of one configuration may share what they deviate by: three coordinates each count.
+  const double floor = model.estimate.noise_floor, rms = model.estimate.validation.rms;
+  return floor > 0.0 && ChiSquareSurvival(3.0 * static_cast<double>(held_out) * rms * rms / (floor * floor),
+                                          3.0 * static_cast<double>(held_out)) < 0.1 * significance;
+}
+
+std::vector<StepGroup> GroupSteps(const std::vector<DiagnosisStep>& steps, const DiagnosedModel& lacking,
+                                  const DiagnosedModel& baseline, const DiagnosedModel& final,
+                                  const JointOptions& joint) {
+  std::vector<StepGroup> groups;
+  for (size_t k = 0; k < steps.size(); ++k) {
+    const std::string& effect = steps[k].candidate.spec.effect;
+    auto own =
+        std::find_if(groups.begin(), groups.end(), [&](const StepGroup& group) { return group.effect == effect; });
+    if (own == groups.end() && groups.size() == kMostGroups) {
+      own = groups.end() - 1;
+      own->effect = "others";
+    }
+    if (own == groups.end()) own = groups.insert(groups.end(), StepGroup{effect, {}, kNotKnown});
+    own->steps.push_back(static_cast<int>(k));
+  }
+  if (baseline.estimate.validation.observations == 0) return groups;
+  std::vector<int> counts;
+  const double before = HoldoutSquares(baseline, &counts).sum(), all = before - HoldoutSquares(final, &counts).sum();
+  double last = before;
+  std::vector<Candidate> added;
+  for (size_t g = 0; g < groups.size() && all > 0.0; ++g) {
+    for (const int k : groups[g].steps) added.push_back(steps[static_cast<size_t>(k)].candidate);
+    const DiagnosedModel here = g + 1 == groups.size() ? final : Extend(lacking, added, joint);
+    if (!IsUsable(here.estimate.status)) continue;
+    const double now = HoldoutSquares(here, &counts).sum();
+    groups[g].share_of_gap = (last - now) / all;
+    last = now;
+  }
+  return groups;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,43 @@
+// From the most probable set to steps: effects in order of strength, refitted, and judged on untouched rows.
+#pragma once
+
+#include <vector>
+
+#include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/refit.h"
+
+namespace sagitta {
+
+struct ChosenStep {
+  int explanation = 0;
+  Candidate candidate;
+  MemberFit fit;
+  double loss = 0.0;  // of log weight where it is left out
+};
+
+// The catalogue's effects of the set, strongest first; a compensator starts from the spring of its shape that the data
+// ask for.
+std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& model, const DiagnosedModel& lacking);
+std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
+
+// P of a reduction by chance, the best of so many tests: chi-square in the noise at hand, F in units of the scatter
+// that is left (chi-square per degree of freedom, dof of them) where that is more.
+double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests);
+
+// What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
+// rate does nothing, whatever its shape.
+ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
+                         const ParameterSet& nominal);
+bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
+
+// Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
+// the scatter of the differences between configurations).
+bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);
+// Whether untouched rows scatter more than noise and parameters explain, beyond chance at this level.
+bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance);
+
+std::vector<StepGroup> GroupSteps(const std::vector<DiagnosisStep>& steps, const DiagnosedModel& lacking,
+                                  const DiagnosedModel& baseline, const DiagnosedModel& final,
+                                  const JointOptions& joint);
+
+}  // namespace sagitta

@@ -1,0 +1,18 @@
+// What one unit of an explanation is: the size that its effect typically has on a machine.
+#pragma once
+
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// m or rad where the rows excite it most, of an own effect that states none: as of geometric errors (frozen_geometry.cc).
+constexpr double kTypicalMotion = 3e-4;
+
+// Stated by the effects' definitions (EffectParameter::typical), SI, one per coordinate of `parameters`; of those that
+// are stated as a motion, what makes this motion where the rows excite it most. 0: no parameter of an effect, or one
+// that no row excites.
+std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters);
+
+}  // namespace sagitta

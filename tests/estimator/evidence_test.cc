@@ -1,0 +1,216 @@
+// The evidence of groups of columns against the marginal likelihood written out: determinant and inverse of the whole
+// covariance, integrals over what is not known by quadrature, sets by enumeration.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "estimator/diagnosis/evidence_score.h"
+#include "estimator/diagnosis/set_search.h"
+#include "estimator/diagnosis/sweep.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Eigen::MatrixXd Random(int rows, int cols, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  return Eigen::MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); });
+}
+
+// Believed columns, explanations, residual; and an orthonormal basis of what the believed ones leave.
+struct Small {
+  Eigen::MatrixXd believed, columns, left;
+  Eigen::VectorXd residual;
+
+  Small(int rows, int believed_columns, int explanations, unsigned seed)
+      : believed(Random(rows, believed_columns, seed)),
+        columns(Random(rows, explanations, seed + 1)),
+        residual(Random(rows, 1, seed + 2)) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(believed);
+    left = (qr.householderQ() * Eigen::MatrixXd::Identity(rows, rows)).rightCols(rows - believed_columns);
+  }
+
+  ProjectedNormal Normal() const {
+    const Eigen::MatrixXd a = left.transpose() * columns;
+    const Eigen::VectorXd r = left.transpose() * residual;
+    return {a.transpose() * a, a.transpose() * r, r.squaredNorm(), static_cast<double>(r.size())};
+  }
+
+  // Log density of the residual beside the believed columns, without (2 pi)^(-n/2), sigma times `factor`.
+  double LogDensity(const Eigen::MatrixXd& coefficients_root, double factor = 1.0) const {
+    const Eigen::MatrixXd a = left.transpose() * columns * coefficients_root;
+    const Eigen::VectorXd r = left.transpose() * residual;
+    const Eigen::MatrixXd covariance =
+        factor * factor * (Eigen::MatrixXd::Identity(r.size(), r.size()) + a * a.transpose());
+    return -0.5 * std::log(covariance.determinant()) - 0.5 * r.dot(covariance.inverse() * r);
+  }
+};
+
+double Integrate(const std::function<double(double)>& f, double from, double to) {
+  constexpr int kSteps = 20000;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) sum += f(from + (to - from) * (i + 0.5) / kSteps);
+  return sum * (to - from) / kSteps;
+}
+
+Eigen::MatrixXd Scaled(int size, double scale) { return scale * Eigen::MatrixXd::Identity(size, size); }
+
+TEST(EvidenceScore, IsTheMarginalLikelihoodOverThatOfNothing) {
+  for (const int count : {1, 3}) {
+    const Small small(12, 4, count, 5);
+    const ProjectedNormal normal = small.Normal();
+    const ResidualLikelihood known(normal.dof, kInfinity, 0.0);
+    for (const double scale : kScales) {
+      const GroupGain gain = GainOf(normal.information, normal.gradient, scale);
+      const double direct = small.LogDensity(Scaled(count, scale)) - small.LogDensity(Scaled(count, 0.0));
+      EXPECT_NEAR(known.Gain(normal.residual, gain), direct, 1e-9) << count << " columns at " << scale;
+    }
+  }
+}
+
+TEST(EvidenceScore, StudentIsTheGammaMixtureOfSigmas) {
+  const Small small(12, 4, 2, 9);
+  const ProjectedNormal normal = small.Normal();
+  const double nu = 7.0;
+  const ResidualLikelihood student(normal.dof, nu, 0.0);
+  const auto mixture = [&](double scale) {
+    return std::log(Integrate(
+        [&](double w) {  // 1 / f^2
+          const double prior = std::exp(0.5 * nu * std::log(0.5 * nu) - std::lgamma(0.5 * nu) +
+                                        (0.5 * nu - 1.0) * std::log(w) - 0.5 * nu * w);
+          return prior * std::exp(small.LogDensity(Scaled(2, scale), 1.0 / std::sqrt(w)));
+        },
+        1e-6, 12.0));
+  };
+  const GroupGain gain = GainOf(normal.information, normal.gradient, 0.3);
+  EXPECT_NEAR(student.Gain(normal.residual, gain), mixture(0.3) - mixture(0.0), 1e-6);
+  EXPECT_NEAR(student.Log(normal.residual), mixture(0.0), 1e-6);
+}
+
+TEST(EvidenceScore, AWrongSigmaIsAFactorEvenInItsLogarithm) {
+  const Small small(40, 4, 2, 3);
+  ProjectedNormal normal = small.Normal();
+  const double wrong = 0.2;
+  for (const double stretch : {1.0, 1.3, 9.0}) {
+    const double residual = stretch * normal.residual;
+    const ResidualLikelihood likelihood(normal.dof, kInfinity, wrong);
+    const double edge = std::log(kWidestFactor);
+    const double open = Integrate(
+        [&](double u) { return std::exp(-normal.dof * u - 0.5 * residual * std::exp(-2.0 * u)); }, -edge, edge);
+    const double stated = (1.0 - wrong) * std::exp(-0.5 * residual), other = wrong * open / (2.0 * edge);
+    EXPECT_NEAR(likelihood.Log(residual), std::log(stated + other), 1e-6) << stretch;
+    EXPECT_NEAR(likelihood.ProbabilityWrong(residual), other / (stated + other), 1e-6) << stretch;
+  }
+}
+
+TEST(EvidenceScore, NothingStatedDependsOnTheRatioAlone) {
+  const ResidualLikelihood open(30.0, 0.0, 0.1);
+  EXPECT_NEAR(open.Log(20.0) - open.Log(40.0), 15.0 * std::log(2.0), 1e-12);
+  EXPECT_NEAR(open.Log(2e-6) - open.Log(4e-6), 15.0 * std::log(2.0), 1e-9);
+  EXPECT_EQ(open.ProbabilityWrong(20.0), 0.0);
+}
+
+TEST(Sweep, IsWhatIsLeftBesideTheGivenGroups) {
+  const Small small(15, 3, 6, 21);
+  const ProjectedNormal normal = small.Normal();
+  ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, asked{{3, 0}, Random(2, 2, 78)};
+  const Sweep sweep(normal, {&first, &second}, {0.3, 2.0});
+  // The given groups' covariance as noise of the rows.
+  const Eigen::MatrixXd a = small.left.transpose() * small.columns;
+  const Eigen::VectorXd r = small.left.transpose() * small.residual;
+  const Eigen::MatrixXd one = 0.3 * a(Eigen::all, first.columns);
+  const Eigen::MatrixXd two = 2.0 * a(Eigen::all, second.columns) * second.mixing;
+  const Eigen::MatrixXd noise =
+      Eigen::MatrixXd::Identity(r.size(), r.size()) + one * one.transpose() + two * two.transpose();
+  const Eigen::MatrixXd own = a(Eigen::all, asked.columns) * asked.mixing;
+  EXPECT_LT((sweep.Information(asked) - own.transpose() * noise.inverse() * own).norm(), 1e-9);
+  EXPECT_LT((sweep.Gradient(asked) - own.transpose() * noise.inverse() * r).norm(), 1e-9);
+  EXPECT_NEAR(sweep.residual(), r.dot(noise.inverse() * r), 1e-9);
+  EXPECT_NEAR(sweep.log_det(), std::log(noise.determinant()), 1e-9);
+}
+
+TEST(Sweep, ValuesAreThoseOfRidgeRegression) {
+  const Small small(15, 3, 4, 23);
+  const ColumnGroup group{{0, 2, 3}, {}};
+  const GroupValues found = ValuesOf(small.Normal(), {&group}, {0.5});
+  const Eigen::MatrixXd a = small.left.transpose() * small.columns(Eigen::all, group.columns);
+  Eigen::MatrixXd rows(a.rows() + 3, 3);
+  rows << a, Eigen::MatrixXd::Identity(3, 3) / 0.5;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(rows.rows());
+  right.head(a.rows()) = -(small.left.transpose() * small.residual);
+  EXPECT_LT((found.values - rows.colPivHouseholderQr().solve(right)).norm(), 1e-9);
+  EXPECT_LT((found.covariance - (rows.transpose() * rows).inverse()).norm(), 1e-9);
+}
+
+// Every subset without two of one number, by its own evaluation.
+std::map<std::vector<int>, double> Enumerated(const SetSearch& search, const std::vector<Explanation>& list) {
+  std::map<std::vector<int>, double> weights;
+  for (int bits = 0; bits < 1 << list.size(); ++bits) {
+    std::vector<int> members;
+    std::map<int, int> taken;
+    for (size_t k = 0; k < list.size(); ++k) {
+      if ((bits >> k & 1) == 0) continue;
+      members.push_back(static_cast<int>(k));
+      ++taken[list[k].excludes];
+    }
+    const bool allowed = std::all_of(taken.begin(), taken.end(), [](const auto& entry) { return entry.second == 1; });
+    if (allowed) weights[members] = search.Evaluate(members).log_weight;
+  }
+  return weights;
+}
+
+// Two true causes, and one wide group that imitates both: greedy addition takes that one first.
+TEST(SetSearch, FindsWhatEnumerationFinds) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Small small(60, 3, 9, 100 * seed);
+    small.columns.col(6) = small.columns.col(0) + 0.6 * small.columns.col(6);
+    small.columns.col(7) = small.columns.col(1) + 0.6 * small.columns.col(7);
+    small.residual += 1.0 * small.columns.col(0) - 0.8 * small.columns.col(1);
+    std::vector<Explanation> list;
+    for (int k = 0; k < 6; ++k) list.push_back({{{k}, {}}, 0.12, k});
+    list.push_back({{{6, 7, 8}, {}}, 0.16, 6});
+    list.push_back({{{2, 3}, {}}, 0.12, 2});
+    const ProjectedNormal normal = small.Normal();
+    SetSearch search(normal, list, {0.5, 0.3}, ResidualLikelihood(normal.dof, kInfinity, 0.05));
+    const std::vector<WeightedSet> found = search.Run();
+    const std::map<std::vector<int>, double> all = Enumerated(search, list);
+    double sum = 0.0, kept = 0.0;
+    for (const auto& [members, weight] : all) sum += std::exp(weight - found[0].log_weight);
+    for (const WeightedSet& set : found) {
+      kept += std::exp(set.log_weight - found[0].log_weight);
+      EXPECT_NEAR(set.log_weight, all.at(set.members), 0.05) << "seed " << seed;
+      EXPECT_LE(set.log_weight, found[0].log_weight);
+    }
+    const auto best =
+        std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    EXPECT_EQ(found[0].members, best->first) << "seed " << seed;
+    EXPECT_GT(kept, 0.97 * sum) << "seed " << seed;
+  }
+}
+
+TEST(SetSearch, ThePriorIsThatOfDrawsInAnyOrder) {
+  const SetPrior prior{0.5, 0.3};
+  EXPECT_NEAR(prior.Log({}), std::log(0.5), 1e-12);
+  EXPECT_NEAR(prior.Log({0.1}), std::log(0.5 * 0.1), 1e-12);
+  EXPECT_NEAR(prior.Log({0.1, 0.2}), std::log(0.5 * 0.3 * 2.0 * 0.1 * 0.2), 1e-12);
+}
+
+// One scale for an explanation of one column: the average over all of them, exactly.
+TEST(SetSearch, AveragesOverTheScale) {
+  const Small small(20, 2, 1, 8);
+  const ProjectedNormal normal = small.Normal();
+  const std::vector<Explanation> list = {{{{0}, {}}, 1.0, 0}};
+  const SetSearch search(normal, list, {0.5, 0.3}, ResidualLikelihood(normal.dof, kInfinity, 0.0));
+  double sum = 0.0;
+  for (const double scale : kScales) sum += std::exp(small.LogDensity(Scaled(1, scale))) / kNumScales;
+  const double nothing = small.LogDensity(Scaled(1, 0.0));
+  EXPECT_NEAR(search.Evaluate({0}).log_weight - search.Evaluate({}).log_weight, std::log(sum) - nothing, 1e-9);
+}
+
+}  // namespace
+}  // namespace sagitta
