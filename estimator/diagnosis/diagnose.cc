@@ -165,6 +165,18 @@ class Session {
       d_.has_unexplained = true;
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     }
+    if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
+  }
+
+  // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline.
+  void FollowScatter() {
+    const Estimate& left = d_.final.estimate;
+    if (left.dof <= 0 || steps_.empty()) return;
+    const auto scaled = WithScaledSigmas(*lacking_.problem, std::sqrt(left.chi2 / left.dof));
+    const DiagnosedModel refit = RefitFully(scaled, lacking_.estimate, joint_);
+    if (!IsUsable(refit.estimate.status)) return;
+    lacking_ = refit;
+    d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
   }
 
   WeightedModel BestOfNothing() const {

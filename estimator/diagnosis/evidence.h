@@ -66,7 +66,8 @@ class Evidence {
   const PriorMasses& masses() const { return masses_; }
   // Multiplies weights by what the refits say, and normalises.
   void Reweigh(const std::function<double(const WeightedModel&)>& log_factor);
-  // That sigma is not what is stated, in a model.
+  bool IsSigmaStated() const { return sigma_dof_ > 0.0; }
+  // That sigma is not what is stated, in a model; 0 where nothing states it.
   double SigmaIsWrong(const WeightedModel& model) const;
   // Square of the residual that a model leaves.
   double ResidualOf(const WeightedModel& model) const;

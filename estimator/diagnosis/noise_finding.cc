@@ -33,7 +33,7 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
   if (view.kind == NoiseView::Kind::kPose) {
     with = WithRepeatability(with, std::hypot(view.sigma, MeanStated(problem)));
   }
-  if (problem.sigma_is_stated() && evidence.SigmaIsWrong(model) > kEvenOdds) {
+  if (evidence.SigmaIsWrong(model) > kEvenOdds) {
     const double residual = evidence.ResidualOf(model);
     with = WithScaledSigmas(with, evidence.LikelihoodOf(model.view).Factor(residual));
   }

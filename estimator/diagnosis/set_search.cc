@@ -166,6 +166,15 @@ WeightedSet SetSearch::Climb(WeightedSet from) {
   }
 }
 
+// What an addition says of a set keeps the others' scales: all that are kept are evaluated by themselves.
+void SetSearch::SettleAll() {
+  std::vector<WeightedSet> open;
+  for (const auto& [key, set] : found_) {
+    if (settled_.count(key) == 0 && set.log_weight > BestWeight() - kWorthKeeping) open.push_back(set);
+  }
+  for (const WeightedSet& set : open) Settled(set);
+}
+
 std::vector<WeightedSet> SetSearch::Run() {
   Record(Evaluate({}), true);
   if (!explanations_.empty()) {
@@ -183,6 +192,7 @@ std::vector<WeightedSet> SetSearch::Run() {
       Exchange(from);
     }
     Climb(Best());
+    SettleAll();
   }
   const double best = BestWeight();
   std::vector<WeightedSet> sets;

@@ -57,6 +57,7 @@ class SetSearch {
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
   WeightedSet Climb(WeightedSet from);
+  void SettleAll();
   const WeightedSet& Best() const;
   double BestWeight() const { return Best().log_weight; }
 

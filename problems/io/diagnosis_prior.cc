@@ -7,6 +7,10 @@
 namespace sagitta {
 
 PriorMasses ReadPriorMasses(const YamlValue& value) {
+  for (const auto& [key, entry] : value.Entries()) {
+    const bool is_parameter = key.find('/') != std::string::npos;
+    if (is_parameter) entry.Fail("'prior' has the masses of the diagnosis", "values of parameters stand in 'priors'");
+  }
   YamlMap map(value);
   PriorMasses prior;
   const auto read = [&](const char* key, double* mass) {
