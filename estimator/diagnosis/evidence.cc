@@ -13,6 +13,8 @@ constexpr double kSettled = 0.03;  // of log sigma
 // A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
+// Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
+constexpr size_t kMostModels = 1000;
 // A deviation that follows the pose in its own way is one family of unnamed functions among about ten
 // (explanations.cc).
 constexpr double kOfUnnamed = 0.1;
@@ -148,11 +150,16 @@ void Evidence::Search(ViewedNormal viewed) {
   const NoiseView& view = views_.back().view;
   const BesideBelieved& beside = views_.back().beside;
   SetSearch search(beside.normal, list_.math, prior_, LikelihoodOf(index));
-  for (WeightedSet& set : search.Run()) {
+  const WeightedSet start = models_.empty() ? WeightedSet() : models_[0].set;
+  for (WeightedSet& set : search.Run(start)) {
     const double weight = set.log_weight + beside.log_constant + view.log_prior;
     models_.push_back({index, std::move(set), 0.0, weight});
   }
   Normalise(&models_);
+  if (models_.size() > kMostModels) {
+    models_.resize(kMostModels);
+    Normalise(&models_);
+  }
 }
 
 void Evidence::Reweigh(const std::function<double(const WeightedModel&)>& log_factor) {
@@ -167,7 +174,11 @@ std::vector<const ColumnGroup*> Evidence::GroupsOf(const WeightedSet& set) const
 }
 
 double Evidence::ResidualOf(const WeightedModel& model) const {
-  return Sweep(views_[model.view].beside.normal, GroupsOf(model.set), model.set.scales).residual();
+  const ProjectedNormal& normal = views_[model.view].beside.normal;
+  if (model.set.members.empty()) return normal.residual;
+  Members members(normal, GroupsOf(model.set));
+  members.Condition(model.set.scales);
+  return members.residual();
 }
 
 double Evidence::SigmaIsWrong(const WeightedModel& model) const {

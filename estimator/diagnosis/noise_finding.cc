@@ -10,6 +10,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kEvenOdds = 0.5;
+constexpr double kNearlyAll = 0.999;  // of the probability: best models first
 
 double MeanStated(const CalibrationProblem& stated) {
   double sum = 0.0;
@@ -46,7 +47,10 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   noise.is_stated = stated.sigma_is_stated() && stated.experiment.noise.from != NoiseSpec::From::kVarianceComponents;
   noise.asks_repeatability = stated.experiment.repeatability.IsEstimated();
   noise.is_told_from_pose = evidence.columns().HasRevisits();
+  double seen = 0.0;
   for (const WeightedModel& each : evidence.models()) {
+    if (seen > kNearlyAll) break;
+    seen += each.probability;
     const bool other = evidence.views()[each.view].view.kind == NoiseView::Kind::kVisit;
     noise.probability += each.probability * (other ? 1.0 : evidence.SigmaIsWrong(each));
   }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -31,12 +34,32 @@ struct Changed {
   }
 };
 
-std::string Leading(const Posterior& posterior) {
-  if (posterior.Something() < 0.5) return "nothing is missing";
-  if (posterior.sets.empty()) return "";
-  std::string words;
-  for (const std::string& name : posterior.sets[0].names) words += (words.empty() ? "" : " and ") + name;
-  return words.empty() ? "something without a name" : words;
+constexpr size_t kMostNames = 3;  // in words
+
+struct Leading {
+  bool is_something = false;
+  std::set<std::string> names;
+
+  bool operator==(const Leading& other) const { return is_something == other.is_something && names == other.names; }
+};
+
+Leading LeadingOf(const Posterior& posterior) {
+  if (posterior.Something() < 0.5 || posterior.sets.empty()) return {};
+  return {true, posterior.sets[0].names};
+}
+
+std::string ListedWithout(const std::set<std::string>& names, const std::set<std::string>& others) {
+  std::vector<std::string> own;
+  std::set_difference(names.begin(), names.end(), others.begin(), others.end(), std::back_inserter(own));
+  return own.empty() ? "" : Enumerate(own, kMostNames);
+}
+
+std::string InWords(const Leading& now, const Leading& then) {
+  if (!then.is_something) return "nothing is missing";
+  const std::string more = ListedWithout(then.names, now.names), less = ListedWithout(now.names, then.names);
+  if (more.empty() && less.empty()) return "something without a name";
+  if (less.empty()) return "also " + more;
+  return more.empty() ? "without " + less : more + " instead of " + less;
 }
 
 }  // namespace
@@ -95,7 +118,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
 }
 
 std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior) {
-  const std::string now = Leading(posterior);
+  const Leading now = LeadingOf(posterior);
   std::vector<std::string> flips;
   for (const double factor : {kThreefold, 1.0 / kThreefold}) {
     const Changed changes[] = {{"nothing", factor, 1.0, 1.0, 1.0},
@@ -106,10 +129,10 @@ std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& po
       std::vector<WeightedModel> changed = evidence.models();
       for (WeightedModel& model : changed) model.log_weight += change.LogFactor(evidence, model);
       Normalise(&changed);
-      const std::string then = Leading(PosteriorOf(evidence, changed));
+      const Leading then = LeadingOf(PosteriorOf(evidence, changed));
       if (then == now) continue;
       flips.push_back(std::string("With a prior of '") + change.words + "' three times as " +
-                      (factor > 1.0 ? "large" : "small") + ": " + then + " instead of " + now + ".");
+                      (factor > 1.0 ? "large" : "small") + ": " + InWords(now, then) + ".");
     }
   }
   return flips;

@@ -32,7 +32,9 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   for (const Candidate& candidate : added) {
     for (const std::string& name : candidate.vague) {
       const int i = problem.parameters.FindCoordinate(name);
-      problem.parameters.coordinate(i).prior_sigma = kScales[kNumScales - 1] * sizes[i];
+      Coordinate& coordinate = problem.parameters.coordinate(i);
+      coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it
+      if (coordinate.free) coordinate.prior_sigma = kScales[kNumScales - 1] * sizes[i];
     }
   }
   const bool adds_spring = std::any_of(added.begin(), added.end(), [](const Candidate& candidate) {

@@ -12,6 +12,9 @@ constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr double kWorthExploring = 4.0;
 constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
+constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
+constexpr double kUnsettled = 1e-3;  // of the probability: a tenth of what is reported
+constexpr int kMostSettled = 100;    // where a hundred sets share it, each has about a hundredth
 
 }  // namespace
 
@@ -38,63 +41,117 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
   return shares;
 }
 
-// Coordinate ascent over the scales: each member's beside the others at theirs, by a sweep with those.
-WeightedSet SetSearch::Evaluate(const std::vector<int>& members, const std::vector<double>& scales) const {
-  WeightedSet set{members, scales, likelihood_.Log(normal_.residual), 0.0};
-  if (set.scales.size() != members.size()) set.scales.assign(members.size(), 1.0);
-  for (int round = 0; round < kScaleRounds && !members.empty(); ++round) {
-    const std::vector<double> before = set.scales;
-    double averages = 0.0;  // of each member's scales, over its best
-    for (size_t k = 0; k < members.size(); ++k) {
-      std::vector<const ColumnGroup*> others;
-      std::vector<double> theirs;
-      for (size_t i = 0; i < members.size(); ++i) {
-        if (i == k) continue;
-        others.push_back(&explanations_[members[i]].group);
-        theirs.push_back(set.scales[i]);
-      }
-      const SmallSweep given(normal_, others, theirs, explanations_[members[k]].group);
-      std::vector<double> logs;
-      for (const double scale : kScales) {
-        const GroupGain gain = GainOf(given.information, given.gradient, scale);
-        logs.push_back(likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
-      }
-      const auto best = std::max_element(logs.begin(), logs.end());
-      set.scales[k] = kScales[best - logs.begin()];
-      set.log_likelihood = *best;
-      averages += LogSumExp(logs) - std::log(kNumScales) - *best;
+// Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
+WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
+  WeightedSet set{given_members, scales, likelihood_.Log(normal_.residual), 0.0};
+  if (set.scales.size() != set.members.size()) set.scales.assign(set.members.size(), 1.0);
+  Members members(normal_, GroupsOf(set.members));
+  std::vector<double> logs(kNumScales);
+  const auto weigh = [&](size_t k) {
+    const GivenOthers given = members.Of(k);
+    for (int s = 0; s < kNumScales; ++s) {
+      const GroupGain gain = GainOf(given.information, given.gradient, kScales[s]);
+      logs[s] = likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det);
     }
-    if (set.scales == before || members.size() == 1 || round + 1 == kScaleRounds) {
-      set.log_likelihood += averages;
-      break;
+    return std::max_element(logs.begin(), logs.end()) - logs.begin();
+  };
+  if (!set.members.empty()) members.Condition(set.scales);
+  bool moved = true;
+  for (int round = 0; moved && round < kScaleRounds; ++round) {
+    moved = false;
+    for (size_t k = 0; k < set.members.size(); ++k) {
+      const double best = kScales[weigh(k)];
+      if (best == set.scales[k]) continue;
+      set.scales[k] = best;
+      members.Condition(set.scales);
+      moved = true;
     }
   }
-  set.log_weight = set.log_likelihood + prior_.Log(SharesOf(members));
+  if (!set.members.empty() && set.members.size() <= kAveragedTogether) {
+    set.log_likelihood = AverageOverScales(&members, set.scales);
+  } else {
+    double averages = 0.0;  // of each member's scales, over its best
+    for (size_t k = 0; k < set.members.size(); ++k) {
+      set.log_likelihood = logs[weigh(k)];
+      averages += LogSumExp(logs) - std::log(kNumScales) - set.log_likelihood;
+    }
+    set.log_likelihood += averages;
+  }
+  set.log_weight = set.log_likelihood + prior_.Log(SharesOf(set.members));
   return set;
 }
 
-std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
+// Over all combinations: conditioned on the scales of all but the last, each of the last.
+double SetSearch::AverageOverScales(Members* members, std::vector<double> scales) const {
+  const size_t last = scales.size() - 1;
+  std::vector<int> at(last, 0);
+  std::vector<double> logs;
+  while (true) {
+    for (size_t k = 0; k < last; ++k) scales[k] = kScales[at[k]];
+    members->Condition(scales);
+    const GivenOthers given = members->Of(last);
+    for (const double scale : kScales) {
+      const GroupGain gain = GainOf(given.information, given.gradient, scale);
+      logs.push_back(likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
+    }
+    size_t next = 0;
+    while (next < last && ++at[next] == kNumScales) at[next++] = 0;
+    if (next == last) break;
+  }
+  return LogSumExp(logs) - std::log(static_cast<double>(logs.size()));
+}
+
+std::vector<const ColumnGroup*> SetSearch::GroupsOf(const std::vector<int>& members) const {
   std::vector<const ColumnGroup*> groups;
-  for (const int m : given.members) groups.push_back(&explanations_[m].group);
-  const Sweep sweep(normal_, groups, given.scales);
+  for (const int m : members) groups.push_back(&explanations_[m].group);
+  return groups;
+}
+
+const SetSearch::Own& SetSearch::OwnOf(size_t candidate) const {
+  if (own_.empty()) own_.resize(explanations_.size());
+  Own& own = own_[candidate];
+  if (own.gradient.size() == 0) {
+    own = {OwnInformation(normal_, explanations_[candidate].group),
+           OwnGradient(normal_, explanations_[candidate].group)};
+  }
+  return own;
+}
+
+double SetSearch::AverageGain(const Own& own, double residual, double* scale) const {
+  std::vector<double> logs(kNumScales);
+  for (int s = 0; s < kNumScales; ++s) {
+    logs[s] = likelihood_.Gain(residual, GainOf(own.information, own.gradient, kScales[s]));
+  }
+  *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
+  return LogSumExp(logs) - std::log(kNumScales);
+}
+
+std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
+  const Sweep sweep(normal_, GroupsOf(given.members), given.scales);
   std::vector<double> shares = SharesOf(given.members);
   shares.push_back(1.0);
   const double base = given.log_likelihood + prior_.Log(shares);
   std::vector<double> weights(explanations_.size(), kNever);
   if (scales != nullptr) scales->assign(explanations_.size(), 1.0);
-  std::vector<double> logs(kNumScales);
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(given.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
-    const Eigen::MatrixXd information = sweep.Information(candidate.group);
-    const Eigen::VectorXd gradient = sweep.Gradient(candidate.group);
-    for (int s = 0; s < kNumScales; ++s) {
-      logs[s] = likelihood_.Gain(sweep.residual(), GainOf(information, gradient, kScales[s]));
-    }
-    weights[k] = base + LogSumExp(logs) - std::log(kNumScales) + std::log(candidate.share);
-    if (scales != nullptr) (*scales)[k] = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
+    double scale = 1.0;
+    weights[k] =
+        base + AverageGain(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
+    if (scales != nullptr) (*scales)[k] = scale;
   }
   return weights;
+}
+
+// A candidate's own, given the groups of a sweep.
+SetSearch::Own SetSearch::Left(const Sweep& sweep, size_t candidate) const {
+  Own own = OwnOf(candidate);
+  if (sweep.taken().size() == 0) return own;
+  const Eigen::MatrixXd taken = sweep.Taken(explanations_[candidate].group);
+  own.information.noalias() -= taken.transpose() * taken;
+  own.gradient.noalias() -= taken.transpose() * sweep.taken();
+  return own;
 }
 
 void SetSearch::Record(WeightedSet set, bool replaces) {
@@ -118,16 +175,17 @@ void SetSearch::Expand(const WeightedSet& given) {
   const std::vector<double> weights = Additions(given, &scales);
   const double most = std::max(BestWeight(), *std::max_element(weights.begin(), weights.end()));
   for (size_t k = 0; k < weights.size(); ++k) {
-    if (weights[k] < most - kWorthKeeping) continue;
-    WeightedSet grown = given;
-    const auto at =
-        std::lower_bound(grown.members.begin(), grown.members.end(), static_cast<int>(k)) - grown.members.begin();
-    grown.members.insert(grown.members.begin() + at, static_cast<int>(k));
-    grown.scales.insert(grown.scales.begin() + at, scales[k]);
-    grown.log_weight = weights[k];
-    grown.log_likelihood = weights[k] - prior_.Log(SharesOf(grown.members));
-    Record(std::move(grown));
+    if (weights[k] >= most - kWorthKeeping) RecordGrown(given, static_cast<int>(k), scales[k], weights[k]);
   }
+}
+
+void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double log_weight) {
+  const auto at = std::lower_bound(set.members.begin(), set.members.end(), candidate) - set.members.begin();
+  set.members.insert(set.members.begin() + at, candidate);
+  set.scales.insert(set.scales.begin() + at, scale);
+  set.log_weight = log_weight;
+  set.log_likelihood = log_weight - prior_.Log(SharesOf(set.members));
+  Record(std::move(set));
 }
 
 WeightedSet SetSearch::Without(const WeightedSet& set, size_t member) const {
@@ -145,11 +203,48 @@ const WeightedSet& SetSearch::Best() const {
       ->second;
 }
 
+// Every member's place for every candidate, by one sweep with all members: each is taken out of what is left of the
+// candidates, at the others' scales.
 bool SetSearch::Exchange(const WeightedSet& set) {
+  if (set.members.empty() || !exchanged_.emplace(set.members, true).second) return false;
+  const Sweep sweep(normal_, GroupsOf(set.members), set.scales);
+  std::vector<WeightedSet> without;
+  std::vector<Sweep::WithoutOne> sweeps;
+  std::vector<double> bases;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    const WeightedSet without = Without(set, m);
-    Record(without);
-    Expand(without);
+    without.push_back(Without(set, m));
+    Record(without.back());
+    sweeps.push_back(sweep.Without(m));
+    std::vector<double> shares = SharesOf(without.back().members);
+    shares.push_back(1.0);
+    bases.push_back(without.back().log_likelihood + prior_.Log(shares));
+  }
+  struct Swap {
+    size_t member;
+    int candidate;
+    double scale, log_weight;
+  };
+  std::vector<Swap> swaps;
+  double most = BestWeight();
+  for (size_t k = 0; k < explanations_.size(); ++k) {
+    if (!(explanations_[k].share > 0.0)) continue;
+    const Own given_all = Left(sweep, k);
+    for (size_t m = 0; m < set.members.size(); ++m) {
+      if (set.members[m] == static_cast<int>(k) || IsExcluded(without[m].members, static_cast<int>(k))) continue;
+      const Eigen::MatrixXd back = ColumnsOf(explanations_[k].group, sweeps[m].root);
+      const Own own{given_all.information + back.transpose() * back,
+                    given_all.gradient + back.transpose() * sweeps[m].along};
+      double scale = 1.0;
+      const double gain = AverageGain(own, sweeps[m].residual, &scale);
+      const double weight = bases[m] + gain + std::log(explanations_[k].share);
+      if (weight < most - kWorthKeeping) continue;
+      most = std::max(most, weight);
+      swaps.push_back({m, static_cast<int>(k), scale, weight});
+    }
+  }
+  for (const Swap& swap : swaps) {
+    if (swap.log_weight < most - kWorthKeeping) continue;
+    RecordGrown(without[swap.member], swap.candidate, swap.scale, swap.log_weight);
   }
   return Best().members != set.members;
 }
@@ -166,19 +261,31 @@ WeightedSet SetSearch::Climb(WeightedSet from) {
   }
 }
 
-// What an addition says of a set keeps the others' scales: all that are kept are evaluated by themselves.
+// What an addition says of a set keeps the others' scales: the most probable sets are evaluated by themselves, all but
+// kUnsettled of the probability, and no more than kMostSettled.
 void SetSearch::SettleAll() {
-  std::vector<WeightedSet> open;
-  for (const auto& [key, set] : found_) {
-    if (settled_.count(key) == 0 && set.log_weight > BestWeight() - kWorthKeeping) open.push_back(set);
+  for (int count = 0; count < kMostSettled; ++count) {
+    const WeightedSet* next = nullptr;
+    double all = 0.0, open = 0.0;
+    const double best = BestWeight();
+    for (const auto& [key, set] : found_) {
+      const double weight = std::exp(set.log_weight - best);
+      all += weight;
+      if (settled_.count(key) > 0) continue;
+      open += weight;
+      if (next == nullptr || set.log_weight > next->log_weight) next = &set;
+    }
+    if (open <= kUnsettled * all) return;
+    Settled(WeightedSet(*next));
   }
-  for (const WeightedSet& set : open) Settled(set);
 }
 
-std::vector<WeightedSet> SetSearch::Run() {
+std::vector<WeightedSet> SetSearch::Run(const WeightedSet& start) {
   Record(Evaluate({}), true);
+  if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   if (!explanations_.empty()) {
-    Climb(found_.at({}));
+    Expand(found_.at({}));
+    Climb(start.members.empty() ? found_.at({}) : found_.at(start.members));
     for (int explored = 0; explored < kMostExplored; ++explored) {
       const double best = BestWeight();
       const WeightedSet* next = nullptr;

@@ -27,7 +27,7 @@ struct SetPrior {
 struct WeightedSet {
   std::vector<int> members;     // ascending
   std::vector<double> scales;   // the best of each
-  double log_likelihood = 0.0;  // averaged over each member's scale beside the best of the others
+  double log_likelihood = 0.0;  // averaged over the scales (of more than three members: each beside the best)
   double log_weight = 0.0;      // prior included
 };
 
@@ -36,8 +36,8 @@ class SetSearch {
   SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
             const ResidualLikelihood& likelihood);
 
-  // Sets within kWorthKeeping of the best, best first. The empty one is always among them.
-  std::vector<WeightedSet> Run();
+  // Sets within kWorthKeeping of the best, best first; the empty one is always among them. start: a set to climb from.
+  std::vector<WeightedSet> Run(const WeightedSet& start = {});
   // One set; scales start where they are given.
   WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;
   // Log weights of this set with each further explanation, averaged over its scale beside the best of the others;
@@ -49,7 +49,19 @@ class SetSearch {
 
   bool IsExcluded(const Key& members, int candidate) const;
   std::vector<double> SharesOf(const Key& members) const;
+  // A candidate's normal equations, in units of its typical sizes.
+  struct Own {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd gradient;
+  };
+  std::vector<const ColumnGroup*> GroupsOf(const Key& members) const;
+  double AverageOverScales(Members* members, std::vector<double> scales) const;
+  const Own& OwnOf(size_t candidate) const;
+  Own Left(const Sweep& sweep, size_t candidate) const;
+  // Log of the evidence that it adds to a residual of this square, averaged over its scale.
+  double AverageGain(const Own& own, double residual, double* scale) const;
   void Expand(const WeightedSet& given);
+  void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
   void Record(WeightedSet set, bool replaces = false);
   WeightedSet Settled(const WeightedSet& set);
@@ -68,6 +80,8 @@ class SetSearch {
   std::map<Key, WeightedSet> found_;
   std::map<Key, bool> expanded_;
   std::map<Key, bool> settled_;
+  std::map<Key, bool> exchanged_;
+  mutable std::vector<Own> own_;  // as they are asked for
 };
 
 constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best

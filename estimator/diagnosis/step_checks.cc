@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kRank = 1e-6;          // of the largest eigenvalue: directions below are rounding
 constexpr double kHardlyTold = 0.5;     // of the prior variance that is left
+constexpr double kTakesItsPlace = 0.5;  // of what the step explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
 WeightedSet Without(const Evidence& evidence, const WeightedModel& model, int member) {
@@ -109,6 +110,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
     const double overlap = across.dot(Solve(Tell(both.bottomRightCorner(m, m)), across)) / size;
+    if (overlap < kTakesItsPlace) continue;  // it would be added, not put in its place
     alternatives.push_back(
         {evidence.list().start[rival.explanation], posterior.Of(rival.name), std::min(1.0, overlap)});
   }

@@ -28,61 +28,112 @@ Eigen::MatrixXd RowsOf(const std::vector<const ColumnGroup*>& groups, const std:
 
 }  // namespace
 
-Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
-             const std::vector<double>& scales)
-    : normal_(normal), residual_(normal.residual) {
-  if (given.empty()) return;
-  root_ = RowsOf(given, scales, normal.information);
-  Eigen::MatrixXd inner = RowsOf(given, scales, root_.transpose());
-  inner.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> factor(inner);
-  factor.matrixL().solveInPlace(root_);
-  along_ = factor.matrixL().solve(RowsOf(given, scales, normal.gradient));
-  residual_ -= along_.squaredNorm();
-  log_det_ = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
+  if (group.mixing.size() == 0) return matrix(Eigen::all, group.columns);
+  return matrix(Eigen::all, group.columns) * group.mixing;
 }
 
-Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
-  Eigen::MatrixXd block = normal_.information(group.columns, group.columns);
-  if (root_.rows() > 0) {
-    const Eigen::MatrixXd own = root_(Eigen::all, group.columns);
-    block.noalias() -= own.transpose() * own;
-  }
+Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group) {
+  const Eigen::MatrixXd block = normal.information(group.columns, group.columns);
   if (group.mixing.size() == 0) return block;
   return group.mixing.transpose() * block * group.mixing;
 }
 
-Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const {
-  Eigen::VectorXd gradient = normal_.gradient(group.columns);
-  if (root_.rows() > 0) gradient.noalias() -= root_(Eigen::all, group.columns).transpose() * along_;
-  if (group.mixing.size() == 0) return gradient;
-  return group.mixing.transpose() * gradient;
+Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group) {
+  const Eigen::VectorXd own = normal.gradient(group.columns);
+  if (group.mixing.size() == 0) return own;
+  return group.mixing.transpose() * own;
 }
 
-SmallSweep::SmallSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
-                       const std::vector<double>& scales, const ColumnGroup& asked) {
-  // Columns of all groups alone; then as ever.
-  std::vector<int> needed = asked.columns;
-  for (const ColumnGroup* group : given) needed.insert(needed.end(), group->columns.begin(), group->columns.end());
-  std::sort(needed.begin(), needed.end());
-  needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
-  const auto at = [&](ColumnGroup group) {
-    for (int& column : group.columns) {
-      column = static_cast<int>(std::lower_bound(needed.begin(), needed.end(), column) - needed.begin());
+Members::Members(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups)
+    : first_(1, 0), residual_given_none_(normal.residual) {
+  for (const ColumnGroup* group : groups) first_.push_back(first_.back() + group->size());
+  information_.resize(first_.back(), first_.back());
+  gradient_.resize(first_.back());
+  for (size_t i = 0; i < groups.size(); ++i) {
+    gradient_.segment(first_[i], groups[i]->size()) = OwnGradient(normal, *groups[i]);
+    for (size_t j = 0; j <= i; ++j) {
+      Eigen::MatrixXd block = normal.information(groups[i]->columns, groups[j]->columns);
+      if (groups[j]->mixing.size() > 0) block = block * groups[j]->mixing;
+      if (groups[i]->mixing.size() > 0) block = groups[i]->mixing.transpose() * block;
+      information_.block(first_[i], first_[j], block.rows(), block.cols()) = block;
+      information_.block(first_[j], first_[i], block.cols(), block.rows()) = block.transpose();
     }
-    return group;
-  };
-  const ProjectedNormal few{normal.information(needed, needed), normal.gradient(needed), normal.residual, normal.dof};
-  std::vector<ColumnGroup> placed;
-  for (const ColumnGroup* group : given) placed.push_back(at(*group));
-  std::vector<const ColumnGroup*> groups;
-  for (const ColumnGroup& group : placed) groups.push_back(&group);
-  const Sweep sweep(few, groups, scales);
-  const ColumnGroup own = at(asked);
-  information = sweep.Information(own);
-  gradient = sweep.Gradient(own);
-  residual = sweep.residual();
-  log_det = sweep.log_det();
+  }
+}
+
+void Members::Condition(const std::vector<double>& scales) {
+  scales_ = scales;
+  Eigen::VectorXd diagonal(num_columns());
+  for (size_t k = 0; k < scales.size(); ++k) diagonal.segment(first_[k], first_[k + 1] - first_[k]).setConstant(scales[k]);
+  Eigen::MatrixXd inner = diagonal.asDiagonal() * information_ * diagonal.asDiagonal();
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(inner);
+  factor_ = root.matrixL();
+  inverse_ = root.solve(Eigen::MatrixXd::Identity(num_columns(), num_columns()));
+  const Eigen::VectorXd along = diagonal.cwiseProduct(gradient_);
+  solved_ = root.solve(along);
+  residual_ = residual_given_none_ - along.dot(solved_);
+  log_det_ = 2.0 * factor_.diagonal().array().log().sum();
+}
+
+GivenOthers Members::Of(size_t group) const {
+  const long first = first_[group], size = first_[group + 1] - first;
+  const Eigen::LLT<Eigen::MatrixXd> root(inverse_.block(first, first, size, size));
+  const Eigen::VectorXd own = solved_.segment(first, size);
+  const double scale = scales_[group];
+  GivenOthers given;
+  given.information = root.solve(Eigen::MatrixXd::Identity(size, size));
+  given.information.diagonal().array() -= 1.0;
+  given.information /= scale * scale;
+  given.gradient = root.solve(own) / scale;
+  given.residual = residual_ + own.dot(root.solve(own));
+  given.log_det = log_det_ + 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  return given;
+}
+
+Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
+             const std::vector<double>& scales)
+    : normal_(normal), members_(normal, given), residual_(normal.residual) {
+  if (given.empty()) return;
+  members_.Condition(scales);
+  root_ = RowsOf(given, scales, normal.information);
+  const auto lower = members_.factor_.triangularView<Eigen::Lower>();
+  lower.solveInPlace(root_);
+  along_ = lower.solve(RowsOf(given, scales, normal.gradient)).col(0);
+  residual_ -= along_.squaredNorm();
+  log_det_ = members_.log_det_;
+}
+
+Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const { return ColumnsOf(group, root_); }
+
+Eigen::MatrixXd Sweep::Information(const ColumnGroup& group) const {
+  Eigen::MatrixXd own = OwnInformation(normal_, group);
+  if (root_.rows() == 0) return own;
+  const Eigen::MatrixXd taken = Taken(group);
+  own.noalias() -= taken.transpose() * taken;
+  return own;
+}
+
+Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const {
+  Eigen::VectorXd own = OwnGradient(normal_, group);
+  if (root_.rows() > 0) own.noalias() -= Taken(group).transpose() * along_;
+  return own;
+}
+
+Sweep::WithoutOne Sweep::Without(size_t group) const {
+  const long first = members_.first_[group], size = members_.first_[group + 1] - first;
+  const Eigen::LLT<Eigen::MatrixXd> own(members_.inverse_.block(first, first, size, size));
+  // Rows of L^-T of the group alone.
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(root_.rows(), size);
+  rows.middleRows(first, size).setIdentity();
+  members_.factor_.triangularView<Eigen::Lower>().solveInPlace(rows);
+  WithoutOne without;
+  without.root = own.matrixL().solve(rows.transpose() * root_);
+  without.along = own.matrixL().solve(members_.solved_.segment(first, size));
+  without.residual = residual_ + without.along.squaredNorm();
+  without.log_det = log_det_ + 2.0 * own.matrixLLT().diagonal().array().log().sum();
+  return without;
 }
 
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,

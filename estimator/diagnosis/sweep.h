@@ -21,7 +21,39 @@ struct ColumnGroup {
   int size() const { return static_cast<int>(mixing.size() > 0 ? mixing.cols() : static_cast<long>(columns.size())); }
 };
 
-// Given groups and the scale of each.
+// One more group given others, or without one of them: what GainOf needs and what the evidence is without it.
+struct GivenOthers {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+  double residual = 0.0, log_det = 0.0;
+};
+
+// Groups among themselves, for any scales: with D = diag(s), t = Q^-1 D M'g,
+//
+//   Q = I + D M'GM D;   of group k given the others:  I + s_k^2 G_k = ((Q^-1)_kk)^-1,  s_k g_k = ((Q^-1)_kk)^-1 t_k
+class Members {
+ public:
+  Members(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups);
+
+  void Condition(const std::vector<double>& scales);
+  GivenOthers Of(size_t group) const;
+  double residual() const { return residual_; }
+  int num_columns() const { return static_cast<int>(gradient_.size()); }
+
+ private:
+  friend class Sweep;
+
+  std::vector<long> first_;  // column of each, and the end
+  Eigen::MatrixXd information_;
+  Eigen::VectorXd gradient_;
+  double residual_given_none_;
+  std::vector<double> scales_;
+  Eigen::MatrixXd factor_, inverse_;  // L and Q^-1
+  Eigen::VectorXd solved_;            // t
+  double residual_ = 0.0, log_det_ = 0.0;
+};
+
+// All other columns given groups and the scale of each.
 class Sweep {
  public:
   Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given, const std::vector<double>& scales);
@@ -29,27 +61,35 @@ class Sweep {
   // Of one more group, given those.
   Eigen::MatrixXd Information(const ColumnGroup& group) const;
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
+  // What conditioning takes from a group's own:  X'X and X'x.
+  Eigen::MatrixXd Taken(const ColumnGroup& group) const;  // X
+  const Eigen::VectorXd& taken() const { return along_; }  // x
   double residual() const { return residual_; }
   double log_det() const { return log_det_; }
 
+  // Given all but one of the groups: with T = L^-T W, C = (Q^-1)_kk,
+  //
+  //   G += T_k' C^-1 T_k,   g += T_k' C^-1 t_k,   R += t_k' C^-1 t_k,   log |Q| += log |C|
+  struct WithoutOne {
+    Eigen::MatrixXd root;   // C^(-1/2) T_k over all columns
+    Eigen::VectorXd along;  // C^(-1/2) t_k
+    double residual = 0.0, log_det = 0.0;
+  };
+  WithoutOne Without(size_t group) const;
+
  private:
   const ProjectedNormal& normal_;
+  Members members_;
   Eigen::MatrixXd root_;   // W
   Eigen::VectorXd along_;  // w
   double residual_ = 0.0;
-  double log_det_ = 0.0;  // of L L'
+  double log_det_ = 0.0;  // of Q
 };
 
-// The same for one group alone, without what is left of the others.
-struct SmallSweep {
-  SmallSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
-             const std::vector<double>& scales, const ColumnGroup& asked);
-
-  Eigen::MatrixXd information;
-  Eigen::VectorXd gradient;
-  double residual = 0.0;
-  double log_det = 0.0;
-};
+// Columns of a group out of a matrix over all columns.
+Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix);
+Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
+Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group);
 
 // Values of the groups' coefficients, in typical sizes, and their covariance: -(M'GM + I/s^2)^-1 M'g, as the residual
 // is predicted - measured.

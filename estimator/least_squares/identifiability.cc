@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
+constexpr double kWellTold = 1e6;
+constexpr double kLeastSigma = 1e-9;  // of an exact fit, stated sigmas
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
 constexpr size_t kMostNames = 6;           // in words
 
@@ -27,12 +29,16 @@ double HoldPreference(const std::string& name) {
   return 1.0;
 }
 
-Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSet& parameters) {
+// A column that alone is told a million times better than its limit counts as told that well: wide priors and limits
+// of what hardly moves anything would else drown all others in rounding.
+Eigen::VectorXd HoldLimits(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
   Eigen::VectorXd limits(linearization.num_columns());
   for (int c = 0; c < limits.size(); ++c) {
     const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
     // A stated prior is knowledge: what it alone tells is not held.
     limits[c] = std::max(coordinate.hold_limit, 2.0 * coordinate.prior_sigma);
+    const double told = linearization.jacobian.col(c).norm() * limits[c] / std::max(sigma, kLeastSigma);
+    if (told > kWellTold) limits[c] *= kWellTold / told;
   }
   return limits;
 }
@@ -136,7 +142,7 @@ Unidentifiable FindUnidentifiable(const Linearization& linearization, const Para
   Unidentifiable result;
   const int n = linearization.num_columns();
   if (n == 0) return result;
-  const Eigen::VectorXd limits = HoldLimits(linearization, parameters);
+  const Eigen::VectorXd limits = HoldLimits(linearization, parameters, sigma);
   const Eigen::MatrixXd factor = ScaledFactor(linearization, limits);
   if (AllAbove(factor, sigma)) return result;
   const ScaledSvd svd = Decompose(factor);
