@@ -18,6 +18,9 @@ constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit 
 constexpr double kEvenOdds = 0.5;
 constexpr double kMostOfTheSets = 0.99;  // of the probability: FORMATS section 6
 constexpr unsigned long long kSeedOfPoses = 1;
+constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
+constexpr int kMostScatterRounds = 6;
+constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
 constexpr int kMostRounds = 2;  // outliers beside the believed model, then beside the extended one
 
 bool IsSigmaStated(const CalibrationProblem& problem) {
@@ -160,6 +163,7 @@ class Session {
     steps_ = StepsOf(*evidence_, leading_, lacking_);
     d_.has_unexplained = named_ && posterior_.sets[0].has_unnamed;
     d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+    if (!IsUsable(d_.final.estimate.status)) TryOtherSprings();
     while (!steps_.empty() && !IsUsable(d_.final.estimate.status)) {
       steps_.pop_back();  // the weakest
       d_.has_unexplained = true;
@@ -168,15 +172,32 @@ class Session {
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
   }
 
-  // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline.
+  // A spring's shape is a narrow valley: from another shape the refit may find its floor.
+  void TryOtherSprings() {
+    for (ChosenStep& step : steps_) {
+      if (step.candidate.spec.effect != "gravity_compensator") continue;
+      for (const EffectSpec& spring : OtherSprings(*evidence_, leading_, step, lacking_)) {
+        step.candidate.spec = spring;
+        d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+        if (IsUsable(d_.final.estimate.status)) return;
+      }
+    }
+  }
+
+  // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline; priors of what
+  // is told poorly weigh less then, so it takes a few rounds.
   void FollowScatter() {
-    const Estimate& left = d_.final.estimate;
-    if (left.dof <= 0 || steps_.empty()) return;
-    const auto scaled = WithScaledSigmas(*lacking_.problem, std::sqrt(left.chi2 / left.dof));
-    const DiagnosedModel refit = RefitFully(scaled, lacking_.estimate, joint_);
-    if (!IsUsable(refit.estimate.status)) return;
-    lacking_ = refit;
-    d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+    for (int round = 0; round < kMostScatterRounds && !steps_.empty(); ++round) {
+      const Estimate& left = d_.final.estimate;
+      if (left.dof <= 0 || !IsUsable(left.status)) return;
+      const double factor = std::sqrt(left.chi2 / left.dof);
+      if (std::abs(factor - 1.0) < kSettledScatter) return;
+      const DiagnosedModel refit =
+          RefitFully(WithScaledSigmas(*lacking_.problem, factor), lacking_.estimate, joint_);
+      if (!IsUsable(refit.estimate.status)) return;
+      lacking_ = refit;
+      d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+    }
   }
 
   WeightedModel BestOfNothing() const {
@@ -186,17 +207,15 @@ class Session {
     return {};
   }
 
-  // The full estimator has the last word: a step with which it finds no optimum is not named, nor one of which it has
-  // to hold every parameter, nor one that makes untouched rows worse beyond chance.
+  // The full estimator has the last word: a step with which it finds no optimum is not named, nor one whose values it
+  // takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance.
   void JudgeFinal() {
     Say("fitting the extended model");
     while (true) {
       d_.final = steps_.empty() ? lacking_ : JudgedWith(steps_);
       if (steps_.empty()) break;
       const bool usable = IsUsable(d_.final.estimate.status);
-      const auto idle = std::find_if(steps_.begin(), steps_.end(), [&](const ChosenStep& step) {
-        return !IsEstimated(step.candidate.spec, d_.final.estimate);
-      });
+      const auto idle = usable ? LeastSupported() : steps_.end();
       const int worse = usable && idle == steps_.end() ? MeasurePrefixes() : -1;
       if (usable && idle == steps_.end() && worse < 0) break;
       const auto out = !usable ? steps_.end() - 1 : idle != steps_.end() ? idle : steps_.begin() + worse;
@@ -204,6 +223,19 @@ class Session {
       d_.has_unexplained = true;
     }
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
+  }
+
+  // The step whose values the full estimator takes for chance, if there is one.
+  std::vector<ChosenStep>::iterator LeastSupported() {
+    auto least = steps_.end();
+    double largest = kIntervalMisses;
+    for (auto step = steps_.begin(); step != steps_.end(); ++step) {
+      const double p = WaldP(step->candidate.spec, d_.final.estimate);
+      if (p <= largest) continue;
+      largest = p;
+      least = step;
+    }
+    return least;
   }
 
   DiagnosedModel JudgedWith(const std::vector<ChosenStep>& steps) const {

@@ -30,7 +30,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   CalibrationProblem problem = believed.WithEffects(SpecsOf(added));
   const std::vector<double> sizes = TypicalSizes(problem, problem.parameters);
   for (const Candidate& candidate : added) {
-    for (const std::string& name : candidate.vague) {
+    for (const std::string& name : candidate.loose) {
       const int i = problem.parameters.FindCoordinate(name);
       Coordinate& coordinate = problem.parameters.coordinate(i);
       coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it

@@ -11,7 +11,7 @@ namespace sagitta {
 // Whether a coordinate of this name is a parameter of the effect.
 bool IsParameterOf(const EffectSpec& spec, const std::string& name);
 
-// The problem with these effects; what the data cannot tell of them (Candidate::vague) has its widest prior.
+// The problem with these effects; what the data tell poorly of them (Candidate::loose) has its widest prior.
 CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vector<Candidate>& added);
 
 // Refitted from the model's own optimum: parameters, chi-square and degrees of freedom, by Gauss-Newton where that

@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kRank = 1e-6;          // of the largest eigenvalue: directions below are rounding
 constexpr double kHardlyTold = 0.5;     // of the prior variance that is left
+// Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
+// sizes by less than a third of its standard deviation, and is left out.
+constexpr double kPriorMatters = 0.01;
 constexpr double kTakesItsPlace = 0.5;  // of what the step explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
@@ -92,6 +95,20 @@ std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Weighted
   return ByName(evidence, search.Additions(Without(evidence, model, member)));
 }
 
+std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member) {
+  const SetSearch search(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
+                         evidence.LikelihoodOf(model.view));
+  const std::vector<double> weights = search.Additions(Without(evidence, model, member));
+  std::vector<NamedProbability> shapes;
+  for (size_t k = 0; k < weights.size(); ++k) {
+    if (evidence.list().name[k] != evidence.list().name[member]) continue;
+    shapes.push_back({evidence.list().name[k], static_cast<int>(k), weights[k]});
+  }
+  std::stable_sort(shapes.begin(), shapes.end(),
+                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  return shapes;
+}
+
 // With c = A a the step's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
                                           const WeightedModel& model, int member,
@@ -134,8 +151,9 @@ MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member
   const Eigen::VectorXd left =
       precision.llt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols())).diagonal();
   for (long c = 0; c < left.size(); ++c) {
-    if (left[c] > kHardlyTold * variance)
-      fit.vague.push_back(evidence.columns().Name(own.columns[static_cast<size_t>(c)]));
+    const std::string& name = evidence.columns().Name(own.columns[static_cast<size_t>(c)]);
+    if (left[c] > kHardlyTold * variance) fit.vague.push_back(name);
+    if (left[c] > kPriorMatters * variance) fit.loose.push_back(name);
   }
   return fit;
 }

@@ -17,6 +17,8 @@ struct Alternative {
 // Probability of each name in the step's place, given the others of the set: most probable first, the step's own
 // included, unnamed ones too.
 std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
+// Explanations of the member's own name in its place, best first; `probability` is a log weight.
+std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
 
 // Those of the catalogue with a probability of kWorthListing or more in the step's place.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
@@ -30,6 +32,7 @@ struct MemberFit {
   double reduction = 0.0;
   int parameters = 0;
   std::vector<std::string> vague;  // coordinates
+  std::vector<std::string> loose;  // names of those that need their prior
 };
 MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member);
 

@@ -1,5 +1,6 @@
 #include "estimator/diagnosis/steps.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kWorseBeyondChance = 0.01;
 constexpr size_t kFewHeldOut = 3;
+constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
 constexpr size_t kMostGroups = 5;  // FORMATS section 6
 
 // The spring whose torque moves the joint as the set's columns with their values do.
@@ -76,6 +78,7 @@ std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& m
     }
     step.fit = FitOf(evidence, model, member);
     step.candidate.vague = step.fit.vague;
+    step.candidate.loose = step.fit.loose;
     std::vector<int> others = model.set.members;
     std::vector<double> scales = model.set.scales;
     others.erase(others.begin() + static_cast<long>(k));
@@ -85,6 +88,23 @@ std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& m
   }
   std::stable_sort(steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.loss > b.loss; });
   return steps;
+}
+
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const ChosenStep& step,
+                                     const DiagnosedModel& lacking) {
+  const ExplanationList& list = evidence.list();
+  std::vector<int> shapes;
+  for (const NamedProbability& shape : ShapesInPlaceOf(evidence, model, step.explanation)) {
+    if (shape.explanation != step.explanation) shapes.push_back(shape.explanation);
+  }
+  shapes.resize(std::min(shapes.size(), kMostSprings));
+  std::vector<EffectSpec> springs;
+  for (const int shape : shapes) {
+    WeightedModel with = model;
+    std::replace(with.set.members.begin(), with.set.members.end(), step.explanation, shape);
+    springs.push_back(SeededSpring(evidence, with, shape, lacking));
+  }
+  return springs;
 }
 
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
@@ -121,13 +141,35 @@ bool IsEstimated(const EffectSpec& spec, const Estimate& estimate) {
                      [&](const ParameterEstimate& row) { return row.free && IsParameterOf(spec, row.name); });
 }
 
+double WaldP(const EffectSpec& spec, const Estimate& estimate) {
+  if (!IsEstimated(spec, estimate)) return 1.0;
+  if (spec.effect == "gravity_compensator") return 0.0;  // no values of it are those of no effect
+  std::vector<int> own;
+  for (size_t c = 0; c < estimate.estimated.size(); ++c) {
+    if (IsParameterOf(spec, estimate.parameters.coordinates()[estimate.estimated[c]].name)) own.push_back(static_cast<int>(c));
+  }
+  Eigen::VectorXd values(static_cast<long>(own.size()));
+  for (size_t k = 0; k < own.size(); ++k) {
+    values[static_cast<long>(k)] = estimate.parameters.Value(estimate.estimated[static_cast<size_t>(own[k])]);
+  }
+  const Eigen::MatrixXd covariance = estimate.covariance(own, own);
+  const double square = values.dot(covariance.ldlt().solve(values));
+  return ChiSquareSurvival(square, static_cast<double>(own.size()));
+}
+
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after) {
   std::vector<int> counts;
   const Eigen::VectorXd apart = HoldoutSquares(after, &counts) - HoldoutSquares(before, &counts);
   if (std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; }) < static_cast<long>(kFewHeldOut)) {
     return false;
   }
-  return apart.sum() > NormalQuantile(1.0 - kWorseBeyondChance) * apart.norm();
+  const double limit = NormalQuantile(1.0 - kWorseBeyondChance);
+  if (apart.sum() > limit * apart.norm()) return true;
+  // A few configurations that are far off say nothing by their own scatter. Root mean squares of n points scatter by
+  // 1 / sqrt(6 n) of themselves, and two of the same points by less.
+  const double n = static_cast<double>(std::count_if(counts.begin(), counts.end(), [](int c) { return c > 0; }));
+  const double growth = 1.0 + limit / std::sqrt(6.0 * n);
+  return HoldoutSquares(after, &counts).sum() > growth * growth * HoldoutSquares(before, &counts).sum();
 }
 
 bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {

@@ -18,6 +18,9 @@ struct ChosenStep {
 // The catalogue's effects of the set, strongest first; a compensator starts from the spring of its shape that the data
 // ask for.
 std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& model, const DiagnosedModel& lacking);
+// Springs of the next most probable shapes in a step's place, best first.
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const ChosenStep& step,
+                                     const DiagnosedModel& lacking);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise at hand, F in units of the scatter
@@ -29,6 +32,9 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, int
 ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
                          const ParameterSet& nominal);
 bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
+
+// P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against a step.
+double WaldP(const EffectSpec& spec, const Estimate& estimate);
 
 // Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
 // the scatter of the differences between configurations).

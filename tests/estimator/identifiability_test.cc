@@ -49,6 +49,22 @@ TEST(Identifiability, DecidedRelativeToTheNoise) {
   EXPECT_TRUE(FindUnidentifiable(FromMatrix(jacobian), parameters, 0.5).columns.empty());
 }
 
+// A prior so wide that it says nothing, or a limit of what hardly moves anything, is no reason to hold others.
+TEST(Identifiability, AWidePriorHoldsNothingElse) {
+  Eigen::MatrixXd jacobian(3, 2);
+  jacobian << 1e4, 2e3, 5e3, 1e4, 0, 0;
+  for (const double wide : {1e3, 1e14, 1e155}) {
+    ParameterSet parameters = TwoLengths();
+    parameters.coordinate(0).prior_sigma = wide;
+    jacobian(2, 0) = 1.0 / wide;
+    EXPECT_TRUE(FindUnidentifiable(FromMatrix(jacobian), parameters, 1.0).columns.empty()) << wide;
+    Eigen::MatrixXd without = jacobian;
+    without.col(1).setZero();
+    const Unidentifiable found = FindUnidentifiable(FromMatrix(without), parameters, 1.0);
+    EXPECT_EQ(found.columns, std::vector<int>{1}) << wide;
+  }
+}
+
 TEST(Identifiability, UnmeasuredColumnIsNamed) {
   Eigen::MatrixXd jacobian(3, 2);
   jacobian << 1e4, 0, 1e4, 0, 2e4, 0;
