@@ -57,18 +57,25 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
   return targets;
 }
 
-// Middles between the times of consecutive visits, thinned.
-std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
+// Times at which a fitted shot was measured, ascending.
+std::vector<double> FittedTimes(const CalibrationProblem& problem) {
   std::set<double> times;
   for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
     const bool held_out = problem.data.configurations[problem.data.shots[s].configuration].is_validation;
     if (problem.shot_inputs[s].conditions.has_time && !held_out) times.insert(problem.shot_inputs[s].conditions.time);
   }
-  const std::vector<double> sorted(times.begin(), times.end());
+  return {times.begin(), times.end()};
+}
+
+size_t ChangePointStride(const std::vector<double>& times) { return std::max<size_t>(1, times.size() / kChangePoints); }
+
+// Middles between the times of consecutive visits, thinned.
+std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
+  const std::vector<double> times = FittedTimes(problem);
   std::vector<std::string> points;
-  const size_t stride = std::max<size_t>(1, sorted.size() / kChangePoints);
-  for (size_t i = stride; i + 1 < sorted.size(); i += stride) {
-    points.push_back(std::to_string(0.5 * (sorted[i - 1] + sorted[i])));
+  const size_t stride = ChangePointStride(times);
+  for (size_t i = stride; i + 1 < times.size(); i += stride) {
+    points.push_back(std::to_string(0.5 * (times[i - 1] + times[i])));
   }
   return points;
 }
@@ -281,6 +288,18 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
   }
   for (size_t i = 0; i < list.candidates.size(); ++i) list.candidates[i].place = static_cast<int>(i);
   return list;
+}
+
+std::vector<std::string> ChangePointsNear(const CalibrationProblem& problem, double moment) {
+  const std::vector<double> times = FittedTimes(problem);
+  const long stride = static_cast<long>(ChangePointStride(times));
+  const long after = std::lower_bound(times.begin(), times.end(), moment) - times.begin();
+  std::vector<std::string> points;
+  for (long i = after - stride + 1; i < after + stride; ++i) {
+    if (i < 1 || i >= static_cast<long>(times.size()) || i == after) continue;
+    points.push_back(std::to_string(0.5 * (times[static_cast<size_t>(i - 1)] + times[static_cast<size_t>(i)])));
+  }
+  return points;
 }
 
 }  // namespace sagitta

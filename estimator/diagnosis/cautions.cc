@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr double kStill = 5.0 / kDegreesPerRadian;  // rad: a joint that moves less is taken as standing
-constexpr double kStillLength = 0.05;     // m, prismatic
+constexpr double kStillLength = 0.05;               // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr int kFewHeldOut = 3;
 constexpr size_t kNamesListed = 6;

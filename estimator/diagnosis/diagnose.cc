@@ -21,7 +21,7 @@ constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostScatterRounds = 6;
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
-constexpr int kMostRounds = 2;  // outliers beside the believed model, then beside the extended one
+constexpr int kMostRounds = 2;            // outliers beside the believed model, then beside the extended one
 
 bool IsSigmaStated(const CalibrationProblem& problem) {
   return problem.sigma_is_stated() && problem.experiment.noise.from != NoiseSpec::From::kVarianceComponents;
@@ -169,6 +169,7 @@ class Session {
       d_.has_unexplained = true;
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     }
+    RefineMoments();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
   }
 
@@ -184,6 +185,25 @@ class Session {
     }
   }
 
+  // The list has every so-manieth moment at which something may have changed: the best of those between.
+  void RefineMoments() {
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      const auto moment = steps_[k].candidate.spec.settings.find("after_s");
+      if (moment == steps_[k].candidate.spec.settings.end()) continue;
+      for (const std::string& near : ChangePointsNear(*lacking_.problem, std::stod(moment->second))) {
+        std::vector<ChosenStep> moved = steps_;
+        moved[k].candidate.spec.settings["after_s"] = near;
+        for (std::vector<std::string>* names : {&moved[k].candidate.vague, &moved[k].candidate.loose}) {
+          for (std::string& name : *names) name = moved[k].candidate.spec.Path() + name.substr(name.rfind('/'));
+        }
+        DiagnosedModel with = Extend(lacking_, CandidatesOf(moved), joint_);
+        if (!IsUsable(with.estimate.status) || with.estimate.chi2 >= d_.final.estimate.chi2) continue;
+        d_.final = std::move(with);
+        steps_ = std::move(moved);
+      }
+    }
+  }
+
   // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline; priors of what
   // is told poorly weigh less then, so it takes a few rounds.
   void FollowScatter() {
@@ -192,8 +212,7 @@ class Session {
       if (left.dof <= 0 || !IsUsable(left.status)) return;
       const double factor = std::sqrt(left.chi2 / left.dof);
       if (std::abs(factor - 1.0) < kSettledScatter) return;
-      const DiagnosedModel refit =
-          RefitFully(WithScaledSigmas(*lacking_.problem, factor), lacking_.estimate, joint_);
+      const DiagnosedModel refit = RefitFully(WithScaledSigmas(*lacking_.problem, factor), lacking_.estimate, joint_);
       if (!IsUsable(refit.estimate.status)) return;
       lacking_ = refit;
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);

@@ -71,7 +71,8 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
         Observation observation = problem.data.observations[static_cast<size_t>(o)];
         observation.shot = static_cast<int>(data.shots.size());
         if (observation.partner >= 0) {  // the other reading of a pose comes along
-          observation.partner = first + static_cast<int>(std::find(own.begin(), own.end(), observation.partner) - own.begin());
+          observation.partner =
+              first + static_cast<int>(std::find(own.begin(), own.end(), observation.partner) - own.begin());
         }
         shot.observations.push_back(static_cast<int>(data.observations.size()));
         data.observations.push_back(observation);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "estimator/diagnosis/noise_check.h"
+#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
@@ -17,6 +18,33 @@ bool Replace(const CalibrationProblem& problem, const JointOptions& joint, Diagn
   return usable;
 }
 
+// Moments at which the model's effects begin.
+std::vector<double> Moments(const Robot& robot) {
+  std::vector<double> moments;
+  for (const EffectSpec& spec : robot.effects) {
+    const EffectDefinition* definition = FindEffect(robot, spec.effect);
+    if (definition == nullptr) continue;
+    for (const SettingDefinition& setting : definition->settings) {
+      if (setting.kind == SettingDefinition::Kind::kMoment) moments.push_back(spec.NumberSetting(setting.name, 0.0));
+    }
+  }
+  return moments;
+}
+
+// Whether no more than one other time was measured between an observation and a moment: such a row may be on the wrong
+// side of it, because the moment was found without the row.
+bool IsNextToAny(const std::vector<double>& moments, const CalibrationProblem& problem, int observation) {
+  const double own = problem.shot_inputs[problem.data.observations[observation].shot].conditions.time;
+  return std::any_of(moments.begin(), moments.end(), [&](double moment) {
+    std::set<double> between;
+    for (const ShotInput& shot : problem.shot_inputs) {
+      const double time = shot.conditions.time;
+      if (time > std::min(own, moment) && time < std::max(own, moment)) between.insert(time);
+    }
+    return between.size() <= 1;
+  });
+}
+
 }  // namespace
 
 void SetAside::FromFitted(DiagnosedModel* model) {
@@ -28,7 +56,12 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   const CalibrationProblem& seen = *extended.problem;
   const ParameterSet& parameters = extended.estimate.parameters;
   const double significance = kShareOfOutliers * significance_;
-  const std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
+  std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
+  const std::vector<double> moments = Moments(seen.robot);
+  for (const int i : outliers_) {
+    const bool is_back = std::find(back.begin(), back.end(), i) != back.end();
+    if (!is_back && IsNextToAny(moments, seen, i)) back.push_back(i);
+  }
   std::vector<int> out =
       FindOutliers(seen, parameters, seen.CalibrationObservations(), significance, false, outliers_.size());
   const auto came_back = [&](int i) { return returned_.count(i) > 0; };

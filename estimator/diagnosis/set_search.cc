@@ -13,8 +13,8 @@ constexpr double kWorthExploring = 4.0;
 constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
 constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
-constexpr double kUnsettled = 1e-3;  // of the probability: a tenth of what is reported
-constexpr int kMostSettled = 100;    // where a hundred sets share it, each has about a hundredth
+constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
+constexpr int kMostSettled = 100;        // where a hundred sets share it, each has about a hundredth
 
 }  // namespace
 
@@ -137,8 +137,7 @@ std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<d
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(given.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     double scale = 1.0;
-    weights[k] =
-        base + AverageGain(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
+    weights[k] = base + AverageGain(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
   }
   return weights;

@@ -12,8 +12,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRank = 1e-6;          // of the largest eigenvalue: directions below are rounding
-constexpr double kHardlyTold = 0.5;     // of the prior variance that is left
+constexpr double kRank = 1e-6;       // of the largest eigenvalue: directions below are rounding
+constexpr double kHardlyTold = 0.5;  // of the prior variance that is left
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;

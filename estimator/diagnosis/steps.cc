@@ -13,7 +13,7 @@ namespace {
 constexpr double kWorseBeyondChance = 0.01;
 constexpr size_t kFewHeldOut = 3;
 constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
-constexpr size_t kMostGroups = 5;  // FORMATS section 6
+constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
 // The spring whose torque moves the joint as the set's columns with their values do.
 EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, int member,
@@ -146,7 +146,8 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
   if (spec.effect == "gravity_compensator") return 0.0;  // no values of it are those of no effect
   std::vector<int> own;
   for (size_t c = 0; c < estimate.estimated.size(); ++c) {
-    if (IsParameterOf(spec, estimate.parameters.coordinates()[estimate.estimated[c]].name)) own.push_back(static_cast<int>(c));
+    if (IsParameterOf(spec, estimate.parameters.coordinates()[estimate.estimated[c]].name))
+      own.push_back(static_cast<int>(c));
   }
   Eigen::VectorXd values(static_cast<long>(own.size()));
   for (size_t k = 0; k < own.size(); ++k) {

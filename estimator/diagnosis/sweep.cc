@@ -65,7 +65,8 @@ Members::Members(const ProjectedNormal& normal, const std::vector<const ColumnGr
 void Members::Condition(const std::vector<double>& scales) {
   scales_ = scales;
   Eigen::VectorXd diagonal(num_columns());
-  for (size_t k = 0; k < scales.size(); ++k) diagonal.segment(first_[k], first_[k + 1] - first_[k]).setConstant(scales[k]);
+  for (size_t k = 0; k < scales.size(); ++k)
+    diagonal.segment(first_[k], first_[k + 1] - first_[k]).setConstant(scales[k]);
   Eigen::MatrixXd inner = diagonal.asDiagonal() * information_ * diagonal.asDiagonal();
   inner.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> root(inner);

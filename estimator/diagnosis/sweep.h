@@ -62,7 +62,7 @@ class Sweep {
   Eigen::MatrixXd Information(const ColumnGroup& group) const;
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
   // What conditioning takes from a group's own:  X'X and X'x.
-  Eigen::MatrixXd Taken(const ColumnGroup& group) const;  // X
+  Eigen::MatrixXd Taken(const ColumnGroup& group) const;   // X
   const Eigen::VectorXd& taken() const { return along_; }  // x
   double residual() const { return residual_; }
   double log_det() const { return log_det_; }

@@ -7,7 +7,8 @@
 
 namespace sagitta {
 
-// m or rad where the rows excite it most, of an own effect that states none: as of geometric errors (frozen_geometry.cc).
+// m or rad where the rows excite it most, of an own effect that states none: as of geometric errors
+// (frozen_geometry.cc).
 constexpr double kTypicalMotion = 3e-4;
 
 // Stated by the effects' definitions (EffectParameter::typical), SI, one per coordinate of `parameters`; of those that

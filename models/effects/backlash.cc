@@ -36,7 +36,10 @@ const EffectDefinition& Backlash() {
     EffectDefinition effect{
         "backlash", "backlash (or friction wind-up)", "play of a gear", EffectTarget::kJoint, Parameters, Apply};
     effect.settings = {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}},
-                       {"width_Nm", SettingDefinition::Kind::kNumber, "0", {"1", "3", "10", "30", "100", "300"}}};
+                       {"width_Nm",
+                        SettingDefinition::Kind::kNumber,
+                        "0",
+                        {"1", "3", "10", "30", "55", "100", "170", "300", "550", "1000"}}};
     effect.settings[1].silent = true;
     effect.settings[1].above = 0.0;
     effect.settings[1].only_with = "by=torque";
