@@ -39,6 +39,12 @@ install(DIRECTORY ${SAGITTA_STAGE} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPO
 install(TARGETS sagitta sagitta-reproduce RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(DIRECTORY problems/published DESTINATION ${CMAKE_INSTALL_DATADIR}/sagitta COMPONENT program)
 
+install(DIRECTORY ${PROJECT_BINARY_DIR}/shell_pages/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(FILES ${PROJECT_BINARY_DIR}/shell_pages/bash/sagitta
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+install(FILES ${PROJECT_BINARY_DIR}/shell_pages/zsh/_sagitta
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
+
 set_target_properties(sagitta_models PROPERTIES EXPORT_NAME models)
 set_target_properties(sagitta_problems PROPERTIES EXPORT_NAME problems)
 set_target_properties(sagitta_estimator PROPERTIES EXPORT_NAME sagitta)

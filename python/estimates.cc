@@ -58,8 +58,8 @@ py::array LeverageOf(const py::object& self) {
   const auto& c = py::cast<const CalibratedExperiment&>(self).calibration;
   const Eigen::VectorXd& leverage = c.estimate.leverage;
   if (leverage.size() != c.problem.data.NumRows()) {
-    return PointsOf(c.problem.data, leverage.transpose().replicate(3, 1), self).attr("__getitem__")(
-        py::make_tuple(py::ellipsis(), 0));
+    return PointsOf(c.problem.data, leverage.transpose().replicate(3, 1), self)
+        .attr("__getitem__")(py::make_tuple(py::ellipsis(), 0));
   }
   py::array_t<double> view(leverage.size(), leverage.data(), self);
   view.attr("setflags")(py::arg("write") = false);
@@ -73,18 +73,16 @@ void BindEstimate(py::module_& module) {
   py::class_<CalibratedExperiment, std::shared_ptr<CalibratedExperiment>>(module, "Estimate")
       .def_property_readonly("covariance_si",
                              [of](const py::object& self) { return ViewOf(of(self).estimate.covariance, self); })
-      .def_property_readonly("predicted_m",
-                             [of](const py::object& self) {
-                               return PointsOf(of(self).problem.data, of(self).estimate.predicted, self);
-                             })
+      .def_property_readonly(
+          "predicted_m",
+          [of](const py::object& self) { return PointsOf(of(self).problem.data, of(self).estimate.predicted, self); })
       .def_property_readonly("whitened",
                              [of](const py::object& self) {
                                const Eigen::Matrix3Xd all = WhitenedResiduals(of(self).problem, of(self).estimate);
                                return PointsOf(of(self).problem.data, all, self).attr("copy")();
                              })
       .def_property_readonly("leverage", &LeverageOf)
-      .def_property_readonly("rows",
-                             [](const CalibratedExperiment& e) { return Rows{e.calibration.problem.data}; })
+      .def_property_readonly("rows", [](const CalibratedExperiment& e) { return Rows{e.calibration.problem.data}; })
       .def("json", &CalibratedExperiment::Json)
       .def("residuals_csv",
            [](const CalibratedExperiment& e) { return ResidualsToCsv(e.calibration.problem, e.calibration.estimate); })
@@ -191,7 +189,8 @@ void BindCompensation(py::module_& module) {
       .def_property_readonly("status",
                              [](const CompensatedRows& rows) {
                                std::vector<std::string> names;
-                               for (const CompensatedTarget& r : rows.results) names.push_back(StatusName(r.solution.status));
+                               for (const CompensatedTarget& r : rows.results)
+                                 names.push_back(StatusName(r.solution.status));
                                return names;
                              })
       .def_property_readonly("joint_values", &CommandedJoints)

@@ -183,7 +183,8 @@ void BindData(Class& bound, const Measurements& (*data)(const typename Class::ty
 
 void BindInputs(py::module_& module) {
   py::class_<ExperimentInputs> inputs(module, "Inputs");
-  BindData<py::class_<ExperimentInputs>>(inputs, [](const ExperimentInputs& i) -> const Measurements& { return i.data; });
+  BindData<py::class_<ExperimentInputs>>(inputs,
+                                         [](const ExperimentInputs& i) -> const Measurements& { return i.data; });
   inputs.def_property_readonly("robot_name", [](const ExperimentInputs& i) { return i.robot.name; })
       .def_property_readonly("joints",
                              [](const ExperimentInputs& i) {

@@ -10,7 +10,8 @@ namespace {
 namespace py = pybind11;
 
 // Raises an exception of the package with attributes.
-void Raise(const char* type, const std::string& what, const std::vector<std::pair<const char*, py::object>>& attributes) {
+void Raise(const char* type, const std::string& what,
+           const std::vector<std::pair<const char*, py::object>>& attributes) {
   const py::object raised = py::module_::import("sagitta").attr(type)(what);
   for (const auto& [name, value] : attributes) raised.attr(name) = value;
   PyErr_SetObject(raised.get_type().ptr(), raised.ptr());

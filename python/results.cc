@@ -81,7 +81,8 @@ void BindResults(py::module_& module) {
            })
       .def("known", [](const DiagnosedExperiment& d) {
         return std::make_shared<KnownRobot>(ReadEstimateText(
-            DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance)), "diagnosis"));
+            DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance)),
+            "diagnosis"));
       });
   py::class_<PlannedExperiment, std::shared_ptr<PlannedExperiment>>(module, "Plan")
       .def_property_readonly("rows", [](const PlannedExperiment& p) { return Rows{p.plan.rows}; })

@@ -481,7 +481,7 @@ def compensate(estimate, targets, *, threads=1):
 def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
     """The rows of an experiment as an instrument would have read them.
 
-    truth: an estimate, a Known robot or the path of an estimate.json; None: the experiment with its stations and markers.
+    truth: an estimate, a Known robot, the path of an estimate.json; None: the experiment with its stations and markers.
     """
     known = _core.truth_of(experiment._core) if truth is None else _core.with_loads_of(_known(truth)._core,
                                                                                         experiment._core)

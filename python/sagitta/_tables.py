@@ -7,7 +7,7 @@ import numpy as np
 # Arrays of more than one column, in place of single columns: stem and unit -> names of the single ones.
 _AXES = ("x", "y", "z")
 _WIDE = {
-    "xyz": ["{}".format(a) for a in _AXES],
+    "xyz": list(_AXES),
     "sigma": ["sigma_" + a for a in _AXES],
     "rotvec": ["r" + a for a in _AXES],
     "sigma_r": ["sigma_r" + a for a in _AXES],
@@ -16,7 +16,8 @@ _WIDE = {
     "sim": ["sim_" + a for a in _AXES],
 }
 _NUMBERED = ("q", "tau", "approach")
-_TEXTS = {name: str for name in ("config", "marker", "station", "visit", "repeat", "load", "set", "target", "status", "words")}
+_TEXTS = {name: str for name in ("config", "marker", "station", "visit", "repeat", "load", "set", "target", "status",
+                                "words")}
 
 
 def _single_columns(name, values):
@@ -31,7 +32,7 @@ def _single_columns(name, values):
         names = [axis + tail for axis in _WIDE[stem]]
     else:
         raise _input_error("'%s' has %d columns" % (name, values.shape[1]), name,
-                           "q_deg, xyz_mm, sigma_mm, rotvec_mrad, force_N and moment_Nm may be arrays of several columns")
+                           "arrays of several columns are q_deg, xyz_mm, sigma_mm, rotvec_mrad, force_N, moment_Nm")
     return [(single, values[:, i]) for i, single in enumerate(names)]
 
 

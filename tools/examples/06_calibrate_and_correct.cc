@@ -10,8 +10,7 @@ int main(int argc, char** argv) {
     if (!sagitta::IsUsable(result.estimate.status)) return 3;
     std::cout << result.trust.verdict.words << "\n";
     const sagitta::KnownRobot robot = sagitta::KnownFrom(result);
-    const sagitta::Targets targets =
-        sagitta::ReadTargets(argv[2], robot.robot, robot.base_in_station.begin()->first);
+    const sagitta::Targets targets = sagitta::ReadTargets(argv[2], robot.robot, robot.base_in_station.begin()->first);
     const std::vector<sagitta::CompensatedTarget> corrected =
         sagitta::Compensate(sagitta::MakeCompensationInput(robot, targets), targets.rows, 1);
     for (size_t i = 0; i < corrected.size(); ++i) {
