@@ -140,7 +140,9 @@ bool TurnIntoRanges(const Chain& chain, const StatedBranch& branch, Eigen::Vecto
 }
 
 bool Agrees(const ArmShape& shape, const StatedBranch& branch, const Eigen::VectorXd& q) {
-  if (branch.wrist_negative && std::abs(q[4]) > kOnEdge && (q[4] < 0.0) != *branch.wrist_negative) return false;
+  // Half a turn and more of joint 5 counts as below 0 (KUKA: status bit 2).
+  const double flip = q.size() > 4 ? std::remainder(q[4], 2 * kPi) : 0.0;
+  if (branch.wrist_negative && std::abs(flip) > kOnEdge && (flip < 0.0) != *branch.wrist_negative) return false;
   if (!shape.is_known()) return true;
   if (branch.wrist_behind && shape.IsBehind(q) != *branch.wrist_behind) return false;
   const double slope = shape.ElbowSlope(q);
