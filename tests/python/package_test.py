@@ -10,7 +10,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-NEEDS = {"sagitta": ["libceres3", "libc6"], "python3-sagitta": ["libceres3", "python3 (>= 3.", "python3-numpy"],
+NEEDS = {"sagitta": ["libyaml-cpp0.7", "libc6"], "python3-sagitta": ["libyaml-cpp0.7", "python3 (>= 3.", "python3-numpy"],
          "libsagitta-dev": ["libceres-dev"]}
 CONTAINS = {"sagitta": ["usr/bin/sagitta", "usr/bin/sagitta-reproduce", "usr/share/man/man1/sagitta.1",
                         "usr/share/bash-completion/completions/sagitta", "usr/share/zsh/vendor-completions/_sagitta"],
