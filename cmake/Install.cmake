@@ -35,21 +35,27 @@ foreach(header ${SAGITTA_HEADERS})
   file(WRITE ${target} "${text}")
 endforeach()
 
-install(DIRECTORY ${SAGITTA_STAGE} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS sagitta sagitta-reproduce RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY problems/published DESTINATION ${CMAKE_INSTALL_DATADIR}/sagitta)
+install(DIRECTORY ${SAGITTA_STAGE} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(TARGETS sagitta sagitta-reproduce RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(DIRECTORY problems/published DESTINATION ${CMAKE_INSTALL_DATADIR}/sagitta COMPONENT program)
+
+install(DIRECTORY ${PROJECT_BINARY_DIR}/shell_pages/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(FILES ${PROJECT_BINARY_DIR}/shell_pages/bash/sagitta
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+install(FILES ${PROJECT_BINARY_DIR}/shell_pages/zsh/_sagitta
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 
 set_target_properties(sagitta_models PROPERTIES EXPORT_NAME models)
 set_target_properties(sagitta_problems PROPERTIES EXPORT_NAME problems)
 set_target_properties(sagitta_estimator PROPERTIES EXPORT_NAME sagitta)
 install(TARGETS sagitta_models sagitta_problems sagitta_estimator EXPORT sagitta
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT sagitta NAMESPACE sagitta:: FILE sagitta-targets.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta COMPONENT development)
 configure_package_config_file(cmake/sagitta-config.cmake.in ${PROJECT_BINARY_DIR}/sagitta-config.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/sagitta-config-version.cmake COMPATIBILITY SameMinorVersion)
 configure_file(cmake/sagitta.pc.in ${PROJECT_BINARY_DIR}/sagitta.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/sagitta-config.cmake ${PROJECT_BINARY_DIR}/sagitta-config-version.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
-install(FILES ${PROJECT_BINARY_DIR}/sagitta.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta COMPONENT development)
+install(FILES ${PROJECT_BINARY_DIR}/sagitta.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)

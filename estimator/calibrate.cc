@@ -4,6 +4,7 @@
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/calibration/unit_guess.h"
+#include "estimator/inspection/reading_lint.h"
 #include "estimator/intervals/intervals.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
@@ -37,6 +38,25 @@ CalibrationProblem ReadExperiment(const std::vector<std::string>& paths) {
       MakeCalibrationProblem(std::move(inputs.robot), std::move(inputs.data), std::move(inputs.experiment));
   CheckUnits(problem);
   return problem;
+}
+
+void CheckReadings(const CalibrationProblem& problem, const std::string& remedy) {
+  CheckUnits(problem);
+  const Plausibility found = CheckPlausible(problem);
+  if (found.plausible) return;
+  throw InputError({}, "the nominal robot cannot have made these readings: " + found.finding.words,
+                   found.finding.remedy + "; " + remedy);
+}
+
+void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment) {
+  constexpr double kFraction = 0.3;
+  ValidationSpec& validation = experiment->validation;
+  bool has_set_column = false;
+  for (const MeasurementFile& file : data.files) has_set_column |= file.FindColumn("set") >= 0;
+  if (validation.kind != ValidationSpec::Kind::kSetColumn || has_set_column) return;
+  validation = ValidationSpec();
+  validation.kind = ValidationSpec::Kind::kFraction;
+  validation.fraction = kFraction;
 }
 
 Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 
 namespace sagitta {
@@ -69,6 +70,28 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
                                   "residuals of the fit, not a validation");
   }
   return validation;
+}
+
+nlohmann::ordered_json ValidationToJson(const Validation& validation, const Provenance& provenance) {
+  nlohmann::ordered_json json = {
+      {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}};
+  json["inputs"] = nlohmann::ordered_json::array();
+  for (const InputFile& input : provenance.inputs)
+    json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
+  json["validation"] = {{"observations", validation.after.observations}};
+  json["validation"].update(SizeToJson(validation.after));
+  json["validation"]["before"] = SizeToJson(validation.before);
+  json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
+                                               ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
+                                               : nlohmann::ordered_json(nullptr);
+  json["warnings"] = validation.warnings;
+  return json;
+}
+
+std::string ValidationToCsv(const Measurements& rows, const Validation& validation) {
+  std::vector<AddedColumn> added = ReadingColumns("pred_", rows, validation.predicted);
+  for (const AddedColumn& column : ResidualColumns(rows, validation.predicted)) added.push_back(column);
+  return RowsToCsv(rows, added);
 }
 
 }  // namespace sagitta

@@ -5,6 +5,9 @@
 //   const sagitta::Calibration result = sagitta::Calibrate(problem);
 //   sagitta::WriteCalibration(result, "results");
 //
+// What to measure next: MakePlan (estimator/planning/plan.h). Corrected targets: MakeCompensationInput, Compensate
+// (estimator/results/compensation_csv.h). Long work ends early where an Interruptible scope says so.
+//
 // Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta) R_hat.
 // Input that cannot be used throws InputError {file, line, key, what, hint}; a numerical failure is a Status with a
 // message, never an exception. Nothing here prints.
@@ -19,7 +22,10 @@
 #include "estimator/estimate/estimate.h"
 #include "estimator/intervals/prediction.h"
 #include "estimator/least_squares/ceres_problem.h"
+#include "estimator/least_squares/interruption.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/planning/plan.h"
+#include "estimator/results/compensation_csv.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/validation/trust.h"
 #include "problems/calibration_problem.h"
@@ -33,6 +39,13 @@ namespace sagitta {
 // An experiment file, or ROBOT.yaml MEAS.csv…, read and put together. Throws InputError. Problems of one's own, without
 // files: MakeCalibrationProblem (problems/calibration_problem.h).
 CalibrationProblem ReadExperiment(const std::vector<std::string>& paths);
+
+// What every estimating command asks first. Throws InputError where numbers are in another unit than their column says,
+// or where the nominal robot cannot have made the readings; `remedy` is what the caller offers for going on all the same.
+void CheckReadings(const CalibrationProblem& problem, const std::string& remedy);
+
+// Sets 30 % of the configurations aside where the experiment does not say which, as a diagnosis needs.
+void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment);
 
 struct CalibrateOptions {
   std::string method = "joint";  // one of MethodNames() (estimator/baselines/compare_methods.h)
@@ -61,6 +74,9 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
 // What prediction needs of a calibration: as ReadEstimateFile gives it of an estimate.json.
 KnownRobot KnownFrom(const Calibration& calibration);
 
+// A truth that an experiment states: its robot, `stations` and `markers`. Throws InputError where one is missing.
+KnownRobot KnownFrom(const std::string& file, const Robot& robot, const Experiment& experiment);
+
 struct Prediction {
   // m, one column per observation, in its station's frame; of a rotation its rotation vector, rad.
   Eigen::Matrix3Xd points;
@@ -73,6 +89,11 @@ struct Prediction {
 // std::runtime_error where a load folds the arm.
 Prediction Predict(const KnownRobot& known, const Measurements& rows);
 
+// The rows with what was predicted: the file of `sagitta predict`.
+std::string PredictionToCsv(const Measurements& rows, const Prediction& prediction);
+// mm, the largest standard deviation of a predicted coordinate; not finite: not known.
+double LargestDeviation(const Prediction& prediction, const Measurements& rows);
+
 // Before (nominal robot; base and markers fitted to the calibration rows) and after, on rows that were not calibrated.
 struct Validation {
   ResidualSize before, after;
@@ -82,6 +103,9 @@ struct Validation {
 };
 
 Validation Validate(const KnownRobot& known, const Measurements& rows);
+// validation.json, and the rows with prediction and residual.
+nlohmann::ordered_json ValidationToJson(const Validation& validation, const Provenance& provenance);
+std::string ValidationToCsv(const Measurements& rows, const Validation& validation);
 
 // The rows with points, and of targets of known rotation poses, as the instrument would have read them. Noise: `sigma`
 // (m) on every axis (rotations: that of their rows), else what rows or

@@ -23,7 +23,35 @@ NoiseRoots RootsOf(const Experiment& experiment, const Measurements& rows, const
   return roots;
 }
 
+void CheckHasScene(const KnownRobot& known) {
+  const char* kHint =
+      "state stations: {S1: {xyz_mm: …, rotvec_mrad: …}} and markers: {M1: {xyz_mm: …}} in an experiment "
+      "file, or give --truth=ESTIMATE.json";
+  if (known.base_in_station.empty())
+    throw InputError({known.file, 0, "stations"}, "the truth states no base pose", kHint);
+  if (known.markers.empty()) throw InputError({known.file, 0, "markers"}, "the truth states no marker point", kHint);
+}
+
 }  // namespace
+
+KnownRobot KnownFrom(const std::string& file, const Robot& robot, const Experiment& experiment) {
+  KnownRobot known;
+  known.file = file;
+  known.robot = robot;
+  known.loading = experiment;
+  for (const auto& [name, spec] : experiment.stations) {
+    if (!spec.base_xyz && !spec.base_rotvec) continue;
+    Pose<double> pose;
+    pose.translation = spec.base_xyz.value_or(Vector3<double>::Zero());
+    pose.rotation = RotationFromVector(spec.base_rotvec.value_or(Vector3<double>::Zero()));
+    known.base_in_station[name] = pose;
+  }
+  for (const auto& [name, spec] : experiment.markers) {
+    if (spec.point) known.markers[name] = spec;
+  }
+  CheckHasScene(known);
+  return known;
+}
 
 Measurements Simulate(const KnownRobot& known, const Measurements& given, const Experiment& experiment,
                       const SimulateOptions& options) {

@@ -14,6 +14,8 @@ import sys
 import tempfile
 
 LAYERS = ['models', 'problems', 'estimator', 'tools']  # each may use those before it
+FACES = {'python': 'tools'}  # another face beside tools/: what it may use is what tools/ may, but not tools/
+EXAMPLES = 'tools/examples'  # programs of somebody else: <sagitta/sagitta.h> and nothing of the tree
 
 # Folders of estimator/: each may use those before it. Files of estimator/ itself (the front door) may use all.
 ROOMS = ['statistics', 'least_squares', 'alignment', 'estimate', 'noise', 'calibration', 'baselines', 'intervals',
@@ -25,6 +27,7 @@ LIBRARIES = {
     'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'fmt', 'posix', 'urdfdom', 'console_bridge', 'expat'},
     'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'fmt', 'boost', 'posix'},
     'tools': {'Eigen', 'nlohmann', 'ceres', 'glog', 'gflags', 'fmt', 'posix'},
+    'python': {'Eigen', 'nlohmann', 'glog', 'pybind11'},
 }
 LIBRARY_OF_LINK = {
     'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
@@ -61,6 +64,12 @@ def library_of(header):
 
 def why_not(layer, used_layer):
     """Empty when `layer` may use `used_layer`."""
+    if layer in FACES:
+        if used_layer == layer:
+            return ''
+        return '%s/ may not use tools/' % layer if used_layer == FACES[layer] else why_not(FACES[layer], used_layer)
+    if used_layer in FACES:
+        return '%s/ may not use %s/' % (layer, used_layer)
     if used_layer not in LAYERS:
         return "'%s' is no layer; write includes from the root of the tree" % used_layer
     if LAYERS.index(used_layer) > LAYERS.index(layer):
@@ -84,6 +93,9 @@ def why_not_room(path, header):
 
 
 def violations_of_source(layer, text, path=''):
+    if path.startswith(EXAMPLES + '/'):
+        yield from violations_of_example(text)
+        return
     for match in INCLUDE.finditer(text):
         bracket, header = match.groups()
         line = text.count('\n', 0, match.start()) + 1
@@ -95,6 +107,13 @@ def violations_of_source(layer, text, path=''):
             reason = '' if allowed else '%s/ may not use <%s>' % (layer, header)
         if reason:
             yield line, reason
+
+
+def violations_of_example(text):
+    for match in INCLUDE.finditer(text):
+        bracket, header = match.groups()
+        if bracket == '"' or (library_of(header) is not None and header != 'sagitta/sagitta.h'):
+            yield text.count('\n', 0, match.start()) + 1, 'an example may not use %s' % header
 
 
 def violations_of_cmake(layer, text, path=''):
@@ -149,7 +168,7 @@ def generator_violations(root):
 
 def violations(root):
     found = list(generator_violations(root))
-    for layer in LAYERS:
+    for layer in LAYERS + sorted(FACES):
         sources = sorted(p for p in (root / layer).rglob('*') if p.suffix in ('.h', '.cc'))
         cmakes = sorted((root / layer).rglob('CMakeLists.txt'))
         if not sources or not cmakes:
@@ -183,6 +202,12 @@ PLANTED = [  # (file, text, what the message must say; None: no violation)
     ('estimator/a.cc', '#include <gflags/gflags.h>\n', 'estimator/ may not use <gflags/gflags.h>'),
     ('estimator/a.cc', '#include <yaml-cpp/yaml.h>\n', 'estimator/ may not use <yaml-cpp/yaml.h>'),
     ('tools/a.cc', '#include "estimator/b.h"\n#include <gflags/gflags.h>\n', None),
+    ('python/a.cc', '#include "estimator/b.h"\n#include "python/b.h"\n#include <pybind11/stl.h>\n', None),
+    ('python/a.cc', '#include "tools/b.h"\n', 'python/ may not use tools/'),
+    ('tools/a.cc', '#include "python/b.h"\n', 'tools/ may not use python/'),
+    ('tools/a.cc', '#include <pybind11/stl.h>\n', 'tools/ may not use <pybind11/stl.h>'),
+    ('tools/examples/a.cc', '#include <sagitta/sagitta.h>\n#include <vector>\n', None),
+    ('tools/examples/a.cc', '#include "estimator/sagitta.h"\n', 'an example may not use estimator/sagitta.h'),
     ('tools/a.cc', '#include <boost/any.hpp>\n', 'tools/ may not use <boost/any.hpp>'),
     ('models/CMakeLists.txt', 'target_link_libraries(sagitta_models\n PUBLIC Eigen3::Eigen)\n', None),
     ('models/CMakeLists.txt', 'target_link_libraries(m PUBLIC sagitta_problems)\n', 'models/ may not use problems/'),
@@ -204,7 +229,7 @@ def self_test():
     for file, text, expected in PLANTED:
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            for layer in LAYERS + [GENERATOR]:
+            for layer in LAYERS + sorted(FACES) + [GENERATOR]:
                 (root / layer).mkdir(parents=True)
                 (root / layer / 'clean.h').write_text('#include <vector>\n')
                 (root / layer / 'CMakeLists.txt').write_text('')
@@ -216,7 +241,7 @@ def self_test():
             wrong += 1
             print('FAIL  %s %r: expected %r, found %r' % (file, text, expected, found))
     with tempfile.TemporaryDirectory() as folder:
-        if len(violations(pathlib.Path(folder))) != len(LAYERS) + 2:
+        if len(violations(pathlib.Path(folder))) != len(LAYERS) + len(FACES) + 2:
             wrong += 1
             print('FAIL  an empty tree passes')
     print('%d planted cases, %d wrong' % (len(PLANTED) + 1, wrong))

@@ -1,14 +1,25 @@
 // sagitta compensate: corrected joint values for targets.
+#include <gflags/gflags.h>
+
 #include <filesystem>
 #include <iostream>
 #include <map>
 
 #include "estimator/results/compensation_csv.h"
+#include "estimator/results/program_compensation.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/target_file.h"
 #include "tools/commands.h"
 #include "tools/run_command.h"
+
+DEFINE_string(program, "", "FILE: a robot program (KRL, RAPID, URScript, FANUC LS) whose points are the targets");
+DEFINE_string(program_out, "", "FILE: where the corrected program goes");
+DEFINE_string(tools_mm_deg, "", "NAME=x,y,z,roll,pitch,yaw;…: tools of the program in the flange, or NAME=same");
+DEFINE_string(frames_mm_deg, "", "NAME=x,y,z,roll,pitch,yaw;…: frames of the program in the world, or NAME=same");
+DEFINE_string(start_deg, "", "q1,q2,…: where the arm is when the program starts (prismatic joints in mm)");
+DEFINE_string(load, "none", "load of the estimate that the arm carries in the program");
 
 namespace sagitta {
 namespace {
@@ -34,7 +45,67 @@ void Summarise(const std::vector<CompensatedTarget>& results) {
             << " mm; 95 % uncertainty of the estimate at most " << Significant(1e3 * u95, 3) << " mm\n";
 }
 
+void MakeFolderOf(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (!folder.empty()) PrepareOutputFolder(folder.string());
+}
+
+Eigen::VectorXd StartJoints(const Chain& chain) {
+  if (FLAGS_start_deg.empty()) return {};
+  const std::vector<double> numbers = NumbersOfFlag("start_deg", FLAGS_start_deg);
+  if (static_cast<int>(numbers.size()) != chain.num_joints()) {
+    throw InputError({"", 0, "--start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
+  }
+  Eigen::VectorXd start(chain.num_joints());
+  for (int j = 0; j < start.size(); ++j) {
+    const bool turns = chain.joints[static_cast<size_t>(j)].type == JointType::kRevolute;
+    start[j] = numbers[static_cast<size_t>(j)] * (turns ? kDegree : 1e-3);
+  }
+  return start;
+}
+
+int RunProgram(const CommandLine& line) {
+  ExpectArguments(line, CompensateCommand(), 1, 1);
+  if (FLAGS_program_out.empty()) {
+    throw InputError({"", 0, "--program_out"}, "where to write the corrected program is missing", "--program_out=FILE");
+  }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(FLAGS_program, FLAGS_program_out, ignored)) {
+    throw InputError({FLAGS_program_out, 0, "--program_out"}, "this would replace the program itself",
+                     "a corrected program that is corrected again is wrong: keep the original");
+  }
+  const KnownRobot known = ReadEstimateFile(line.arguments[0]);
+  ProgramScene scene;
+  scene.tools = FramesFromText(FLAGS_tools_mm_deg, "--tools_mm_deg");
+  scene.frames = FramesFromText(FLAGS_frames_mm_deg, "--frames_mm_deg");
+  scene.start = StartJoints(known.robot.chain);
+  scene.load = FLAGS_load;
+  const CompensatedProgram result =
+      CompensateProgram(known, ReadRobotProgram(FLAGS_program, known.robot.num_joints()), scene, FLAGS_threads);
+  const bool any = std::any_of(result.results.begin(), result.results.end(),
+                               [](const ProgramPointResult& point) { return point.untouched.empty(); });
+  MakeFolderOf(FLAGS_program_out);
+  if (!FLAGS_out.empty() && !result.solved.empty()) {
+    MakeFolderOf(FLAGS_out);
+    WriteTextFile(FLAGS_out, CompensationToCsv(result.targets, result.solved));
+  }
+  WriteTextFile(FLAGS_program_out, result.text);
+  std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
+  const std::string model_error = ModelErrorInWords(known);
+  if (!model_error.empty()) std::cout << model_error << " The uncertainties here are multiplied by it.\n";
+  return any ? 0 : kNumericalFailure;
+}
+
+void RefuseProgramFlags() {
+  for (const char* flag : {"program_out", "tools_mm_deg", "frames_mm_deg", "start_deg", "load"}) {
+    if (!IsGiven(flag)) continue;
+    throw InputError({"", 0, std::string("--") + flag}, "this is of a robot program", "--program=FILE names one");
+  }
+}
+
 int RunCompensate(const CommandLine& line) {
+  if (!FLAGS_program.empty()) return RunProgram(line);
+  RefuseProgramFlags();
   ExpectArguments(line, CompensateCommand(), 2, 2);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
@@ -43,8 +114,7 @@ int RunCompensate(const CommandLine& line) {
   const CompensationInput input = MakeCompensationInput(known, targets);
   const std::vector<CompensatedTarget> results = Compensate(input, targets.rows, FLAGS_threads);
   const std::string csv = CompensationToCsv(targets, results);
-  const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
-  if (!folder.empty()) PrepareOutputFolder(folder.string());
+  MakeFolderOf(FLAGS_out);
   WriteTextFile(FLAGS_out, csv);
   Summarise(results);
   const std::string model_error = ModelErrorInWords(known);
@@ -59,7 +129,7 @@ int RunCompensate(const CommandLine& line) {
 
 Command CompensateCommand() {
   return {"compensate",
-          "corrected joint values for targets",
+          "corrected joint values for targets, corrected robot programs",
           R"(sagitta compensate ESTIMATE.json TARGETS.csv --out=FILE.csv
 
 TARGETS has the column target and
@@ -83,10 +153,23 @@ Every row comes back with
 
 Exit status 3 where no target could be reached; the rows are written all the same.
 
+With --program=FILE --program_out=FILE the targets are the points of a robot program: KUKA KRL (.src, .dat), ABB RAPID
+(.mod), URScript (.script), FANUC LS (.ls). Their numbers are corrected in place, joint values as joint values, poses as
+mirrored poses in their frame and for their tool; every other byte stays. What stays as it is, is listed with the
+reason. Frames and tools are those of the file; where it does not state them they are asked for, by their names:
+
+  --frames_mm_deg='world=same; BASE_DATA[1]=800,0,500,0,0,90'    in the controller's world, fixed axes
+  --tools_mm_deg='flange=same; TOOL_DATA[2]=0,0,180,0,0,0'       in the controller's flange
+  --start_deg=0,-90,90,0,0,0    where the arm starts, for poses whose joint solution the file does not tell
+
+--out=FILE.csv then lists every point as a row.
+
 Examples
   sagitta compensate results/estimate.json targets.csv --out=corrected.csv
+  sagitta compensate results/estimate.json --program=weld.mod --program_out=corrected/weld.mod --tools_mm_deg=flange=same --frames_mm_deg=world=same
 )",
-          {"out", "seed", "threads", "quiet"},
+          {"program", "program_out", "tools_mm_deg", "frames_mm_deg", "start_deg", "load", "out", "seed", "threads",
+           "quiet"},
           RunCompensate};
 }
 

@@ -10,6 +10,7 @@
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
+#include "estimator/sagitta.h"
 #include "problems/input_error.h"
 #include "problems/io/diagnosis_prior.h"
 #include "problems/io/files.h"
@@ -29,19 +30,11 @@ DEFINE_string(simulation, "model", "what the gap is measured from: model, or col
 namespace sagitta {
 namespace {
 
-constexpr double kDefaultHoldout = 0.3;
 constexpr double kFarFromSimulation = 3.0;  // of the gap
 
 // A part of the configurations is set aside for the verdict, unless the experiment says which or none.
 ExperimentInputs WithHoldout(ExperimentInputs inputs) {
-  ValidationSpec& validation = inputs.experiment.validation;
-  bool has_set_column = false;
-  for (const MeasurementFile& file : inputs.data.files) has_set_column |= file.FindColumn("set") >= 0;
-  if (validation.kind == ValidationSpec::Kind::kSetColumn && !has_set_column) {
-    validation = ValidationSpec();
-    validation.kind = ValidationSpec::Kind::kFraction;
-    validation.fraction = kDefaultHoldout;
-  }
+  HoldOutForDiagnosis(inputs.data, &inputs.experiment);
   return inputs;
 }
 

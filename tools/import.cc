@@ -122,7 +122,11 @@ struct FoundRobot {
 std::vector<std::string> ShippedTables() {
   std::vector<std::string> tables;
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(SAGITTA_ROBOTS_DIR, ignored)) {
+  // Where it is installed: bin/ beside share/.
+  const fs::path installed =
+      fs::read_symlink("/proc/self/exe", ignored).parent_path().parent_path() / "share/sagitta/published/robots";
+  const fs::path folder = fs::exists(installed, ignored) ? installed : fs::path(SAGITTA_ROBOTS_DIR);
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     if (entry.path().extension() == ".csv") tables.push_back(entry.path().string());
   }
   std::sort(tables.begin(), tables.end());

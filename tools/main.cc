@@ -5,6 +5,7 @@
 #include "problems/input_error.h"
 #include "tools/commands.h"
 #include "tools/run_command.h"
+#include "tools/shell_pages.h"
 
 namespace sagitta {
 namespace {
@@ -66,6 +67,10 @@ int Run(const std::vector<std::string>& arguments) {
   }
   if (first == "--version" || first == "version") {
     std::cout << "sagitta " SAGITTA_VERSION "\n";
+    return 0;
+  }
+  if (first == "--shell-pages" && arguments.size() == 2) {  // when it is built: tools/CMakeLists.txt
+    WriteShellPages(Commands(), Overview(), arguments[1]);
     return 0;
   }
   const bool asks_help = first == "--help" || first == "-h" || first == "help";

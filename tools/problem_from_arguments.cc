@@ -3,7 +3,7 @@
 #include <gflags/gflags.h>
 
 #include "estimator/calibration/unit_guess.h"
-#include "estimator/inspection/reading_lint.h"
+#include "estimator/sagitta.h"
 #include "problems/input_error.h"
 #include "tools/command_line.h"
 
@@ -108,11 +108,9 @@ CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
 
 CalibrationProblem PlausibleProblem(const ExperimentInputs& inputs) {
   if (FLAGS_force) return ProblemAsStated(inputs);
-  CalibrationProblem problem = ProblemFromInputs(inputs);
-  const Plausibility found = CheckPlausible(problem);
-  if (found.plausible) return problem;
-  throw InputError({}, "the nominal robot cannot have made these readings: " + found.finding.words,
-                   found.finding.remedy + "; --force goes on as stated");
+  CalibrationProblem problem = ProblemAsStated(inputs);
+  CheckReadings(problem, "--force goes on as stated");
+  return problem;
 }
 
 }  // namespace sagitta

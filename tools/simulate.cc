@@ -16,41 +16,13 @@ DEFINE_string(truth, "", "an estimate.json or an experiment file that states rob
 namespace sagitta {
 namespace {
 
-// The robot, `stations` and `markers` of an experiment.
-KnownRobot KnownFromExperiment(const std::string& file, const Robot& robot, const Experiment& experiment) {
-  KnownRobot known;
-  known.file = file;
-  known.robot = robot;
-  known.loading = experiment;
-  for (const auto& [name, spec] : experiment.stations) {
-    if (!spec.base_xyz && !spec.base_rotvec) continue;
-    Pose<double> pose;
-    pose.translation = spec.base_xyz.value_or(Vector3<double>::Zero());
-    pose.rotation = RotationFromVector(spec.base_rotvec.value_or(Vector3<double>::Zero()));
-    known.base_in_station[name] = pose;
-  }
-  for (const auto& [name, spec] : experiment.markers) {
-    if (spec.point) known.markers[name] = spec;
-  }
-  return known;
-}
-
-void CheckHasScene(const KnownRobot& known) {
-  const char* kHint =
-      "state stations: {S1: {xyz_mm: …, rotvec_mrad: …}} and markers: {M1: {xyz_mm: …}} in an experiment "
-      "file, or give --truth=ESTIMATE.json";
-  if (known.base_in_station.empty())
-    throw InputError({known.file, 0, "stations"}, "the truth states no base pose", kHint);
-  if (known.markers.empty()) throw InputError({known.file, 0, "markers"}, "the truth states no marker point", kHint);
-}
-
 KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs& inputs) {
   KnownRobot known;
   if (FLAGS_truth.empty() || FLAGS_truth == experiment_path) {
-    known = KnownFromExperiment(experiment_path, inputs.robot, inputs.experiment);
+    known = KnownFrom(experiment_path, inputs.robot, inputs.experiment);
   } else if (IsExperimentFile(FLAGS_truth)) {
     const Experiment experiment = ReadExperimentFile(FLAGS_truth);
-    known = KnownFromExperiment(FLAGS_truth, ReadRobotFile(experiment.robot_file), experiment);
+    known = KnownFrom(FLAGS_truth, ReadRobotFile(experiment.robot_file), experiment);
   } else {
     known = ReadEstimateFile(FLAGS_truth);
   }
@@ -59,7 +31,6 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
                                                    " joints, the robot of the experiment " +
                                                    std::to_string(inputs.robot.num_joints()));
   }
-  CheckHasScene(known);
   if (!inputs.experiment.file.empty()) {  // the rows' loads are those of EXP
     const std::optional<ConditionOrigins> origins = known.loading.origins;
     known.loading = inputs.experiment;

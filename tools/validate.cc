@@ -3,7 +3,6 @@
 
 #include <iostream>
 
-#include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/io/files.h"
 #include "tools/commands.h"
@@ -16,22 +15,6 @@ DECLARE_string(require);
 
 namespace sagitta {
 namespace {
-
-nlohmann::ordered_json ToJson(const Validation& validation, const Provenance& provenance) {
-  nlohmann::ordered_json json = {
-      {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}};
-  json["inputs"] = nlohmann::ordered_json::array();
-  for (const InputFile& input : provenance.inputs)
-    json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
-  json["validation"] = {{"observations", validation.after.observations}};
-  json["validation"].update(SizeToJson(validation.after));
-  json["validation"]["before"] = SizeToJson(validation.before);
-  json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
-                                               ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
-                                               : nlohmann::ordered_json(nullptr);
-  json["warnings"] = validation.warnings;
-  return json;
-}
 
 std::vector<Section> Summary(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
   Section section = ResidualSection("Residuals on " + std::to_string(validation.after.observations) + " observations",
@@ -50,12 +33,6 @@ std::vector<Section> Summary(const KnownRobot& known, const Measurements& rows, 
   return {head, section};
 }
 
-std::string ResidualRows(const Measurements& rows, const Validation& validation) {
-  std::vector<AddedColumn> added = ReadingColumns("pred_", rows, validation.predicted);
-  for (const AddedColumn& column : ResidualColumns(rows, validation.predicted)) added.push_back(column);
-  return RowsToCsv(rows, added);
-}
-
 int RunValidate(const CommandLine& line) {
   ExpectArguments(line, ValidateCommand(), 2, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
@@ -66,14 +43,14 @@ int RunValidate(const CommandLine& line) {
   Provenance provenance{line.text, "validation", {}};
   for (const std::string& path : line.arguments) provenance.inputs.push_back(DescribeInput(path));
   const Validation validation = Validate(known, rows);
-  const nlohmann::ordered_json json = ToJson(validation, provenance);
+  const nlohmann::ordered_json json = ValidationToJson(validation, provenance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   const std::vector<Section> sections = Summary(known, rows, validation);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    WriteTextFile(FLAGS_out + "/residuals.csv", ResidualRows(rows, validation));
+    WriteTextFile(FLAGS_out + "/residuals.csv", ValidationToCsv(rows, validation));
     WriteTextFile(FLAGS_out + "/report.html", SectionsToPage(sections, "", provenance));
     WriteTextFile(FLAGS_out + "/validation.json", DumpJson(json));
     std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";

@@ -9,6 +9,8 @@
 #include <memory>
 #include <vector>
 
+#include "estimator/least_squares/interruption.h"
+
 namespace sagitta {
 namespace {
 
@@ -36,6 +38,13 @@ void RemoveBounds(const ParameterSet& parameters, ceres::Problem* problem) {
     problem->SetParameterLowerBound(values, coordinate.index_in_block, -std::numeric_limits<double>::max());
   }
 }
+
+class StopWhenInterrupted : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return IsInterrupted() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
 
 bool IsInside(const ParameterSet& parameters) {
   const std::vector<int> estimated = parameters.EstimatedCoordinates();
@@ -82,8 +91,11 @@ MinimizeSummary Minimize(const CalibrationProblem& problem, const ResidualSelect
     solver.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
   }
 
+  StopWhenInterrupted stop;
+  solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
+  CheckInterruption();
 
   MinimizeSummary result;
   result.usable = summary.IsSolutionUsable();

@@ -7,15 +7,22 @@
 #include <thread>
 #include <vector>
 
+#include "estimator/least_squares/interruption.h"
+
 namespace sagitta {
 
 void ParallelFor(int n, int threads, const std::function<void(int i, int worker)>& work) {
   std::atomic<int> next{0};
   std::exception_ptr failure;
   std::mutex mutex;
+  const std::atomic<bool>* stop = Interruptible::Flag();
   const auto run = [&](int worker) {
+    const Interruptible scope(stop);
     try {
-      for (int i = next++; i < n; i = next++) work(i, worker);
+      for (int i = next++; i < n; i = next++) {
+        CheckInterruption();
+        work(i, worker);
+      }
     } catch (...) {
       const std::lock_guard<std::mutex> lock(mutex);
       if (!failure) failure = std::current_exception();

@@ -72,4 +72,15 @@ Experiment ReadExperimentFile(const std::string& path) {
   return experiment;
 }
 
+Experiment ReadExperimentSettings(const std::string& text, const std::string& file_in_messages) {
+  const YamlValue root = ParseYaml(text, file_in_messages);
+  YamlMap map(root);
+  Experiment experiment;
+  ReadScene(&map, &experiment);
+  ReadMethod(&map, &experiment);
+  map.Finish();
+  ListLines(root, &experiment.lines);
+  return experiment;
+}
+
 }  // namespace sagitta

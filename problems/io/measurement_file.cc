@@ -252,27 +252,45 @@ Measurements MeasurementsBuilder::Take() {
 
 }  // namespace
 
-Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
-                              const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
-  if (paths.empty()) throw InputError({"", 0, "measurements"}, "no measurement file is given");
+namespace {
+
+Measurements Build(std::vector<CsvTable> tables, const std::vector<std::string>& joints,
+                   const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
   MeasurementsBuilder builder;
-  for (const std::string& path : paths) {
-    CsvTable table = ReadCsvTable(path);
+  for (CsvTable& table : tables) {
     const MeasurementColumns columns = FindMeasurementColumns(table, joints, prismatic, options.points_required);
     builder.Add(std::move(table), columns, options);
   }
   return builder.Take();
 }
 
-Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
-                                 const MeasurementReadOptions& options) {
+}  // namespace
+
+Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
+                              const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
+  if (paths.empty()) throw InputError({"", 0, "measurements"}, "no measurement file is given");
+  std::vector<CsvTable> tables;
+  for (const std::string& path : paths) tables.push_back(ReadCsvTable(path));
+  return Build(std::move(tables), joints, prismatic, options);
+}
+
+Measurements MeasurementsFromTables(std::vector<CsvTable> tables, const Robot& robot,
+                                    const MeasurementReadOptions& options) {
   std::vector<std::string> joints;
   std::vector<bool> prismatic;
   for (const Joint& joint : robot.chain.joints) {
     joints.push_back(joint.name);
     prismatic.push_back(joint.type == JointType::kPrismatic);
   }
-  return ReadMeasurements(paths, joints, prismatic, options);
+  return Build(std::move(tables), joints, prismatic, options);
+}
+
+Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
+                                 const MeasurementReadOptions& options) {
+  if (paths.empty()) throw InputError({"", 0, "measurements"}, "no measurement file is given");
+  std::vector<CsvTable> tables;
+  for (const std::string& path : paths) tables.push_back(ReadCsvTable(path));
+  return MeasurementsFromTables(std::move(tables), robot, options);
 }
 
 }  // namespace sagitta

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "models/robot.h"
+#include "problems/io/csv_table.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
@@ -23,5 +24,9 @@ Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::
 // With the columns that this robot's joints ask for.
 Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
                                  const MeasurementReadOptions& options = {});
+
+// The same of tables that are in memory already.
+Measurements MeasurementsFromTables(std::vector<CsvTable> tables, const Robot& robot,
+                                    const MeasurementReadOptions& options = {});
 
 }  // namespace sagitta

@@ -19,8 +19,8 @@ struct TargetColumn {
 
 class TargetReader {
  public:
-  TargetReader(const std::string& path, const Robot& robot, const std::string& station)
-      : table_(ReadCsvTable(path)), robot_(robot), station_(station) {}
+  TargetReader(CsvTable table, const Robot& robot, const std::string& station)
+      : table_(std::move(table)), robot_(robot), station_(station) {}
 
   Targets Read();
 
@@ -228,7 +228,11 @@ Targets TargetReader::Read() {
 }  // namespace
 
 Targets ReadTargets(const std::string& path, const Robot& robot, const std::string& station) {
-  return TargetReader(path, robot, station).Read();
+  return TargetsFromTable(ReadCsvTable(path), robot, station);
+}
+
+Targets TargetsFromTable(CsvTable table, const Robot& robot, const std::string& station) {
+  return TargetReader(std::move(table), robot, station).Read();
 }
 
 }  // namespace sagitta

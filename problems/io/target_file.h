@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/robot.h"
+#include "problems/io/csv_table.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
@@ -29,5 +30,8 @@ struct Targets {
 // both; station, load, the wrench, time_s, temperature_degC and approach1 … as in measurement files. A row's pose may
 // be empty where it states joint values. `station`: the one of rows that name none. Throws InputError.
 Targets ReadTargets(const std::string& path, const Robot& robot, const std::string& station);
+
+// The same of a table that is in memory already.
+Targets TargetsFromTable(CsvTable table, const Robot& robot, const std::string& station);
 
 }  // namespace sagitta

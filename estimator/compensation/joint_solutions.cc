@@ -1,0 +1,203 @@
+#include "estimator/compensation/joint_solutions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/constants.h"
+
+namespace sagitta {
+namespace {
+
+// Newton from points spread over the joints' ranges (the R-sequence of compensate.cc). From about one start in three it
+// reaches a solution; of at most eight (sixteen) branches each then is missed once in 10^4 (10^2) after 240.
+constexpr int kStarts = 240;
+constexpr double kSame = 1e-5;    // rad or m, between two solutions
+constexpr double kOnEdge = 1e-6;  // rad: the sign of an angle this small is not told
+constexpr double kMeet = 1e-3;    // m, within which wrist axes count as meeting
+
+// What is known of the arm's shape: wrist centre and where it lies, of six revolute joints with a spherical wrist.
+class ArmShape {
+ public:
+  explicit ArmShape(const Chain& chain)
+      : chain_(chain), model_(WithoutCouplings(chain)), arm_(model_, model_.NominalValues()) {
+    if (chain.num_joints() != 6) return;
+    for (const Joint& joint : chain.joints) {
+      if (joint.type != JointType::kRevolute) return;
+    }
+    has_wrist_ = WristMeets();
+    if (has_wrist_) forward_ = InFirstJoint(Eigen::VectorXd::Zero(6));
+  }
+  bool is_known() const { return has_wrist_; }
+
+  // Behind joint 1: on the other side of its axis than at the zero pose.
+  bool IsBehind(const Eigen::VectorXd& q) const {
+    return InFirstJoint(chain_.CoupledJointValues(q)).dot(forward_) < 0.0;
+  }
+  // d |wrist - joint 2|^2 / d q3: its sign is the side to which the elbow is bent, 0 where the arm is stretched.
+  double ElbowSlope(const Eigen::VectorXd& q) const {
+    constexpr double h = 1e-6;
+    const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(6, 2);
+    const Eigen::VectorXd moved = chain_.CoupledJointValues(q);
+    return (ReachSquared(moved + step) - ReachSquared(moved - step)) / (2 * h);
+  }
+
+ private:
+  static Chain WithoutCouplings(Chain chain) {
+    chain.couplings.clear();
+    return chain;
+  }
+  // A point on the axis of a joint and its direction, in the base: from the flange's motion v = z x (p - o).
+  struct Line {
+    Vector3<double> point, direction;
+  };
+  Line AxisOf(const Eigen::VectorXd& q, int joint) const {
+    FlangeState state;
+    arm_.At(q, ShotInput(q), Matrix3<double>::Identity(), {}, &state);
+    const Vector3<double> v = state.by_joints.block<3, 1>(0, joint), z = state.by_joints.block<3, 1>(3, joint);
+    return {state.flange_in_base.translation + z.cross(v) / z.squaredNorm(), z.normalized()};
+  }
+  // Foot of the common perpendicular of two lines, on the first.
+  static Vector3<double> Foot(const Line& a, const Line& b) {
+    const Vector3<double> n = a.direction.cross(b.direction), gap = b.point - a.point;
+    const double t = gap.cross(b.direction).dot(n) / n.squaredNorm();
+    return a.point + t * a.direction;
+  }
+  Vector3<double> Wrist(Eigen::VectorXd q) const {
+    if (std::abs(std::sin(q[4])) < 0.1) q[4] += 1.0;  // turning joint 5 does not move it
+    return Foot(AxisOf(q, 3), AxisOf(q, 5));
+  }
+  bool WristMeets() const {
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(6);
+    q[4] = 1.0;
+    const Line a = AxisOf(q, 3), b = AxisOf(q, 4), c = AxisOf(q, 5);
+    if (a.direction.cross(c.direction).norm() < 1e-3) return false;
+    const Vector3<double> wrist = Foot(a, c);
+    const auto off = [&](const Line& line) { return (wrist - line.point).cross(line.direction).norm(); };
+    return off(b) < kMeet && off(c) < kMeet;
+  }
+  // Of the wrist, perpendicular to axis 1, as if joint 1 stood at zero.
+  Vector3<double> InFirstJoint(Eigen::VectorXd q) const {
+    q[0] = 0.0;
+    const Line axis = AxisOf(q, 0);
+    const Vector3<double> arm = Wrist(q) - axis.point;
+    return arm - arm.dot(axis.direction) * axis.direction;
+  }
+  double ReachSquared(const Eigen::VectorXd& q) const {
+    const Line shoulder = AxisOf(q, 1);
+    const Vector3<double> arm = Wrist(q) - shoulder.point;
+    return (arm - arm.dot(shoulder.direction) * shoulder.direction).squaredNorm();
+  }
+
+  const Chain& chain_;
+  ForwardModel model_;  // of joints as they turn, couplings counted
+  LoadedArm arm_;
+  bool has_wrist_ = false;
+  Vector3<double> forward_;
+};
+
+Eigen::VectorXd StartNumber(const Chain& chain, int k) {
+  const int n = chain.num_joints();
+  double ratio = 2.0;
+  for (int i = 0; i < 60; ++i) ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
+  Eigen::VectorXd start(n);
+  for (int j = 0; j < n; ++j) {
+    const Joint& joint = chain.joints[static_cast<size_t>(j)];
+    const bool turns = joint.type == JointType::kRevolute;
+    const double half = turns ? kPi : CharacteristicLength(chain);
+    const double low = std::max(joint.min.value_or(-half), turns ? -kPi : joint.min.value_or(-half));
+    const double high = std::min(joint.max.value_or(half), turns ? kPi : joint.max.value_or(half));
+    double share = 0.5 + k * std::pow(ratio, -(j + 1));
+    share -= std::floor(share);
+    start[j] = low + share * (high - low);
+  }
+  return start;
+}
+
+bool IsWithin(const Joint& joint, double value) {
+  return value >= joint.min.value_or(-1e300) - 1e-9 && value <= joint.max.value_or(1e300) + 1e-9;
+}
+
+// Whole turns that put joints into the ranges stated for them; of several the smallest angle. False: there is none.
+bool TurnIntoRanges(const Chain& chain, const StatedBranch& branch, Eigen::VectorXd* q) {
+  for (int j = 0; j < q->size(); ++j) {
+    const Joint& joint = chain.joints[static_cast<size_t>(j)];
+    if (joint.type != JointType::kRevolute) continue;
+    double low = -1e300, high = 1e300;
+    for (const auto& [index, range] : branch.ranges) {
+      if (index == j) low = range.first - kOnEdge, high = range.second + kOnEdge;
+    }
+    const double principal = std::remainder((*q)[j], 2 * kPi);
+    double best = std::nan("");
+    for (const int turn : {0, 1, -1}) {
+      const double value = principal + 2 * kPi * turn;
+      if (value < low || value > high || !IsWithin(joint, value)) continue;
+      if (!(std::abs(best) <= std::abs(value))) best = value;
+    }
+    if (std::isnan(best)) return false;
+    (*q)[j] = best;
+  }
+  return true;
+}
+
+bool Agrees(const ArmShape& shape, const StatedBranch& branch, const Eigen::VectorXd& q) {
+  // Half a turn and more of joint 5 counts as below 0 (KUKA: status bit 2).
+  const double flip = q.size() > 4 ? std::remainder(q[4], 2 * kPi) : 0.0;
+  if (branch.wrist_negative && std::abs(flip) > kOnEdge && (flip < 0.0) != *branch.wrist_negative) return false;
+  if (!shape.is_known()) return true;
+  if (branch.wrist_behind && shape.IsBehind(q) != *branch.wrist_behind) return false;
+  const double slope = shape.ElbowSlope(q);
+  if (branch.elbow_past_stretch && (slope < 0.0) != *branch.elbow_past_stretch) return false;
+  const double at_zero = branch.elbow_of_zero ? shape.ElbowSlope(Eigen::VectorXd::Zero(6)) : 0.0;
+  return !branch.elbow_of_zero || (slope * at_zero > 0.0) == *branch.elbow_of_zero;
+}
+
+bool IsOnTarget(const FlangeSolution& solution) {
+  return solution.status == TargetStatus::kOk || solution.status == TargetStatus::kSingular;
+}
+
+}  // namespace
+
+BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base, const StatedBranch& branch,
+                       const Eigen::VectorXd& before) {
+  const ArmShape shape(nominal);
+  const ForwardModel model(nominal);
+  const LoadedArm rigid(model, model.NominalValues());
+  const FlangeFunction arm = [&](const Eigen::VectorXd& q, FlangeState* state) {
+    return rigid.At(q, ShotInput(q), Matrix3<double>::Identity(), {}, state);
+  };
+  if (branch.from_before || !branch.states_anything()) {
+    if (before.size() == 0) {
+      return {{},
+              "the file does not say with which joint solution it is reached, and no joint values come before it: "
+              "--start_deg states where the arm is when the program starts"};
+    }
+    const FlangeSolution near = SolveFlange(nominal, arm, flange_in_base, before, true);
+    if (IsOnTarget(near)) return {near.q, ""};
+    return {{}, "no joint values near those before it reach it"};
+  }
+  std::vector<Eigen::VectorXd> found;
+  bool reached = false;
+  for (int k = 0; k < kStarts; ++k) {
+    const FlangeSolution solution = SolveFlange(nominal, arm, flange_in_base, StartNumber(nominal, k), false);
+    if (!IsOnTarget(solution)) continue;
+    reached = true;
+    Eigen::VectorXd q = solution.q;
+    if (!TurnIntoRanges(nominal, branch, &q) || !Agrees(shape, branch, q)) continue;
+    const bool is_new = std::none_of(found.begin(), found.end(),
+                                     [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSame; });
+    if (is_new) found.push_back(q);
+    if (shape.is_known() && found.size() == 1 && k > kStarts / 4) break;  // all three signs are told: it is the one
+  }
+  if (found.size() == 1) return {found[0], ""};
+  if (found.size() > 1) {
+    return {{},
+            std::to_string(found.size()) +
+                " joint solutions are of the configuration that the file states; joint "
+                "limits in the robot file would tell them apart"};
+  }
+  return {{},
+          reached ? "no joint values of the nominal robot reach it in the configuration that the file states"
+                  : "the nominal robot does not reach it; is its frame or tool another?"};
+}
+
+}  // namespace sagitta

@@ -1,0 +1,272 @@
+#include "estimator/results/program_compensation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "estimator/compensation/joint_solutions.h"
+#include "models/constants.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/units.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr const char* kDefault = "default";
+
+Pose<double> Inverse(const Pose<double>& pose) {
+  const Matrix3<double> back = pose.rotation.transpose();
+  return {back, -(back * pose.translation)};
+}
+
+Pose<double> Product(const Pose<double>& a, const Pose<double>& b) {
+  return {a.rotation * b.rotation, a * b.translation};
+}
+
+std::string WithoutBlanks(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t\n");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
+}
+
+// A frame or tool by its name in the file.
+class Scene {
+ public:
+  Scene(const RobotProgram& program, const ProgramScene& scene) : program_(program), scene_(scene) {}
+
+  // Nothing: it is stated nowhere; its name is then among those asked for.
+  std::optional<Pose<double>> ToolInFlange(const std::string& name) {
+    return Find(name, kFlange, scene_.tools, program_.tools, &tools_asked_);
+  }
+  std::optional<Pose<double>> FrameInBase(const std::string& name) {
+    return Find(name, kWorld, scene_.frames, program_.frames, &frames_asked_);
+  }
+  void ThrowWhatIsAsked() const;
+
+ private:
+  static std::optional<Pose<double>> Find(const std::string& name, const char* root,
+                                          const std::map<std::string, Pose<double>>& stated,
+                                          const std::map<std::string, Pose<double>>& in_file,
+                                          std::set<std::string>* asked) {
+    const auto at_root = stated.find(root);
+    if (at_root == stated.end()) asked->insert(root);
+    const Pose<double> from_root = at_root == stated.end() ? Pose<double>() : at_root->second;
+    if (name == root) return at_root == stated.end() ? std::nullopt : std::make_optional(from_root);
+    const std::string key = name.empty() ? kDefault : name;
+    if (const auto own = stated.find(key); own != stated.end()) return Product(from_root, own->second);
+    if (const auto own = in_file.find(key); own != in_file.end()) return Product(from_root, own->second);
+    asked->insert(key);
+    return std::nullopt;
+  }
+
+  const RobotProgram& program_;
+  const ProgramScene& scene_;
+  std::set<std::string> tools_asked_, frames_asked_;
+};
+
+void Scene::ThrowWhatIsAsked() const {
+  const auto list = [](const std::set<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : "; ") + name + "=x,y,z,roll,pitch,yaw";
+    return text;
+  };
+  const bool tools = !tools_asked_.empty(), frames = !frames_asked_.empty();
+  if (!tools && !frames) return;
+  std::vector<std::string> names;
+  for (const std::string& name : tools_asked_) names.push_back("tool '" + name + "'");
+  for (const std::string& name : frames_asked_) names.push_back("frame '" + name + "'");
+  std::string hint = tools ? "--tools_mm_deg='" + list(tools_asked_) + "'" : "";
+  if (frames) hint += (tools ? " " : "") + std::string("--frames_mm_deg='") + list(frames_asked_) + "'";
+  hint +=
+      ", fixed axes; 'same' for one that stands where that of the robot file does: flange is the controller's flange "
+      "in that of the robot file, world its world (base) frame in the base of the robot file, default what holds for "
+      "points that name none";
+  throw InputError({program_.path, 0, tools ? "--tools_mm_deg" : "--frames_mm_deg"},
+                   "the program has poses, but does not state the " + Enumerate(names), hint);
+}
+
+// The points as rows of a target file.
+class TargetTable {
+ public:
+  TargetTable(const std::string& name, const Chain& chain, const std::string& load) : chain_(chain), load_(load) {
+    table_.file.path = name;
+    table_.file.header = {"target"};
+    for (int j = 0; j < chain.num_joints(); ++j) {
+      const bool turns = chain.joints[static_cast<size_t>(j)].type == JointType::kRevolute;
+      table_.file.header.push_back("q" + std::to_string(j + 1) + (turns ? "_rad" : "_m"));
+    }
+    for (const char* column : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad", "load"})
+      table_.file.header.push_back(column);
+  }
+  void Add(const ProgramPoint& point, const Eigen::VectorXd& q, const std::optional<Pose<double>>& flange) {
+    std::vector<std::string> cells = {point.name};
+    for (const double value : q) cells.push_back(FormatNumber(value));
+    const Vector3<double> turn = flange ? RotationVector(flange->rotation) : Vector3<double>::Zero();
+    for (int a = 0; a < 3; ++a) cells.push_back(flange ? FormatNumber(flange->translation[a]) : "");
+    for (int a = 0; a < 3; ++a) cells.push_back(flange ? FormatNumber(turn[a]) : "");
+    cells.push_back(load_);
+    table_.file.rows.push_back({point.line, cells});
+  }
+  bool empty() const { return table_.file.rows.empty(); }
+  CsvTable Take() { return std::move(table_); }
+
+ private:
+  const Chain& chain_;
+  std::string load_;
+  CsvTable table_;
+};
+
+// What is solved of a program: rows of targets and the points they are of.
+struct Prepared {
+  std::vector<ProgramPointResult> results;
+  std::vector<int> points;                     // of each row
+  std::vector<Pose<double>> frame, from_tool;  // of each row: frame in base, flange from tool
+};
+
+Eigen::VectorXd VectorOf(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+void Prepare(const RobotProgram& program, const ProgramScene& stated, const Chain& nominal, TargetTable* table,
+             Prepared* prepared) {
+  Scene scene(program, stated);
+  for (const ProgramPoint& point : program.points) {
+    if (point.is_joints || !point.untouched.empty()) continue;
+    scene.ToolInFlange(point.tool);
+    scene.FrameInBase(point.frame);
+  }
+  scene.ThrowWhatIsAsked();
+  std::vector<size_t> way(program.points.size());
+  std::iota(way.begin(), way.end(), size_t{0});
+  std::stable_sort(way.begin(), way.end(),
+                   [&](size_t a, size_t b) { return program.points[a].used_at < program.points[b].used_at; });
+  prepared->results.resize(way.size());
+  Eigen::VectorXd before = stated.start;
+  for (const size_t i : way) {
+    const ProgramPoint& point = program.points[i];
+    ProgramPointResult& result = prepared->results[i];
+    result.point = static_cast<int>(i);
+    result.untouched = point.untouched;
+    if (!point.untouched.empty()) continue;
+    Pose<double> frame, from_tool;
+    std::optional<Pose<double>> flange;
+    Eigen::VectorXd q;
+    if (point.is_joints) {
+      q = VectorOf(program.JointValues(point));
+    } else {
+      std::vector<double> numbers;
+      for (const TextNumber& number : point.numbers) numbers.push_back(number.value);
+      frame = *scene.FrameInBase(point.frame);
+      from_tool = Inverse(*scene.ToolInFlange(point.tool));
+      flange = Product(Product(frame, PoseFrom(program.notation, numbers)), from_tool);
+      const BranchFound found = FindBranch(nominal, *flange, point.branch, before);
+      result.untouched = found.why_not;
+      if (!found.why_not.empty()) continue;
+      q = found.q;
+    }
+    before = q;
+    prepared->points.push_back(static_cast<int>(i));
+    prepared->frame.push_back(frame);
+    prepared->from_tool.push_back(from_tool);
+    table->Add(point, q, flange);
+  }
+}
+
+bool IsCorrected(const CompensatedTarget& target) {
+  return target.solution.status == TargetStatus::kOk || target.solution.status == TargetStatus::kSingular;
+}
+
+}  // namespace
+
+std::map<std::string, Pose<double>> FramesFromText(const std::string& text, const std::string& key) {
+  std::map<std::string, Pose<double>> frames;
+  if (text.empty()) return frames;
+  const char* kHint = "NAME=x,y,z,roll,pitch,yaw in mm and deg; NAME=same; several with ';' between";
+  for (const std::string& entry : SplitText(text, ';')) {
+    const size_t equals = entry.rfind('=');
+    const std::string name = WithoutBlanks(entry.substr(0, equals));
+    if (equals == std::string::npos || name.empty()) {
+      throw InputError({"", 0, key}, "'" + WithoutBlanks(entry) + "' is no frame", kHint);
+    }
+    Pose<double> pose;
+    const std::string value = WithoutBlanks(entry.substr(equals + 1));
+    if (value != "same") {
+      std::vector<double> numbers;
+      for (const std::string& part : SplitText(value, ',')) {
+        const std::optional<double> number = ParseNumber(WithoutBlanks(part));
+        if (!number)
+          throw InputError({"", 0, key}, "'" + WithoutBlanks(part) + "' of '" + name + "' is no number", kHint);
+        numbers.push_back(*number);
+      }
+      if (numbers.size() != 6) throw InputError({"", 0, key}, "six numbers are expected for '" + name + "'", kHint);
+      pose = PoseFrom(PoseNotation::kWprDegrees, numbers);
+    }
+    if (!frames.emplace(name, pose).second) throw InputError({"", 0, key}, "'" + name + "' is given twice");
+  }
+  return frames;
+}
+
+CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
+                                     int threads) {
+  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
+  const Chain nominal = NominalChain(known);
+  CompensatedProgram result;
+  result.program = std::move(program);
+  const RobotProgram& read = result.program;
+  TargetTable table(read.path, nominal, scene.load);
+  Prepared prepared;
+  Prepare(read, scene, nominal, &table, &prepared);
+  result.results = std::move(prepared.results);
+  result.text = read.text;
+  if (table.empty()) return result;
+  result.targets = TargetsFromTable(table.Take(), known.robot, known.base_in_station.begin()->first);
+  result.solved = Compensate(MakeCompensationInput(known, result.targets), result.targets.rows, threads);
+  std::vector<CorrectedPoint> corrected;
+  for (size_t row = 0; row < result.solved.size(); ++row) {
+    const CompensatedTarget& target = result.solved[row];
+    ProgramPointResult& of_point = result.results[static_cast<size_t>(prepared.points[row])];
+    of_point.solution = target;
+    if (!IsCorrected(target)) {
+      of_point.untouched = std::string(StatusName(target.solution.status)) + ": " + target.words;
+      continue;
+    }
+    CorrectedPoint point;
+    point.point = prepared.points[row];
+    for (const double value : target.solution.q) point.joints.push_back(value);
+    const Pose<double> tool_in_base = Product(target.commanded, Inverse(prepared.from_tool[row]));
+    point.tool_in_frame = Product(Inverse(prepared.frame[row]), tool_in_base);
+    corrected.push_back(point);
+  }
+  result.text = WithCorrectedPoints(read, corrected);
+  return result;
+}
+
+std::string SummaryOf(const CompensatedProgram& result) {
+  int corrected = 0;
+  double before = 0.0, u95 = 0.0;
+  std::string untouched;
+  for (const ProgramPointResult& point : result.results) {
+    const ProgramPoint& read = result.program.points[static_cast<size_t>(point.point)];
+    if (!point.untouched.empty()) {
+      untouched += "  line " + std::to_string(read.line) + ", " + read.name + ": " + point.untouched + "\n";
+      continue;
+    }
+    ++corrected;
+    before = std::max(before, point.solution->before_position);
+    if (std::isfinite(point.solution->u95_position)) u95 = std::max(u95, point.solution->u95_position);
+  }
+  std::string text = std::string(DialectName(result.program.dialect)) + ": " + std::to_string(corrected) + " of " +
+                     std::to_string(result.results.size()) + " points corrected";
+  if (corrected > 0) {
+    text += "; off target before by at most " + Significant(1e3 * before, 3) +
+            " mm; 95 % uncertainty of the estimate at most " + Significant(1e3 * u95, 3) + " mm";
+  }
+  text += "\n";
+  if (!untouched.empty()) text += "Left as they are\n" + untouched;
+  for (const std::string& note : result.program.notes) text += "Note: " + note + "\n";
+  return text;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,49 @@
+// `sagitta compensate --program`: a robot program with its points corrected, and what became of each of them.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/compensation/compensate.h"
+#include "estimator/results/compensation_csv.h"
+#include "problems/io/programs/robot_program.h"
+
+namespace sagitta {
+
+// What the program does not state.
+struct ProgramScene {
+  // By the names of the file; "flange" and "world" say how the controller's flange and world stand to those of the
+  // robot file, "default" what holds for points that name none.
+  std::map<std::string, Pose<double>> tools;   // in the flange
+  std::map<std::string, Pose<double>> frames;  // in the world; "world": in the base
+  Eigen::VectorXd start;                       // joints where the program starts; empty: not stated
+  std::string load = "none";                   // of all points
+};
+
+// A: "NAME=x,y,z,roll,pitch,yaw; NAME=same": mm and deg, fixed axes. `key`: what the user gave it as. Throws
+// InputError.
+std::map<std::string, Pose<double>> FramesFromText(const std::string& text, const std::string& key);
+
+struct ProgramPointResult {
+  int point = -1;
+  std::string untouched;                      // why; "": it is corrected
+  std::optional<CompensatedTarget> solution;  // where there was something to solve
+};
+
+struct CompensatedProgram {
+  RobotProgram program;
+  std::vector<ProgramPointResult> results;  // one per point of the program
+  Targets targets;                          // those that were solved
+  std::vector<CompensatedTarget> solved;
+  std::string text;  // the corrected program
+};
+
+// Throws InputError where a frame or tool is stated neither by the file nor by `scene`, naming all of them.
+CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
+                                     int threads);
+
+std::string SummaryOf(const CompensatedProgram& result);
+
+}  // namespace sagitta

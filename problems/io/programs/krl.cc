@@ -1,0 +1,250 @@
+// KUKA KRL: .src and .dat. Points are aggregates, {X 1, Y 2, ..., A 0, S 2, T 35} and {A1 0, A2 -90, ...}; tool and
+// base of taught points stand in their FDAT, of others in $TOOL and $BASE as the program goes.
+#include <limits>
+#include <regex>
+
+#include "models/constants.h"
+#include "problems/input_error.h"
+#include "problems/io/programs/program_text.h"
+
+namespace sagitta {
+namespace {
+
+using Fields = std::map<std::string, TextRange>;
+
+class KrlReader {
+ public:
+  KrlReader(int joints, RobotProgram* program)
+      : joints_(joints), program_(*program), code_(UpperCase(WithoutComments(program->text, ";", '"'))) {}
+
+  void Read();
+
+ private:
+  Fields FieldsAt(size_t open) const;
+  void ReadLine(size_t begin, size_t end);
+  void ReadScene(const std::string& line, size_t begin);
+  void ReadFrameData(const std::string& name, size_t open);
+  void ReadMotion(const std::string& word, size_t begin, size_t end);
+  void AddPoint(const std::string& name, size_t open);
+  void FillJoints(const Fields& fields, ProgramPoint* point) const;
+  void FillPose(const Fields& fields, ProgramPoint* point) const;
+  void UseHere(const std::string& name, size_t at);
+  std::string NameOf(const std::string& text, size_t at, const char* null_name,
+                     std::map<std::string, Pose<double>>* stated);
+
+  const int joints_;
+  RobotProgram& program_;
+  const std::string code_;
+  std::string tool_, base_;  // as set so far; "": not
+  std::map<std::string, size_t> named_;
+  std::vector<bool> used_;  // by a motion
+};
+
+// "{E6POS: X 1, Y 2}" -> X, Y with the places of their values.
+Fields KrlReader::FieldsAt(size_t open) const {
+  const size_t end = EndOfBracket(code_, open);
+  if (end == std::string::npos) {
+    throw InputError({program_.path, LineAt(code_, open), ""}, "the brace of this aggregate is not closed");
+  }
+  size_t begin = open + 1;
+  const size_t colon = code_.find(':', begin);
+  if (colon < end) begin = colon + 1;
+  Fields fields;
+  for (const TextRange& part : PartsOf(code_, begin, end - 1)) {
+    size_t name_end = part.first;
+    while (name_end < part.second && (IsWordCharacter(code_[name_end]))) ++name_end;
+    size_t value = name_end;
+    while (value < part.second && code_[value] == ' ') ++value;
+    fields[code_.substr(part.first, name_end - part.first)] = {value, part.second};
+  }
+  return fields;
+}
+
+void KrlReader::FillJoints(const Fields& fields, ProgramPoint* point) const {
+  point->is_joints = true;
+  for (int j = 1; j <= joints_; ++j) {
+    const auto field = fields.find("A" + std::to_string(j));
+    TextNumber number;
+    if (field == fields.end() || !NumberAt(code_, field->second, &number)) {
+      point->untouched = "it states only some of the joints";
+      return;
+    }
+    point->numbers.push_back(number);
+  }
+}
+
+void KrlReader::FillPose(const Fields& fields, ProgramPoint* point) const {
+  for (const char* name : {"X", "Y", "Z", "A", "B", "C"}) {
+    const auto field = fields.find(name);
+    TextNumber number;
+    if (field == fields.end() || !NumberAt(code_, field->second, &number)) {
+      point->untouched = "it states only a part of the pose";
+      return;
+    }
+    point->numbers.push_back(number);
+  }
+  TextNumber status, turn;
+  const auto s = fields.find("S"), t = fields.find("T");
+  if (s == fields.end() || t == fields.end() || !NumberAt(code_, s->second, &status) ||
+      !NumberAt(code_, t->second, &turn)) {
+    point->branch.from_before = true;  // LIN and CIRC stay on the branch where the arm is
+    return;
+  }
+  const int bits = static_cast<int>(status.value), turns = static_cast<int>(turn.value);
+  point->branch.wrist_behind = (bits & 1) != 0;
+  point->branch.elbow_past_stretch = (bits & 2) != 0;
+  point->branch.wrist_negative = (bits & 4) != 0;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < joints_; ++j) {
+    const bool negative = (turns & (1 << j)) != 0;
+    point->branch.ranges.push_back({j, negative ? std::make_pair(-kFar, 0.0) : std::make_pair(0.0, kFar)});
+  }
+}
+
+void KrlReader::AddPoint(const std::string& name, size_t open) {
+  const Fields fields = FieldsAt(open);
+  ProgramPoint point;
+  point.name = name;
+  point.line = LineAt(code_, open);
+  const bool has_joints = fields.count("A1") + fields.count("A2") + fields.count("A3") > 0;
+  const bool has_pose = fields.count("X") + fields.count("Y") + fields.count("Z") > 0;
+  if (!has_joints && !has_pose) return;
+  has_joints ? FillJoints(fields, &point) : FillPose(fields, &point);
+  point.used_at = open;
+  named_[name] = program_.points.size();
+  used_.push_back(false);
+  program_.points.push_back(point);
+}
+
+// A motion to a declared point: with the tool and base that are set.
+void KrlReader::UseHere(const std::string& name, size_t at) {
+  const auto found = named_.find(name);
+  if (found == named_.end()) return;
+  ProgramPoint& point = program_.points[found->second];
+  if (!used_[found->second]) point.used_at = at;
+  used_[found->second] = true;
+  if (point.is_joints || !point.untouched.empty()) return;
+  const bool fits = (point.tool.empty() || point.tool == tool_) && (point.frame.empty() || point.frame == base_);
+  if (!fits) {
+    point.untouched = "the program moves to it with more than one tool or base";
+    return;
+  }
+  point.tool = tool_;
+  point.frame = base_;
+}
+
+std::string KrlReader::NameOf(const std::string& text, size_t at, const char* null_name,
+                              std::map<std::string, Pose<double>>* stated) {
+  if (text == "$NULLFRAME") return null_name;
+  if (text.empty() || text[0] != '{') return text;
+  ProgramPoint point;
+  FillPose(FieldsAt(at), &point);
+  if (!point.untouched.empty()) return text;
+  std::vector<double> numbers;
+  for (const TextNumber& number : point.numbers) numbers.push_back(number.value);
+  const std::string name = std::string(null_name == std::string(kFlange) ? "$TOOL" : "$BASE") + " of line " +
+                           std::to_string(LineAt(code_, at));
+  (*stated)[name] = PoseFrom(PoseNotation::kAbcDegrees, numbers);
+  return name;
+}
+
+// $TOOL = ..., $BASE = ..., BAS(#TOOL, 1), TOOL_DATA[1] = {...}
+void KrlReader::ReadScene(const std::string& line, size_t begin) {
+  static const std::regex set("^\\s*\\$(TOOL|BASE)\\s*=\\s*(\\S.*?)\\s*$");
+  static const std::regex bas("BAS\\s*\\(\\s*#(TOOL|BASE)\\s*,\\s*(\\d+)\\s*\\)");
+  static const std::regex data("^\\s*(TOOL_DATA|BASE_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
+  std::smatch match;
+  if (std::regex_search(line, match, set)) {
+    const size_t at = begin + static_cast<size_t>(match.position(2));
+    const bool is_tool = match[1] == "TOOL";
+    (is_tool ? tool_ : base_) =
+        NameOf(match[2], at, is_tool ? kFlange : kWorld, is_tool ? &program_.tools : &program_.frames);
+  } else if (std::regex_search(line, match, bas)) {
+    const bool is_tool = match[1] == "TOOL";
+    const std::string null_name = is_tool ? kFlange : kWorld;
+    (is_tool ? tool_ : base_) = match[2] == "0" ? null_name : match[1].str() + "_DATA[" + match[2].str() + "]";
+  } else if (std::regex_search(line, match, data)) {
+    std::map<std::string, Pose<double>> one;
+    const std::string written = "{";
+    const std::string name = NameOf(written, begin + static_cast<size_t>(match.position(3)), kFlange, &one);
+    if (one.empty()) return;
+    (match[1] == "TOOL_DATA" ? program_.tools : program_.frames)[match[1].str() + "[" + match[2].str() + "]"] =
+        one.begin()->second;
+  }
+}
+
+// FDAT of XP1 is FP1.
+void KrlReader::ReadFrameData(const std::string& name, size_t open) {
+  const auto found = named_.find("X" + name.substr(1));
+  if (found == named_.end()) return;
+  const Fields fields = FieldsAt(open);
+  ProgramPoint& point = program_.points[found->second];
+  const auto number = [&](const char* field, const std::string& stem, const char* zero) -> std::string {
+    TextNumber value;
+    const auto at = fields.find(field);
+    if (at == fields.end() || !NumberAt(code_, at->second, &value) || value.value < 0) return "";
+    return value.value == 0 ? zero : stem + "[" + std::to_string(static_cast<int>(value.value)) + "]";
+  };
+  point.tool = number("TOOL_NO", "TOOL_DATA", kFlange);
+  point.frame = number("BASE_NO", "BASE_DATA", kWorld);
+  const auto mode = fields.find("IPO_FRAME");
+  if (mode != fields.end() && code_.compare(mode->second.first, 4, "#TCP") == 0) {
+    point.untouched = "its tool stands in the room and the robot holds the workpiece";
+  }
+}
+
+void KrlReader::ReadMotion(const std::string& word, size_t begin, size_t end) {
+  const bool is_relative = word.find("REL") != std::string::npos;
+  for (const TextRange& part : PartsOf(code_, begin, end)) {
+    if (part.first >= part.second) continue;
+    if (code_[part.first] != '{') {
+      size_t stop = part.first;
+      while (stop < part.second && IsWordCharacter(code_[stop])) ++stop;
+      UseHere(code_.substr(part.first, stop - part.first), part.first);
+      continue;
+    }
+    const size_t before = program_.points.size();
+    AddPoint(word + " of line " + std::to_string(LineAt(code_, part.first)), part.first);
+    if (program_.points.size() == before) continue;
+    ProgramPoint& point = program_.points.back();
+    point.tool = tool_;
+    point.frame = base_;
+    if (is_relative) point.untouched = "a relative motion: it goes on from a corrected point";
+  }
+}
+
+void KrlReader::ReadLine(size_t begin, size_t end) {
+  const std::string line = code_.substr(begin, end - begin);
+  static const std::regex declaration(
+      "^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(?:(E6POS|POS|FRAME|E6AXIS|AXIS|FDAT)\\s+)?([A-Z_$][\\w$]*)\\s*="
+      "\\s*\\{");
+  static const std::regex motion("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\s+(?=\\S)");
+  std::smatch match;
+  if (std::regex_search(line, match, motion)) {
+    ReadMotion(match[1], begin + static_cast<size_t>(match.position(0) + match.length(0)), end);
+  } else if (std::regex_search(line, match, declaration) && match[2].str()[0] != '$') {
+    const size_t open = begin + static_cast<size_t>(match.position(0) + match.length(0)) - 1;
+    if (match[1] == "FDAT") {
+      ReadFrameData(match[2], open);
+    } else {
+      AddPoint(match[2], open);
+    }
+  } else {
+    ReadScene(line, begin);
+  }
+}
+
+void KrlReader::Read() {
+  program_.notation = PoseNotation::kAbcDegrees;
+  for (size_t begin = 0; begin < code_.size();) {
+    const size_t end = std::min(code_.find('\n', begin), code_.size());
+    ReadLine(begin, end);
+    begin = end + 1;
+  }
+}
+
+}  // namespace
+
+void ReadKrl(int joints, RobotProgram* program) { KrlReader(joints, program).Read(); }
+
+}  // namespace sagitta

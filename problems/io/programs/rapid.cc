@@ -1,0 +1,205 @@
+// ABB RAPID: robtarget [[x, y, z], [q1..q4], [cf1, cf4, cf6, cfx], [...]] and jointtarget [[...], [...]], declared or
+// in the motion itself. The motion says tool and work object; without \WObj it is wobj0, the world.
+#include <regex>
+
+#include "models/constants.h"
+#include "problems/input_error.h"
+#include "problems/io/programs/program_text.h"
+
+namespace sagitta {
+namespace {
+
+class RapidReader {
+ public:
+  RapidReader(int joints, RobotProgram* program)
+      : joints_(joints),
+        program_(*program),
+        code_(WithoutComments(program->text, "!", '"')),
+        upper_(UpperCase(code_)) {}
+
+  void Read();
+
+ private:
+  void ReadDeclarations();
+  void ReadMotions();
+  bool ReadStatement(size_t begin, size_t end);  // false: it is no motion
+  void AddTarget(const std::string& name, size_t open, bool is_joints);
+  void AddTool(const std::string& name, size_t open);
+  void AddWorkObject(const std::string& name, size_t open);
+  void Use(ProgramPoint* point, const std::string& tool, const std::string& frame);
+
+  const int joints_;
+  RobotProgram& program_;
+  const std::string code_, upper_;
+  std::map<std::string, size_t> named_;
+  std::map<std::string, std::string> refused_;  // tools and work objects that stand in the way of a correction
+  std::vector<bool> used_;
+};
+
+void RapidReader::AddTarget(const std::string& name, size_t open, bool is_joints) {
+  const std::vector<TextNumber> numbers = NumbersInBracket(code_, open);
+  ProgramPoint point;
+  point.name = name;
+  point.line = LineAt(code_, open);
+  point.is_joints = is_joints;
+  const size_t expected = is_joints ? 12 : 17;
+  if (numbers.size() != expected) {
+    point.untouched = "it is not written in numbers alone";
+  } else if (is_joints) {
+    point.numbers.assign(numbers.begin(), numbers.begin() + std::min(joints_, 6));
+    if (joints_ > 6) point.untouched = "the robot has more than six joints";
+  } else {
+    point.numbers.assign(numbers.begin(), numbers.begin() + 7);
+    const int turns[] = {0, 3, 5};
+    for (int i = 0; i < 3; ++i) {
+      const double quadrant = numbers[7 + static_cast<size_t>(i)].value;
+      point.branch.ranges.push_back({turns[i], {quadrant * kPi / 2, (quadrant + 1) * kPi / 2}});
+    }
+    const int shape = static_cast<int>(numbers[10].value);
+    point.branch.wrist_negative = (shape & 1) != 0;
+    point.branch.elbow_of_zero = (shape & 2) == 0;
+    point.branch.wrist_behind = (shape & 4) != 0;
+  }
+  named_[UpperCase(name)] = program_.points.size();
+  program_.points.push_back(point);
+  used_.push_back(false);
+}
+
+Pose<double> PoseOf(const std::vector<TextNumber>& numbers, size_t first) {
+  std::vector<double> values;
+  for (size_t i = first; i < first + 7; ++i) values.push_back(numbers[i].value);
+  return PoseFrom(PoseNotation::kQuaternion, values);
+}
+
+// [robhold, [[x, y, z], [q1..q4]], [mass, ...]]
+void RapidReader::AddTool(const std::string& name, size_t open) {
+  const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
+  const std::string key = UpperCase(name);
+  if (parts.size() < 2) return;
+  const std::vector<TextNumber> numbers = NumbersInBracket(code_, parts[1].first);
+  if (upper_.compare(parts[0].first, 4, "TRUE") != 0)
+    refused_[key] = "its tool stands in the room and the robot holds the workpiece";
+  if (numbers.size() == 7) program_.tools[key] = PoseOf(numbers, 0);
+}
+
+// [robhold, ufprog, ufmec, uframe, oframe]
+void RapidReader::AddWorkObject(const std::string& name, size_t open) {
+  const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
+  const std::string key = UpperCase(name);
+  if (parts.size() != 5) return;
+  if (upper_.compare(parts[0].first, 5, "FALSE") != 0) refused_[key] = "the robot holds its work object";
+  if (upper_.compare(parts[1].first, 4, "TRUE") != 0) refused_[key] = "its work object is moved by another unit";
+  const std::vector<TextNumber> user = NumbersInBracket(code_, parts[3].first),
+                                object = NumbersInBracket(code_, parts[4].first);
+  if (user.size() != 7 || object.size() != 7) return;
+  const Pose<double> u = PoseOf(user, 0), o = PoseOf(object, 0);
+  program_.frames[key] = {u.rotation * o.rotation, u * o.translation};
+}
+
+void RapidReader::ReadDeclarations() {
+  static const std::regex declaration(
+      "\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA)\\s+(\\w+)\\s*(\\{[^}]*\\})?\\s*:=\\s*(\\[)");
+  for (auto match = std::sregex_iterator(upper_.begin(), upper_.end(), declaration); match != std::sregex_iterator();
+       ++match) {
+    const size_t open = static_cast<size_t>(match->position(4));
+    const std::string name =
+        code_.substr(static_cast<size_t>(match->position(2)), static_cast<size_t>(match->length(2)));
+    if (EndOfBracket(code_, open) == std::string::npos) {
+      throw InputError({program_.path, LineAt(code_, open), name}, "the brackets of this value are not closed");
+    }
+    const std::string type = (*match)[1];
+    if ((*match)[3].matched) {
+      if (type[0] == 'T' || type[0] == 'W') continue;
+      ProgramPoint array;
+      array.name = name;
+      array.line = LineAt(code_, open);
+      array.untouched = "it is an array of targets";
+      program_.points.push_back(array);
+      used_.push_back(true);
+    } else if (type == "TOOLDATA") {
+      AddTool(name, open);
+    } else if (type == "WOBJDATA") {
+      AddWorkObject(name, open);
+    } else {
+      AddTarget(name, open, type == "JOINTTARGET");
+    }
+  }
+}
+
+void RapidReader::Use(ProgramPoint* point, const std::string& tool, const std::string& frame) {
+  const size_t index = static_cast<size_t>(point - program_.points.data());
+  if (used_[index] && (point->tool != tool || point->frame != frame) && point->untouched.empty()) {
+    point->untouched = "the program moves to it with more than one tool or work object";
+  }
+  used_[index] = true;
+  point->tool = tool;
+  point->frame = frame;
+  for (const std::string& name : {tool, frame}) {
+    if (refused_.count(name) > 0 && point->untouched.empty()) point->untouched = refused_.at(name);
+  }
+}
+
+// MoveL p10, v1000, z50, tool1 \WObj := wobj1
+bool RapidReader::ReadStatement(size_t begin, size_t end) {
+  static const std::regex motion("^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|SEARCH)(\\w*))\\s+");
+  static const std::regex object("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)");
+  static const std::regex tool_at_end("^(\\w+)");
+  const std::string statement = upper_.substr(begin, end - begin);
+  std::smatch match;
+  if (!std::regex_search(statement, match, motion)) return false;
+  const bool is_joints = match[2] == "ABSJ";
+  std::smatch with_object;
+  const std::string frame_name = std::regex_search(statement, with_object, object) ? with_object[1].str() : "WOBJ0";
+  const std::string frame = frame_name == "WOBJ0" ? kWorld : frame_name;
+  const std::vector<TextRange> parts = PartsOf(code_, begin + static_cast<size_t>(match.length(0)), end);
+  const std::string last = upper_.substr(parts.back().first, parts.back().second - parts.back().first);
+  std::smatch tool_match;
+  std::string tool = std::regex_search(last, tool_match, tool_at_end) ? tool_match[1].str() : "";
+  if (tool == "TOOL0") tool = kFlange;
+  for (const TextRange& part : parts) {
+    const std::string text = upper_.substr(part.first, part.second - part.first);
+    if (!text.empty() && text[0] == '[') {  // "[...] \NoEOffs" too; speeds and zones in numbers are no targets
+      const size_t count = NumbersInBracket(code_, part.first).size();
+      if (count != (is_joints ? 12U : 17U)) continue;
+      AddTarget(match[1].str() + " of line " + std::to_string(LineAt(code_, part.first)), part.first, is_joints);
+      Use(&program_.points.back(), tool, frame);
+      continue;
+    }
+    std::smatch word;
+    if (!std::regex_search(text, word, tool_at_end)) continue;
+    const auto found = named_.find(word[1]);
+    if (found != named_.end()) Use(&program_.points[found->second], tool, frame);
+    if (word[1] == "OFFS" || word[1] == "RELTOOL") {
+      program_.notes.push_back("line " + std::to_string(LineAt(code_, part.first)) + ": " +
+                               (word[1] == "OFFS" ? "Offs" : "RelTool") +
+                               " goes on from a corrected point and takes over its correction");
+      for (const auto& [name, index] : named_) {
+        if (std::regex_search(text, std::regex("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame);
+      }
+    }
+  }
+  return true;
+}
+
+void RapidReader::ReadMotions() {
+  for (size_t begin = 0; begin < code_.size();) {
+    const size_t end = std::min(code_.find(';', begin), code_.size());
+    // PROC main() and IF ... THEN before it end without a semicolon: the motion begins on a line of its own.
+    for (size_t line = begin; line < end; line = code_.find('\n', line) + 1) {
+      if (ReadStatement(line, end) || code_.find('\n', line) >= end) break;
+    }
+    begin = end + 1;
+  }
+}
+
+void RapidReader::Read() {
+  program_.notation = PoseNotation::kQuaternion;
+  ReadDeclarations();
+  ReadMotions();
+}
+
+}  // namespace
+
+void ReadRapid(int joints, RobotProgram* program) { RapidReader(joints, program).Read(); }
+
+}  // namespace sagitta

@@ -1,0 +1,211 @@
+#include "problems/io/programs/robot_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "models/constants.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/io/programs/program_text.h"
+
+namespace sagitta {
+namespace {
+
+struct DialectOfEnding {
+  const char* ending;
+  ProgramDialect dialect;
+};
+constexpr DialectOfEnding kEndings[] = {
+    {".src", ProgramDialect::kKrl},   {".dat", ProgramDialect::kKrl},         {".sub", ProgramDialect::kKrl},
+    {".mod", ProgramDialect::kRapid}, {".modx", ProgramDialect::kRapid},      {".prg", ProgramDialect::kRapid},
+    {".sys", ProgramDialect::kRapid}, {".script", ProgramDialect::kUrScript}, {".urscript", ProgramDialect::kUrScript},
+    {".ls", ProgramDialect::kFanuc}};
+
+ProgramDialect DialectOf(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const DialectOfEnding& known : kEndings) {
+    if (ending == known.ending) return known.dialect;
+  }
+  throw InputError({path, 0, ""}, "the ending '" + ending + "' is of no robot program that is known",
+                   ".src .dat .sub (KUKA), .mod .modx .prg .sys (ABB), .script .urscript (UR), .ls (FANUC)");
+}
+
+// R = Rz(z) Ry(y) Rx(x); z in (-pi, pi], y in [-pi/2, pi/2].
+Vector3<double> RollPitchYaw(const Matrix3<double>& r) {
+  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+  if (std::hypot(r(0, 0), r(1, 0)) < 1e-9) {  // only yaw -+ roll is told: all of it as yaw
+    return {0.0, pitch, std::atan2(-r(0, 1), r(1, 1))};
+  }
+  return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
+}
+
+}  // namespace
+
+const char* DialectName(ProgramDialect dialect) {
+  switch (dialect) {
+    case ProgramDialect::kKrl:
+      return "KUKA KRL";
+    case ProgramDialect::kRapid:
+      return "ABB RAPID";
+    case ProgramDialect::kUrScript:
+      return "URScript";
+    case ProgramDialect::kFanuc:
+      return "FANUC LS";
+  }
+  return "";
+}
+
+Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& n) {
+  const Vector3<double> translation(n[0], n[1], n[2]);
+  switch (notation) {
+    case PoseNotation::kAbcDegrees:
+      return {RotationFromRpy(kDegree * Vector3<double>(n[5], n[4], n[3])), translation / 1e3};
+    case PoseNotation::kWprDegrees:
+      return {RotationFromRpy(kDegree * Vector3<double>(n[3], n[4], n[5])), translation / 1e3};
+    case PoseNotation::kQuaternion:
+      return {Eigen::Quaterniond(n[3], n[4], n[5], n[6]).normalized().toRotationMatrix(), translation / 1e3};
+    case PoseNotation::kRotationVectorMetres:
+      return {RotationFromVector(Vector3<double>(n[3], n[4], n[5])), translation};
+  }
+  return {};
+}
+
+std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose) {
+  const Vector3<double> p =
+      notation == PoseNotation::kRotationVectorMetres ? pose.translation : Vector3<double>(1e3 * pose.translation);
+  const Vector3<double> rpy = RollPitchYaw(pose.rotation) / kDegree;
+  switch (notation) {
+    case PoseNotation::kAbcDegrees:
+      return {p.x(), p.y(), p.z(), rpy.z(), rpy.y(), rpy.x()};
+    case PoseNotation::kWprDegrees:
+      return {p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()};
+    case PoseNotation::kQuaternion: {
+      const Eigen::Quaterniond q(pose.rotation);
+      return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+    }
+    case PoseNotation::kRotationVectorMetres: {
+      const Vector3<double> v = RotationVector(pose.rotation);
+      return {p.x(), p.y(), p.z(), v.x(), v.y(), v.z()};
+    }
+  }
+  return {};
+}
+
+std::vector<double> RobotProgram::JointValues(const ProgramPoint& point) const {
+  std::vector<double> values;
+  for (const TextNumber& n : point.numbers) {
+    values.push_back(dialect == ProgramDialect::kUrScript ? n.value : n.value * kDegree);
+  }
+  return values;
+}
+
+RobotProgram ReadRobotProgram(const std::string& path, int joints) {
+  RobotProgram program;
+  program.path = path;
+  program.dialect = DialectOf(path);
+  program.text = ReadTextFile(path);
+  switch (program.dialect) {
+    case ProgramDialect::kKrl:
+      ReadKrl(joints, &program);
+      break;
+    case ProgramDialect::kRapid:
+      ReadRapid(joints, &program);
+      break;
+    case ProgramDialect::kUrScript:
+      ReadUrScript(joints, &program);
+      break;
+    case ProgramDialect::kFanuc:
+      ReadFanuc(joints, &program);
+      break;
+  }
+  if (program.points.empty()) {
+    throw InputError({path, 0, ""}, std::string("there is no target in this ") + DialectName(program.dialect) + " file",
+                     "points that stand in another file (a .dat beside a .src) are corrected there");
+  }
+  return program;
+}
+
+namespace {
+
+// Finer than controllers resolve: 0.1 um, 0.02 urad; quaternions 0.02 urad.
+int Decimals(const RobotProgram& program, const ProgramPoint& point, size_t i) {
+  if (program.dialect == ProgramDialect::kUrScript) return 8;
+  if (point.is_joints) return 6;
+  if (i < 3) return 4;
+  return program.notation == PoseNotation::kQuaternion ? 9 : 6;
+}
+
+// Near the angles of the file: A = 180 stays 180 and does not become -179.99.
+double NearestTurn(double value, double written, double turn) {
+  return value + turn * std::round((written - value) / turn);
+}
+
+std::vector<double> Values(const RobotProgram& program, const ProgramPoint& point, const CorrectedPoint& corrected) {
+  if (point.is_joints) {
+    std::vector<double> values = corrected.joints;
+    if (program.dialect == ProgramDialect::kUrScript) return values;
+    for (double& value : values) value /= kDegree;
+    return values;
+  }
+  std::vector<double> values = NumbersOf(program.notation, corrected.tool_in_frame);
+  if (program.notation == PoseNotation::kQuaternion) {
+    double product = 0.0;  // q and -q are one rotation
+    for (size_t i = 3; i < 7; ++i) product += values[i] * point.numbers[i].value;
+    for (size_t i = 3; i < 7 && product < 0.0; ++i) values[i] = -values[i];
+  } else if (program.notation == PoseNotation::kRotationVectorMetres) {
+    Vector3<double> v(values[3], values[4], values[5]);
+    const Vector3<double> written(point.numbers[3].value, point.numbers[4].value, point.numbers[5].value);
+    const Vector3<double> other = v.norm() > 0.0 ? Vector3<double>(v * (1.0 - 2.0 * kPi / v.norm())) : v;
+    if ((other - written).norm() < (v - written).norm()) v = other;
+    for (int i = 0; i < 3; ++i) values[3 + i] = v[i];
+  } else {
+    // The other set of angles, (x + 180, 180 - y, z + 180), where the file has that one.
+    const auto distance = [&](const std::vector<double>& angles) {
+      double sum = 0.0;
+      for (size_t i = 3; i < 6; ++i) {
+        sum += std::abs(NearestTurn(angles[i], point.numbers[i].value, 360.0) - point.numbers[i].value);
+      }
+      return sum;
+    };
+    std::vector<double> other = values;
+    other[3] += 180.0, other[5] += 180.0, other[4] = 180.0 - other[4];
+    if (distance(other) < distance(values)) values = other;
+    for (size_t i = 3; i < 6; ++i) values[i] = NearestTurn(values[i], point.numbers[i].value, 360.0);
+  }
+  return values;
+}
+
+std::string Written(double value, int decimals) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  std::string number = text;
+  if (number.find_first_not_of("-0.") == std::string::npos && number[0] == '-') number.erase(0, 1);  // no -0.0000
+  return number;
+}
+
+}  // namespace
+
+std::string WithCorrectedPoints(const RobotProgram& program, const std::vector<CorrectedPoint>& corrected) {
+  std::vector<std::pair<TextNumber, std::string>> edits;
+  for (const CorrectedPoint& c : corrected) {
+    const ProgramPoint& point = program.points[static_cast<size_t>(c.point)];
+    const std::vector<double> values = Values(program, point, c);
+    for (size_t i = 0; i < point.numbers.size(); ++i) {
+      edits.emplace_back(point.numbers[i], Written(values[i], Decimals(program, point, i)));
+    }
+  }
+  std::sort(edits.begin(), edits.end(), [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });
+  std::string text;
+  size_t from = 0;
+  for (const auto& [place, number] : edits) {
+    text.append(program.text, from, place.begin - from);
+    text += number;
+    from = place.end;
+  }
+  return text.append(program.text, from, std::string::npos);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,98 @@
+// Programs of robot controllers as far as targets go: which points a file holds, in which frame and with which tool,
+// and where in its text their numbers stand, so that they can be replaced and every other byte stays.
+//
+// What a file does not state is not assumed: its point then names no frame or tool ("").
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "models/geometry.h"
+
+namespace sagitta {
+
+enum class ProgramDialect { kKrl, kRapid, kUrScript, kFanuc };
+// "KUKA KRL", ...
+const char* DialectName(ProgramDialect dialect);
+
+// A number in the text.
+struct TextNumber {
+  size_t begin = 0, end = 0;  // bytes
+  double value = 0.0;         // as written
+};
+
+// How a pose is written: lengths, and a rotation of three angles, a vector or a quaternion.
+enum class PoseNotation {
+  kAbcDegrees,           // KRL: x y z A B C, R = Rz(A) Ry(B) Rx(C)
+  kWprDegrees,           // FANUC: x y z W P R, R = Rz(R) Ry(P) Rx(W)
+  kQuaternion,           // RAPID: x y z, scalar first
+  kRotationVectorMetres  // UR: x y z in m, vector in rad
+};
+Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& numbers);
+std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose);
+
+// Names that every dialect has, whatever it calls them: no tool, and the controller's world (base) frame.
+constexpr const char* kFlange = "flange";
+constexpr const char* kWorld = "world";
+
+// What a file says of the joint solution that a pose is meant to be reached by. Empty: nothing.
+struct StatedBranch {
+  std::optional<bool> wrist_behind;        // the wrist centre is behind joint 1, seen as at the zero pose
+  std::optional<bool> elbow_of_zero;       // the elbow is bent to the side to which it is at the zero pose
+  std::optional<bool> elbow_past_stretch;  // joint 3 is beyond the value at which the arm is stretched
+  std::optional<bool> wrist_negative;      // joint 5 is below 0
+  // Joint (from 0) within [low, high], rad.
+  std::vector<std::pair<int, std::pair<double, double>>> ranges;
+  bool from_before = false;  // the controller takes the solution that is nearest to where the arm is
+  bool states_anything() const {
+    return wrist_behind || elbow_of_zero || elbow_past_stretch || wrist_negative || !ranges.empty();
+  }
+};
+
+struct ProgramPoint {
+  std::string name;
+  int line = 0;
+  bool is_joints = false;
+  std::vector<TextNumber> numbers;  // of joints, or of the pose in the file's notation
+  std::string frame, tool;          // of a pose: names
+  size_t used_at = 0;  // byte where the first motion goes to it, else where it stands: the order of the way
+  StatedBranch branch;
+  std::string untouched;  // why it stays as it is; "": it is corrected
+};
+
+struct RobotProgram {
+  ProgramDialect dialect = ProgramDialect::kKrl;
+  std::string path;
+  std::string text;
+  PoseNotation notation = PoseNotation::kAbcDegrees;
+  std::vector<ProgramPoint> points;            // in the order of the text
+  std::map<std::string, Pose<double>> frames;  // in the world frame, stated by the file
+  std::map<std::string, Pose<double>> tools;   // in the flange, stated by the file
+  std::vector<std::string> notes;              // what a reader of the result should know
+
+  // Of a joint point: rad.
+  std::vector<double> JointValues(const ProgramPoint& point) const;
+};
+
+// By the ending: .src .dat .sub (KRL), .mod .modx .prg .sys (RAPID), .script .urscript (UR), .ls (FANUC). `joints`: of
+// the robot. Throws InputError: another ending, no target in the file, a point that is cut off.
+RobotProgram ReadRobotProgram(const std::string& path, int joints);
+
+// The text with the numbers of some points replaced: joints in rad, poses in their frame and for their tool.
+struct CorrectedPoint {
+  int point = -1;
+  std::vector<double> joints;
+  Pose<double> tool_in_frame;
+};
+std::string WithCorrectedPoints(const RobotProgram& program, const std::vector<CorrectedPoint>& corrected);
+
+// One reader per dialect, text in, points out.
+void ReadKrl(int joints, RobotProgram* program);
+void ReadRapid(int joints, RobotProgram* program);
+void ReadUrScript(int joints, RobotProgram* program);
+void ReadFanuc(int joints, RobotProgram* program);
+
+}  // namespace sagitta

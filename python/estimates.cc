@@ -1,0 +1,229 @@
+// calibrate, and what is done with an estimate: predict, validate, simulate, compensate.
+#include <pybind11/stl.h>
+
+#include <memory>
+
+#include "estimator/results/residuals_csv.h"
+#include "models/constants.h"
+#include "problems/io/files.h"
+#include "python/inputs.h"
+#include "python/interruptible.h"
+
+namespace sagitta::python {
+
+namespace py = pybind11;
+
+namespace {
+
+struct CalibratedExperiment {
+  Calibration calibration;
+  Provenance provenance;
+
+  std::string Json() const { return DumpJson(CalibrationToJson(calibration, provenance)); }
+};
+
+struct PredictedRows {
+  Measurements rows;
+  Prediction prediction;
+};
+
+struct ValidatedRows {
+  Measurements rows;
+  Validation validation;
+  Provenance provenance;
+};
+
+struct CompensatedRows {
+  Targets targets;
+  std::vector<CompensatedTarget> results;
+};
+
+std::shared_ptr<CalibratedExperiment> CalibrateInputs(const ExperimentInputs& inputs, const std::string& method,
+                                                      int threads, std::uint64_t seed, bool force,
+                                                      const std::string& command, const py::object& progress) {
+  Calibration calibration = ResultOf<Calibration>(progress, [&](const Say& say) {
+    return Calibrate(ProblemOf(inputs, force), {method, threads, seed, say});
+  });
+  const Estimate& estimate = calibration.estimate;
+  if (!IsUsable(estimate.status)) {
+    std::string message = estimate.message;
+    for (const Direction& d : estimate.identifiability.unidentifiable) message += "; " + d.words + ": " + d.remedy;
+    throw NumericalFailure(StatusName(estimate.status), message);
+  }
+  return std::make_shared<CalibratedExperiment>(
+      CalibratedExperiment{std::move(calibration), {command, method, inputs.files}});
+}
+
+py::array LeverageOf(const py::object& self) {
+  const auto& c = py::cast<const CalibratedExperiment&>(self).calibration;
+  const Eigen::VectorXd& leverage = c.estimate.leverage;
+  if (leverage.size() != c.problem.data.NumRows()) {
+    return PointsOf(c.problem.data, leverage.transpose().replicate(3, 1), self)
+        .attr("__getitem__")(py::make_tuple(py::ellipsis(), 0));
+  }
+  py::array_t<double> view(leverage.size(), leverage.data(), self);
+  view.attr("setflags")(py::arg("write") = false);
+  return std::move(view);
+}
+
+void BindEstimate(py::module_& module) {
+  const auto of = [](const py::object& self) -> const Calibration& {
+    return py::cast<const CalibratedExperiment&>(self).calibration;
+  };
+  py::class_<CalibratedExperiment, std::shared_ptr<CalibratedExperiment>>(module, "Estimate")
+      .def_property_readonly("covariance_si",
+                             [of](const py::object& self) { return ViewOf(of(self).estimate.covariance, self); })
+      .def_property_readonly(
+          "predicted_m",
+          [of](const py::object& self) { return PointsOf(of(self).problem.data, of(self).estimate.predicted, self); })
+      .def_property_readonly("whitened",
+                             [of](const py::object& self) {
+                               const Eigen::Matrix3Xd all = WhitenedResiduals(of(self).problem, of(self).estimate);
+                               return PointsOf(of(self).problem.data, all, self).attr("copy")();
+                             })
+      .def_property_readonly("leverage", &LeverageOf)
+      .def_property_readonly("rows", [](const CalibratedExperiment& e) { return Rows{e.calibration.problem.data}; })
+      .def("json", &CalibratedExperiment::Json)
+      .def("residuals_csv",
+           [](const CalibratedExperiment& e) { return ResidualsToCsv(e.calibration.problem, e.calibration.estimate); })
+      .def("robot_yaml",
+           [](const CalibratedExperiment& e) {
+             const Calibration& c = e.calibration;
+             return RobotToYaml(c.problem.model.WithValues(c.estimate.parameters.ModelValues()));
+           })
+      .def("write", [](const CalibratedExperiment& e,
+                       const std::string& folder) { WriteCalibration(e.calibration, folder, e.provenance); })
+      .def("known", [](const CalibratedExperiment& e) {
+        return std::make_shared<KnownRobot>(ReadEstimateText(e.Json(), "estimate"));
+      });
+}
+
+PredictedRows PredictRows(const KnownRobot& known, const py::list& sources) {
+  PredictedRows result{RowsFrom(known.robot, sources, false, nullptr), {}};
+  AddKnownRotations(known, &result.rows);
+  const py::gil_scoped_release others_may_run;
+  result.prediction = Numerically([&] { return Predict(known, result.rows); });
+  return result;
+}
+
+py::array_t<double> CovariancesOf(const PredictedRows& p) {
+  py::array_t<double> all({static_cast<py::ssize_t>(p.rows.NumRows()), py::ssize_t{3}, py::ssize_t{3}});
+  auto at = all.mutable_unchecked<3>();
+  py::ssize_t row = 0;
+  for (size_t k = 0; k < p.prediction.covariances.size(); ++k) {
+    if (!p.rows.observations[k].is_point()) continue;
+    const Matrix3<double> mean = p.prediction.covariances[k].mean();
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) at(row, i, j) = mean(i, j);
+    }
+    ++row;
+  }
+  return all;
+}
+
+void BindPrediction(py::module_& module) {
+  py::class_<PredictedRows>(module, "Prediction")
+      .def_property_readonly("points_m",
+                             [](const py::object& self) {
+                               const auto& p = py::cast<const PredictedRows&>(self);
+                               return PointsOf(p.rows, p.prediction.points, self);
+                             })
+      .def_property_readonly("covariance_m2", &CovariancesOf)
+      .def("csv", [](const PredictedRows& p) { return PredictionToCsv(p.rows, p.prediction); });
+  py::class_<ValidatedRows>(module, "Validation")
+      .def_property_readonly("predicted_m",
+                             [](const py::object& self) {
+                               const auto& v = py::cast<const ValidatedRows&>(self);
+                               return PointsOf(v.rows, v.validation.predicted, self);
+                             })
+      .def("csv", [](const ValidatedRows& v) { return ValidationToCsv(v.rows, v.validation); })
+      .def("json", [](const ValidatedRows& v) { return DumpJson(ValidationToJson(v.validation, v.provenance)); });
+}
+
+ValidatedRows ValidateRows(const KnownRobot& known, const py::list& sources) {
+  ValidatedRows result;
+  result.provenance = {"sagitta.validate", "validation", {}};
+  result.rows = RowsFrom(known.robot, sources, true, &result.provenance.inputs);
+  const py::gil_scoped_release others_may_run;
+  result.validation = Numerically([&] { return Validate(known, result.rows); });
+  return result;
+}
+
+Rows SimulateRows(const KnownRobot& truth, const ExperimentInputs& inputs, const std::optional<double>& sigma_mm,
+                  std::uint64_t seed) {
+  if (sigma_mm && !(*sigma_mm >= 0.0)) throw InputError({"", 0, "sigma_mm"}, "a standard deviation cannot be below 0");
+  SimulateOptions options;
+  if (sigma_mm) options.sigma = *sigma_mm / 1e3;
+  options.seed = seed;
+  const py::gil_scoped_release others_may_run;
+  return {Numerically([&] { return Simulate(truth, inputs.data, inputs.experiment, options); })};
+}
+
+CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& source, int threads) {
+  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
+  CompensatedRows rows;
+  rows.targets = TargetsFromTable(TableFrom(source, nullptr), known.robot, known.base_in_station.begin()->first);
+  const CompensationInput input = MakeCompensationInput(known, rows.targets);
+  rows.results = ResultOf<std::vector<CompensatedTarget>>(
+      py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });
+  return rows;
+}
+
+// Corrected joint values, rad and m; not a number where no equilibrium was found.
+py::array_t<double> CommandedJoints(const CompensatedRows& rows) {
+  const auto n = static_cast<py::ssize_t>(rows.results.size());
+  const auto joints = static_cast<py::ssize_t>(rows.targets.joint_types.size());
+  py::array_t<double> values({n, joints});
+  auto at = values.mutable_unchecked<2>();
+  for (py::ssize_t i = 0; i < n; ++i) {
+    const FlangeSolution& s = rows.results[static_cast<size_t>(i)].solution;
+    for (py::ssize_t j = 0; j < joints; ++j) {
+      at(i, j) = s.status == TargetStatus::kEquilibriumDiverged ? std::nan("") : s.q[j];
+    }
+  }
+  return values;
+}
+
+void BindCompensation(py::module_& module) {
+  py::class_<CompensatedRows>(module, "Compensation")
+      .def_property_readonly("status",
+                             [](const CompensatedRows& rows) {
+                               std::vector<std::string> names;
+                               for (const CompensatedTarget& r : rows.results)
+                                 names.push_back(StatusName(r.solution.status));
+                               return names;
+                             })
+      .def_property_readonly("joint_values", &CommandedJoints)
+      .def("csv", [](const CompensatedRows& rows) { return CompensationToCsv(rows.targets, rows.results); });
+}
+
+}  // namespace
+
+void BindEstimates(py::module_& module) {
+  py::class_<KnownRobot, std::shared_ptr<KnownRobot>>(module, "Known")
+      .def_property_readonly("robot_name", [](const KnownRobot& k) { return k.robot.name; })
+      .def_property_readonly("robot_yaml", [](const KnownRobot& k) { return RobotToYaml(k.robot); })
+      .def("model_error_words", [](const KnownRobot& k) { return ModelErrorInWords(k); });
+  BindEstimate(module);
+  BindPrediction(module);
+  BindCompensation(module);
+  module.def("calibrate", &CalibrateInputs);
+  module.def("load", [](const std::string& path) { return std::make_shared<KnownRobot>(ReadEstimateFile(path)); });
+  // The truth that an experiment states; the loads of rows are those of the experiment.
+  module.def("truth_of", [](const ExperimentInputs& inputs) {
+    return std::make_shared<KnownRobot>(KnownFrom(inputs.experiment.file, inputs.robot, inputs.experiment));
+  });
+  module.def("with_loads_of", [](const KnownRobot& known, const ExperimentInputs& inputs) {
+    auto truth = std::make_shared<KnownRobot>(known);
+    if (inputs.experiment.file.empty()) return truth;
+    truth->loading = inputs.experiment;
+    truth->loading.origins = known.loading.origins;
+    return truth;
+  });
+  module.def("predict", &PredictRows);
+  module.def("validate", &ValidateRows);
+  module.def("simulate", &SimulateRows);
+  module.def("compensate", &CompensateTargets);
+}
+
+}  // namespace sagitta::python

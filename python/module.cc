@@ -1,0 +1,44 @@
+// sagitta._core: what python/sagitta/__init__.py is made of. Units and rules are those of the library's front door.
+#include <glog/logging.h>
+#include <pybind11/pybind11.h>
+
+#include "python/inputs.h"
+
+namespace sagitta::python {
+namespace {
+
+namespace py = pybind11;
+
+// Raises an exception of the package with attributes.
+void Raise(const char* type, const std::string& what,
+           const std::vector<std::pair<const char*, py::object>>& attributes) {
+  const py::object raised = py::module_::import("sagitta").attr(type)(what);
+  for (const auto& [name, value] : attributes) raised.attr(name) = value;
+  PyErr_SetObject(raised.get_type().ptr(), raised.ptr());
+}
+
+void Translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const InputError& error) {
+    Raise("InputError", error.what(),
+          {{"file", py::str(error.where().file)},
+           {"line", py::int_(error.where().line)},
+           {"key", py::str(error.where().key)},
+           {"hint", py::str(error.hint())}});
+  } catch (const NumericalFailure& error) {
+    Raise("NumericalError", error.what(), {{"status", py::str(error.status)}});
+  }
+}
+
+}  // namespace
+}  // namespace sagitta::python
+
+PYBIND11_MODULE(_core, module) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' own words help nobody, and a library prints nothing
+  module.attr("__version__") = SAGITTA_VERSION;
+  pybind11::register_exception_translator(sagitta::python::Translate);
+  sagitta::python::BindInputs(module);
+  sagitta::python::BindEstimates(module);
+  sagitta::python::BindResults(module);
+}

@@ -1,0 +1,95 @@
+// diagnose and plan.
+#include <pybind11/stl.h>
+
+#include <memory>
+
+#include "estimator/results/diagnosis_json.h"
+#include "estimator/results/plan_json.h"
+#include "problems/io/effect_names.h"
+#include "python/inputs.h"
+#include "python/interruptible.h"
+
+namespace sagitta::python {
+
+namespace py = pybind11;
+
+namespace {
+
+struct DiagnosedExperiment {
+  Diagnosis diagnosis;
+  double significance = 0.01;
+  Provenance provenance;
+};
+
+struct PlannedExperiment {
+  Plan plan;
+  Chain chain;
+};
+
+std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int threads, bool force,
+                                                    const std::string& command, const py::object& progress) {
+  HoldOutForDiagnosis(inputs.data, &inputs.experiment);
+  Diagnosis diagnosis = ResultOf<Diagnosis>(progress, [&](const Say& say) {
+    DiagnosisOptions options;
+    options.significance = inputs.experiment.significance;
+    options.num_threads = threads;
+    options.progress = say;
+    return Diagnose(ProblemOf(inputs, force), options);
+  });
+  if (!IsUsable(diagnosis.status)) {
+    throw NumericalFailure(StatusName(diagnosis.status), "the believed model does not fit: " + diagnosis.message);
+  }
+  return std::make_shared<DiagnosedExperiment>(
+      DiagnosedExperiment{std::move(diagnosis), inputs.experiment.significance, {command, "joint", inputs.files}});
+}
+
+std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, const py::dict& wishes,
+                                              const py::object& progress) {
+  PlanRequest request;
+  request.poses = py::cast<int>(wishes["poses"]);
+  request.accuracy = py::cast<double>(wishes["accuracy_mm"]) / 1e3;
+  request.augment = py::cast<bool>(wishes["augment"]);
+  request.criterion = CriterionNamed(py::cast<std::string>(wishes["criterion"]));
+  request.discriminate = RivalEffects(inputs.robot, py::cast<std::string>(wishes["discriminate"]), "discriminate");
+  request.pool = py::cast<int>(wishes["pool"]);
+  request.seed = py::cast<std::uint64_t>(wishes["seed"]);
+  request.random_tests = py::cast<bool>(wishes["random_tests"]);
+  const auto rows_of = [&](const char* key) -> std::optional<Measurements> {
+    const auto sources = py::cast<py::list>(wishes[key]);
+    if (sources.empty()) return std::nullopt;
+    return RowsFrom(inputs.robot, sources, false, nullptr);
+  };
+  const std::optional<Measurements> candidates = rows_of("candidates"), tests = rows_of("tests");
+  request.candidates = candidates ? &*candidates : nullptr;
+  request.tests = tests ? &*tests : nullptr;
+  Plan plan = ResultOf<Plan>(progress, [&](const Say& say) {
+    request.progress = say;
+    return MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
+  });
+  return std::make_shared<PlannedExperiment>(PlannedExperiment{std::move(plan), inputs.robot.chain});
+}
+
+}  // namespace
+
+void BindResults(py::module_& module) {
+  py::class_<DiagnosedExperiment, std::shared_ptr<DiagnosedExperiment>>(module, "Diagnosis")
+      .def("json", [](const DiagnosedExperiment& d) { return DumpJson(DiagnosisToJson(d.diagnosis, d.significance)); })
+      .def("robot_yaml", [](const DiagnosedExperiment& d) { return RobotToYaml(ExtendedRobot(d.diagnosis)); })
+      .def("estimate_json",
+           [](const DiagnosedExperiment& d) {
+             return DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance));
+           })
+      .def("known", [](const DiagnosedExperiment& d) {
+        return std::make_shared<KnownRobot>(ReadEstimateText(
+            DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance)),
+            "diagnosis"));
+      });
+  py::class_<PlannedExperiment, std::shared_ptr<PlannedExperiment>>(module, "Plan")
+      .def_property_readonly("rows", [](const PlannedExperiment& p) { return Rows{p.plan.rows}; })
+      .def("json", [](const PlannedExperiment& p) { return DumpJson(PlanToJson(p.plan)); })
+      .def("csv", [](const PlannedExperiment& p) { return PlanToCsv(p.chain, p.plan); });
+  module.def("diagnose", &DiagnoseInputs);
+  module.def("plan", &PlanInputs);
+}
+
+}  // namespace sagitta::python

@@ -1,0 +1,510 @@
+"""Sagitta: robot calibration from measured points.
+
+    experiment = sagitta.read("robot.yaml", "measurements.csv")
+    estimate = sagitta.calibrate(experiment)
+    print(estimate.verdict)
+    estimate.to_dataframe()
+
+Arrays are in SI (m, rad), one row per reading, and say so in their names. Frames and dictionaries are the files and
+the JSON of docs/FORMATS.md, units in every name, with the numbers of the program to the last digit.
+"""
+import json as _json
+import os as _os
+
+import numpy as _np
+
+from sagitta import _core, _tables
+
+__version__ = _core.__version__
+
+
+class InputError(ValueError):
+    """Input that cannot be used: says where, and what to do about it."""
+
+    file = ""
+    line = 0  # of a table in memory its row, from 1
+    key = ""
+    hint = ""
+
+
+class NumericalError(RuntimeError):
+    """No result: the numbers are singular, do not converge, or a load folds the arm."""
+
+    status = ""
+
+
+class Parameter:
+    """One parameter in its own unit."""
+
+    def __init__(self, row):
+        self.name = row["name"]
+        self.value = row["value"]
+        self.unit = row["unit"]
+        self.nominal = row["nominal"]
+        self.sigma = row["sigma"]
+        self.ci95 = None if row["ci95"] is None else tuple(row["ci95"])
+        self.free = row["free"]
+        self.identifiable = row["identifiable"]
+
+    def __repr__(self):
+        interval = "" if self.sigma is None else " ± %.3g" % self.sigma
+        return "<%s = %.6g%s %s>" % (self.name, self.value, interval, self.unit)
+
+
+class _Data:
+    """What rows have, whoever made them."""
+
+    def __init__(self, core):
+        self._core = core
+
+    def __len__(self):
+        return len(self._core)
+
+    @property
+    def markers(self):
+        return self._core.markers
+
+    @property
+    def stations(self):
+        return self._core.stations
+
+    @property
+    def configurations(self):
+        return self._core.configurations
+
+    @property
+    def warnings(self):
+        return self._core.warnings
+
+    @property
+    def joint_values(self):
+        return self._core.joint_values
+
+    @property
+    def points_m(self):
+        return self._core.points_m
+
+    def to_csv(self, path):
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self._core.csv())
+
+    def to_dataframe(self):
+        return _tables.frame(self._core.csv())
+
+
+class Rows(_Data):
+    """Measurements: simulated, planned, or those of an estimate."""
+
+    def __repr__(self):
+        return "<%d rows, %d configurations>" % (len(self), len(self.configurations))
+
+
+class Experiment(_Data):
+    """A robot, measurements, and what is stated of both."""
+
+    @property
+    def robot_name(self):
+        return self._core.robot_name
+
+    @property
+    def joints(self):
+        return self._core.joints
+
+    @property
+    def robot_yaml(self):
+        return self._core.robot_yaml
+
+    def __repr__(self):
+        return "<experiment: %s, %d rows, %d configurations>" % (self.robot_name or "robot", len(self),
+                                                                  len(self.configurations))
+
+
+class Known:
+    """A robot with its surroundings as an estimate.json states them: all that predictions need."""
+
+    def __init__(self, core):
+        self._core = core
+
+    @property
+    def robot_name(self):
+        return self._core.robot_name
+
+    @property
+    def robot_yaml(self):
+        return self._core.robot_yaml
+
+    def predict(self, rows):
+        return Prediction(self._core, rows)
+
+    def validate(self, rows):
+        return Validation(self._core, rows)
+
+    def compensate(self, targets, *, threads=1):
+        return Compensation(self._core, targets, threads)
+
+
+class _WithJson:
+    def __init__(self, core):
+        self._core = core
+        self._json = None
+
+    def to_dict(self):
+        if self._json is None:
+            self._json = _json.loads(self._core.json())
+        return self._json
+
+
+class Estimate(_WithJson):
+    """What calibrate returns; to_dict() is estimate.json."""
+
+    def __init__(self, core):
+        super().__init__(core)
+        self._known = None
+
+    @property
+    def status(self):
+        return self.to_dict()["status"]
+
+    @property
+    def verdict(self):
+        return self.to_dict()["verdict"]["words"]
+
+    @property
+    def trusted(self):
+        return self.to_dict()["verdict"]["trusted"]
+
+    @property
+    def fit(self):
+        return self.to_dict()["fit"]
+
+    @property
+    def validation(self):
+        return self.to_dict()["validation"]
+
+    @property
+    def cross_validation(self):
+        return self.to_dict()["cross_validation"]
+
+    @property
+    def warnings(self):
+        return self.to_dict()["warnings"]
+
+    @property
+    def parameters(self):
+        return {row["name"]: Parameter(row) for row in self.to_dict()["parameters"]}
+
+    def __getitem__(self, name):
+        for row in self.to_dict()["parameters"]:
+            if row["name"] == name:
+                return Parameter(row)
+        raise KeyError(name)
+
+    @property
+    def estimated(self):
+        return self.to_dict()["correlation"]["names"]
+
+    @property
+    def correlation(self):
+        return _np.array(self.to_dict()["correlation"]["matrix"], dtype=_np.float64)
+
+    @property
+    def covariance_si(self):
+        return self._core.covariance_si
+
+    @property
+    def measured_m(self):
+        return self._core.rows.points_m
+
+    @property
+    def predicted_m(self):
+        return self._core.predicted_m
+
+    @property
+    def residuals_m(self):
+        return self.measured_m - self.predicted_m
+
+    @property
+    def whitened(self):
+        return self._core.whitened
+
+    @property
+    def leverage(self):
+        return self._core.leverage
+
+    @property
+    def robot_yaml(self):
+        return self._core.robot_yaml()
+
+    @property
+    def known(self):
+        if self._known is None:
+            self._known = Known(self._core.known())
+        return self._known
+
+    def predict(self, rows):
+        return self.known.predict(rows)
+
+    def validate(self, rows):
+        return self.known.validate(rows)
+
+    def compensate(self, targets, *, threads=1):
+        return self.known.compensate(targets, threads=threads)
+
+    def to_dataframe(self):
+        """One row per parameter, in the units of its column `unit`."""
+        import pandas
+        frame = pandas.DataFrame(self.to_dict()["parameters"]).set_index("name")
+        for key in ("ci95", "ci95_noise_only"):
+            ends = [(None, None) if cell is None else tuple(cell) for cell in frame[key]]
+            frame[key + "_low"], frame[key + "_high"] = zip(*ends) if ends else ((), ())
+        return frame.drop(columns=["ci95", "ci95_noise_only"])
+
+    def residuals_dataframe(self):
+        """residuals.csv."""
+        return _tables.frame(self._core.residuals_csv())
+
+    def write(self, folder):
+        """estimate.json, robot.calibrated.yaml and residuals.csv."""
+        self._core.write(_os.fspath(folder))
+
+    def __repr__(self):
+        return "<estimate: %s, %d parameters, fit %.3g mm RMS>" % (self.status, len(self.estimated), self.fit["rms_mm"])
+
+
+class Diagnosis(_WithJson):
+    """What diagnose returns; to_dict() is diagnosis.json."""
+
+    @property
+    def verdict(self):
+        return self.to_dict()["verdict"]
+
+    @property
+    def words(self):
+        return self.to_dict()["words"]
+
+    @property
+    def steps(self):
+        return self.to_dict()["steps"]
+
+    @property
+    def robot_yaml(self):
+        return self._core.robot_yaml()
+
+    @property
+    def known(self):
+        return Known(self._core.known())
+
+    def to_dataframe(self):
+        """One row per parameter of each step."""
+        import pandas
+        rows = []
+        for step in self.steps:
+            for parameter in step["parameters"]:
+                low, high = parameter["ci95"]
+                rows.append({"effect": step["effect"], "target": step["target"], "parameter": parameter["name"],
+                             "value": parameter["value"], "sigma": parameter["sigma"], "ci95_low": low,
+                             "ci95_high": high, "p_value": step["p_value"]})
+        return pandas.DataFrame(rows, columns=["effect", "target", "parameter", "value", "sigma", "ci95_low",
+                                               "ci95_high", "p_value"])
+
+    def __repr__(self):
+        return "<diagnosis: %s, %d steps>" % (self.verdict, len(self.steps))
+
+
+class Prediction:
+    """Points of rows, with how certain they are."""
+
+    def __init__(self, known, rows):
+        self._core = _core.predict(known, _rows(rows))
+
+    @property
+    def points_m(self):
+        return self._core.points_m
+
+    @property
+    def covariance_m2(self):
+        return self._core.covariance_m2
+
+    def to_dataframe(self):
+        """The file of `sagitta predict`."""
+        return _tables.frame(self._core.csv())
+
+
+class Validation(_WithJson):
+    """Before and after on rows that were not calibrated; to_dict() is validation.json."""
+
+    def __init__(self, known, rows):
+        super().__init__(_core.validate(known, _rows(rows)))
+
+    @property
+    def before(self):
+        return self.to_dict()["validation"]["before"]
+
+    @property
+    def after(self):
+        return self.to_dict()["validation"]
+
+    @property
+    def warnings(self):
+        return self.to_dict()["warnings"]
+
+    @property
+    def predicted_m(self):
+        return self._core.predicted_m
+
+    def to_dataframe(self):
+        return _tables.frame(self._core.csv())
+
+
+class Compensation:
+    """Corrected targets, one row per row."""
+
+    def __init__(self, known, targets, threads):
+        self._core = _core.compensate(known, _tables.source(targets, "targets"), threads)
+
+    @property
+    def status(self):
+        return self._core.status
+
+    @property
+    def joint_values(self):
+        return self._core.joint_values
+
+    def to_dataframe(self):
+        """The file of `sagitta compensate`."""
+        return _tables.frame(self._core.csv())
+
+
+class Plan(_WithJson):
+    """Which poses to measure; to_dict() is plan.json."""
+
+    @property
+    def rows(self):
+        return Rows(self._core.rows)
+
+    def to_csv(self, path):
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self._core.csv())
+
+    def to_dataframe(self):
+        """plan.csv."""
+        return _tables.frame(self._core.csv())
+
+
+def _rows(rows):
+    if isinstance(rows, _Data):
+        return [("rows", dict(_tables.source(rows.to_dataframe(), "rows")[1]))]
+    return _tables.sources(rows, "rows")
+
+
+
+def _robot(robot):
+    """(path or text, whether it is text)"""
+    if isinstance(robot, (str, _os.PathLike)):
+        text = _os.fspath(robot)
+        return text, "\n" in text
+    return _json.dumps(robot, default=_plain), True
+
+
+def _plain(value):
+    """NumPy's numbers and arrays in settings."""
+    return value.tolist()
+
+
+def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1, free=(), fixed=(),
+         points_required=True, **settings):
+    """An experiment: one file sagitta/experiment/1, or a robot and its measurements.
+
+    robot: a path (YAML, URDF), its text, or a dictionary of its keys. measurements: paths, pandas frames or mappings of
+    columns, named as in docs/FORMATS.md section 2; arrays of several columns are q_deg, xyz_mm, sigma_mm, ...
+    settings: the keys of an experiment file, as noise={"sigma_mm": 0.05}.
+    sigma_mm, holdout, free, fixed: the flags of `sagitta calibrate`; they replace what file or rows say.
+    """
+    if not measurements:
+        if settings:
+            raise _tables._input_error("an experiment file states its own '%s'" % next(iter(settings)),
+                                       next(iter(settings)), "change it there, or give a robot and measurements")
+        core = _core.read([_os.fspath(robot_or_experiment)], sigma_mm is None, points_required)
+    else:
+        text, is_text = _robot(robot_or_experiment)
+        tables = []
+        for i, table in enumerate(measurements):
+            tables += _tables.sources(table, "measurements" if len(measurements) == 1 else "measurements[%d]" % i)
+        core = _core.assemble(text, is_text, tables, _json.dumps(settings, default=_plain), sigma_mm is None,
+                              points_required)
+    if sigma_mm is not None:
+        core.set_sigma(sigma_mm)
+    if holdout is not None:
+        core.set_holdout(holdout, seed)
+    core.set_free(list(free)) if free else None
+    core.set_fixed(list(fixed)) if fixed else None
+    return Experiment(core)
+
+
+def load(path):
+    """The robot of an estimate.json."""
+    return Known(_core.load(_os.fspath(path)))
+
+
+def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, progress=None):
+    """Everything unknown in one solve. progress: called with a sentence now and then."""
+    return Estimate(_core.calibrate(experiment._core, method, threads, seed, force, "sagitta.calibrate", progress))
+
+
+def diagnose(experiment, *, threads=None, force=False, progress=None):
+    """Finds, names and adds the effect that the model lacks."""
+    threads = threads or _os.cpu_count() or 1
+    return Diagnosis(_core.diagnose(experiment._core, threads, force, "sagitta.diagnose", progress))
+
+
+def _known(estimate):
+    if isinstance(estimate, (str, _os.PathLike)):
+        return load(estimate)
+    return estimate if isinstance(estimate, Known) else estimate.known
+
+
+def predict(estimate, rows):
+    """Points of rows (x, y, z may be absent) from an estimate, a Known robot, or the path of an estimate.json."""
+    return _known(estimate).predict(rows)
+
+
+def validate(estimate, rows):
+    """Before and after on configurations that the estimate has not seen."""
+    return _known(estimate).validate(rows)
+
+
+def compensate(estimate, targets, *, threads=1):
+    """Corrected joint values for targets: a path, a frame or columns (docs/COMPENSATION.md)."""
+    return _known(estimate).compensate(targets, threads=threads)
+
+
+def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
+    """The rows of an experiment as an instrument would have read them.
+
+    truth: an estimate, a Known robot, the path of an estimate.json; None: the experiment with its stations and markers.
+    """
+    known = _core.truth_of(experiment._core) if truth is None else _core.with_loads_of(_known(truth)._core,
+                                                                                        experiment._core)
+    return Rows(_core.simulate(known, experiment._core, sigma_mm, seed))
+
+
+def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="I", discriminate=(), candidates=None,
+         tests=None, pool=500, seed=1, progress=None):
+    """Which poses to measure, how many, and how good the calibration will be. tests: rows, or "random"."""
+    if (poses is None) == (accuracy_mm is None):
+        raise _tables._input_error("one of poses and accuracy_mm says how many", "poses", "poses=20")
+    if (poses is not None and poses < 1) or (accuracy_mm is not None and not accuracy_mm > 0):
+        raise _tables._input_error("at least one pose, or an accuracy above 0, is expected", "poses")
+    random_tests = isinstance(tests, str) and tests == "random"
+    wishes = {
+        "poses": poses or 0, "accuracy_mm": float(accuracy_mm or 0.0), "augment": augment, "criterion": criterion,
+        "discriminate": ",".join(discriminate), "pool": pool, "seed": seed, "random_tests": random_tests,
+        "candidates": [] if candidates is None else _tables.sources(candidates, "candidates"),
+        "tests": [] if tests is None or random_tests else _tables.sources(tests, "tests"),
+    }
+    return Plan(_core.plan(experiment._core, wishes, progress))
+
+
+__all__ = ["Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Known", "NumericalError", "Parameter",
+           "Plan", "Prediction", "Rows", "Validation", "calibrate", "compensate", "diagnose", "load", "plan", "predict",
+           "read", "simulate", "validate"]

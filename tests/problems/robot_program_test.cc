@@ -1,0 +1,299 @@
+// Points of robot programs: what is read of each dialect, and that nothing but their numbers changes.
+#include "problems/io/programs/robot_program.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "models/constants.h"
+#include "tests/problems/file_test_support.h"
+
+namespace sagitta {
+namespace {
+
+using ::testing::HasSubstr;
+
+class RobotProgramTest : public FileTest {
+ protected:
+  RobotProgram ReadAs(const std::string& name, const std::string& text) {
+    return ReadRobotProgram(Write(name, text), 6);
+  }
+};
+
+const ProgramPoint& PointNamed(const RobotProgram& program, const std::string& name) {
+  for (const ProgramPoint& point : program.points) {
+    if (point.name == name) return point;
+  }
+  throw std::runtime_error("no point " + name);
+}
+
+std::vector<double> ValuesOf(const ProgramPoint& point) {
+  std::vector<double> values;
+  for (const TextNumber& number : point.numbers) values.push_back(number.value);
+  return values;
+}
+
+std::string WithOne(const RobotProgram& program, int index, const std::vector<double>& joints,
+                    const Pose<double>* pose) {
+  CorrectedPoint corrected;
+  corrected.point = index;
+  corrected.joints = joints;
+  if (pose != nullptr) corrected.tool_in_frame = *pose;
+  return WithCorrectedPoints(program, {corrected});
+}
+
+void ExpectRotation(const Matrix3<double>& actual, const Matrix3<double>& expected) {
+  EXPECT_LT((actual - expected).norm(), 1e-12) << actual;
+}
+
+Matrix3<double> About(int axis, double degrees) {
+  return Eigen::AngleAxisd(degrees * kDegree, Vector3<double>::Unit(axis)).toRotationMatrix();
+}
+
+// One step at a time, as the manuals say it.
+TEST(PoseNotationTest, FollowsTheManuals) {
+  // KRL: A about z, then B about the turned y, then C about the twice turned x.
+  ExpectRotation(PoseFrom(PoseNotation::kAbcDegrees, {0, 0, 0, 30, 20, 10}).rotation,
+                 About(2, 30) * About(1, 20) * About(0, 10));
+  // FANUC: W about the fixed x, then P about the fixed y, then R about the fixed z.
+  ExpectRotation(PoseFrom(PoseNotation::kWprDegrees, {0, 0, 0, 10, 20, 30}).rotation,
+                 About(2, 30) * About(1, 20) * About(0, 10));
+  // RAPID: 90 deg about z is [0.7071, 0, 0, 0.7071].
+  ExpectRotation(PoseFrom(PoseNotation::kQuaternion, {0, 0, 0, std::sqrt(0.5), 0, 0, std::sqrt(0.5)}).rotation,
+                 About(2, 90));
+  ExpectRotation(PoseFrom(PoseNotation::kRotationVectorMetres, {0, 0, 0, 0, kPi / 3, 0}).rotation, About(1, 60));
+  EXPECT_DOUBLE_EQ(PoseFrom(PoseNotation::kAbcDegrees, {1500, 0, 0, 0, 0, 0}).translation.x(), 1.5);
+  EXPECT_DOUBLE_EQ(PoseFrom(PoseNotation::kRotationVectorMetres, {1.5, 0, 0, 0, 0, 0}).translation.x(), 1.5);
+}
+
+TEST(PoseNotationTest, WritesWhatItReads) {
+  for (const PoseNotation notation : {PoseNotation::kAbcDegrees, PoseNotation::kWprDegrees, PoseNotation::kQuaternion,
+                                      PoseNotation::kRotationVectorMetres}) {
+    for (const double pitch : {20.0, 90.0, -90.0, 170.0}) {
+      const Pose<double> pose{About(2, 100) * About(1, pitch) * About(0, -130), {0.1, -0.2, 0.3}};
+      const Pose<double> back = PoseFrom(notation, NumbersOf(notation, pose));
+      EXPECT_LT((back.rotation - pose.rotation).norm(), 1e-9) << static_cast<int>(notation) << " " << pitch;
+      EXPECT_LT((back.translation - pose.translation).norm(), 1e-15);
+    }
+  }
+}
+
+constexpr char kKrl[] = R"(&ACCESS RVO
+DEF WELD( )
+; XOLD={X 1,Y 2,Z 3,A 0,B 0,C 0} is a comment
+DECL E6POS XP1={X 1200.5,Y -30.0,Z 900.25,A 10.0,B 80.0,C -5.0,S 2,T 35,E1 0.0}
+DECL FDAT FP1={TOOL_NO 2,BASE_NO 0,IPO_FRAME #BASE,POINT2[] " ",TQ_STATE FALSE}
+DECL E6AXIS XHOME={A1 5.0,A2 -90.0,A3 95.0,A4 0.0,A5 10.0,A6 -3.5,E1 0.0}
+$BASE=BASE_DATA[3]
+$TOOL={X 0,Y 0,Z 120,A 0,B 0,C 0}
+PTP XHOME
+PTP {A1 1,A2 -91,A3 91,A4 0,A5 0,A6 0}
+LIN {X 1000,Y 0,Z 800,A 0,B 90,C 0} C_DIS
+LIN_REL {X 10,Y 0,Z 0,A 0,B 0,C 0}
+PTP {A3 45}
+BAS(#TOOL,4)
+LIN {POS: X 1001, Y 1, Z 801, A 0, B 90, C 0}
+END
+)";
+
+TEST_F(RobotProgramTest, Krl) {
+  const RobotProgram program = ReadAs("weld.src", kKrl);
+  ASSERT_EQ(program.points.size(), 7U);
+  const ProgramPoint& taught = PointNamed(program, "XP1");
+  EXPECT_THAT(ValuesOf(taught), ::testing::ElementsAre(1200.5, -30.0, 900.25, 10.0, 80.0, -5.0));
+  EXPECT_EQ(taught.line, 4);
+  EXPECT_EQ(taught.tool, "TOOL_DATA[2]");
+  EXPECT_EQ(taught.frame, kWorld);
+  EXPECT_EQ(taught.branch.wrist_behind, false);  // S 2 = 010
+  EXPECT_EQ(taught.branch.elbow_past_stretch, true);
+  EXPECT_EQ(taught.branch.wrist_negative, false);
+  std::string negative;  // T 35 = 100011
+  for (const auto& [joint, range] : taught.branch.ranges) negative += range.first < 0.0 ? '-' : '+';
+  EXPECT_EQ(negative, "--+++-");
+  EXPECT_THAT(ValuesOf(PointNamed(program, "XHOME")), ::testing::ElementsAre(5, -90, 95, 0, 10, -3.5));
+  EXPECT_TRUE(PointNamed(program, "PTP of line 10").is_joints);
+  const ProgramPoint& line = PointNamed(program, "LIN of line 11");
+  EXPECT_EQ(line.frame, "BASE_DATA[3]");
+  EXPECT_NEAR(program.tools.at(line.tool).translation.z(), 0.120, 1e-15);
+  EXPECT_TRUE(line.branch.from_before);
+  EXPECT_THAT(PointNamed(program, "LIN_REL of line 12").untouched, HasSubstr("relative"));
+  EXPECT_THAT(PointNamed(program, "PTP of line 13").untouched, HasSubstr("some of the joints"));
+  EXPECT_EQ(PointNamed(program, "LIN of line 15").tool, "TOOL_DATA[4]");
+}
+
+constexpr char kRapid[] = R"(MODULE Weld
+  PERS tooldata gun:=[TRUE,[[97.4,0,223.1],[0.924,0,0.383,0]],[5,[23,0,75],[1,0,0,0],0,0,0]];
+  TASK PERS wobjdata jig:=[FALSE,TRUE,"",[[300,0,100],[1,0,0,0]],[[0,50,0],[0.707106781,0,0,0.707106781]]];
+  PERS wobjdata turntable:=[FALSE,FALSE,"STN1",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+  ! CONST robtarget pOld:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget p10:=[[600,-500,225.3],[0.5,-0.5,0.5,-0.5],[-1,0,1,3],[9E+09,9E9,9E9,9E9,9E9,9E9]];
+  LOCAL CONST robtarget p20:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget pMany{2}:=[[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]];
+  CONST jointtarget home:=[[0,-20,20.5,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget p30:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main()
+  MoveAbsJ home\NoEOffs,v1000,z50,gun\WObj:=jig;
+  IF x=1 THEN MoveJ p30,v100,fine,tool0; ENDIF
+  MoveL p10,
+    v1000,z50,gun\WObj:=jig;
+  MoveL Offs(p10,0,0,50),v100,fine,gun\WObj:=jig;
+  MoveJ p20,v100,fine,gun;
+  MoveL p20,v100,fine,tool0;
+  MoveJ [[11,12,13],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,gun\WObj:=turntable;
+ENDPROC
+ENDMODULE
+)";
+
+TEST_F(RobotProgramTest, Rapid) {
+  const RobotProgram program = ReadAs("weld.mod", kRapid);
+  const ProgramPoint& p10 = PointNamed(program, "p10");
+  EXPECT_THAT(ValuesOf(p10), ::testing::ElementsAre(600, -500, 225.3, 0.5, -0.5, 0.5, -0.5));
+  EXPECT_EQ(p10.untouched, "");
+  EXPECT_EQ(p10.tool, "GUN");
+  EXPECT_EQ(p10.frame, "JIG");
+  EXPECT_NEAR(program.tools.at("GUN").translation.z(), 0.2231, 1e-15);
+  // uframe * oframe: a turn of 90 deg about z at (300, 50, 100)
+  EXPECT_LT((program.frames.at("JIG").translation - Vector3<double>(0.3, 0.05, 0.1)).norm(), 1e-12);
+  EXPECT_LT((program.frames.at("JIG").rotation - About(2, 90)).norm(), 1e-8);
+  EXPECT_EQ(p10.branch.wrist_negative, true);  // cfx 3
+  EXPECT_EQ(p10.branch.elbow_of_zero, false);
+  EXPECT_EQ(p10.branch.wrist_behind, false);
+  EXPECT_NEAR(p10.branch.ranges[0].second.first, -kPi / 2, 1e-15);  // cf1 -1: joint 1 from -90 to 0
+  EXPECT_EQ(p10.branch.ranges[2].first, 5);
+  EXPECT_NEAR(p10.branch.ranges[2].second.first, kPi / 2, 1e-15);
+  EXPECT_THAT(ValuesOf(PointNamed(program, "home")), ::testing::ElementsAre(0, -20, 20.5, 0, 30, 0));
+  EXPECT_THAT(PointNamed(program, "p20").untouched, HasSubstr("more than one tool"));
+  EXPECT_THAT(PointNamed(program, "pMany").untouched, HasSubstr("array"));
+  EXPECT_THAT(PointNamed(program, "MOVEJ of line 19").untouched, HasSubstr("moved by another unit"));
+  EXPECT_EQ(program.points.size(), 6U);
+  ASSERT_EQ(program.notes.size(), 1U);
+  EXPECT_THAT(program.notes[0], HasSubstr("line 16"));
+}
+
+constexpr char kUr[] = R"(def weld():
+  set_tcp(p[0,0,0.15,0,0,0])
+  set_payload(2.5, [0,0,0.05])
+  global feature=p[0.1,0.2,0.3,0,0,0]
+  global Waypoint_1_p=p[0.4, -0.2, 0.3, 2.2, -2.2, 0.1]
+  global Waypoint_1_q=[-1.1, -1.9, -1.2, -1.5, 1.57, 0.2]
+  # movej([9,9,9,9,9,9])
+  movej([0.1,-1.5,1.5,-1.6,-1.57,0], a=1.4, v=1.05)
+  movej(get_inverse_kin(Waypoint_1_p, qnear=Waypoint_1_q), a=1.4, v=1.05)
+  movel(pose_trans(feature, p[0,0,0.1,0,0,0]), a=1.2)
+  set_tcp(tool_from_elsewhere)
+  movel(p[0.5,-0.2,0.3,3.14,0,0], a=1.2)
+end
+)";
+
+TEST_F(RobotProgramTest, UrScript) {
+  const RobotProgram program = ReadAs("weld.script", kUr);
+  const ProgramPoint& joints = PointNamed(program, "movej of line 8");
+  EXPECT_TRUE(joints.is_joints);
+  EXPECT_DOUBLE_EQ(program.JointValues(joints)[1], -1.5);
+  const ProgramPoint& waypoint = PointNamed(program, "Waypoint_1_p");
+  EXPECT_EQ(waypoint.untouched, "");
+  EXPECT_NEAR(program.tools.at(waypoint.tool).translation.z(), 0.15, 1e-15);
+  EXPECT_THAT(PointNamed(program, "Waypoint_1_q").untouched, HasSubstr("inverse kinematics"));
+  EXPECT_THAT(PointNamed(program, "feature").untouched, HasSubstr("no motion"));
+  EXPECT_THAT(PointNamed(program, "movel of line 10").untouched, HasSubstr("computed"));
+  EXPECT_EQ(PointNamed(program, "movel of line 12").tool, "tool_from_elsewhere");
+  EXPECT_EQ(program.points.size(), 6U);
+}
+
+constexpr char kFanuc[] = R"(/PROG  WELD
+/MN
+   1:J P[1] 100% FINE    ;
+   2:L P[2:"seam P[9]{"] 250mm/sec CNT100    ;
+/POS
+P[1]{
+   GP1:
+	UF : 0, UT : 1,
+	J1=     1.000 deg,	J2=   -20.000 deg,	J3=    10.500 deg,
+	J4=     0.000 deg,	J5=   -60.000 deg,	J6=     5.000 deg
+};
+P[2:"seam"]{
+   GP1:
+	UF : 2, UT : 1,		CONFIG : 'N U T, 0, 0, 0',
+	X =   600.125  mm,	Y =   -10.000  mm,	Z =   500.000  mm,
+	W =   180.000 deg,	P =    -1.500 deg,	R =    30.000 deg
+};
+P[3]{
+   GP1:
+	UF : 0, UT : 1,		CONFIG : 'F D B, 0, 0, 1',
+	X =   600.125  mm,	Y =   -10.000  mm,	Z =   500.000  mm,
+	W =   180.000 deg,	P =    -1.500 deg,	R =    30.000 deg
+};
+P[4]{
+   GP1:
+	UF : F, UT : F,		CONFIG : 'N U T, 0, 0, 0',
+	X = ********  mm,	Y =   -10.000  mm,	Z =   500.000  mm,
+	W =   180.000 deg,	P =    -1.500 deg,	R =    30.000 deg
+};
+/END
+)";
+
+TEST_F(RobotProgramTest, Fanuc) {
+  const RobotProgram program = ReadAs("weld.ls", kFanuc);
+  ASSERT_EQ(program.points.size(), 4U);
+  EXPECT_THAT(ValuesOf(PointNamed(program, "P[1]")), ::testing::ElementsAre(1, -20, 10.5, 0, -60, 5));
+  const ProgramPoint& seam = PointNamed(program, "P[2]");
+  EXPECT_THAT(ValuesOf(seam), ::testing::ElementsAre(600.125, -10, 500, 180, -1.5, 30));
+  EXPECT_EQ(seam.frame, "UF2");
+  EXPECT_EQ(seam.tool, "UT1");
+  EXPECT_EQ(seam.branch.wrist_negative, true);
+  EXPECT_EQ(seam.branch.elbow_of_zero, true);
+  EXPECT_EQ(seam.branch.wrist_behind, false);
+  EXPECT_THAT(PointNamed(program, "P[3]").untouched, HasSubstr("whole turn"));
+  EXPECT_THAT(PointNamed(program, "P[4]").untouched, HasSubstr("not taught"));
+}
+
+// Numbers that are put back as they were leave the bytes between them; others change nothing else.
+TEST_F(RobotProgramTest, OnlyTheNumbersOfAPointChange) {
+  struct Case {
+    const char *name, *text, *point;
+  };
+  for (const Case& c : {Case{"a.src", kKrl, "XHOME"},
+                        {"a.mod", kRapid, "home"},
+                        {"a.script", kUr, "movej of line 8"},
+                        {"a.ls", kFanuc, "P[1]"}}) {
+    std::string windows = c.text;
+    for (size_t i = 0; (i = windows.find('\n', i)) != std::string::npos; i += 2) windows.replace(i, 1, "\r\n");
+    for (const std::string& text : {std::string(c.text), windows}) {
+      const RobotProgram program = ReadAs(c.name, text);
+      EXPECT_EQ(WithCorrectedPoints(program, {}), text);
+      const ProgramPoint& point = PointNamed(program, c.point);
+      const int index = static_cast<int>(&point - program.points.data());
+      const std::vector<double> joints = {0.11, -0.22, 0.33, -0.44, 0.55, -0.66};
+      const std::string changed = WithOne(program, index, joints, nullptr);
+      const RobotProgram again = ReadAs(c.name, changed);
+      ASSERT_EQ(again.points.size(), program.points.size());
+      for (size_t j = 0; j < 6; ++j) EXPECT_NEAR(again.JointValues(again.points[index])[j], joints[j], 1e-8);
+      // Between the numbers of the point, and around them, the same bytes.
+      size_t old_end = 0, new_end = 0;
+      for (size_t j = 0; j < 6; ++j) {
+        const TextNumber &before = point.numbers[j], &after = again.points[index].numbers[j];
+        EXPECT_EQ(text.substr(old_end, before.begin - old_end), changed.substr(new_end, after.begin - new_end));
+        old_end = before.end, new_end = after.end;
+      }
+      EXPECT_EQ(text.substr(old_end), changed.substr(new_end));
+    }
+  }
+}
+
+TEST_F(RobotProgramTest, AnglesStayNearThoseOfTheFile) {
+  const RobotProgram program = ReadAs("a.src", "LIN {X 0,Y 0,Z 0,A 180,B 89.99,C -180}\n");
+  const Pose<double> same = PoseFrom(program.notation, ValuesOf(program.points[0]));
+  EXPECT_EQ(WithOne(program, 0, {}, &same),
+            "LIN {X 0.0000,Y 0.0000,Z 0.0000,A 180.000000,B 89.990000,C -180.000000}\n");
+}
+
+TEST_F(RobotProgramTest, BadProgramsAreNamed) {
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.txt", kKrl); }), {".txt", ".src"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.src", "PTP XP1\n"); }), {"a.src", "no target", ".dat"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.src", "\nPTP {A1 0,A2 1"); }), {"a.src:2", "not closed"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.mod", "CONST robtarget p:=[[1,2"); }), {"a.mod:1", "not closed"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.script", "movej([1,2"); }), {"a.script:1", "not closed"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadAs("a.ls", "/POS\nP[1]{ GP1:"); }), {"a.ls:2", "not closed"}));
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,290 @@
+#!/usr/bin/env python3
+"""import sagitta against the program: the same numbers to the last digit; and what only Python can get wrong.
+
+usage: module_test.py PROGRAM      (with the module on PYTHONPATH)
+"""
+import csv
+import gc
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+import pandas
+
+import sagitta
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+KR270 = ROOT / "problems" / "published" / "kr270"
+PROGRAM = ""
+# What says when and how a result was made, not what it is.
+CIRCUMSTANCES = ("command", "seconds", "inputs")
+
+
+def run(*arguments):
+    done = subprocess.run([PROGRAM] + [str(a) for a in arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def without_circumstances(result):
+    return {key: value for key, value in result.items() if key not in CIRCUMSTANCES}
+
+
+def columns_of(path):
+    with open(path, encoding="utf-8") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+class FolderTest(unittest.TestCase):
+    maxDiff = 2000
+
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self._folder.name)
+
+    def tearDown(self):
+        self._folder.cleanup()
+
+
+class SameAsTheProgram(FolderTest):
+    def test_calibrate_and_write(self):
+        run("calibrate", KR270 / "experiment.yaml", "--out=%s" % (self.folder / "program"), "--quiet")
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        estimate.write(self.folder / "python")
+        ours, theirs = [json.loads((self.folder / who / "estimate.json").read_text()) for who in ("python", "program")]
+        self.assertEqual(without_circumstances(ours), without_circumstances(theirs))
+        self.assertEqual([i["sha256"] for i in ours["inputs"]], [i["sha256"] for i in theirs["inputs"]])
+        for name in ("residuals.csv", "robot.calibrated.yaml"):
+            self.assertEqual((self.folder / "python" / name).read_text(), (self.folder / "program" / name).read_text())
+        self.assertEqual(without_circumstances(estimate.to_dict()), without_circumstances(theirs))
+        first = theirs["parameters"][0]
+        self.assertEqual(estimate[first["name"]].value, first["value"])
+        frame = estimate.to_dataframe()
+        self.assertEqual(list(frame["value"]), [row["value"] for row in theirs["parameters"]])
+        residuals = estimate.residuals_dataframe()
+        written = columns_of(self.folder / "program" / "residuals.csv")
+        self.assertEqual(list(residuals["res_x_mm"]), [float(cell) for cell in written["res_x_mm"]])
+
+    def test_flags(self):
+        run("calibrate", KR270 / "robot.yaml", KR270 / "geometric.csv", "--sigma_mm=0.1", "--holdout=0.3", "--seed=5",
+            "--fixed=geometry/p_x1", "--out=%s" % (self.folder / "program"), "--quiet")
+        theirs = json.loads((self.folder / "program" / "estimate.json").read_text())
+        experiment = sagitta.read(KR270 / "robot.yaml", KR270 / "geometric.csv", sigma_mm=0.1, holdout=0.3, seed=5,
+                                  fixed=["geometry/p_x1"])
+        self.assertEqual(without_circumstances(sagitta.calibrate(experiment, seed=5).to_dict()),
+                         without_circumstances(theirs))
+        self.assertGreater(theirs["validation"]["observations"], 0)
+
+    def test_predict_validate_simulate_compensate(self):
+        out = self.folder / "program"
+        run("calibrate", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        run("predict", out / "estimate.json", KR270 / "geometric.csv", "--out=%s" % (out / "predicted.csv"))
+        run("validate", out / "estimate.json", KR270 / "geometric.csv", "--out=%s" % (out / "validation"))
+        run("simulate", KR270 / "robot.yaml", KR270 / "geometric.csv", "--truth=%s" % (out / "estimate.json"),
+            "--sigma_mm=0.02", "--seed=9", "--out=%s" % (out / "simulated.csv"))
+        targets = {"target": ["a", "b"], "q_deg": np.array([[10.0, -80, 90, 5, 20, 3], [-30.0, -60, 60, 0, 45, 0]])}
+        (self.folder / "targets.csv").write_text(
+            "target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,10,-80,90,5,20,3\nb,-30,-60,60,0,45,0\n")
+        run("compensate", out / "estimate.json", self.folder / "targets.csv", "--out=%s" % (out / "corrected.csv"))
+        for known in (estimate, sagitta.load(out / "estimate.json"), out / "estimate.json"):
+            prediction = sagitta.predict(known, KR270 / "geometric.csv")
+            written = columns_of(out / "predicted.csv")
+            frame = prediction.to_dataframe()
+            for name in ("pred_x_mm", "psig_z_mm", "pcov_xy_mm2"):
+                self.assertEqual(list(frame[name]), [float(cell) for cell in written[name]])
+            np.testing.assert_allclose(1e3 * prediction.points_m[:, 0], frame["pred_x_mm"], rtol=1e-15)
+            np.testing.assert_allclose(1e3 * np.sqrt(prediction.covariance_m2[:, 2, 2]), frame["psig_z_mm"], rtol=1e-12)
+            corrected = sagitta.compensate(known, targets)
+            written = columns_of(out / "corrected.csv")
+            frame = corrected.to_dataframe()
+            for name in ("q1_cmd_deg", "q6_cmd_deg", "x_cmd_mm", "u95_mm"):
+                self.assertEqual(list(frame[name]), [float(cell) for cell in written[name]])
+            self.assertEqual(corrected.status, written["status"])
+            np.testing.assert_allclose(np.degrees(corrected.joint_values[:, 0]), frame["q1_cmd_deg"], rtol=1e-14)
+        validation = json.loads((out / "validation" / "validation.json").read_text())
+        self.assertEqual(sagitta.validate(estimate, KR270 / "geometric.csv").after, validation["validation"])
+        rows = sagitta.simulate(sagitta.read(KR270 / "robot.yaml", KR270 / "geometric.csv"), estimate, sigma_mm=0.02,
+                                seed=9)
+        rows.to_csv(self.folder / "simulated.csv")
+        self.assertEqual((self.folder / "simulated.csv").read_text(), (out / "simulated.csv").read_text())
+
+    def test_plan_and_diagnose(self):
+        out = self.folder / "program"
+        run("plan", KR270 / "experiment.yaml", "--poses=8", "--pool=60", "--out=%s" % out, "--quiet")
+        plan = sagitta.plan(sagitta.read(KR270 / "experiment.yaml", points_required=False), poses=8, pool=60)
+        plan.to_csv(self.folder / "plan.csv")
+        self.assertEqual((self.folder / "plan.csv").read_text(), (out / "plan.csv").read_text())
+        theirs = json.loads((out / "plan.json").read_text())
+        self.assertEqual(plan.to_dict(), {k: v for k, v in theirs.items() if k not in ("version", "command")})
+        run("diagnose", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
+        said = []
+        diagnosis = sagitta.diagnose(sagitta.read(KR270 / "experiment.yaml"), progress=said.append)
+        self.assertEqual(diagnosis.to_dict(), json.loads((out / "diagnosis.json").read_text()))
+        self.assertEqual(diagnosis.robot_yaml, (out / "robot.extended.yaml").read_text())
+        self.assertEqual(len(diagnosis.to_dataframe()), sum(len(step["parameters"]) for step in diagnosis.steps))
+
+
+class TablesInMemory(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.columns = columns_of(KR270 / "geometric.csv")
+        self.reference = sagitta.calibrate(sagitta.read(KR270 / "robot.yaml", KR270 / "geometric.csv", sigma_mm=0.1))
+
+    def same_as_the_file(self, *tables, **options):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "robot.yaml", *tables, sigma_mm=0.1, **options))
+        self.assertEqual(estimate.to_dict()["parameters"], self.reference.to_dict()["parameters"])
+        return estimate
+
+    def test_frames_arrays_and_columns(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#", float_precision="round_trip")
+        self.same_as_the_file(frame)
+        half = len(frame) // 2
+        self.same_as_the_file(frame[:half], frame[half:])
+        columns = dict(self.columns)
+        q = np.array([columns.pop("q%d_deg" % j) for j in range(1, 7)], dtype=float).T.copy()
+        points = np.array([columns.pop("%s_mm" % a) for a in "xyz"], dtype=float).T.copy()
+        self.same_as_the_file({**columns, "q_deg": q, "xyz_mm": points})
+        self.same_as_the_file({**columns, "q_deg": np.asfortranarray(q), "xyz_mm": points[::1]})
+
+    def test_robot_as_dictionary(self):
+        robot = {"schema": "sagitta/robot/1", "name": "two links", "joints": [{"name": "A1", "type": "revolute"}],
+                 "kinematics": {"dh": {"convention": "standard", "links": [
+                     {"joint": "A1", "a_mm": np.float64(350), "alpha_deg": -90, "d_mm": 750, "theta_deg": 0}]}}}
+        rows = {"config": [1, 2], "marker": ["M", "M"], "q1_deg": np.array([0.0, 90.0]), "x_mm": [400.0, 0.0],
+                "y_mm": [0.0, 400.0], "z_mm": [750.0, 750.0]}
+        experiment = sagitta.read(robot, rows, noise={"sigma_mm": np.float64(0.1)})
+        self.assertEqual((experiment.robot_name, len(experiment), experiment.joints), ("two links", 2, ["A1"]))
+        np.testing.assert_allclose(experiment.joint_values, [[0.0], [np.pi / 2]], rtol=1e-15)
+        np.testing.assert_allclose(experiment.points_m[0], [0.4, 0.0, 0.75], rtol=1e-15)
+
+    def test_lost_readings_are_counted(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
+        frame.loc[3, ["x_mm", "y_mm", "z_mm"]] = np.nan
+        experiment = sagitta.read(KR270 / "robot.yaml", frame)
+        self.assertEqual(len(experiment), len(frame) - 1)
+        self.assertIn("lost", experiment.warnings[0])
+
+
+class Errors(FolderTest):
+    def caught(self, function, *arguments, **options):
+        with self.assertRaises(sagitta.InputError) as raised:
+            function(*arguments, **options)
+        self.assertIsInstance(raised.exception, ValueError)
+        return raised.exception
+
+    def test_file_line_key_hint(self):
+        path = self.folder / "m.csv"
+        path.write_text((KR270 / "geometric.csv").read_text().replace("q3_deg", "q3_dge"))
+        error = self.caught(sagitta.read, KR270 / "robot.yaml", path)
+        self.assertEqual((error.file, error.key), (str(path), "q3_dge"))
+        self.assertGreater(error.line, 0)
+        self.assertIn("q3_deg", error.hint)
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
+        frame["x_mm"] = frame["x_mm"].astype(object)
+        frame.loc[6, "x_mm"] = "fast"
+        error = self.caught(sagitta.read, KR270 / "robot.yaml", frame)
+        self.assertEqual((error.file, error.line, error.key), ("measurements", 7, "x_mm"))
+        error = self.caught(sagitta.read, KR270 / "robot.yaml", frame.drop(columns="x_mm"), nois={"sigma_mm": 1})
+        self.assertIn("noise", error.hint)
+        self.caught(sagitta.read, KR270 / "robot.yaml", 17)
+        self.caught(sagitta.read, KR270 / "robot.yaml", {"config": [1, 2], "marker": ["M"]})
+        self.caught(sagitta.read, KR270 / "experiment.yaml", noise={"sigma_mm": 1})
+        self.caught(sagitta.calibrate, sagitta.read(KR270 / "experiment.yaml"), method="guess")
+
+    def test_readings_of_another_robot(self):
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
+        frame["q2_deg"] = -frame["q2_deg"]
+        experiment = sagitta.read(KR270 / "robot.yaml", frame)
+        self.assertIn("force=True", self.caught(sagitta.calibrate, experiment).hint)
+
+    def test_nothing_to_predict(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
+        frame["marker"] = "unknown"
+        self.assertIn("unknown", str(self.caught(estimate.predict, frame)))
+
+
+class Arrays(unittest.TestCase):
+    def test_views_are_row_major_read_only_and_outlive_the_estimate(self):
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        views = [estimate.predicted_m, estimate.covariance_si, estimate.leverage]
+        before = [view.copy() for view in views]
+        for view in views:
+            self.assertEqual(view.dtype, np.float64)
+            self.assertTrue(view.flags.c_contiguous)
+            self.assertFalse(view.flags.owndata)
+            self.assertFalse(view.flags.writeable)
+        self.assertEqual(estimate.predicted_m.ctypes.data, views[0].ctypes.data)
+        np.testing.assert_allclose(1e3 * estimate.residuals_m[:, 1], estimate.residuals_dataframe()["res_y_mm"], atol=1e-12)
+        sigma = np.sqrt(np.diag(estimate.covariance_si))
+        i = estimate.estimated.index("marker/P1/x")
+        self.assertAlmostEqual(1e3 * sigma[i], estimate[estimate.estimated[i]].sigma, places=12)
+        np.testing.assert_allclose(estimate.covariance_si / np.outer(sigma, sigma), estimate.correlation, atol=1e-12)
+        del estimate
+        gc.collect()
+        for view, copy in zip(views, before):
+            np.testing.assert_array_equal(view, copy)
+
+    def test_numbers_go_in_by_their_bits(self):
+        rows = {"config": ["c"], "marker": ["m"], "q1_deg": [0.1], "x_mm": [1 / 3], "y_mm": [np.nextafter(1.0, 2)],
+                "z_mm": [1e-17]}
+        robot = ("schema: sagitta/robot/1\njoints: [{name: A, type: revolute}]\n"
+                 "kinematics: {chain: [{Rz: A}, {Tx_mm: 100}]}\n")
+        frame = sagitta.read(robot, rows).to_dataframe()
+        self.assertEqual([frame[name][0] for name in ("x_mm", "y_mm", "z_mm")], [1 / 3, np.nextafter(1.0, 2), 1e-17])
+
+
+def slow_experiment():
+    return sagitta.read(KR270 / "robot.yaml", KR270 / "geometric.csv", noise={"sigma_mm": 0.1}, covariance="bootstrap",
+                        bootstrap={"kind": "parametric", "replicates": 100000, "seed": 1})
+
+
+class LongCalls(unittest.TestCase):
+    def test_ctrl_c_ends_it(self):
+        experiment = slow_experiment()
+        threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+        start = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            sagitta.calibrate(experiment, threads=2)
+        self.assertLess(time.monotonic() - start, 5.0)
+
+    def test_an_exception_of_the_callback_ends_it(self):
+        def stop(_):
+            raise KeyError("enough")
+        with self.assertRaises(KeyError):
+            sagitta.calibrate(slow_experiment(), progress=stop)
+
+    def test_other_threads_run_meanwhile(self):
+        counted, ended = [0], threading.Event()
+
+        def count():
+            while not ended.is_set():
+                counted[0] += 1
+                time.sleep(1e-3)
+        counter = threading.Thread(target=count)
+        counter.start()
+        said = []
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+                sagitta.calibrate(slow_experiment(), progress=said.append)
+        finally:
+            ended.set()
+            counter.join()
+        self.assertGreater(counted[0], 100)
+        self.assertTrue(any("bootstrap" in what for what in said))
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop(1)
+    unittest.main()
