@@ -12,6 +12,7 @@
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/noise/weighting.h"
@@ -64,11 +65,6 @@ double CovarianceScale(const SigmaReport& sigma) {
   return sigma.scaled ? sigma.a_posteriori : 1.0;
 }
 
-// Variance of each row's prediction / sigma^2 under a covariance of the estimated columns.
-Eigen::VectorXd RowVariances(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& covariance) {
-  return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
-}
-
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
 // one visit share; C = (J' V^-1 J)^-1.
 Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, const Linearization& all,
@@ -92,8 +88,8 @@ Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, cons
 
 // Leverage of every row and the parameters' share of the predicted hold-out
 // error. `all` has the columns of the estimated, then of the held coordinates;
-// inverse_normal: (J'W^2 J)^-1 of the fit.
-void JudgeRows(const CalibrationProblem& problem, const Linearization& all, const Eigen::MatrixXd& inverse_normal,
+// normal_root: R of R R' = (J'W^2 J)^-1 of the fit.
+void JudgeRows(const CalibrationProblem& problem, const Linearization& all, const Eigen::MatrixXd& normal_root,
                double scale, Estimate* estimate) {
   const int n = static_cast<int>(all.observations.size());
   const auto estimated = static_cast<int>(estimate->estimated.size());
@@ -105,12 +101,20 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
   std::vector<int> rows(n);
   std::iota(rows.begin(), rows.end(), 0);
   const NoiseRoots weights = FitRoots(problem, rows, kFallbackSigma);
+  const Eigen::MatrixXd by_normal = TallProduct(jacobian, normal_root);
+  const bool any_held_out = !problem.ValidationObservations().empty();
+  const auto by_root_of = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
+    return any_held_out ? TallProduct(columns, RootOf(covariance)) : Eigen::MatrixXd();
+  };
+  const Eigen::MatrixXd by_covariance = by_root_of(jacobian, estimate->covariance);
+  const Eigen::MatrixXd by_model = by_root_of(jacobian, estimate->model_covariance);
+  const Eigen::MatrixXd by_held = by_root_of(open, held.second_moment);
   double sum = 0.0;
   double floor = 0.0;
   int coordinates = 0;
   for (int k = 0; k < n; ++k) {
-    const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
-    estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
+    const Matrix3<double> weight = weights[k].inverse() * estimate->noise[k];
+    estimate->leverage[k] = (weight * by_normal.middleRows<3>(3 * k)).squaredNorm() / 3.0;
     const Eigen::MatrixXd latent = all.latent.middleRows<3>(3 * k);  // in units of the instrument's noise
     const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
     estimate->scatter[k] = estimate->noise[k] * Matrix3<double>(relative.llt().matrixL());
@@ -119,16 +123,15 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
     // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
     const Matrix3<double>& own = estimate->noise[k];
     const double noise = own.squaredNorm() + (own * latent).squaredNorm();
-    const auto variance = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
-      const Eigen::MatrixXd metres = own * columns.middleRows<3>(3 * k);
-      return (metres * covariance * metres.transpose()).trace();
+    const auto variance = [&](const Eigen::MatrixXd& by_root) {
+      return (own * by_root.middleRows<3>(3 * k)).squaredNorm();
     };
-    sum += scale * scale * noise + variance(jacobian, estimate->covariance) + variance(open, held.second_moment);
-    floor += noise + variance(jacobian, estimate->model_covariance) / (scale * scale);
+    sum += scale * scale * noise + variance(by_covariance) + variance(by_held);
+    floor += noise + variance(by_model) / (scale * scale);
     coordinates += 3;
   }
   if (!problem.latent.empty() && problem.weight_roots.empty()) {
-    estimate->leverage = LeverageBesideDeviations(problem, all, jacobian, inverse_normal);
+    estimate->leverage = LeverageBesideDeviations(problem, all, jacobian, normal_root * normal_root.transpose());
   }
   estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
   estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
@@ -148,10 +151,10 @@ Linearization Known(const CalibrationProblem& problem, const Linearization& fit,
 // is whitened by the weights of the fit, `noise` is what its rows scatter by. False
 // where the Jacobian is singular.
 bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& linearization, double scale,
-                     const NoiseRoots& noise, Eigen::MatrixXd* inverse_normal, Estimate* estimate) {
+                     const NoiseRoots& noise, Eigen::MatrixXd* normal_root, Estimate* estimate) {
   const LinearSolution solution = SolveLinearization(linearization);
   if (!solution.full_rank) return false;
-  *inverse_normal = solution.covariance;
+  *normal_root = solution.covariance_root;
   estimate->model_covariance = scale * scale * solution.covariance;
   const NoiseRoots weights = FitRoots(problem, linearization.observations, kFallbackSigma);
   if (!problem.weight_roots.empty()) {
@@ -272,8 +275,8 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->cost = 0.5 * fit.residual.squaredNorm();
   JudgeNoise(problem, problem.weight_roots.empty() ? fit : linearize(noise), estimate);
   const double scale = CovarianceScale(estimate->sigma);
-  Eigen::MatrixXd inverse_normal;
-  if (!JudgeCovariance(problem, fit, scale, noise, &inverse_normal, estimate)) {
+  Eigen::MatrixXd normal_root;
+  if (!JudgeCovariance(problem, fit, scale, noise, &normal_root, estimate)) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
     return;
@@ -288,7 +291,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   std::vector<int> columns = estimate->estimated;
   columns.insert(columns.end(), estimate->held.coordinates.begin(), estimate->held.coordinates.end());
   JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore),
-            inverse_normal, scale, estimate);
+            normal_root, scale, estimate);
   if (!estimate->sigma.stated) {
     for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
       for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;

@@ -54,6 +54,48 @@ void AddGramBlock(const double* const* rows, std::size_t n, std::size_t a, std::
   }
 }
 
+// A strip of rows stays in the cache while all columns of W go by.
+constexpr std::size_t kStrip = 256;
+constexpr int kTwo = 2, kFour = 4;
+
+template <int kColumns>
+HWY_INLINE void MultiplyStrip(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                              double* product) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t r = 0; r < rows; r += kTwo * lanes) {
+    V s[kTwo][kColumns];
+    for (int j = 0; j < kColumns; ++j) s[0][j] = s[1][j] = hn::Zero(d);
+    for (std::size_t c = 0; c < n; ++c) {
+      const V first = hn::LoadU(d, x + c * stride + r), second = hn::LoadU(d, x + c * stride + r + lanes);
+      for (int j = 0; j < kColumns; ++j) {
+        const V factor = hn::Set(d, w[j * n + c]);
+        s[0][j] = hn::MulAdd(first, factor, s[0][j]);
+        s[1][j] = hn::MulAdd(second, factor, s[1][j]);
+      }
+    }
+    for (int j = 0; j < kColumns; ++j) {
+      hn::StoreU(s[0][j], d, product + j * stride + r);
+      hn::StoreU(s[1][j], d, product + j * stride + r + lanes);
+    }
+  }
+}
+
+std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                          std::size_t k, double* product) {
+  const std::size_t step = kTwo * hn::Lanes(Tag());
+  const std::size_t whole = rows / step * step;
+  for (std::size_t first = 0; first < whole; first += kStrip) {
+    const std::size_t own = std::min(kStrip, whole - first);
+    std::size_t j = 0;
+    for (; j + kFour <= k; j += kFour) {
+      MultiplyStrip<kFour>(x + first, stride, own, n, w + j * n, product + j * stride + first);
+    }
+    for (; j < k; ++j) MultiplyStrip<1>(x + first, stride, own, n, w + j * n, product + j * stride + first);
+  }
+  return whole;
+}
+
 // Row by row: the new row of the factor, then that row of all columns.
 void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
   const Tag d;
@@ -101,6 +143,7 @@ namespace sagitta {
 
 HWY_EXPORT(AddGramBlock);
 HWY_EXPORT(MarginaliseRows);
+HWY_EXPORT(MultiplyLanes);
 
 GramSums::GramSums(int blocks_a, int blocks_b, bool symmetric)
     : blocks_a_(blocks_a), blocks_b_(blocks_b), symmetric_(symmetric) {
@@ -133,6 +176,11 @@ double GramSums::At(int a, int b) const {
   double sum = 0.0;
   for (int i = 0; i < kBatchLanes; ++i) sum += lanes[i];
   return sum;
+}
+
+std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                            std::size_t k, double* product) {
+  return HWY_DYNAMIC_DISPATCH(MultiplyLanes)(x, stride, rows, n, w, k, product);
 }
 
 void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows) {

@@ -30,6 +30,12 @@ class GramSums {
   std::vector<double> lanes_;  // unaligned; by block, then column of a, column of b, lane
 };
 
+// product = X W for matrices stored column by column: x has `rows` rows (of `stride` numbers from column to column) and
+// n columns, w n x k; product as many rows from column to column as x. Returns how many rows were done, all but the last
+// few.
+std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                            std::size_t k, double* product);
+
 // Whitens rows that share deviations L (columns latent .. latent + count of each row, times their sigmas):
 // rows <- chol(I + L L')^-1 rows, all columns. num_rows rows of `columns` columns.
 void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows);

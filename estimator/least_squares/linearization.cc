@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 
 namespace sagitta {
@@ -285,6 +286,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
     solution.condition = std::numeric_limits<double>::infinity();
     return solution;
   }
+  if (AreMany(linearization)) return SolveLinearization(Condense(SumRows(linearization)));
   Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);

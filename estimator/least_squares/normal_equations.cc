@@ -1,6 +1,5 @@
 #include "estimator/least_squares/normal_equations.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -12,9 +11,6 @@ namespace sagitta {
 namespace {
 
 constexpr int kBatchesOfBlock = 64;  // 512 units: large against what a piece of work costs by itself
-// A hundred configurations of three markers and 56 unknowns: below, the rows' own factors cost a few milliseconds, and
-// keep the digits that squaring the condition number takes.
-constexpr double kFewEntries = 5e4;
 constexpr int kRowsAtOnce = 48;      // of lanes that are summed together: they stay in the cache
 
 // The sums of one group's rows, lane by lane, and where they go.
@@ -149,8 +145,7 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
 
 FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns) {
   FittedRows result;
-  const double entries = 3.0 * equations.batches().num_observations() * static_cast<double>(columns.size());
-  if (entries > kFewEntries) {
+  if (AreMany(3.0 * equations.batches().num_observations(), static_cast<double>(columns.size()))) {
     const NormalSums sums = equations.Sum(parameters, columns);
     result.rows = Condense(sums);
     result.equations = sums.rows;
@@ -160,39 +155,6 @@ FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& paramete
   if (result.rows.valid) AppendPriors(parameters, &result.rows);
   result.equations = result.rows.num_rows();
   return result;
-}
-
-// J'J = P'L D L'P of columns of unit norm; R = D^1/2 L'P and R'c = J'r. A pivot that is round-off of the columns'
-// unit norms is a direction that no row sees.
-Linearization Condense(const NormalSums& sums) {
-  const int n = sums.num_columns();
-  Linearization rows;
-  rows.columns = sums.columns;
-  rows.valid = sums.valid;
-  rows.jacobian.setZero(n + 1, n);
-  rows.residual.setConstant(n + 1, std::nan(""));
-  if (!sums.valid) return rows;
-  const Eigen::VectorXd scale = sums.matrix.diagonal().head(n).cwiseSqrt().cwiseMax(1e-150);
-  const Eigen::MatrixXd scaled =
-      scale.cwiseInverse().asDiagonal() * sums.matrix.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal();
-  const Eigen::VectorXd gradient = sums.matrix.col(n).head(n).cwiseQuotient(scale);
-  const double round_off = 1e-15 * std::max(1, n);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
-  Eigen::VectorXd c = factor.transpositionsP() * gradient;
-  factor.matrixL().solveInPlace(c);
-  Eigen::VectorXd root(n);
-  for (int i = 0; i < n; ++i) {
-    const double pivot = factor.vectorD()[i];
-    root[i] = pivot > round_off ? std::sqrt(pivot) : 0.0;
-    c[i] = root[i] > 0.0 ? c[i] / root[i] : 0.0;
-  }
-  const Eigen::MatrixXd upper = factor.matrixU();
-  const Eigen::MatrixXd permuted = root.asDiagonal() * upper;
-  rows.jacobian.topRows(n) = permuted * (factor.transpositionsP() * Eigen::MatrixXd::Identity(n, n));
-  rows.jacobian.topRows(n) = rows.jacobian.topRows(n) * scale.asDiagonal();
-  rows.residual.head(n) = c;
-  rows.residual[n] = std::sqrt(std::max(0.0, sums.squared_residual() - c.squaredNorm()));
-  return rows;
 }
 
 }  // namespace sagitta

@@ -2,26 +2,14 @@
 //
 //   sum over units [J r]'[J r],    rows whitened, deviations of joints marginalised, priors and ties included
 //
-// Cost, gradient, Gauss-Newton step, covariance and rank follow from this one matrix of (columns + 1)^2 numbers. What
-// takes rows (covariance, identifiability, bounded steps) is given as many rows as there are columns, with the same
-// normal equations: `Condense`.
 #pragma once
 
 #include <vector>
 
 #include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
-
-struct NormalSums {
-  bool valid = false;        // false: the equilibrium of a loaded shot diverged
-  std::vector<int> columns;  // coordinates, one per column
-  Eigen::MatrixXd matrix;    // [J r]'[J r], SI, (columns + 1) x (columns + 1)
-  int rows = 0;              // that were summed
-
-  int num_columns() const { return static_cast<int>(columns.size()); }
-  double squared_residual() const { return matrix(num_columns(), num_columns()); }
-};
 
 class NormalEquations {
  public:
@@ -46,9 +34,6 @@ class NormalEquations {
 struct NormalEquations::Block {
   int group = 0, first = 0, last = 0;  // batches
 };
-
-// One row per column and one for what no step explains, so that J'J, J'r and r'r are those of the sums.
-Linearization Condense(const NormalSums& sums);
 
 // Rows of everything that is fitted, priors included: as they are while they are few, else condensed.
 struct FittedRows {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_sums.h"
 #include "problems/io/files.h"
 #include "problems/split.h"
 
@@ -16,9 +17,8 @@ struct Fit {
   std::vector<int> observations;
   Linearization rows;      // as fitted, without priors
   Eigen::MatrixXd own;     // J in m, one observation apart from the other
-  Eigen::VectorXd scale;   // SI of one unit of each column
-  Eigen::MatrixXd normal;  // priors included
-  Eigen::VectorXd gradient;
+  Eigen::VectorXd scale;  // SI of one unit of each column
+  Eigen::MatrixXd sums;   // [J r]'[J r], priors included, SI
   double noise = 1.0;  // of the whitened residuals
   bool valid = false;
 };
@@ -50,10 +50,8 @@ Fit FitOf(const CalibrationProblem& problem, const Estimate& estimate) {
   }
   Linearization all = fit.rows;
   AppendPriors(estimate.parameters, &all);
-  fit.scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd scaled = all.jacobian * fit.scale.asDiagonal();
-  fit.normal = scaled.transpose() * scaled;
-  fit.gradient = scaled.transpose() * all.residual;
+  fit.sums = SumRows(all).matrix;
+  fit.scale = fit.sums.diagonal().head(all.num_columns()).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   const SigmaReport& sigma = estimate.sigma;
   fit.noise = !sigma.stated ? sigma.estimated / kFallbackSigma : sigma.scaled ? sigma.a_posteriori : 1.0;
   fit.valid = true;
@@ -109,23 +107,28 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
         if (is_point) point_rows.push_back(rows.back());
       }
     }
-    const Eigen::MatrixXd jacobian = fit.rows.jacobian(rows, Eigen::all) * fit.scale.asDiagonal();
-    const Eigen::MatrixXd normal = fit.normal - jacobian.transpose() * jacobian;
-    const Eigen::VectorXd gradient = fit.gradient - jacobian.transpose() * fit.rows.residual(rows);
+    RowSums own_sums(fit.rows);
+    for (const int row : rows) own_sums.Add(row);
+    const Eigen::MatrixXd left = fit.sums - own_sums.Total();
+    const auto n = fit.scale.size();
+    const Eigen::MatrixXd normal = fit.scale.asDiagonal() * left.topLeftCorner(n, n) * fit.scale.asDiagonal();
+    const Eigen::VectorXd gradient = fit.scale.cwiseProduct(left.col(n).head(n));
     // What only this fold measures is left where the whole has it: the step that is least.
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
     const double least = 1e-12 * eigen.eigenvalues().tail(1)[0];
     const Eigen::VectorXd inverse =
         eigen.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
-    const Eigen::MatrixXd covariance = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-    const Eigen::MatrixXd own = fit.own(point_rows, Eigen::all) * fit.scale.asDiagonal();
-    const Eigen::VectorXd moved = own * (-(covariance * gradient));  // of the predicted points, m
+    const Eigen::MatrixXd root = fit.scale.asDiagonal() * eigen.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
+    const Eigen::MatrixXd own = fit.own(point_rows, Eigen::all);
+    // Of the predicted points, m.
+    const Eigen::VectorXd moved =
+        own * (-(root * (root.transpose() * gradient.cwiseQuotient(fit.scale)))).eval();
     for (size_t m = 0; m < points.size(); ++m) {
       const int i = points[m];
       errors.col(column_of[i]) = problem.data.observations[i].point_in_station - estimate.predicted.col(i) -
                                  moved.segment<3>(3 * static_cast<Eigen::Index>(m));
     }
-    predicted.Add(ScatterOf(estimate, points), own, fit.noise * fit.noise * covariance);
+    predicted.Add(ScatterOf(estimate, points), own, fit.noise * root);
   }
   result.folds = folds;
   result.unseen = MeasureUnseen(problem, quoted, errors);

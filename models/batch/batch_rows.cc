@@ -12,12 +12,14 @@
 #include <hwy/aligned_allocator.h>
 #include <hwy/highway.h>
 
+#include "models/batch/lane_motions-inl.h"
 #include "models/batch/lane_shots-inl.h"
 
 #if HWY_ONCE
 namespace sagitta {
 
 HWY_EXPORT(EvaluateLanes);
+HWY_EXPORT(MotionsOfLanes);
 HWY_EXPORT(TargetOfLanes);
 
 BatchPoint::BatchPoint(const ShotProgram& program, const double* theta_in, const Pose<double>& base_in_station_in,
@@ -51,6 +53,11 @@ double* BatchScratch::Reserve(std::size_t doubles) {
 unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const BatchLayout& layout, const double* data,
                        BatchScratch* scratch, double* rows) {
   return HWY_DYNAMIC_DISPATCH(EvaluateLanes)(program, at, layout, data, scratch, rows);
+}
+
+unsigned RaiseMotions(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
+                      double* motions) {
+  return HWY_DYNAMIC_DISPATCH(MotionsOfLanes)(program, at, data, scratch, motions);
 }
 
 const char* BatchInstructions() { return HWY_DYNAMIC_DISPATCH(TargetOfLanes)(); }

@@ -146,6 +146,22 @@ class LaneStatics {
     }
     return torque;
   }
+  // How far a torque on each slot moves the slots (the largest), by what wrenches or a parameter of the spring do.
+  V LargestDeflection(const ShotProgram::Loads& loads) const {
+    return LargestOf([&](int s) HWY_ATTR { return TorqueOf(loads, s); });
+  }
+  V LargestDeflectionBySpring(int parameter) const {
+    return LargestOf([&](int s) HWY_ATTR { return s == p_.spring.slot ? by_spring_[parameter] : Of(0.0); });
+  }
+  V TorqueOn(int slot) const { return torque_[slot]; }
+  V LargestForce() const {
+    V squared = Of(0.0);
+    for (const ShotProgram::Wrench& wrench : p_.loads[0].wrenches) {
+      const V3 force = At3(data_, wrench.data + 3, 0);
+      squared = hn::Max(squared, Dot(force, force));
+    }
+    return hn::Sqrt(squared);
+  }
   void AddSpring(int parameter, TwistLanes* column) const {
     const int s = p_.spring.slot;
     *column = Fma(hn::Mul(flexibility_[s], by_spring_[parameter]), imposed_[s], *column);
@@ -193,6 +209,18 @@ class LaneStatics {
     V3 force, about_base, pure;
     M3 q;  // sum of F x'
   };
+
+  template <typename Torque>
+  V LargestOf(const Torque& torque_on) const {
+    const int n = static_cast<int>(p_.slots.size());
+    V largest = Of(0.0);
+    for (int k = 0; k < n; ++k) {
+      V moved = Of(0.0);
+      for (int s = 0; s < n; ++s) moved = Fma(hn::Mul(response_[k * n + s], flexibility_[s]), torque_on(s), moved);
+      largest = hn::Max(largest, hn::Abs(moved));
+    }
+    return largest;
+  }
 
   V3 StationAxis(int axis) const {  // in the base frame: a row of the base rotation
     const auto row = at_.base_in_station.rotation.row(axis);

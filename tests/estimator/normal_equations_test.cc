@@ -36,14 +36,14 @@ CalibrationProblem Loaded(const std::function<void(test::LoadedTruth*, Experimen
   return MakeCalibrationProblem(setup.robot, data, setup.experiment);
 }
 
-// Harmonics, a station that grows, play that remembers the way, an arm that stretches, a marker that shifts.
+// Terms of every law: of slots, stations, the arm's size, deflections, wrenches.
 CalibrationProblem WithEffects() {
   const CalibrationProblem loaded = Loaded([](auto*, auto*) {});
-  return loaded.WithEffects({{"joint_harmonic", "A2", {{"order", "1"}}, {}},
+  return loaded.WithEffects({{"joint_harmonic", "A3", {{"order", "1"}}, {}},
+                             {"joint_harmonic", "A5", {{"order", "2"}}, {}},
                              {"station_scale", "S1", {}, {}},
-                             {"backlash", "A3", {{"by", "torque"}}, {}},
                              {"transverse_compliance", "A4", {}, {}},
-                             {"self_weight_sag", "A2", {}, {}}});
+                             {"load_com", "V250", {}, {}}});
 }
 
 // Readings along lines of sight are the model's own; those of the other station go in batches.
@@ -59,7 +59,7 @@ CalibrationProblem Poses(int configurations) {
   const test::Kr270Truth truth = test::TurnedTruth();
   const test::TargetTruth target;
   Measurements data = test::PoseRows(design);
-  test::NormalNumbers normal(7);
+  NormalNumbers normal(7);
   for (Observation& row : data.observations) {
     if (!row.is_point()) continue;
     const Pose<double> exact =
@@ -92,11 +92,12 @@ CalibrationProblem MeasuredTorques() {
 CalibrationProblem Weighted() {
   CalibrationProblem problem = Loaded([](auto*, auto*) {});
   test::RandomNumbers random(8);
+  NoiseRoots roots;
   for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    Matrix3<double> root = problem.NoiseRoot(static_cast<int>(i)) / random.Uniform(0.2, 1.0);
-    root(1, 0) = 0.3 * root(0, 0);
-    problem.resolved_noise.push_back(root);
+    roots.push_back(problem.NoiseRoot(static_cast<int>(i)) / random.Uniform(0.2, 1.0));
+    roots.back()(1, 0) = 0.3 * roots.back()(0, 0);
   }
+  problem.resolved_noise = roots;
   return problem;
 }
 
