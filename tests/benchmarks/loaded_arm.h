@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "estimator/least_squares/ceres_problem.h"
+#include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/rotation_manifold.h"
 #include "tests/support/loaded_kr270.h"
 
