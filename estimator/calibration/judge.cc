@@ -168,12 +168,16 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   std::vector<int> columns = estimate->estimated;
   const std::vector<int> held = HeldCoordinates(estimate->parameters);
   columns.insert(columns.end(), held.begin(), held.end());
-  Linearization both = linearization;
-  if (!held.empty()) {
-    both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
+  const auto influence_in = [&](const Linearization& rows) {
+    return FindHeldInfluence(rows, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
+  };
+  if (held.empty()) {
+    estimate->held = influence_in(linearization);
+  } else {
+    Linearization both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
     AppendPriors(estimate->parameters, &both);
+    estimate->held = influence_in(both);
   }
-  estimate->held = FindHeldInfluence(both, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
   if (problem.repeat_scatter && !estimate->sigma.scaled) {

@@ -122,8 +122,12 @@ Linearization Condense(const NormalSums& sums) {
 bool AreMany(double rows, double columns) { return rows * columns > kFewEntries && rows > kManyTimes * columns; }
 
 Eigen::MatrixXd RootOf(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  if (covariance.size() == 0) return covariance;
+  // Of the correlations: units differ by 20 orders of magnitude.
+  const Eigen::VectorXd size = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation = size.cwiseInverse().asDiagonal() * covariance * size.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  return size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 Eigen::MatrixXd TallProduct(const Eigen::MatrixXd& x, const Eigen::MatrixXd& w) {

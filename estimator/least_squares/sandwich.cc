@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <utility>
 
 #include "estimator/least_squares/row_batches.h"
@@ -60,7 +61,8 @@ class VectorProducts {
         sums_(columns_ / kGramBlock, columns_ / kGramBlock, true),
         lanes_(buffer_.Reserve(static_cast<std::size_t>(kRows) * columns_ * kBatchLanes)) {}
 
-  void Add(const Eigen::VectorXd& w) {
+  template <typename Vector>
+  void Add(const Vector& w) {
     double* const lane = lanes_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
     for (int c = 0; c < w.size(); ++c) lane[c * kBatchLanes] = w[c];
     if (++held_ == kRows * kBatchLanes) Flush();
@@ -112,16 +114,27 @@ class Satterthwaite {
   }
   Eigen::VectorXd Degrees() const {
     Eigen::VectorXd dof(trace_.size());
-    for (int c = 0; c < dof.size(); ++c) {
-      VectorProducts products(static_cast<int>(dof.size()));
-      for (const auto& [b, a] : sample_) products.Add(b.transpose() * a.col(c));
-      const double square = of_square_[c] + products.SquaredNorm();
-      dof[c] = square > 0.0 ? trace_[c] * trace_[c] / square : 1.0;
+    const auto n = static_cast<int>(dof.size());
+    for (int first = 0; first < n; first += kColumnsAtOnce) {
+      const int count = std::min(kColumnsAtOnce, n - first);
+      std::vector<std::unique_ptr<VectorProducts>> products;
+      for (int i = 0; i < count; ++i) products.push_back(std::make_unique<VectorProducts>(n));
+      for (const auto& [b, a] : sample_) {
+        const Eigen::MatrixXd w = b.transpose() * a.middleCols(first, count);
+        for (int i = 0; i < count; ++i) products[i]->Add(w.col(i));
+      }
+      for (int i = 0; i < count; ++i) {
+        const int c = first + i;
+        const double square = of_square_[c] + products[i]->SquaredNorm();
+        dof[c] = square > 0.0 ? trace_[c] * trace_[c] / square : 1.0;
+      }
     }
     return dof;
   }
 
  private:
+  static constexpr int kColumnsAtOnce = 16;
+
   const size_t step_;
   const double large_;  // twice the mean leverage
   size_t small_ = 0;

@@ -48,10 +48,12 @@ Fit FitOf(const CalibrationProblem& problem, const Estimate& estimate) {
     const auto first = 3 * static_cast<Eigen::Index>(k);
     fit.own.middleRows<3>(first) = (roots[k] * fit.own.middleRows<3>(first)).eval();
   }
-  Linearization all = fit.rows;
-  AppendPriors(estimate.parameters, &all);
-  fit.sums = SumRows(all).matrix;
-  fit.scale = fit.sums.diagonal().head(all.num_columns()).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  Linearization priors;
+  priors.columns = columns;
+  priors.jacobian.resize(0, columns.size());
+  AppendPriors(estimate.parameters, &priors);
+  fit.sums = SumRows(fit.rows).matrix + SumRows(priors).matrix;
+  fit.scale = fit.sums.diagonal().head(fit.rows.num_columns()).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   const SigmaReport& sigma = estimate.sigma;
   fit.noise = !sigma.stated ? sigma.estimated / kFallbackSigma : sigma.scaled ? sigma.a_posteriori : 1.0;
   fit.valid = true;

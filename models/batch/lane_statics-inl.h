@@ -16,6 +16,7 @@
 #include <algorithm>
 
 #include "models/batch/batch_rows.h"
+#include "models/batch/lane_spring-inl.h"
 #include "models/batch/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -423,42 +424,16 @@ class LaneStatics {
     }
   }
 
-  // T = -Kc (1 - s0/s) L A,  A = a_x cos q - a_y sin q,  C = a_y cos q + a_x sin q,  s^2 = a^2 + L^2 + 2 L C
-  // (models/gravity_compensator.h); d s = (L A dq + (L + C) dL + (a_x + L sin q) da_x + (a_y + L cos q) da_y) / s.
-  struct SpringTorque {
-    V torque, by_angle, by[5];
-  };
-  SpringTorque SpringAt(V sine, V cosine) const {
-    const double* theta = at_.theta + p_.spring.first_parameter;
-    const V length = Of(theta[0]), ax = Of(theta[1]), ay = Of(theta[2]), rest = Of(theta[3]), rate = Of(theta[4]);
-    const V across = Fnma(ay, sine, hn::Mul(ax, cosine)), along = Fma(ay, cosine, hn::Mul(ax, sine));
-    const V square = Fma(hn::Add(length, hn::Add(along, along)), length, Fma(ax, ax, hn::Mul(ay, ay)));
-    const V s = hn::Sqrt(square);
-    const V ratio = hn::Div(rest, s), slack = hn::Sub(Of(1.0), ratio);
-    const V by_s = hn::Div(ratio, square);  // d slack = (s0 / s^2) ds, ds = (..) / s
-    const V arm = hn::Mul(length, across), minus_rate = hn::Neg(rate);
-    SpringTorque result;
-    result.torque = hn::Mul(hn::Mul(minus_rate, slack), arm);
-    const auto by = [&](V ds, V d_arm) HWY_ATTR {
-      return hn::Mul(minus_rate, Fma(hn::Mul(by_s, ds), arm, hn::Mul(slack, d_arm)));
-    };
-    result.by_angle = by(arm, hn::Neg(hn::Mul(length, along)));
-    result.by[0] = by(hn::Add(length, along), across);
-    result.by[1] = by(Fma(length, sine, ax), hn::Mul(length, cosine));
-    result.by[2] = by(Fma(length, cosine, ay), hn::Neg(hn::Mul(length, sine)));
-    result.by[3] = hn::Div(hn::Mul(rate, arm), s);
-    result.by[4] = hn::Neg(hn::Mul(slack, arm));
-    return result;
-  }
   void EvaluateSpring() {
     const V sign = Of(p_.spring.sign), cos_offset = Of(p_.spring.cos_offset), sin_offset = Of(p_.spring.sin_offset);
     // q = sign (v - offset)
     const V sine = hn::Mul(sign, Fnma(spring_cosine_, sin_offset, hn::Mul(spring_sine_, cos_offset)));
     const V cosine = Fma(spring_cosine_, cos_offset, hn::Mul(spring_sine_, sin_offset));
-    SpringTorque spring = SpringAt(sine, cosine);
+    const double* theta = at_.theta + p_.spring.first_parameter;
+    SpringTorque spring = SpringAt(theta, sine, cosine);
     spring_stiffness_ = spring.by_angle;  // sign^2 = 1
     if (p_.spring.commanded >= 0) {
-      const SpringTorque idle = SpringAt(Datum(p_.spring.commanded), Datum(p_.spring.commanded + 1));
+      const SpringTorque idle = SpringAt(theta, Datum(p_.spring.commanded), Datum(p_.spring.commanded + 1));
       spring.torque = hn::Sub(spring.torque, idle.torque);
       for (int i = 0; i < 5; ++i) spring.by[i] = hn::Sub(spring.by[i], idle.by[i]);
     }
