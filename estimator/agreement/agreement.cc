@@ -170,9 +170,17 @@ RepeatFit TestRepeats(const Whole& whole) {
 // True where the sandwich is larger than chance makes it: a variance with nu degrees of freedom scatters by
 // sqrt(1 / (2 nu)) of its root.
 bool SandwichIsLarger(const Whole& whole, double* ratio) {
-  Linearization fit = whole.rows;
-  AppendPriors(whole.estimate.parameters, &fit);
-  const RobustCovariance robust = SandwichCovariance(fit, whole.clusters);
+  Linearization priors;
+  priors.columns = whole.rows.columns;
+  priors.jacobian.resize(0, whole.rows.num_columns());
+  AppendPriors(whole.estimate.parameters, &priors);
+  const auto with_priors = [&] {
+    Linearization fit = whole.rows;
+    AppendPriors(whole.estimate.parameters, &fit);
+    return SandwichCovariance(fit, whole.clusters);
+  };
+  const RobustCovariance robust =
+      priors.num_rows() == 0 ? SandwichCovariance(whole.rows, whole.clusters) : with_priors();
   if (robust.covariance.rows() == 0) return false;
   const Eigen::VectorXd ratios =
       robust.covariance.diagonal().cwiseQuotient(whole.estimate.model_covariance.diagonal()).cwiseSqrt();

@@ -16,7 +16,8 @@ namespace {
 struct Fit {
   std::vector<int> observations;
   Linearization rows;      // as fitted, without priors
-  Eigen::MatrixXd own;     // J in m, one observation apart from the other
+  NoiseRoots roots;        // of the observations
+  Eigen::MatrixXd apart;   // J, one observation apart from the other, where joints deviate: else that of `rows`
   Eigen::VectorXd scale;  // SI of one unit of each column
   Eigen::MatrixXd sums;   // [J r]'[J r], priors included, SI
   double noise = 1.0;  // of the whitened residuals
@@ -37,17 +38,13 @@ Fit FitOf(const CalibrationProblem& problem, const Estimate& estimate) {
   fit.observations = problem.CalibrationObservations();
   const std::vector<int> columns = MovingColumns(estimate);
   if (columns.empty()) return fit;
-  const NoiseRoots roots = FitRoots(problem, fit.observations, kFallbackSigma);
+  fit.roots = FitRoots(problem, fit.observations, kFallbackSigma);
   const auto linearize = [&](LatentTreatment treatment) {
-    return Linearize(problem, estimate.parameters, fit.observations, columns, roots, treatment);
+    return Linearize(problem, estimate.parameters, fit.observations, columns, fit.roots, treatment);
   };
   fit.rows = linearize(LatentTreatment::kMarginalise);
   if (!fit.rows.valid) return fit;
-  fit.own = problem.latent.empty() ? fit.rows.jacobian : linearize(LatentTreatment::kIgnore).jacobian;
-  for (size_t k = 0; k < roots.size(); ++k) {
-    const auto first = 3 * static_cast<Eigen::Index>(k);
-    fit.own.middleRows<3>(first) = (roots[k] * fit.own.middleRows<3>(first)).eval();
-  }
+  if (!problem.latent.empty()) fit.apart = linearize(LatentTreatment::kIgnore).jacobian;
   Linearization priors;
   priors.columns = columns;
   priors.jacobian.resize(0, columns.size());
@@ -121,7 +118,11 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
     const Eigen::VectorXd inverse =
         eigen.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
     const Eigen::MatrixXd root = fit.scale.asDiagonal() * eigen.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
-    const Eigen::MatrixXd own = fit.own(point_rows, Eigen::all);
+    Eigen::MatrixXd own = (problem.latent.empty() ? fit.rows.jacobian : fit.apart)(point_rows, Eigen::all);  // in m
+    for (size_t m = 0; m < points.size(); ++m) {
+      auto rows_of_point = own.middleRows<3>(3 * static_cast<Eigen::Index>(m));
+      rows_of_point = (fit.roots[point_rows[3 * m] / 3] * rows_of_point).eval();
+    }
     // Of the predicted points, m.
     const Eigen::VectorXd moved =
         own * (-(root * (root.transpose() * gradient.cwiseQuotient(fit.scale)))).eval();
