@@ -53,6 +53,18 @@ Eigen::MatrixXd Unshrinking(const Eigen::MatrixXd& h) {
   return eigen.eigenvectors() * gain.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+// |w' w|^2, by the smaller of both products.
+double SquaredProducts(const Eigen::MatrixXd& w) {
+  const bool is_tall = w.rows() > w.cols();
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(std::min(w.rows(), w.cols()), std::min(w.rows(), w.cols()));
+  if (is_tall) {
+    product.selfadjointView<Eigen::Lower>().rankUpdate(w.transpose());
+  } else {
+    product.selfadjointView<Eigen::Lower>().rankUpdate(w);
+  }
+  return 2.0 * product.squaredNorm() - product.diagonal().squaredNorm();
+}
+
 // |sum w w'|^2 over vectors of n numbers, kBatchLanes of them in one row of lanes.
 class VectorProducts {
  public:
@@ -115,6 +127,7 @@ class Satterthwaite {
   Eigen::VectorXd Degrees() const {
     Eigen::VectorXd dof(trace_.size());
     const auto n = static_cast<int>(dof.size());
+    if (static_cast<int>(sample_.size()) < kFewTimes * n) return DegreesOfFew();
     for (int first = 0; first < n; first += kColumnsAtOnce) {
       const int count = std::min(kColumnsAtOnce, n - first);
       std::vector<std::unique_ptr<VectorProducts>> products;
@@ -133,7 +146,20 @@ class Satterthwaite {
   }
 
  private:
-  static constexpr int kColumnsAtOnce = 16;
+  static constexpr int kColumnsAtOnce = 16, kFewTimes = 4;
+
+  Eigen::VectorXd DegreesOfFew() const {
+    Eigen::VectorXd dof(trace_.size());
+    Eigen::MatrixXd w(dof.size(), sample_.size());
+    for (int c = 0; c < dof.size(); ++c) {
+      for (size_t g = 0; g < sample_.size(); ++g) {
+        w.col(static_cast<Eigen::Index>(g)) = sample_[g].first.transpose() * sample_[g].second.col(c);
+      }
+      const double square = of_square_[c] + SquaredProducts(w);
+      dof[c] = square > 0.0 ? trace_[c] * trace_[c] / square : 1.0;
+    }
+    return dof;
+  }
 
   const size_t step_;
   const double large_;  // twice the mean leverage
