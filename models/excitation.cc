@@ -6,9 +6,6 @@
 namespace sagitta {
 namespace {
 
-// A torque of less lever than this, m, is the rounding of a force that passes through the axis.
-constexpr double kNoLever = 1e-9;
-
 double LargestForce(const ShotInput& shot) {
   double largest = 0.0;
   for (const AppliedWrench& wrench : shot.wrenches) largest = std::max(largest, wrench.force.norm());

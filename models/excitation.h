@@ -14,6 +14,9 @@
 
 namespace sagitta {
 
+// A torque of less lever than this, m, is the rounding of a force that passes through the axis.
+constexpr double kNoLever = 1e-9;
+
 // One number per parameter of the model, rad or m per SI unit; zeros where the load folds the arm. `shot` is prepared.
 std::vector<double> MotionPerUnit(const ForwardModel& model, const ShotInput& shot, const double* theta,
                                   const Pose<double>& base_in_station, const std::vector<MarkerInFrame>& markers);

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
 
+#include "models/batch/batch_rows.h"
 #include "models/excitation.h"
 
 namespace sagitta {
@@ -16,28 +20,100 @@ bool IsLimitedByMotion(const ModelParameter& parameter) {
   return parameter.law != ParameterLaw::kGeometry;
 }
 
-std::vector<double> LargestMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const std::vector<double> theta = parameters.ModelValues();
-  std::vector<double> largest(problem.model.num_parameters(), 0.0);
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    const Shot& shot = problem.data.shots[s];
-    if (problem.data.configurations[shot.configuration].is_validation) continue;
+// Shots of one structure at one station, eight at a time.
+class ShotBatches {
+ public:
+  explicit ShotBatches(const CalibrationProblem& problem) : problem_(problem) {
+    for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+      const Shot& shot = problem.data.shots[s];
+      if (problem.data.configurations[shot.configuration].is_validation) continue;
+      std::vector<std::int64_t> key = StructureOf(problem.model, problem.shot_inputs[s], ReadingsOf(shot));
+      if (key.empty()) {
+        by_model_.push_back(static_cast<int>(s));
+        continue;
+      }
+      key.push_back(shot.station);
+      for (const int i : shot.observations) key.push_back(problem.data.observations[i].marker);
+      groups_[std::move(key)].push_back(static_cast<int>(s));
+    }
+  }
+
+  // At each of the given values.
+  std::vector<std::vector<double>> LargestMotions(const std::vector<ParameterSet>& at) const {
+    std::vector<std::vector<double>> largest(at.size(), std::vector<double>(problem_.model.num_parameters(), 0.0));
+    for (const auto& [key, shots] : groups_) Raise(shots, at, &largest);
+    for (const int s : by_model_) {
+      for (size_t i = 0; i < at.size(); ++i) RaiseByModel(s, at[i], &largest[i]);
+    }
+    for (std::vector<double>& motions : largest) {
+      for (int i = 0; i < problem_.model.num_parameters() && !groups_.empty(); ++i) {
+        if (problem_.model.parameters()[i].law == ParameterLaw::kGeometry) motions[i] = 1.0;
+      }
+    }
+    return largest;
+  }
+
+ private:
+  std::vector<BatchReading> ReadingsOf(const Shot& shot) const {
+    std::vector<BatchReading> readings;
+    for (const int i : shot.observations) {
+      const int marker = problem_.data.observations[i].marker;
+      readings.push_back({marker, problem_.marker_frames[marker], Vector3<double>::Zero(), Matrix3<double>::Zero()});
+    }
+    return readings;
+  }
+
+  void Raise(const std::vector<int>& shots, const std::vector<ParameterSet>& at,
+             std::vector<std::vector<double>>* largest) const {
+    const Shot& first = problem_.data.shots[shots.front()];
+    const ShotProgram program = MakeShotProgram(problem_.model, problem_.shot_inputs[shots.front()], ReadingsOf(first));
+    std::vector<std::vector<double>> theta;
+    std::vector<BatchPoint> points;
+    for (const ParameterSet& parameters : at) theta.push_back(parameters.ModelValues());
+    for (size_t i = 0; i < at.size(); ++i) {
+      std::vector<Vector3<double>> markers;
+      for (const int k : first.observations) markers.push_back(at[i].MarkerPoint(problem_.data.observations[k].marker));
+      points.emplace_back(program, theta[i].data(), at[i].BaseInStation(first.station), std::move(markers));
+    }
+    BatchScratch numbers, scratch;
+    double* const data = numbers.Reserve(static_cast<std::size_t>(program.num_data) * kBatchLanes);
+    for (size_t next = 0; next < shots.size(); next += kBatchLanes) {
+      const auto shot_of = [&](int lane) { return shots[std::min(next + lane, shots.size() - 1)]; };
+      for (int lane = 0; lane < kBatchLanes; ++lane) {
+        const int s = shot_of(lane);
+        PackShot(problem_.model, program, problem_.shot_inputs[s], ReadingsOf(problem_.data.shots[s]), lane, data);
+      }
+      for (size_t i = 0; i < at.size(); ++i) {
+        const unsigned left = RaiseMotions(program, points[i], data, &scratch, (*largest)[i].data());
+        for (int lane = 0; lane < kBatchLanes; ++lane) {
+          if ((left >> lane & 1u) != 0) RaiseByModel(shot_of(lane), at[i], &(*largest)[i]);
+        }
+      }
+    }
+  }
+
+  void RaiseByModel(int s, const ParameterSet& parameters, std::vector<double>* largest) const {
+    const Shot& shot = problem_.data.shots[s];
     std::vector<MarkerInFrame> markers;
     for (const int i : shot.observations) {
-      const int marker = problem.data.observations[i].marker;
-      markers.push_back({problem.marker_frames[marker], parameters.MarkerPoint(marker), marker});
+      const int marker = problem_.data.observations[i].marker;
+      markers.push_back({problem_.marker_frames[marker], parameters.MarkerPoint(marker), marker});
     }
-    const std::vector<double> motion = MotionPerUnit(problem.model, problem.shot_inputs[s], theta.data(),
+    const std::vector<double> motion = MotionPerUnit(problem_.model, problem_.shot_inputs[s],
+                                                     parameters.ModelValues().data(),
                                                      parameters.BaseInStation(shot.station), markers);
-    for (size_t i = 0; i < largest.size(); ++i) largest[i] = std::max(largest[i], motion[i]);
+    for (size_t i = 0; i < largest->size(); ++i) (*largest)[i] = std::max((*largest)[i], motion[i]);
   }
-  return largest;
-}
+
+  const CalibrationProblem& problem_;
+  std::map<std::vector<std::int64_t>, std::vector<int>> groups_;
+  std::vector<int> by_model_;
+};
 
 }  // namespace
 
 std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  std::vector<double> motions = LargestMotions(problem, parameters);
+  std::vector<ParameterSet> at = {parameters};
   for (int axis = 0; axis < 2; ++axis) {
     ParameterSet tilted = parameters;
     for (int s = 0; s < tilted.num_stations(); ++s) {
@@ -46,8 +122,12 @@ std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const 
       pose.rotation = RotationFromVector(turn) * pose.rotation;
       tilted.SetBaseInStation(s, pose);
     }
-    const std::vector<double> feigned = LargestMotions(problem, tilted);
-    for (size_t i = 0; i < motions.size(); ++i) {
+    at.push_back(tilted);
+  }
+  const std::vector<std::vector<double>> largest = ShotBatches(problem).LargestMotions(at);
+  std::vector<double> motions = largest[0];
+  for (size_t i = 0; i < motions.size(); ++i) {
+    for (const std::vector<double>& feigned : {largest[1], largest[2]}) {
       if (motions[i] < std::abs(feigned[i] - motions[i])) motions[i] = 0.0;
     }
   }

@@ -9,8 +9,10 @@
 #include <tuple>
 
 #include "estimator/agreement/agreement_words.h"
+#include "estimator/agreement/part_fits.h"
 #include "estimator/agreement/splits.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
@@ -19,90 +21,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kFewestFree = 6;    // degrees of freedom of a part: less and its noise is not known
 constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
-
-// Everything that is compared, at the estimate.
-struct Whole {
-  const CalibrationProblem& problem;
-  const Estimate& estimate;
-  Linearization rows;         // without priors
-  std::vector<int> clusters;  // of each observation
-  bool is_scaled = false;     // the model's covariance takes its scale from residuals
-  bool by_sandwich = false;   // the estimate's own intervals do
-};
-
-struct PartFit {
-  std::vector<int> columns;  // of `Whole::rows`
-  Eigen::VectorXd step;      // SI
-  Eigen::MatrixXd model, sandwich;
-  Eigen::VectorXd model_dof, sandwich_dof;
-  int freedom = 0, clusters = 0;
-  bool usable = false;
-};
-
-Linearization Rows(const Linearization& whole, const std::vector<int>& observations, const std::vector<int>& columns) {
-  Linearization part;
-  std::vector<int> rows;
-  for (const int k : observations) {
-    part.observations.push_back(whole.observations[k]);
-    for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * k + axis);
-  }
-  for (const int c : columns) part.columns.push_back(whole.columns[c]);
-  part.residual = whole.residual(rows);
-  part.jacobian = whole.jacobian(rows, columns);
-  return part;
-}
-
-// Columns that a part sees at all.
-std::vector<int> SeenColumns(const Linearization& whole, const std::vector<int>& observations) {
-  std::vector<double> squares(whole.num_columns(), 0.0);
-  std::vector<int> seen;
-  for (const int k : observations) {
-    for (int c = 0; c < whole.num_columns(); ++c) squares[c] += whole.jacobian.block<3, 1>(3 * k, c).squaredNorm();
-  }
-  for (int c = 0; c < whole.num_columns(); ++c) {
-    if (squares[c] > 0.0) seen.push_back(c);
-  }
-  return seen;
-}
-
-// Of those, what the part cannot tell (positions in the whole).
-std::vector<int> HeldColumns(const Whole& whole, const std::vector<int>& observations, const std::vector<int>& seen) {
-  const double scale = whole.is_scaled ? whole.estimate.sigma.a_posteriori : 1.0;
-  const double noise = whole.estimate.sigma.stated ? scale : whole.estimate.sigma.estimated / kFallbackSigma;
-  const Unidentifiable found =
-      FindUnidentifiable(Rows(whole.rows, observations, seen), whole.estimate.parameters, noise);
-  std::vector<int> held;
-  for (const int c : found.columns) held.push_back(seen[c]);
-  return held;
-}
-
-PartFit FitPart(const Whole& whole, const std::vector<int>& observations, const std::vector<int>& columns,
-                bool with_sandwich) {
-  PartFit fit;
-  fit.columns = columns;
-  const Linearization part = Rows(whole.rows, observations, columns);
-  fit.freedom = part.num_rows() - part.num_columns();
-  if (columns.empty() || fit.freedom < kFewestFree) return fit;
-  const LinearSolution solution = SolveLinearization(part);
-  if (!solution.full_rank) return fit;
-  fit.step = solution.step;
-  fit.model = (whole.is_scaled ? solution.residual_norm_squared / fit.freedom : 1.0) * solution.covariance;
-  fit.model_dof = Eigen::VectorXd::Constant(
-      fit.step.size(), whole.is_scaled ? static_cast<double>(fit.freedom) : std::numeric_limits<double>::infinity());
-  fit.usable = true;
-  if (!with_sandwich) return fit;
-  std::vector<int> clusters;
-  for (const int k : observations) clusters.push_back(whole.clusters[k]);
-  Linearization at_its_optimum = part;
-  at_its_optimum.residual += part.jacobian * solution.step;
-  const RobustCovariance robust = SandwichCovariance(at_its_optimum, clusters);
-  fit.sandwich = robust.covariance;
-  fit.sandwich_dof = robust.dof;
-  fit.clusters = robust.clusters;
-  return fit;
-}
 
 // Differences of what both parts know, by one covariance.
 struct Differences {
@@ -183,31 +102,15 @@ struct Pool {
   }
 };
 
-// Each part fitted alone, both with what either cannot tell held.
-std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, bool with_sandwich) {
-  const std::vector<int>* parts[2] = {&split.first, &split.second};
-  std::vector<int> columns[2];
-  std::vector<int> held;
-  for (int p = 0; p < 2; ++p) {
-    columns[p] = SeenColumns(whole.rows, *parts[p]);
-    const std::vector<int> own = HeldColumns(whole, *parts[p], columns[p]);
-    held.insert(held.end(), own.begin(), own.end());
-  }
-  std::array<PartFit, 2> fits;
-  for (int p = 0; p < 2; ++p) {
-    const auto is_held = [&](int c) { return std::find(held.begin(), held.end(), c) != held.end(); };
-    columns[p].erase(std::remove_if(columns[p].begin(), columns[p].end(), is_held), columns[p].end());
-    fits[p] = FitPart(whole, *parts[p], columns[p], with_sandwich);
-  }
-  return fits;
-}
-
 void CompareSplits(const Whole& whole, const std::vector<Split>& splits, AgreementReport* report) {
   std::map<std::string, Pool> kinds;
   Pool random[2];  // by the model's covariance, by the sandwich
-  for (const Split& split : splits) {
+  const SumsOfParts sums = SumParts(whole.rows, splits);
+  for (size_t s = 0; s < splits.size(); ++s) {
+    const Split& split = splits[s];
     const bool is_random = split.by == "random";
-    const auto [first, second] = FitParts(whole, split, is_random || whole.by_sandwich);
+    const auto [first, second] =
+        FitParts(whole, split, sums.empty() ? nullptr : &sums[s], is_random || whole.by_sandwich);
     if (!first.usable || !second.usable) continue;
     const Differences found = Compare(whole, first, second, whole.by_sandwich);
     if (is_random) {
@@ -267,9 +170,17 @@ RepeatFit TestRepeats(const Whole& whole) {
 // True where the sandwich is larger than chance makes it: a variance with nu degrees of freedom scatters by
 // sqrt(1 / (2 nu)) of its root.
 bool SandwichIsLarger(const Whole& whole, double* ratio) {
-  Linearization fit = whole.rows;
-  AppendPriors(whole.estimate.parameters, &fit);
-  const RobustCovariance robust = SandwichCovariance(fit, whole.clusters);
+  Linearization priors;
+  priors.columns = whole.rows.columns;
+  priors.jacobian.resize(0, whole.rows.num_columns());
+  AppendPriors(whole.estimate.parameters, &priors);
+  const auto with_priors = [&] {
+    Linearization fit = whole.rows;
+    AppendPriors(whole.estimate.parameters, &fit);
+    return SandwichCovariance(fit, whole.clusters);
+  };
+  const RobustCovariance robust =
+      priors.num_rows() == 0 ? SandwichCovariance(whole.rows, whole.clusters) : with_priors();
   if (robust.covariance.rows() == 0) return false;
   const Eigen::VectorXd ratios =
       robust.covariance.diagonal().cwiseQuotient(whole.estimate.model_covariance.diagonal()).cwiseSqrt();

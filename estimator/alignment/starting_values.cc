@@ -2,10 +2,13 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <map>
 #include <random>
+#include <tuple>
 
+#include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/least_squares/minimize.h"
+#include "estimator/least_squares/normal_equations.h"
 
 namespace sagitta {
 namespace {
@@ -122,6 +125,22 @@ double DistanceRms(const std::vector<FramedObservation>& framed, const Parameter
   return std::sqrt(sum / count);
 }
 
+// Rows that the starts are told apart by: as many of each marker at each station, spread over the data. Six unknowns
+// per station and three per marker are known from far fewer to better than the polish needs.
+constexpr size_t kRowsOfStarts = 1500;
+
+std::vector<int> RowsOfStarts(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  const size_t stride = (observations.size() + kRowsOfStarts - 1) / kRowsOfStarts;
+  std::map<std::tuple<int, int, ReadingKind>, size_t> seen;
+  std::vector<int> rows;
+  for (const int i : observations) {
+    const Observation& observation = problem.data.observations[i];
+    const int station = problem.data.shots[observation.shot].station;
+    if (seen[{station, observation.marker, observation.kind}]++ % stride == 0) rows.push_back(i);
+  }
+  return rows;
+}
+
 struct Candidate {
   double rms;
   ParameterSet parameters;
@@ -150,7 +169,8 @@ Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3X
 
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
                           const StartingValueOptions& options, ParameterSet* parameters) {
-  const std::vector<FramedObservation> framed = EvaluateFrames(problem, observations, *parameters);
+  const std::vector<FramedObservation> framed =
+      EvaluateFrames(problem, RowsOfStarts(problem, observations), *parameters);
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal(0.0, options.marker_spread);
   std::vector<Candidate> candidates;
@@ -173,12 +193,13 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   candidates.resize(std::min<size_t>(candidates.size(), options.polished));
   const NoiseRoots noise = FitRoots(problem, observations, kFallbackSigma);
+  const NormalEquations equations(problem, observations, noise, LatentTreatment::kIgnore, 1);
   for (Candidate& candidate : candidates) {
     ParameterSet polished = candidate.parameters;
     HoldModel(&polished);
     MinimizeOptions minimize;
     minimize.cautious = true;
-    MinimizeJointly(problem, {observations, noise, CostGranularity::kShot}, minimize, &polished);
+    MinimizeSums(equations, minimize, &polished);
     const double rms = DistanceRms(framed, polished);
     if (!(rms <= candidate.rms * 1.5)) continue;  // weighted and unweighted optimum differ a little
     for (int s = 0; s < polished.num_stations(); ++s)
@@ -194,7 +215,8 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
     if (candidate.rms < best->rms * (1.0 - kTie)) best = &candidate;
   }
   *parameters = best->parameters;
-  return best->rms;
+  if (framed.size() == observations.size()) return best->rms;
+  return DistanceRms(EvaluateFrames(problem, observations, *parameters), *parameters);
 }
 
 }  // namespace sagitta

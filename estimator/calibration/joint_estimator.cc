@@ -2,11 +2,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/least_squares/bounded_step.h"
+#include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "problems/excitation.h"
@@ -29,9 +32,9 @@ void Report(const JointOptions& options, const std::string& what) {
 
 // The scale of the whitened noise seen at a linearization: a-posteriori sigma,
 // not below the stated one.
-double NoiseScale(const CalibrationProblem& problem, const Linearization& linearization) {
-  const LinearSolution solution = SolveLinearization(linearization);
-  const double dof = linearization.num_rows() - linearization.num_columns();
+double NoiseScale(const CalibrationProblem& problem, const Linearization& rows, int equations) {
+  const LinearSolution solution = SolveLinearization(rows);
+  const double dof = equations - rows.num_columns();
   const double scale = dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
   return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
 }
@@ -81,16 +84,15 @@ std::vector<int> RequestedCoordinates(const ParameterSet& parameters) {
 // Decides afresh, from all requested coordinates, which of them the data cannot
 // tell here; true if the set of held ones changed. With `only_add`, what is
 // held already stays held (no cycles).
-bool DecideHeld(const CalibrationProblem& problem, const ResidualSelection& residuals, bool only_add,
+bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equations, bool only_add,
                 Estimate* estimate) {
   ParameterSet& parameters = estimate->parameters;
-  Linearization all =
-      Linearize(problem, parameters, residuals.observations,
-                only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters), residuals.noise);
+  const FittedRows fitted =
+      RowsOf(equations, parameters, only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters));
+  const Linearization& all = fitted.rows;
   if (!all.valid) return false;
-  AppendPriors(parameters, &all);
   SetHoldLimits(problem, &parameters);
-  const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all));
+  const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all, fitted.equations));
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
   std::vector<bool> hold(parameters.num_coordinates(), false);
   if (!only_add) directions.clear();
@@ -141,8 +143,9 @@ std::vector<int> PinnedColumns(const Linearization& here, const ParameterSet& pa
 }
 
 // One bounded Gauss-Newton step: certificate before it, delta per column.
-Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Linearization& here,
+Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const FittedRows& fitted,
                                    const ParameterSet& parameters, Certificate* certificate) {
+  const Linearization& here = fitted.rows;
   const std::vector<int> pinned = PinnedColumns(here, parameters);
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(here.num_columns());
   std::vector<bool> is_pinned(here.num_columns(), false);
@@ -160,10 +163,10 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Line
   inside.jacobian = here.jacobian(Eigen::all, kept);
   inside.columns.assign(kept.size(), 0);
   const LinearSolution solution = SolveLinearization(inside);
-  const double scale = std::max(1e-12, NoiseScale(problem, inside));
+  const double scale = std::max(1e-12, NoiseScale(problem, inside, fitted.equations));
   certificate->columns = static_cast<int>(kept.size());
   certificate->full_rank = solution.full_rank;
-  certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(here.num_rows());
+  certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(fitted.equations);
   certificate->step = RemainingStep(solution, scale);
   for (const int c : pinned) {
     certificate->step = std::max(certificate->step, std::abs(delta[c]) * here.jacobian.col(c).norm() / scale);
@@ -175,24 +178,22 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Line
 // Ceres stops where the cost cannot tell (1e-5 standard deviations away), and
 // with joint deviations at the mode instead of the marginal optimum; the
 // gradient still can: a few Gauss-Newton steps bring 1e-7.
-Certificate Polish(const CalibrationProblem& problem, const ResidualSelection& residuals, double reach, int steps,
+Certificate Polish(const CalibrationProblem& problem, const NormalEquations& equations, double reach, int steps,
                    ParameterSet* parameters) {
   Certificate certificate;
   for (int i = 0; i < steps && certificate.step >= kConvergedSteps; ++i) {
-    Linearization here =
-        Linearize(problem, *parameters, residuals.observations, parameters->EstimatedCoordinates(), residuals.noise);
-    certificate.valid = here.valid;
-    if (!here.valid) return certificate;
-    AppendPriors(*parameters, &here);
+    const FittedRows here = RowsOf(equations, *parameters, parameters->EstimatedCoordinates());
+    certificate.valid = here.rows.valid;
+    if (!certificate.valid) return certificate;
     const Eigen::VectorXd delta = BoundedGaussNewton(problem, here, *parameters, &certificate);
     if (certificate.exact_fit || !(certificate.step < reach)) return certificate;
-    Move(here.columns, delta, 1.0, parameters);
+    Move(here.rows.columns, delta, 1.0, parameters);
   }
   return certificate;
 }
 
 // Where bounds rule, Ceres' projected steps stop early; damped bounded Gauss-Newton steps go on from there.
-Certificate PolishAtBounds(const CalibrationProblem& problem, const ResidualSelection& residuals,
+Certificate PolishAtBounds(const CalibrationProblem& problem, const NormalEquations& equations,
                            const Certificate& before, ParameterSet* parameters) {
   bool any_bound = false;
   for (const int i : parameters->EstimatedCoordinates()) {
@@ -202,7 +203,7 @@ Certificate PolishAtBounds(const CalibrationProblem& problem, const ResidualSele
   RefitOptions options;
   options.max_steps = kMaxBoundedSteps;
   ParameterSet refitted = RefitFrom(problem, *parameters, options).parameters;
-  const Certificate after = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &refitted);
+  const Certificate after = Polish(problem, equations, kPolishReach, kMaxPolishSteps, &refitted);
   if (!(after.step < before.step)) return before;
   *parameters = refitted;
   return after;
@@ -213,10 +214,10 @@ void FailEquilibrium(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->message = FoldedInWords(problem, estimate->parameters);
 }
 
-void Finish(const CalibrationProblem& problem, const ResidualSelection& residuals, const MinimizeSummary& minimized,
+void Finish(const CalibrationProblem& problem, const NormalEquations& equations, const MinimizeSummary& minimized,
             Estimate* estimate) {
-  Certificate certificate = Polish(problem, residuals, kPolishReach, kMaxPolishSteps, &estimate->parameters);
-  certificate = PolishAtBounds(problem, residuals, certificate, &estimate->parameters);
+  Certificate certificate = Polish(problem, equations, kPolishReach, kMaxPolishSteps, &estimate->parameters);
+  certificate = PolishAtBounds(problem, equations, certificate, &estimate->parameters);
   if (!certificate.valid) return FailEquilibrium(problem, estimate);
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;
@@ -243,14 +244,39 @@ void Finish(const CalibrationProblem& problem, const ResidualSelection& residual
 // Between the rounds of an outer loop the start is near, and Gauss-Newton on the marginal rows is there in a few
 // steps. With tight readings and loose joints it also goes where Ceres creeps: the valley of a visit's deviations
 // bends by more than the instrument's sigma.
-bool SolveFromNear(const CalibrationProblem& problem, const ResidualSelection& residuals, const JointOptions& options,
-                   ParameterSet* parameters) {
-  if (options.aligned == nullptr || problem.latent.empty()) return false;
+bool SolveFromNear(const CalibrationProblem& problem, const NormalEquations& equations, ParameterSet* parameters) {
+  if (problem.latent.empty()) return false;
   ParameterSet trial = *parameters;
-  const Certificate certificate = Polish(problem, residuals, kWarmReach, kMaxWarmSteps, &trial);
+  const Certificate certificate = Polish(problem, equations, kWarmReach, kMaxWarmSteps, &trial);
   if (!certificate.valid || !certificate.full_rank || !(certificate.step < kConvergedSteps)) return false;
   *parameters = trial;
   return true;
+}
+
+// One solve of what is not held, on sums. Where joints deviate, the solution for exact joints is near enough for
+// Gauss-Newton on the marginal rows; where it is not, the deviations are estimated along (bundle adjustment).
+// `exact_joints`: equations without deviations.
+MinimizeSummary Solve(const CalibrationProblem& problem, const ResidualSelection& residuals,
+                      const NormalEquations& equations, const NormalEquations& exact_joints,
+                      const JointOptions& options, ParameterSet* parameters) {
+  MinimizeSummary near;
+  near.usable = near.converged = true;
+  if (options.aligned != nullptr && SolveFromNear(problem, equations, parameters)) return near;
+  MinimizeOptions minimize;
+  minimize.max_iterations = options.max_iterations;
+  minimize.num_threads = options.num_threads;
+  if (residuals.granularity == CostGranularity::kMarker) {
+    return MinimizeJointly(problem, residuals, minimize, parameters);
+  }
+  ParameterSet trial = *parameters;
+  const MinimizeSummary summed = MinimizeSums(exact_joints, minimize, &trial);
+  if (problem.latent.empty() || (summed.usable && SolveFromNear(problem, equations, &trial))) {
+    *parameters = trial;
+    return summed;
+  }
+  MinimizeSummary bundled = MinimizeJointly(problem, residuals, minimize, parameters);
+  bundled.iterations += summed.iterations;
+  return bundled;
 }
 
 }  // namespace
@@ -279,25 +305,26 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
 
   ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
   residuals.granularity = options.granularity;
-  DecideHeld(problem, residuals, /*only_add=*/false, &estimate);
+  const NormalEquations equations(problem, residuals.observations, residuals.noise, LatentTreatment::kMarginalise,
+                                  options.num_threads);
+  std::optional<NormalEquations> exact_joints;
+  if (!problem.latent.empty()) {
+    exact_joints.emplace(problem, residuals.observations, residuals.noise, LatentTreatment::kIgnore,
+                         options.num_threads);
+  }
+  DecideHeld(problem, equations, /*only_add=*/false, &estimate);
 
-  MinimizeOptions minimize;
-  minimize.max_iterations = options.max_iterations;
-  minimize.num_threads = options.num_threads;
   MinimizeSummary minimized;
   for (int round = 0; round < kMaxHoldRounds; ++round) {
     Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
                         " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
     ResetHeld(estimate.aligned, &estimate.parameters);
-    if (SolveFromNear(problem, residuals, options, &estimate.parameters)) {
-      minimized.usable = minimized.converged = true;
-    } else {
-      minimized = MinimizeJointly(problem, residuals, minimize, &estimate.parameters);
-      estimate.iterations += minimized.iterations;
-    }
-    if (!DecideHeld(problem, residuals, /*only_add=*/round >= kFreshRounds, &estimate)) break;
+    minimized = Solve(problem, residuals, equations, exact_joints ? *exact_joints : equations, options,
+                      &estimate.parameters);
+    estimate.iterations += minimized.iterations;
+    if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, &estimate)) break;
   }
-  Finish(problem, residuals, minimized, &estimate);
+  Finish(problem, equations, minimized, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (IsUsable(estimate.status) && options.judge) {
     Report(options, "intervals, identifiability and hold-out");

@@ -12,6 +12,7 @@
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/noise/weighting.h"
@@ -64,11 +65,6 @@ double CovarianceScale(const SigmaReport& sigma) {
   return sigma.scaled ? sigma.a_posteriori : 1.0;
 }
 
-// Variance of each row's prediction / sigma^2 under a covariance of the estimated columns.
-Eigen::VectorXd RowVariances(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& covariance) {
-  return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
-}
-
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
 // one visit share; C = (J' V^-1 J)^-1.
 Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, const Linearization& all,
@@ -90,49 +86,89 @@ Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, cons
   return leverage;
 }
 
-// Leverage of every row and the parameters' share of the predicted hold-out
-// error. `all` has the columns of the estimated, then of the held coordinates;
-// inverse_normal: (J'W^2 J)^-1 of the fit.
-void JudgeRows(const CalibrationProblem& problem, const Linearization& all, const Eigen::MatrixXd& inverse_normal,
-               double scale, Estimate* estimate) {
-  const int n = static_cast<int>(all.observations.size());
-  const auto estimated = static_cast<int>(estimate->estimated.size());
-  const Eigen::MatrixXd jacobian = all.jacobian.leftCols(estimated);
-  const HeldInfluence& held = estimate->held;
-  const Eigen::MatrixXd open = all.jacobian.rightCols(held.coordinates.size()) + jacobian * held.slopes;
-  estimate->leverage.resize(n);
-  estimate->scatter.resize(n);
-  std::vector<int> rows(n);
-  std::iota(rows.begin(), rows.end(), 0);
-  const NoiseRoots weights = FitRoots(problem, rows, kFallbackSigma);
-  double sum = 0.0;
-  double floor = 0.0;
-  int coordinates = 0;
-  for (int k = 0; k < n; ++k) {
-    const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
-    estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
-    const Eigen::MatrixXd latent = all.latent.middleRows<3>(3 * k);  // in units of the instrument's noise
-    const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
-    estimate->scatter[k] = estimate->noise[k] * Matrix3<double>(relative.llt().matrixL());
-    const Observation& observation = problem.data.observations[k];
-    if (observation.excluded || !problem.data.IsValidation(observation) || !observation.is_point()) continue;
-    // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
-    const Matrix3<double>& own = estimate->noise[k];
-    const double noise = own.squaredNorm() + (own * latent).squaredNorm();
-    const auto variance = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
-      const Eigen::MatrixXd metres = own * columns.middleRows<3>(3 * k);
-      return (metres * covariance * metres.transpose()).trace();
+// Leverage of every row and the parameters' share of the predicted hold-out error, some observations at a time.
+class RowJudge {
+ public:
+  // normal_root: R of R R' = (J'W^2 J)^-1 of the fit.
+  RowJudge(const CalibrationProblem& problem, const Eigen::MatrixXd& normal_root, double scale, Estimate* estimate)
+      : problem_(problem), normal_root_(normal_root), scale_(scale), estimate_(estimate) {
+    const size_t n = problem.data.observations.size();
+    estimate->leverage.resize(static_cast<Eigen::Index>(n));
+    estimate->scatter.resize(n);
+    if (problem.ValidationObservations().empty()) return;
+    by_covariance_ = RootOf(estimate->covariance);
+    by_model_ = RootOf(estimate->model_covariance);
+    by_held_ = RootOf(estimate->held.second_moment);
+  }
+
+  void Judge() {
+    const auto n = static_cast<int>(problem_.data.observations.size());
+    const bool alone = problem_.latent.empty();  // else rows of one visit go together
+    for (int first = 0; first < n; first += alone ? kAtOnce : n) {
+      std::vector<int> observations(alone ? std::min(kAtOnce, n - first) : n);
+      std::iota(observations.begin(), observations.end(), first);
+      Judge(observations);
+    }
+    estimate_->noise_floor = coordinates_ > 0 ? std::sqrt(floor_ / coordinates_) : 0.0;
+    estimate_->validation_predicted_rms = coordinates_ > 0 ? std::sqrt(sum_ / coordinates_) : 0.0;
+  }
+
+ private:
+  static constexpr int kAtOnce = 8192;
+
+  void Judge(const std::vector<int>& observations) {
+    Estimate& estimate = *estimate_;
+    std::vector<int> columns = estimate.estimated;
+    columns.insert(columns.end(), estimate.held.coordinates.begin(), estimate.held.coordinates.end());
+    NoiseRoots noise;
+    for (const int k : observations) noise.push_back(estimate.noise[k]);
+    const Linearization all =
+        Linearize(problem_, estimate.parameters, observations, columns, noise, LatentTreatment::kIgnore);
+    const Eigen::MatrixXd jacobian = all.jacobian.leftCols(estimate.estimated.size());
+    const Eigen::MatrixXd open =
+        all.jacobian.rightCols(estimate.held.coordinates.size()) + jacobian * estimate.held.slopes;
+    const NoiseRoots weights = FitRoots(problem_, observations, kFallbackSigma);
+    const Eigen::MatrixXd by_normal = TallProduct(jacobian, normal_root_);
+    const bool any_held_out = by_covariance_.size() > 0;
+    const auto moved_by = [&](const Eigen::MatrixXd& rows, const Eigen::MatrixXd& root) {
+      return any_held_out ? TallProduct(rows, root) : Eigen::MatrixXd();
     };
-    sum += scale * scale * noise + variance(jacobian, estimate->covariance) + variance(open, held.second_moment);
-    floor += noise + variance(jacobian, estimate->model_covariance) / (scale * scale);
-    coordinates += 3;
+    const Eigen::MatrixXd by_covariance = moved_by(jacobian, by_covariance_);
+    const Eigen::MatrixXd by_model = moved_by(jacobian, by_model_), by_held = moved_by(open, by_held_);
+    for (size_t i = 0; i < observations.size(); ++i) {
+      const int k = observations[i];
+      const auto row = 3 * static_cast<Eigen::Index>(i);
+      const Matrix3<double>& own = estimate.noise[k];
+      const Matrix3<double> weight = weights[i].inverse() * own;
+      estimate.leverage[k] = (weight * by_normal.middleRows<3>(row)).squaredNorm() / 3.0;
+      const Eigen::MatrixXd latent = all.latent.middleRows<3>(row);  // in units of the instrument's noise
+      const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
+      estimate.scatter[k] = own * Matrix3<double>(relative.llt().matrixL());
+      const Observation& observation = problem_.data.observations[k];
+      if (observation.excluded || !problem_.data.IsValidation(observation) || !observation.is_point()) continue;
+      // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
+      const double scatter = own.squaredNorm() + (own * latent).squaredNorm();
+      const auto variance = [&](const Eigen::MatrixXd& by_root) {
+        return (own * by_root.middleRows<3>(row)).squaredNorm();
+      };
+      sum_ += scale_ * scale_ * scatter + variance(by_covariance) + variance(by_held);
+      floor_ += scatter + variance(by_model) / (scale_ * scale_);
+      coordinates_ += 3;
+    }
+    if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
+      estimate.leverage =
+          LeverageBesideDeviations(problem_, all, jacobian, normal_root_ * normal_root_.transpose());
+    }
   }
-  if (!problem.latent.empty() && problem.weight_roots.empty()) {
-    estimate->leverage = LeverageBesideDeviations(problem, all, jacobian, inverse_normal);
-  }
-  estimate->noise_floor = coordinates > 0 ? std::sqrt(floor / coordinates) : 0.0;
-  estimate->validation_predicted_rms = coordinates > 0 ? std::sqrt(sum / coordinates) : 0.0;
-}
+
+  const CalibrationProblem& problem_;
+  const Eigen::MatrixXd& normal_root_;
+  const double scale_;
+  Estimate* estimate_;
+  Eigen::MatrixXd by_covariance_, by_model_, by_held_;  // roots; empty where nothing is held out
+  double sum_ = 0.0, floor_ = 0.0;
+  int coordinates_ = 0;
+};
 
 // A linearization with the information that the estimate has at unit scale: what is weak is so under its own weights.
 Linearization Known(const CalibrationProblem& problem, const Linearization& fit, const Eigen::MatrixXd& covariance) {
@@ -148,10 +184,10 @@ Linearization Known(const CalibrationProblem& problem, const Linearization& fit,
 // is whitened by the weights of the fit, `noise` is what its rows scatter by. False
 // where the Jacobian is singular.
 bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& linearization, double scale,
-                     const NoiseRoots& noise, Eigen::MatrixXd* inverse_normal, Estimate* estimate) {
+                     const NoiseRoots& noise, Eigen::MatrixXd* normal_root, Estimate* estimate) {
   const LinearSolution solution = SolveLinearization(linearization);
   if (!solution.full_rank) return false;
-  *inverse_normal = solution.covariance;
+  *normal_root = solution.covariance_root;
   estimate->model_covariance = scale * scale * solution.covariance;
   const NoiseRoots weights = FitRoots(problem, linearization.observations, kFallbackSigma);
   if (!problem.weight_roots.empty()) {
@@ -165,12 +201,16 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   std::vector<int> columns = estimate->estimated;
   const std::vector<int> held = HeldCoordinates(estimate->parameters);
   columns.insert(columns.end(), held.begin(), held.end());
-  Linearization both = linearization;
-  if (!held.empty()) {
-    both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
+  const auto influence_in = [&](const Linearization& rows) {
+    return FindHeldInfluence(rows, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
+  };
+  if (held.empty()) {
+    estimate->held = influence_in(linearization);
+  } else {
+    Linearization both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
     AppendPriors(estimate->parameters, &both);
+    estimate->held = influence_in(both);
   }
-  estimate->held = FindHeldInfluence(both, estimate->parameters, static_cast<int>(estimate->estimated.size()), scale);
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
   if (problem.repeat_scatter && !estimate->sigma.scaled) {
@@ -263,7 +303,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
     AppendPriors(parameters, &whitened);
     return whitened;
   };
-  const Linearization fit = linearize(FitRoots(problem, calibration, kFallbackSigma));
+  Linearization fit = linearize(FitRoots(problem, calibration, kFallbackSigma));
   if (!fit.valid) {  // the last step to the optimum folded the arm
     estimate->status = Status::kEquilibriumDiverged;
     estimate->message = FoldedInWords(problem, parameters);
@@ -272,23 +312,21 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->cost = 0.5 * fit.residual.squaredNorm();
   JudgeNoise(problem, problem.weight_roots.empty() ? fit : linearize(noise), estimate);
   const double scale = CovarianceScale(estimate->sigma);
-  Eigen::MatrixXd inverse_normal;
-  if (!JudgeCovariance(problem, fit, scale, noise, &inverse_normal, estimate)) {
+  Eigen::MatrixXd normal_root;
+  if (!JudgeCovariance(problem, fit, scale, noise, &normal_root, estimate)) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
     return;
   }
   FillTable(problem, estimate);
   WarnOfBounds(fit, scale, estimate);
+  fit = Linearization();  // its memory
 
   std::vector<int> all(problem.data.observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
   estimate->predicted = PredictPoints(problem, parameters, all);
-  std::vector<int> columns = estimate->estimated;
-  columns.insert(columns.end(), estimate->held.coordinates.begin(), estimate->held.coordinates.end());
-  JudgeRows(problem, Linearize(problem, parameters, all, columns, estimate->noise, LatentTreatment::kIgnore),
-            inverse_normal, scale, estimate);
+  RowJudge(problem, normal_root, scale, estimate).Judge();
   if (!estimate->sigma.stated) {
     for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
       for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/median.h"
 #include "problems/text.h"
 
@@ -14,6 +15,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kReweightings = 12;
+constexpr double kStands = 1e-4;    // of the scale: weights that move no point by more
 constexpr double kCauchy = 1.5;     // median distances: where a row's weight has fallen to a half
 constexpr double kGross = 10.0;     // median distances; 15 sigma of normal noise
 constexpr double kSwapGain = 25.0;  // of the squared residual when two markers are exchanged
@@ -61,6 +63,15 @@ std::vector<Swap> FindSwaps(const CalibrationProblem& problem, const Linearizati
 
 std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
+Eigen::VectorXd WeightedStep(const Linearization& rows, const Eigen::VectorXd& root_weights) {
+  if (AreMany(rows)) {
+    const LinearSolution solution = SolveLinearization(Condense(SumRows(rows, &root_weights)));
+    if (solution.full_rank) return solution.step;
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root_weights.asDiagonal() * rows.jacobian);
+  return qr.solve(Eigen::VectorXd(-root_weights.cwiseProduct(rows.residual)));
+}
+
 }  // namespace
 
 Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise) {
@@ -74,11 +85,12 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
   if (linearization.num_columns() == 0) return residuals;
   Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(linearization.num_rows());
   for (int i = 0; i < kReweightings; ++i) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root_weights.asDiagonal() * linearization.jacobian);
-    const Eigen::VectorXd step = qr.solve(Eigen::VectorXd(-root_weights.cwiseProduct(linearization.residual)));
+    const Eigen::VectorXd step = WeightedStep(linearization, root_weights);
+    const Eigen::Matrix3Xd before = residuals;
     residuals = residuals_of(linearization.residual + linearization.jacobian * step);
     const std::vector<double> distances = Distances(residuals);
     const double scale = kCauchy * std::max(1e-12, Median(distances));
+    if (i > 0 && (residuals - before).cwiseAbs().maxCoeff() < kStands * scale) break;
     for (int k = 0; k < n; ++k) {
       const double ratio = distances[k] / scale;
       root_weights.segment<3>(3 * k).setConstant(1.0 / std::sqrt(1.0 + ratio * ratio));

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/least_squares/rotation_manifold.h"
 #include "estimator/least_squares/shot_cost.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 
@@ -47,28 +47,6 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
                                                    parameters->ModelValues(), active, latent_joints)
                                       .release(),
                                   nullptr, blocks);
-}
-
-// Holds what is not estimated: whole blocks, or single coordinates.
-void ConstrainBlock(const ParameterSet& parameters, const ParameterBlock& block, double* values,
-                    ceres::Problem* ceres_problem) {
-  std::vector<int> estimated;
-  std::vector<int> held;
-  for (int i = 0; i < block.tangent_size; ++i) {
-    (parameters.coordinates()[block.first_coordinate + i].estimated() ? estimated : held).push_back(i);
-  }
-  if (estimated.empty()) {
-    ceres_problem->SetParameterBlockConstant(values);
-  } else if (IsRotation(block.kind)) {
-    ceres_problem->SetManifold(values, new RotationManifold(estimated));
-  } else if (!held.empty()) {
-    ceres_problem->SetManifold(values, new ceres::SubsetManifold(block.tangent_size, held));
-  }
-  if (estimated.empty()) return;
-  for (const int i : estimated) {
-    const double lower = parameters.coordinates()[block.first_coordinate + i].lower;
-    if (std::isfinite(lower)) ceres_problem->SetParameterLowerBound(values, i, lower);
-  }
 }
 
 // One residual (value - prior) / sigma per estimated coordinate that has one.
@@ -120,10 +98,7 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
   AddPriors(parameters, ceres_problem);
   AddSpringTie(parameters, ceres_problem);
   if (latents != nullptr && !problem.latent.empty()) AddLatentPriors(problem.latent, latents, ceres_problem);
-  for (const ParameterBlock& block : parameters->blocks()) {
-    double* values = const_cast<double*>(block.values.data());
-    if (ceres_problem->HasParameterBlock(values)) ConstrainBlock(*parameters, block, values, ceres_problem);
-  }
+  ConstrainBlocks(*parameters, ceres_problem);
 }
 
 }  // namespace sagitta

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "estimator/least_squares/row_sums.h"
+
 namespace sagitta {
 namespace {
 
@@ -28,6 +30,7 @@ HeldInfluence FindHeldInfluence(const Linearization& both, const ParameterSet& p
   HeldInfluence held;
   held.coordinates.assign(both.columns.begin() + estimated, both.columns.end());
   const auto n = static_cast<int>(held.coordinates.size());
+  if (n > 0 && AreMany(both)) return FindHeldInfluence(Condense(SumRows(both)), parameters, estimated, noise_scale);
   held.slopes.setZero(estimated, n);
   held.second_moment.setZero(n, n);
   if (n == 0) return held;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimator/least_squares/row_sums.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -52,6 +53,7 @@ struct ScaledSvd {
 // columns too.
 Eigen::MatrixXd ScaledFactor(const Linearization& linearization, const Eigen::VectorXd& limits) {
   const int n = linearization.num_columns();
+  if (AreMany(linearization)) return ScaledFactor(Condense(SumRows(linearization)), limits);
   Eigen::MatrixXd scaled = linearization.jacobian * limits.asDiagonal();
   if (scaled.rows() < n) scaled.conservativeResizeLike(Eigen::MatrixXd::Zero(n, n));
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);

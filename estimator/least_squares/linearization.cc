@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 
 namespace sagitta {
 namespace {
+
+constexpr size_t kFewestOfBatch = 12;  // observations; for fewer it costs more to say what their shots have in common
 
 // Which column of the linearization a coordinate has; -1: none.
 std::vector<int> ColumnOfCoordinate(const ParameterSet& parameters, const std::vector<int>& columns) {
@@ -78,6 +82,29 @@ void Marginalise(const CalibrationProblem& problem, Linearization* linearization
   }
 }
 
+// NaN from the first shot on whose equilibrium diverges.
+Eigen::Matrix3Xd PointsByModel(const CalibrationProblem& problem, const ParameterSet& parameters,
+                               const std::vector<int>& observations) {
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, observations.size(), std::nan(""));
+  ForEachPrediction(problem, parameters, observations, {}, false,
+                    [&](size_t k, const PointPrediction& prediction) { points.col(k) = prediction.point; });
+  return points;
+}
+
+// One lane's unit of a batch into its rows.
+void Unpack(const BatchColumns& columns, const std::vector<int>& unit, const double* lane, Linearization* result) {
+  for (int row = 0; row < 3 * static_cast<int>(unit.size()); ++row) {
+    const int to = 3 * unit[row / 3] + row % 3;
+    const double* const from = lane + static_cast<size_t>(row) * columns.columns * kBatchLanes;
+    for (int c = 0; c < columns.columns; ++c) {
+      const int column = columns.Of(row, c);
+      if (column >= 0) result->jacobian(to, column) = from[c * kBatchLanes];
+    }
+    result->residual[to] = from[columns.residual * kBatchLanes];
+    for (int i = 0; i < columns.latents; ++i) result->latent(to, i) = from[(columns.latent + i) * kBatchLanes];
+  }
+}
+
 }  // namespace
 
 std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, const std::vector<int>& observations) {
@@ -107,9 +134,9 @@ NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& o
   return roots;
 }
 
-Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
-                        const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
-                        LatentTreatment treatment) {
+Linearization LinearizeByModel(const CalibrationProblem& problem, const ParameterSet& parameters,
+                               const std::vector<int>& observations, const std::vector<int>& columns,
+                               const NoiseRoots& noise, LatentTreatment treatment) {
   const LatentModel& latent = problem.latent;
   Linearization result;
   result.columns = columns;
@@ -160,6 +187,45 @@ Eigen::Matrix3Xd ResidualsOf(const Measurements& data, const std::vector<int>& o
   return residuals;
 }
 
+Linearization Linearize(const CalibrationProblem& problem, const ParameterSet& parameters,
+                        const std::vector<int>& observations, const std::vector<int>& columns, const NoiseRoots& noise,
+                        LatentTreatment treatment) {
+  if (observations.size() < kFewestOfBatch) {
+    return LinearizeByModel(problem, parameters, observations, columns, noise, treatment);
+  }
+  Linearization result = Linearize(RowBatches(problem, observations, noise, treatment), parameters, columns);
+  if (!result.valid) return LinearizeByModel(problem, parameters, observations, columns, noise, treatment);
+  return result;
+}
+
+Linearization Linearize(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns) {
+  const RowBatches::Request request(batches, parameters, columns);
+  const std::vector<int>& observations = batches.observations();
+  Linearization result;
+  result.columns = columns;
+  result.observations = observations;
+  result.residual.setZero(3 * observations.size());
+  result.jacobian.setZero(3 * observations.size(), columns.size());
+  result.latent.setZero(3 * observations.size(), batches.num_latents());
+  BatchScratch scratch;
+  BatchBuffer buffer;
+  for (int g = 0; g < batches.num_groups(); ++g) {
+    for (int b = 0; b < batches.num_batches(g); ++b) {
+      double* const rows =
+          buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns * kBatchLanes);
+      result.valid = result.valid && batches.Evaluate(request, g, b, &scratch, rows);
+      if (!result.valid) {
+        result.residual.setConstant(std::nan(""));
+        return result;
+      }
+      for (int lane = 0; lane < kBatchLanes; ++lane) {
+        Unpack(request.columns(g), batches.UnitOf(g, b, lane), rows + lane, &result);
+      }
+    }
+  }
+  return result;
+}
+
 void AppendPriors(const ParameterSet& parameters, Linearization* linearization) {
   std::vector<int> held_softly;  // columns
   for (int c = 0; c < linearization->num_columns(); ++c) {
@@ -182,9 +248,26 @@ void AppendPriors(const ParameterSet& parameters, Linearization* linearization) 
 
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                const std::vector<int>& observations) {
+  const NoiseRoots metres(observations.size(), Matrix3<double>::Identity());
+  const RowBatches batches(problem, observations, metres, LatentTreatment::kIgnore, RowsAgainst::kOrigin);
+  const RowBatches::Request request(batches, parameters, {});
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, observations.size(), std::nan(""));
-  ForEachPrediction(problem, parameters, observations, {}, false,
-                    [&](size_t k, const PointPrediction& prediction) { points.col(k) = prediction.point; });
+  BatchScratch scratch;
+  BatchBuffer buffer;
+  for (int g = 0; g < batches.num_groups(); ++g) {
+    const BatchColumns& columns = request.columns(g);
+    for (int b = 0; b < batches.num_batches(g); ++b) {
+      double* const rows =
+          buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
+      if (!batches.Evaluate(request, g, b, &scratch, rows)) return PointsByModel(problem, parameters, observations);
+      for (int lane = 0; lane < kBatchLanes; ++lane) {
+        const std::vector<int> unit = batches.UnitOf(g, b, lane);
+        for (size_t k = 0; k < 3 * unit.size(); ++k) {
+          points(k % 3, unit[k / 3]) = rows[(k * columns.columns + columns.residual) * kBatchLanes + lane];
+        }
+      }
+    }
+  }
   return points;
 }
 
@@ -203,6 +286,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
     solution.condition = std::numeric_limits<double>::infinity();
     return solution;
   }
+  if (AreMany(linearization)) return SolveLinearization(Condense(SumRows(linearization)));
   Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 #include <memory>
 #include <vector>
 
+#include "estimator/least_squares/condensed_cost.h"
+#include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/interruption.h"
 
 namespace sagitta {
@@ -31,27 +33,6 @@ std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& late
   return ordering;
 }
 
-void RemoveBounds(const ParameterSet& parameters, ceres::Problem* problem) {
-  for (const Coordinate& coordinate : parameters.coordinates()) {
-    double* values = const_cast<double*>(parameters.blocks()[coordinate.block].values.data());
-    if (!coordinate.estimated() || !std::isfinite(coordinate.lower) || !problem->HasParameterBlock(values)) continue;
-    problem->SetParameterLowerBound(values, coordinate.index_in_block, -std::numeric_limits<double>::max());
-  }
-}
-
-class StopWhenInterrupted : public ceres::IterationCallback {
- public:
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return IsInterrupted() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
-  }
-};
-
-bool IsInside(const ParameterSet& parameters) {
-  const std::vector<int> estimated = parameters.EstimatedCoordinates();
-  return std::all_of(estimated.begin(), estimated.end(),
-                     [&](int i) { return parameters.Value(i) >= parameters.coordinates()[i].lower; });
-}
-
 }  // namespace
 
 bool MinimizeOptions::IsValid(std::string* error) const {
@@ -62,16 +43,7 @@ bool MinimizeOptions::IsValid(std::string* error) const {
 
 namespace {
 
-MinimizeSummary Minimize(const CalibrationProblem& problem, const ResidualSelection& selection,
-                         const MinimizeOptions& options, bool bounded, ParameterSet* parameters) {
-  ceres::Problem::Options problem_options;
-  problem_options.disable_all_safety_checks = true;
-  ceres::Problem ceres_problem(problem_options);
-  LatentBlocks latents;
-  const bool has_latents = !problem.latent.empty() && !options.cautious;
-  AddToProblem(problem, selection, parameters, &ceres_problem, has_latents ? &latents : nullptr);
-  if (!bounded) RemoveBounds(*parameters, &ceres_problem);
-
+ceres::Solver::Options SolverOptions(const MinimizeOptions& options) {
   ceres::Solver::Options solver;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = options.num_threads;
@@ -83,20 +55,23 @@ MinimizeSummary Minimize(const CalibrationProblem& problem, const ResidualSelect
   solver.function_tolerance = options.cautious ? 1e-12 : 1e-9;
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-13;
-  const double entries = 3.0 * selection.observations.size() * parameters->EstimatedCoordinates().size();
-  solver.linear_solver_type = entries < kDenseQrEntries ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
-  if (has_latents) {
-    // Bundle adjustment: the deviations of the visits are eliminated first.
-    solver.linear_solver_type = ceres::DENSE_SCHUR;
-    solver.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
-  }
+  solver.linear_solver_type = ceres::DENSE_QR;
+  return solver;
+}
 
+class StopWhenInterrupted : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return IsInterrupted() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
+
+MinimizeSummary Run(ceres::Solver::Options solver, ceres::Problem* problem, ParameterSet* parameters) {
   StopWhenInterrupted stop;
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &ceres_problem, &summary);
+  ceres::Solve(solver, problem, &summary);
   CheckInterruption();
-
   MinimizeSummary result;
   result.usable = summary.IsSolutionUsable();
   result.converged = summary.termination_type == ceres::CONVERGENCE;
@@ -111,26 +86,67 @@ MinimizeSummary Minimize(const CalibrationProblem& problem, const ResidualSelect
   return result;
 }
 
-}  // namespace
-
 // Ceres searches along every step of a problem with bounds, which costs as many evaluations again: the bounds come in
 // only where the solution without them lies beyond one.
-MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const ResidualSelection& selection,
-                                const MinimizeOptions& options, ParameterSet* parameters) {
+MinimizeSummary WithBoundsWhereMet(const MinimizeOptions& options,
+                                   const std::function<MinimizeSummary(bool bounded)>& minimize,
+                                   ParameterSet* parameters) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
   const ParameterSet start = *parameters;
-  const MinimizeSummary free = Minimize(problem, selection, options, /*bounded=*/false, parameters);
+  const MinimizeSummary free = minimize(false);
   if (free.usable && free.converged && IsInside(*parameters)) return free;
   const std::vector<int> estimated = start.EstimatedCoordinates();
   const bool any_bound = std::any_of(estimated.begin(), estimated.end(),
                                      [&](int i) { return std::isfinite(start.coordinates()[i].lower); });
   if (!any_bound) return free;
   *parameters = start;
-  MinimizeSummary bounded = Minimize(problem, selection, options, /*bounded=*/true, parameters);
+  MinimizeSummary bounded = minimize(true);
   bounded.iterations += free.iterations;
   bounded.seconds += free.seconds;
   return bounded;
+}
+
+ceres::Problem::Options ProblemOptions() {
+  ceres::Problem::Options options;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+}  // namespace
+
+MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const ResidualSelection& selection,
+                                const MinimizeOptions& options, ParameterSet* parameters) {
+  const auto minimize = [&](bool bounded) {
+    ceres::Problem ceres_problem(ProblemOptions());
+    LatentBlocks latents;
+    const bool has_latents = !problem.latent.empty() && !options.cautious;
+    AddToProblem(problem, selection, parameters, &ceres_problem, has_latents ? &latents : nullptr);
+    if (!bounded) RemoveBounds(*parameters, &ceres_problem);
+    ceres::Solver::Options solver = SolverOptions(options);
+    const double entries = 3.0 * selection.observations.size() * parameters->EstimatedCoordinates().size();
+    if (entries >= kDenseQrEntries) solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    if (has_latents) {
+      // Bundle adjustment: the deviations of the visits are eliminated first.
+      solver.linear_solver_type = ceres::DENSE_SCHUR;
+      solver.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
+    }
+    return Run(solver, &ceres_problem, parameters);
+  };
+  return WithBoundsWhereMet(options, minimize, parameters);
+}
+
+MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOptions& options,
+                             ParameterSet* parameters) {
+  const auto minimize = [&](bool bounded) {
+    ceres::Problem ceres_problem(ProblemOptions());
+    AddCondensed(equations, parameters, &ceres_problem);
+    if (!bounded) RemoveBounds(*parameters, &ceres_problem);
+    MinimizeOptions own = options;
+    own.num_threads = 1;  // the one cost has threads of its own
+    return Run(SolverOptions(own), &ceres_problem, parameters);
+  };
+  return WithBoundsWhereMet(options, minimize, parameters);
 }
 
 }  // namespace sagitta

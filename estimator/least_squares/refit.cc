@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/least_squares/bounded_step.h"
+#include "estimator/least_squares/row_batches.h"
 
 namespace sagitta {
 namespace {
@@ -46,8 +47,12 @@ Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, co
   ParameterSet next = start;
   Eigen::VectorXd delta;
   double share = 1.0;
+  const std::vector<int> observations = problem.CalibrationObservations();
+  const RowBatches batches(problem, observations, FitRoots(problem, observations, kFallbackSigma),
+                           LatentTreatment::kMarginalise);
   for (int i = 0, halvings = 0; i < options.max_steps; ++i) {
-    Linearization here = LinearizeFit(problem, next, columns);
+    Linearization here = Linearize(batches, next, columns);
+    if (here.valid) AppendPriors(next, &here);
     if (here.valid) Weigh(options.weights, &here);
     const double chi2 = here.valid ? here.residual.squaredNorm() + PriorPenalty(next, options.kept)
                                    : std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_sums.h"
 #include "problems/io/files.h"
 #include "problems/split.h"
 
@@ -15,10 +16,10 @@ namespace {
 struct Fit {
   std::vector<int> observations;
   Linearization rows;      // as fitted, without priors
-  Eigen::MatrixXd own;     // J in m, one observation apart from the other
-  Eigen::VectorXd scale;   // SI of one unit of each column
-  Eigen::MatrixXd normal;  // priors included
-  Eigen::VectorXd gradient;
+  NoiseRoots roots;        // of the observations
+  Eigen::MatrixXd apart;   // J, one observation apart from the other, where joints deviate: else that of `rows`
+  Eigen::VectorXd scale;  // SI of one unit of each column
+  Eigen::MatrixXd sums;   // [J r]'[J r], priors included, SI
   double noise = 1.0;  // of the whitened residuals
   bool valid = false;
 };
@@ -37,23 +38,19 @@ Fit FitOf(const CalibrationProblem& problem, const Estimate& estimate) {
   fit.observations = problem.CalibrationObservations();
   const std::vector<int> columns = MovingColumns(estimate);
   if (columns.empty()) return fit;
-  const NoiseRoots roots = FitRoots(problem, fit.observations, kFallbackSigma);
+  fit.roots = FitRoots(problem, fit.observations, kFallbackSigma);
   const auto linearize = [&](LatentTreatment treatment) {
-    return Linearize(problem, estimate.parameters, fit.observations, columns, roots, treatment);
+    return Linearize(problem, estimate.parameters, fit.observations, columns, fit.roots, treatment);
   };
   fit.rows = linearize(LatentTreatment::kMarginalise);
   if (!fit.rows.valid) return fit;
-  fit.own = problem.latent.empty() ? fit.rows.jacobian : linearize(LatentTreatment::kIgnore).jacobian;
-  for (size_t k = 0; k < roots.size(); ++k) {
-    const auto first = 3 * static_cast<Eigen::Index>(k);
-    fit.own.middleRows<3>(first) = (roots[k] * fit.own.middleRows<3>(first)).eval();
-  }
-  Linearization all = fit.rows;
-  AppendPriors(estimate.parameters, &all);
-  fit.scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd scaled = all.jacobian * fit.scale.asDiagonal();
-  fit.normal = scaled.transpose() * scaled;
-  fit.gradient = scaled.transpose() * all.residual;
+  if (!problem.latent.empty()) fit.apart = linearize(LatentTreatment::kIgnore).jacobian;
+  Linearization priors;
+  priors.columns = columns;
+  priors.jacobian.resize(0, columns.size());
+  AppendPriors(estimate.parameters, &priors);
+  fit.sums = SumRows(fit.rows).matrix + SumRows(priors).matrix;
+  fit.scale = fit.sums.diagonal().head(fit.rows.num_columns()).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   const SigmaReport& sigma = estimate.sigma;
   fit.noise = !sigma.stated ? sigma.estimated / kFallbackSigma : sigma.scaled ? sigma.a_posteriori : 1.0;
   fit.valid = true;
@@ -109,23 +106,32 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
         if (is_point) point_rows.push_back(rows.back());
       }
     }
-    const Eigen::MatrixXd jacobian = fit.rows.jacobian(rows, Eigen::all) * fit.scale.asDiagonal();
-    const Eigen::MatrixXd normal = fit.normal - jacobian.transpose() * jacobian;
-    const Eigen::VectorXd gradient = fit.gradient - jacobian.transpose() * fit.rows.residual(rows);
+    RowSums own_sums(fit.rows);
+    for (const int row : rows) own_sums.Add(row);
+    const Eigen::MatrixXd left = fit.sums - own_sums.Total();
+    const auto n = fit.scale.size();
+    const Eigen::MatrixXd normal = fit.scale.asDiagonal() * left.topLeftCorner(n, n) * fit.scale.asDiagonal();
+    const Eigen::VectorXd gradient = fit.scale.cwiseProduct(left.col(n).head(n));
     // What only this fold measures is left where the whole has it: the step that is least.
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
     const double least = 1e-12 * eigen.eigenvalues().tail(1)[0];
     const Eigen::VectorXd inverse =
         eigen.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
-    const Eigen::MatrixXd covariance = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-    const Eigen::MatrixXd own = fit.own(point_rows, Eigen::all) * fit.scale.asDiagonal();
-    const Eigen::VectorXd moved = own * (-(covariance * gradient));  // of the predicted points, m
+    const Eigen::MatrixXd root = fit.scale.asDiagonal() * eigen.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
+    Eigen::MatrixXd own = (problem.latent.empty() ? fit.rows.jacobian : fit.apart)(point_rows, Eigen::all);  // in m
+    for (size_t m = 0; m < points.size(); ++m) {
+      auto rows_of_point = own.middleRows<3>(3 * static_cast<Eigen::Index>(m));
+      rows_of_point = (fit.roots[point_rows[3 * m] / 3] * rows_of_point).eval();
+    }
+    // Of the predicted points, m.
+    const Eigen::VectorXd moved =
+        own * (-(root * (root.transpose() * gradient.cwiseQuotient(fit.scale)))).eval();
     for (size_t m = 0; m < points.size(); ++m) {
       const int i = points[m];
       errors.col(column_of[i]) = problem.data.observations[i].point_in_station - estimate.predicted.col(i) -
                                  moved.segment<3>(3 * static_cast<Eigen::Index>(m));
     }
-    predicted.Add(ScatterOf(estimate, points), own, fit.noise * fit.noise * covariance);
+    predicted.Add(ScatterOf(estimate, points), own, fit.noise * root);
   }
   result.folds = folds;
   result.unseen = MeasureUnseen(problem, quoted, errors);

@@ -5,6 +5,7 @@
 
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_sums.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -35,7 +36,7 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
       Linearize(problem, estimate.parameters, observations, estimate.estimated, metres, LatentTreatment::kIgnore);
   if (!rows.valid) return holdout;
   PredictedSquares predicted;
-  predicted.Add(ScatterOf(estimate, observations), rows.jacobian, estimate.covariance);
+  predicted.Add(ScatterOf(estimate, observations), rows.jacobian, RootOf(estimate.covariance));
   ComparePrediction(predicted, estimate, &holdout);
   return holdout;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -47,16 +48,19 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
 }
 
 void PredictedSquares::Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian,
-                           const Eigen::MatrixXd& covariance) {
+                           const Eigen::MatrixXd& root) {
+  Linearization moved;  // J R
+  moved.jacobian = TallProduct(jacobian, root);
+  moved.residual.setZero(moved.jacobian.rows());
   for (size_t k = 0; k < noise.size(); ++k) {
     const Matrix3<double> own = noise[k] * noise[k].transpose();
-    const Eigen::MatrixXd rows = jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(k));
-    const Matrix3<double> by_parameters = rows * covariance * rows.transpose();
+    const auto rows = moved.jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(k));
+    const Matrix3<double> by_parameters = rows * rows.transpose();
     trace += own.trace() + by_parameters.trace();
     trace_of_square += own.squaredNorm() + 2.0 * own.cwiseProduct(by_parameters).sum();
   }
-  const Eigen::MatrixXd product = (jacobian.transpose() * jacobian) * covariance;
-  trace_of_square += product.cwiseProduct(product.transpose()).sum();  // tr (J C J')^2
+  // tr (J C J')^2 = |(J R)' J R|^2
+  trace_of_square += SumRows(moved).matrix.squaredNorm();
 }
 
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen) {

@@ -38,8 +38,8 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
 struct PredictedSquares {
   double trace = 0.0;            // tr V, m^2
   double trace_of_square = 0.0;  // tr V^2, m^4
-  // Adds V = diag(noise) + J C J'; noise: root per point, m; jacobian: m/SI, 3 rows per point.
-  void Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& covariance);
+  // Adds V = diag(noise) + J R R' J'; noise: root per point, m; jacobian: m/SI, 3 rows per point; root: R.
+  void Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& root);
 };
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen);
 

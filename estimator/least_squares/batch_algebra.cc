@@ -1,0 +1,195 @@
+#include "estimator/least_squares/batch_algebra.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "estimator/least_squares/batch_algebra.cc"
+#include "models/batch/targets.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "models/batch/shot_program.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sagitta {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<double, kBatchLanes>;
+using V = hn::Vec<Tag>;
+
+// Sums that stay in registers: 4 x 4 with 32 of them, 4 x 2 with 16.
+constexpr int kWide = hn::MaxLanes(Tag()) >= 8 ? 4 : 2;
+
+template <int kFirst>
+HWY_INLINE void AddBlock(const double* const* rows, std::size_t n, std::size_t a, std::size_t b, double* sums) {
+  const Tag d;
+  V s[kGramBlock][kWide];
+  for (int i = 0; i < kGramBlock; ++i) {
+    for (int j = 0; j < kWide; ++j) s[i][j] = hn::LoadU(d, sums + (i * kGramBlock + kFirst + j) * kBatchLanes);
+  }
+  for (std::size_t r = 0; r < n; ++r) {
+    V left[kGramBlock];
+    for (int i = 0; i < kGramBlock; ++i) left[i] = hn::Load(d, rows[r] + a + i * kBatchLanes);
+    for (int j = 0; j < kWide; ++j) {
+      const V right = hn::Load(d, rows[r] + b + (kFirst + j) * kBatchLanes);
+      for (int i = 0; i < kGramBlock; ++i) s[i][j] = hn::MulAdd(left[i], right, s[i][j]);
+    }
+  }
+  for (int i = 0; i < kGramBlock; ++i) {
+    for (int j = 0; j < kWide; ++j) hn::StoreU(s[i][j], d, sums + (i * kGramBlock + kFirst + j) * kBatchLanes);
+  }
+}
+
+}  // namespace
+
+void AddGramBlock(const double* const* rows, std::size_t n, std::size_t a, std::size_t b, double* sums) {
+  const std::size_t step = hn::Lanes(Tag());
+  for (std::size_t lane = 0; lane < kBatchLanes; lane += step) {
+    AddBlock<0>(rows, n, a + lane, b + lane, sums + lane);
+    if (kWide < kGramBlock) AddBlock<kGramBlock - kWide>(rows, n, a + lane, b + lane, sums + lane);
+  }
+}
+
+// A strip of rows stays in the cache while all columns of W go by.
+constexpr std::size_t kStrip = 256;
+constexpr int kTwo = 2, kFour = 4;
+
+template <int kColumns>
+HWY_INLINE void MultiplyStrip(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                              double* product) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t r = 0; r < rows; r += kTwo * lanes) {
+    V s[kTwo][kColumns];
+    for (int j = 0; j < kColumns; ++j) s[0][j] = s[1][j] = hn::Zero(d);
+    for (std::size_t c = 0; c < n; ++c) {
+      const V first = hn::LoadU(d, x + c * stride + r), second = hn::LoadU(d, x + c * stride + r + lanes);
+      for (int j = 0; j < kColumns; ++j) {
+        const V factor = hn::Set(d, w[j * n + c]);
+        s[0][j] = hn::MulAdd(first, factor, s[0][j]);
+        s[1][j] = hn::MulAdd(second, factor, s[1][j]);
+      }
+    }
+    for (int j = 0; j < kColumns; ++j) {
+      hn::StoreU(s[0][j], d, product + j * stride + r);
+      hn::StoreU(s[1][j], d, product + j * stride + r + lanes);
+    }
+  }
+}
+
+std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                          std::size_t k, double* product) {
+  const std::size_t step = kTwo * hn::Lanes(Tag());
+  const std::size_t whole = rows / step * step;
+  for (std::size_t first = 0; first < whole; first += kStrip) {
+    const std::size_t own = std::min(kStrip, whole - first);
+    std::size_t j = 0;
+    for (; j + kFour <= k; j += kFour) {
+      MultiplyStrip<kFour>(x + first, stride, own, n, w + j * n, product + j * stride + first);
+    }
+    for (; j < k; ++j) MultiplyStrip<1>(x + first, stride, own, n, w + j * n, product + j * stride + first);
+  }
+  return whole;
+}
+
+// Row by row: the new row of the factor, then that row of all columns.
+void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
+  const Tag d;
+  const std::size_t step = hn::Lanes(d);
+  const auto cell = [&](int row, int column) { return (static_cast<std::size_t>(row) * columns + column) * kBatchLanes; };
+  const auto entry = [&](int row, int column) {
+    return factor + (static_cast<std::size_t>(row) * num_rows + column) * kBatchLanes;
+  };
+  for (std::size_t lane = 0; lane < kBatchLanes; lane += step) {
+    double* const own = rows + lane;
+    for (int r = 0; r < num_rows; ++r) {
+      for (int k = 0; k <= r; ++k) {
+        V sum = hn::Set(d, r == k ? 1.0 : 0.0);
+        for (int c = latent; c < latent + count; ++c) {
+          sum = hn::MulAdd(hn::Load(d, own + cell(r, c)), hn::Load(d, own + cell(k, c)), sum);
+        }
+        for (int i = 0; i < k; ++i) {
+          sum = hn::NegMulAdd(hn::Load(d, entry(r, i) + lane), hn::Load(d, entry(k, i) + lane), sum);
+        }
+        // The diagonal is kept as its inverse.
+        const V value = r == k ? hn::Div(hn::Set(d, 1.0), hn::Sqrt(sum)) : hn::Mul(sum, hn::Load(d, entry(k, k) + lane));
+        hn::Store(value, d, entry(r, k) + lane);
+      }
+    }
+    for (int r = 0; r < num_rows; ++r) {
+      const V inverse = hn::Load(d, entry(r, r) + lane);
+      for (int c = 0; c < columns; ++c) {
+        if (c >= latent && c < latent + count) continue;
+        V value = hn::Load(d, own + cell(r, c));
+        for (int k = 0; k < r; ++k) {
+          value = hn::NegMulAdd(hn::Load(d, entry(r, k) + lane), hn::Load(d, own + cell(k, c)), value);
+        }
+        hn::Store(hn::Mul(value, inverse), d, own + cell(r, c));
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sagitta
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sagitta {
+
+HWY_EXPORT(AddGramBlock);
+HWY_EXPORT(MarginaliseRows);
+HWY_EXPORT(MultiplyLanes);
+
+GramSums::GramSums(int blocks_a, int blocks_b, bool symmetric)
+    : blocks_a_(blocks_a), blocks_b_(blocks_b), symmetric_(symmetric) {
+  const int blocks = symmetric ? blocks_a * (blocks_a + 1) / 2 : blocks_a * blocks_b;
+  lanes_.assign(static_cast<std::size_t>(blocks) * kGramBlock * kGramBlock * kBatchLanes, 0.0);
+}
+
+void GramSums::Clear() { std::fill(lanes_.begin(), lanes_.end(), 0.0); }
+
+int GramSums::Block(int i, int j) const {
+  return symmetric_ ? i * blocks_b_ - i * (i - 1) / 2 + (j - i) : i * blocks_b_ + j;
+}
+
+void GramSums::Add(const std::vector<const double*>& rows, int first_a, int first_b) {
+  constexpr std::size_t kBlockLanes = kGramBlock * kBatchLanes;
+  for (int i = 0; i < blocks_a_; ++i) {
+    for (int j = symmetric_ ? i : 0; j < blocks_b_; ++j) {
+      HWY_DYNAMIC_DISPATCH(AddGramBlock)
+      (rows.data(), rows.size(), first_a * kBatchLanes + i * kBlockLanes, first_b * kBatchLanes + j * kBlockLanes,
+       lanes_.data() + Block(i, j) * kGramBlock * kBlockLanes);
+    }
+  }
+}
+
+double GramSums::At(int a, int b) const {
+  const double* lanes = lanes_.data() + (static_cast<std::size_t>(Block(a / kGramBlock, b / kGramBlock)) * kGramBlock *
+                                             kGramBlock +
+                                         (a % kGramBlock) * kGramBlock + b % kGramBlock) *
+                                            kBatchLanes;
+  double sum = 0.0;
+  for (int i = 0; i < kBatchLanes; ++i) sum += lanes[i];
+  return sum;
+}
+
+std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                            std::size_t k, double* product) {
+  return HWY_DYNAMIC_DISPATCH(MultiplyLanes)(x, stride, rows, n, w, k, product);
+}
+
+void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows) {
+  std::vector<double> memory(static_cast<std::size_t>(num_rows) * num_rows * kBatchLanes + kBatchLanes);
+  const auto at = reinterpret_cast<std::size_t>(memory.data());
+  constexpr std::size_t kWidest = kBatchLanes * sizeof(double);
+  auto* const factor = reinterpret_cast<double*>((at + kWidest - 1) / kWidest * kWidest);
+  HWY_DYNAMIC_DISPATCH(MarginaliseRows)(num_rows, columns, latent, count, rows, factor);
+}
+
+}  // namespace sagitta
+#endif

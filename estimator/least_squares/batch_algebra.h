@@ -1,0 +1,43 @@
+// Linear algebra on rows of which each number stands for kBatchLanes shots (models/batch/batch_rows.h): what the sums
+// of normal equations are made of. Instructions are chosen at run time.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace sagitta {
+
+constexpr int kGramBlock = 4;  // columns that are summed together; column ranges begin and end at multiples of it
+
+// Sums of products of two ranges of columns, lane by lane. `symmetric`: both ranges are one, blocks below the diagonal
+// are left out.
+class GramSums {
+ public:
+  GramSums() = default;
+  GramSums(int blocks_a, int blocks_b, bool symmetric);
+
+  void Clear();
+  // rows: pointers to rows of lanes; columns first_a + .. and first_b + .. of each.
+  void Add(const std::vector<const double*>& rows, int first_a, int first_b);
+  // Over all lanes: [a, b], both from 0; of a symmetric sum b >= a only.
+  double At(int a, int b) const;
+
+ private:
+  int Block(int i, int j) const;
+
+  int blocks_a_ = 0, blocks_b_ = 0;
+  bool symmetric_ = false;
+  std::vector<double> lanes_;  // unaligned; by block, then column of a, column of b, lane
+};
+
+// product = X W for matrices stored column by column: x has `rows` rows (of `stride` numbers from column to column) and
+// n columns, w n x k; product as many rows from column to column as x. Returns how many rows were done, all but the last
+// few.
+std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                            std::size_t k, double* product);
+
+// Whitens rows that share deviations L (columns latent .. latent + count of each row, times their sigmas):
+// rows <- chol(I + L L')^-1 rows, all columns. num_rows rows of `columns` columns.
+void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows);
+
+}  // namespace sagitta

@@ -1,0 +1,160 @@
+#include "estimator/least_squares/normal_equations.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/parallel.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kBatchesOfBlock = 64;  // 512 units: large against what a piece of work costs by itself
+constexpr int kRowsAtOnce = 48;      // of lanes that are summed together: they stay in the cache
+
+// The sums of one group's rows, lane by lane, and where they go.
+class GroupSums {
+ public:
+  explicit GroupSums(const BatchColumns& columns)
+      : columns_(columns), shared_((columns.latent < 0 ? columns.columns : columns.latent) / kGramBlock -
+                                   columns.first / kGramBlock) {
+    dense_ = GramSums(shared_, shared_, true);
+    for (size_t m = 0; m < columns.own.size(); ++m) own_.emplace_back(1, 1 + shared_, false);
+  }
+
+  void Add(const std::vector<const double*>& rows, int rows_of_unit) {
+    dense_.Add(rows, columns_.first, columns_.first);
+    std::vector<const double*> seen;
+    for (size_t m = 0; m < own_.size(); ++m) {
+      seen.clear();
+      for (size_t r = 0; r < rows.size(); ++r) {
+        if (r % rows_of_unit / 3 == m) seen.push_back(rows[r]);
+      }
+      own_[m].Add(seen, 0, 0);
+    }
+  }
+
+  // Adds the totals of all lanes; `matrix`: upper triangle and below are both filled.
+  void AddTo(Eigen::MatrixXd* matrix) const {
+    const int residual = static_cast<int>(matrix->cols()) - 1;
+    const auto target = [&](int c) { return c == columns_.residual ? residual : columns_.of[c]; };
+    const auto add = [&](int a, int b, double value) {
+      if (a < 0 || b < 0) return;
+      (*matrix)(a, b) += value;
+      if (a != b) (*matrix)(b, a) += value;
+    };
+    for (int a = 0; a < shared_ * kGramBlock; ++a) {
+      for (int b = a; b < shared_ * kGramBlock; ++b) {
+        add(target(columns_.first + a), target(columns_.first + b), dense_.At(a, b));
+      }
+    }
+    for (size_t m = 0; m < own_.size(); ++m) {
+      for (int a = 0; a < 3; ++a) {
+        for (int b = a; b < 3; ++b) add(columns_.own[m][a], columns_.own[m][b], own_[m].At(a, b));
+        for (int b = 0; b < shared_ * kGramBlock; ++b) {
+          add(columns_.own[m][a], target(columns_.first + b), own_[m].At(a, kGramBlock + b));
+        }
+      }
+    }
+  }
+
+ private:
+  const BatchColumns& columns_;
+  int shared_;
+  GramSums dense_;
+  std::vector<GramSums> own_;
+};
+
+void Weigh(const std::vector<int>& unit, const std::vector<double>& weights, int columns, double* lane) {
+  for (size_t row = 0; row < 3 * unit.size(); ++row) {
+    const double root = std::sqrt(weights[unit[row / 3]]);
+    for (int c = 0; c < columns; ++c) lane[(row * columns + c) * kBatchLanes] *= root;
+  }
+}
+
+}  // namespace
+
+NormalEquations::NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations,
+                                 const NoiseRoots& noise, LatentTreatment treatment, int num_threads)
+    : batches_(problem, observations, noise, treatment), num_threads_(num_threads) {
+  for (int g = 0; g < batches_.num_groups(); ++g) {
+    for (int first = 0; first < batches_.num_batches(g); first += kBatchesOfBlock) {
+      blocks_.push_back({g, first, std::min(batches_.num_batches(g), first + kBatchesOfBlock)});
+    }
+  }
+}
+
+NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vector<int>& columns,
+                                const std::vector<double>& weights, bool with_priors) const {
+  const RowBatches::Request request(batches_, parameters, columns);
+  const int n = static_cast<int>(columns.size());
+  std::vector<Eigen::MatrixXd> parts(blocks_.size());
+  std::vector<BatchScratch> scratches(std::max(1, num_threads_));
+  std::vector<BatchBuffer> buffers(std::max(1, num_threads_));
+  std::atomic<bool> valid{true};
+  ParallelFor(static_cast<int>(blocks_.size()), num_threads_, [&](int i, int worker) {
+    if (!valid) return;
+    const Block& block = blocks_[i];
+    const BatchColumns& own = request.columns(block.group);
+    const int rows = batches_.rows_of_unit(block.group);
+    const int at_once = std::max(1, kRowsAtOnce / rows);
+    const size_t doubles = static_cast<size_t>(rows) * own.columns * kBatchLanes;
+    double* const memory = buffers[worker].Reserve(at_once * doubles);
+    GroupSums sums(own);
+    std::vector<const double*> pointers;
+    for (int first = block.first; first < block.last; first += at_once) {
+      const int last = std::min(block.last, first + at_once);
+      pointers.clear();
+      // Marginalising fills cells that no derivative belongs to.
+      if (own.latent >= 0) std::fill(memory, memory + at_once * doubles, 0.0);
+      for (int b = first; b < last; ++b) {
+        double* const at = memory + (b - first) * doubles;
+        if (!batches_.Evaluate(request, block.group, b, &scratches[worker], at)) {
+          valid = false;
+          return;
+        }
+        for (int lane = 0; lane < kBatchLanes && !weights.empty(); ++lane) {
+          Weigh(batches_.UnitOf(block.group, b, lane), weights, own.columns, at + lane);
+        }
+        for (int r = 0; r < rows; ++r) pointers.push_back(at + static_cast<size_t>(r) * own.columns * kBatchLanes);
+      }
+      sums.Add(pointers, rows);
+    }
+    parts[i].setZero(n + 1, n + 1);
+    sums.AddTo(&parts[i]);
+  });
+  NormalSums result;
+  result.columns = columns;
+  result.valid = valid;
+  result.matrix.setZero(n + 1, n + 1);
+  result.rows = 3 * batches_.num_observations();
+  if (!result.valid) return result;
+  for (const Eigen::MatrixXd& part : parts) result.matrix += part;
+  if (!with_priors) return result;
+  Linearization priors;
+  priors.columns = columns;
+  priors.jacobian.resize(0, n);
+  AppendPriors(parameters, &priors);
+  Eigen::MatrixXd both(priors.num_rows(), n + 1);
+  both << priors.jacobian, priors.residual;
+  result.matrix += both.transpose() * both;
+  result.rows += priors.num_rows();
+  return result;
+}
+
+FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns) {
+  FittedRows result;
+  if (AreMany(3.0 * equations.batches().num_observations(), static_cast<double>(columns.size()))) {
+    const NormalSums sums = equations.Sum(parameters, columns);
+    result.rows = Condense(sums);
+    result.equations = sums.rows;
+    return result;
+  }
+  result.rows = Linearize(equations.batches(), parameters, columns);
+  if (result.rows.valid) AppendPriors(parameters, &result.rows);
+  result.equations = result.rows.num_rows();
+  return result;
+}
+
+}  // namespace sagitta

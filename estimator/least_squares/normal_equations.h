@@ -1,0 +1,45 @@
+// Normal equations of everything that is fitted, summed in one pass without ever holding a row:
+//
+//   sum over units [J r]'[J r],    rows whitened, deviations of joints marginalised, priors and ties included
+//
+#pragma once
+
+#include <vector>
+
+#include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/row_sums.h"
+
+namespace sagitta {
+
+class NormalEquations {
+ public:
+  // The problem must outlive this; its observations stay as they are. The sums do not depend on the number of threads.
+  NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations, const NoiseRoots& noise,
+                  LatentTreatment treatment, int num_threads);
+
+  const RowBatches& batches() const { return batches_; }
+
+  // weights: how often each observation counts; empty: once. `with_priors`: and what the parameters' priors add.
+  NormalSums Sum(const ParameterSet& parameters, const std::vector<int>& columns,
+                 const std::vector<double>& weights = {}, bool with_priors = true) const;
+
+ private:
+  struct Block;
+
+  RowBatches batches_;
+  std::vector<Block> blocks_;  // pieces of work of fixed size, in a fixed order
+  int num_threads_;
+};
+
+struct NormalEquations::Block {
+  int group = 0, first = 0, last = 0;  // batches
+};
+
+// Rows of everything that is fitted, priors included: as they are while they are few, else condensed.
+struct FittedRows {
+  Linearization rows;
+  int equations = 0;  // that the rows stand for
+};
+FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns);
+
+}  // namespace sagitta

@@ -1,0 +1,340 @@
+#include "estimator/least_squares/row_batches.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+
+#include "estimator/least_squares/batch_algebra.h"
+
+namespace sagitta {
+namespace {
+
+constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
+
+int RoundedUp(int count) { return (count + kGramBlock - 1) / kGramBlock * kGramBlock; }
+
+double* Aligned(double* p) {
+  const auto at = reinterpret_cast<std::uintptr_t>(p);
+  return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
+}
+
+// Runs of observations that are one shot, by visit or one by one; positions in the list.
+using Shots = std::vector<std::vector<int>>;
+std::vector<Shots> UnitsOf(const CalibrationProblem& problem, const std::vector<int>& observations, bool by_visit) {
+  std::vector<Shots> units;
+  std::map<int, size_t> unit_of_visit;
+  int previous = -1;
+  Shots* unit = nullptr;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    const int shot = problem.data.observations[observations[k]].shot;
+    if (shot != previous) {
+      const int visit = by_visit ? problem.latent.visit_of_shot[shot] : static_cast<int>(units.size());
+      const auto [found, is_new] = unit_of_visit.emplace(visit, units.size());
+      if (is_new) units.emplace_back();
+      unit = &units[found->second];
+      unit->emplace_back();
+    }
+    unit->back().push_back(static_cast<int>(k));
+    previous = shot;
+  }
+  return units;
+}
+
+}  // namespace
+
+struct RowBatches::Group {
+  struct ShotPart {
+    int station = 0;
+    std::vector<int> markers;
+    std::vector<ReadingKind> kinds;  // what is read of each
+    ShotProgram program;
+  };
+  std::vector<ShotPart> shots;
+  bool by_model = false;
+  int rows = 0;
+  int num_units = 0;
+  std::vector<int> observations;  // unit by unit, positions in the list
+  std::vector<double> memory;     // numbers of all batches: per batch the shots' blocks one after the other
+  int batch_doubles = 0;
+
+  int per_unit() const { return rows / 3; }
+  int num_batches() const { return (num_units + kBatchLanes - 1) / kBatchLanes; }
+  const double* Data(int batch, int shot) const {
+    const double* data = Aligned(const_cast<double*>(memory.data())) + static_cast<std::size_t>(batch) * batch_doubles;
+    for (int s = 0; s < shot; ++s) data += shots[s].program.num_data * kBatchLanes;
+    return data;
+  }
+};
+
+RowBatches::~RowBatches() = default;
+
+RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>& observations, const NoiseRoots& noise,
+                       LatentTreatment treatment, RowsAgainst against)
+    : problem_(problem),
+      observations_(observations),
+      marginalises_(treatment == LatentTreatment::kMarginalise && !problem.latent.empty()),
+      against_(against) {
+  whiteners_.reserve(noise.size());
+  for (const Matrix3<double>& root : noise) whiteners_.push_back(root.inverse());
+  const auto readings_of = [&](const std::vector<int>& run) {
+    std::vector<BatchReading> readings;
+    for (const int k : run) {
+      const Observation& row = problem.data.observations[observations[k]];
+      const Vector3<double> target =
+          against_ == RowsAgainst::kMeasured ? row.point_in_station : Vector3<double>::Zero().eval();
+      readings.push_back({row.marker, problem.marker_frames[row.marker], target, whiteners_[k]});
+    }
+    return readings;
+  };
+  const auto shot_of = [&](const std::vector<int>& run) {
+    return problem.data.observations[observations[run.front()]].shot;
+  };
+  const std::vector<Shots> units = UnitsOf(problem, observations, marginalises_);
+  std::map<std::vector<std::int64_t>, int> group_of;
+  std::vector<std::vector<int>> members;
+  for (size_t u = 0; u < units.size(); ++u) {
+    std::vector<std::int64_t> key;
+    bool by_model = false;
+    for (const std::vector<int>& run : units[u]) {
+      const std::vector<BatchReading> readings = readings_of(run);
+      const std::vector<std::int64_t> own =
+          StructureOf(problem.model, problem.shot_inputs[shot_of(run)], readings);
+      by_model |= own.empty();
+      for (const int k : run) {
+        const ReadingKind kind = problem.data.observations[observations[k]].kind;
+        by_model |= kind != ReadingKind::kPoint;
+        key.push_back(static_cast<int>(kind));
+      }
+      key.push_back(problem.data.shots[shot_of(run)].station);
+      key.push_back(static_cast<std::int64_t>(readings.size()));
+      for (const BatchReading& reading : readings) key.push_back(reading.id);
+      key.insert(key.end(), own.begin(), own.end());
+    }
+    const auto [found, is_new] = group_of.emplace(std::move(key), num_groups());
+    if (is_new) {
+      auto group = std::make_unique<Group>();
+      group->by_model = by_model;
+      for (const std::vector<int>& run : units[u]) {
+        const std::vector<BatchReading> readings = readings_of(run);
+        Group::ShotPart part;
+        part.station = problem.data.shots[shot_of(run)].station;
+        for (const BatchReading& reading : readings) part.markers.push_back(reading.id);
+        for (const int k : run) part.kinds.push_back(problem.data.observations[observations[k]].kind);
+        if (!by_model) part.program = MakeShotProgram(problem.model, problem.shot_inputs[shot_of(run)], readings);
+        group->rows += 3 * static_cast<int>(readings.size());
+        group->batch_doubles += part.program.num_data * kBatchLanes;
+        group->shots.push_back(std::move(part));
+      }
+      groups_.push_back(std::move(group));
+      members.emplace_back();
+    }
+    members[found->second].push_back(static_cast<int>(u));
+  }
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    Group& group = *groups_[g];
+    group.num_units = static_cast<int>(members[g].size());
+    group.memory.assign(static_cast<std::size_t>(group.num_batches()) * group.batch_doubles + kBatchLanes, 0.0);
+    for (int i = 0; i < group.num_batches() * kBatchLanes; ++i) {
+      // Lanes that are left over repeat the last unit; nobody reads them.
+      const Shots& unit = units[members[g][std::min(i, group.num_units - 1)]];
+      for (size_t s = 0; s < unit.size(); ++s) {
+        if (i < group.num_units) group.observations.insert(group.observations.end(), unit[s].begin(), unit[s].end());
+        if (group.by_model) continue;
+        PackShot(problem.model, group.shots[s].program, problem.shot_inputs[shot_of(unit[s])], readings_of(unit[s]),
+                 i % kBatchLanes, const_cast<double*>(group.Data(i / kBatchLanes, static_cast<int>(s))));
+      }
+    }
+  }
+}
+
+int RowBatches::num_batches(int group) const { return groups_[group]->num_batches(); }
+int RowBatches::rows_of_unit(int group) const { return groups_[group]->rows; }
+
+std::vector<int> RowBatches::UnitOf(int group, int batch, int lane) const {
+  const Group& own = *groups_[group];
+  const int unit = batch * kBatchLanes + lane;
+  if (unit >= own.num_units) return {};
+  const auto first = own.observations.begin() + static_cast<long>(unit) * own.per_unit();
+  return {first, first + own.per_unit()};
+}
+
+BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& parameters,
+                                   const std::vector<int>& column_of) const {
+  BatchColumns result;
+  const auto three = [&](const ParameterBlock& block) {
+    std::vector<int> columns(3);
+    for (int i = 0; i < 3; ++i) columns[i] = column_of[block.first_coordinate + i];
+    return columns;
+  };
+  const auto is_asked = [](const std::vector<int>& columns) {
+    return std::any_of(columns.begin(), columns.end(), [](int c) { return c >= 0; });
+  };
+  const auto append = [&](const std::vector<int>& columns) {
+    const int first = static_cast<int>(result.of.size());
+    result.of.insert(result.of.end(), columns.begin(), columns.end());
+    return first;
+  };
+  const bool alone = !marginalises_;
+  bool any_own = false;
+  const auto read_block = [&](const Group::ShotPart& shot, size_t m) -> const ParameterBlock& {
+    return parameters.read_block(shot.markers[m], shot.kinds[m]);
+  };
+  for (size_t m = 0; alone && m < group.shots[0].markers.size(); ++m) {
+    result.own.push_back(three(read_block(group.shots[0], m)));
+    any_own |= is_asked(result.own.back());
+  }
+  if (any_own) result.of.assign(kGramBlock, -1), result.first = kGramBlock;
+  if (!any_own) result.own.clear();
+  std::map<int, int> station_at, marker_at;  // the latter by the block's first coordinate
+  for (const Group::ShotPart& shot : group.shots) {
+    std::vector<int> station = three(parameters.station_translation(shot.station));
+    const std::vector<int> rotation = three(parameters.station_rotation(shot.station));
+    station.insert(station.end(), rotation.begin(), rotation.end());
+    if (is_asked(station) && station_at.count(shot.station) == 0) station_at[shot.station] = append(station);
+    for (size_t m = 0; !alone && m < shot.markers.size(); ++m) {
+      const ParameterBlock& block = read_block(shot, m);
+      const bool is_new = marker_at.count(block.first_coordinate) == 0;
+      if (is_new && is_asked(three(block))) marker_at[block.first_coordinate] = append(three(block));
+    }
+  }
+  std::vector<int> theta(parameters.num_model_parameters(), -1);
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    const int column = column_of[parameters.model_parameter(i).first_coordinate];
+    if (column >= 0) theta[i] = append({column});
+  }
+  result.residual = append({-1});
+  result.of.resize(RoundedUp(static_cast<int>(result.of.size())), -1);
+  const bool deviate = !problem_.latent.empty();
+  if (deviate) {
+    result.latents = problem_.latent.size();
+    result.latent = append(std::vector<int>(result.latents, -1));
+    result.of.resize(RoundedUp(static_cast<int>(result.of.size())), -1);
+  }
+  result.columns = static_cast<int>(result.of.size());
+  int row = 0;
+  for (const Group::ShotPart& shot : group.shots) {
+    BatchLayout layout;
+    layout.columns = result.columns;
+    layout.first_row = row;
+    layout.residual = result.residual;
+    layout.theta = theta;
+    if (station_at.count(shot.station) > 0) layout.station = station_at[shot.station];
+    for (size_t m = 0; m < shot.markers.size(); ++m) {
+      const auto at = marker_at.find(read_block(shot, m).first_coordinate);
+      layout.markers.push_back(any_own ? 0 : at != marker_at.end() ? at->second : -1);
+    }
+    if (deviate) {
+      layout.latent = result.latent;
+      layout.latent_joints = problem_.latent.joints;
+      layout.latent_sigmas.assign(problem_.latent.sigmas.begin(), problem_.latent.sigmas.end());
+    }
+    row += 3 * static_cast<int>(shot.markers.size());
+    result.shots.push_back(std::move(layout));
+  }
+  return result;
+}
+
+RowBatches::Request::Request(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns)
+    : theta_(parameters.ModelValues()) {
+  std::vector<int> column_of(parameters.num_coordinates(), -1);
+  for (size_t c = 0; c < columns.size(); ++c) column_of[columns[c]] = static_cast<int>(c);
+  for (int s = 0; s < parameters.num_stations(); ++s) bases_.push_back(parameters.BaseInStation(s));
+  for (int m = 0; m < parameters.num_markers(); ++m) {
+    markers_.push_back(parameters.MarkerPoint(m));
+    turns_.push_back(parameters.MarkerRotation(m));
+  }
+  for (int i = 0; i < parameters.num_model_parameters(); ++i) {
+    if (column_of[parameters.model_parameter(i).first_coordinate] >= 0) active_.push_back(i);
+  }
+  for (const std::unique_ptr<Group>& group : batches.groups_) {
+    columns_.push_back(batches.ColumnsOf(*group, parameters, column_of));
+    points_.emplace_back();
+    for (const Group::ShotPart& shot : group->shots) {
+      std::vector<Vector3<double>> points;
+      for (const int m : shot.markers) points.push_back(markers_[m]);
+      points_.back().emplace_back(shot.program, theta_.data(), bases_[shot.station], std::move(points));
+    }
+  }
+}
+
+bool RowBatches::Evaluate(const Request& request, int group, int batch, BatchScratch* scratch, double* rows) const {
+  const Group& own = *groups_[group];
+  const BatchColumns& columns = request.columns_[group];
+  unsigned by_model = own.by_model ? (1u << kBatchLanes) - 1 : 0;
+  for (size_t s = 0; s < own.shots.size() && !own.by_model; ++s) {
+    by_model |= EvaluateBatch(own.shots[s].program, request.points_[group][s], columns.shots[s],
+                              own.Data(batch, static_cast<int>(s)), scratch, rows);
+  }
+  for (int lane = 0; lane < kBatchLanes; ++lane) {
+    const int unit = batch * kBatchLanes + lane;
+    if (unit >= own.num_units) {
+      for (int i = 0; i < own.rows * columns.columns; ++i) rows[i * kBatchLanes + lane] = 0.0;
+    } else if ((by_model >> lane & 1u) != 0 && !EvaluateByModel(request, own, columns, unit, lane, rows)) {
+      return false;
+    }
+  }
+  if (marginalises_) MarginaliseLanes(own.rows, columns.columns, columns.latent, columns.latents, rows);
+  return true;
+}
+
+bool RowBatches::EvaluateByModel(const Request& request, const Group& group, const BatchColumns& columns, int unit,
+                                 int lane, double* rows) const {
+  const std::vector<double> exact(problem_.robot.num_joints(), 0.0);
+  const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
+  for (size_t s = 0; s < group.shots.size(); ++s) {
+    const BatchLayout& layout = columns.shots[s];
+    const int shot = problem_.data.observations[observations_[*position]].shot;
+    std::vector<MarkerInFrame> markers;
+    for (size_t i = 0; i < group.shots[s].markers.size(); ++i) {
+      const int m = group.shots[s].markers[i];
+      markers.push_back(
+          {problem_.marker_frames[m], request.markers_[m], m, group.shots[s].kinds[i], request.turns_[m]});
+    }
+    std::vector<PointPrediction> predictions;
+    if (!problem_.model.Predict(problem_.shot_inputs[shot], request.theta_.data(), request.active_,
+                                request.bases_[group.shots[s].station], markers, &predictions,
+                                problem_.latent.empty() ? nullptr : exact.data())) {
+      return false;
+    }
+    for (size_t m = 0; m < markers.size(); ++m, ++position) {
+      const PointPrediction& point = predictions[m];
+      const Observation& observation = problem_.data.observations[observations_[*position]];
+      const bool is_measured = against_ == RowsAgainst::kMeasured;
+      const Vector3<double> misfit =
+          is_measured ? Vector3<double>(-MeasuredMinusPredicted(observation.reading(), point.point)) : point.point;
+      Matrix3<double> whitener = whiteners_[*position];  // of what was not measured: the prediction's own derivative
+      if (misfit.allFinite()) whitener *= MisfitByPrediction(observation.kind, misfit);
+      const int row = layout.first_row + 3 * static_cast<int>(m);
+      const auto write = [&](int column, const Vector3<double>& derivative) {
+        const Vector3<double> whitened = whitener * derivative;
+        for (int i = 0; i < 3; ++i) {
+          rows[(static_cast<std::size_t>(row + i) * columns.columns + column) * kBatchLanes + lane] = whitened[i];
+        }
+      };
+      for (int i = 0; i < 3 && layout.station >= 0; ++i) {
+        write(layout.station + i, point.d_translation.col(i));
+        write(layout.station + 3 + i, point.d_rotation.col(i));
+      }
+      for (int i = 0; i < 3 && layout.markers[m] >= 0; ++i) write(layout.markers[m] + i, point.d_marker.col(i));
+      for (size_t i = 0; i < request.active_.size(); ++i) write(layout.theta[request.active_[i]], point.d_theta.col(i));
+      for (size_t i = 0; i < layout.latent_joints.size(); ++i) {
+        write(layout.latent + static_cast<int>(i),
+              layout.latent_sigmas[i] * point.d_latent.col(layout.latent_joints[i]));
+      }
+      const Vector3<double> residual = whiteners_[*position] * misfit;
+      for (int i = 0; i < 3; ++i) {
+        rows[(static_cast<std::size_t>(row + i) * columns.columns + layout.residual) * kBatchLanes + lane] = residual[i];
+      }
+    }
+  }
+  return true;
+}
+
+double* BatchBuffer::Reserve(std::size_t doubles) {
+  if (memory_.size() < doubles + kBatchLanes) memory_.resize(doubles + kBatchLanes);
+  double* const first = Aligned(memory_.data());
+  std::fill(first, first + doubles, 0.0);
+  return first;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,142 @@
+#include "estimator/least_squares/row_sums.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "models/batch/shot_program.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kHeldRows = 48 * kBatchLanes;  // that are summed together: they stay in the cache
+constexpr double kFewEntries = 5e4;
+constexpr int kManyTimes = 4;  // rows per column
+
+int BlocksOf(int columns) { return (columns + kGramBlock - 1) / kGramBlock; }
+
+double* Aligned(double* p) {
+  constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
+  const auto at = reinterpret_cast<std::uintptr_t>(p);
+  return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
+}
+
+}  // namespace
+
+RowSums::RowSums(const Linearization& from)
+    : from_(from),
+      columns_(BlocksOf(from.num_columns() + 1) * kGramBlock),
+      memory_(static_cast<std::size_t>(columns_) * kHeldRows + kBatchLanes, 0.0),
+      rows_(Aligned(memory_.data())),
+      sums_(columns_ / kGramBlock, columns_ / kGramBlock, true) {}
+
+void RowSums::Clear() {
+  held_ = 0;
+  sums_.Clear();
+}
+
+void RowSums::Add(int row, const Eigen::VectorXd* root_weights) {
+  const double weight = root_weights == nullptr ? 1.0 : (*root_weights)[row];
+  double* const lane = rows_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
+  const int n = from_.num_columns();
+  for (int c = 0; c < n; ++c) lane[c * kBatchLanes] = weight * from_.jacobian(row, c);
+  lane[n * kBatchLanes] = weight * from_.residual[row];
+  if (++held_ == kHeldRows) Flush();
+}
+
+void RowSums::Flush() {
+  const int last = (held_ + kBatchLanes - 1) / kBatchLanes;
+  for (int i = held_; i < last * kBatchLanes; ++i) {  // lanes that are left over
+    for (int c = 0; c < columns_; ++c) {
+      rows_[(static_cast<std::size_t>(i / kBatchLanes) * columns_ + c) * kBatchLanes + i % kBatchLanes] = 0.0;
+    }
+  }
+  std::vector<const double*> pointers;
+  for (int i = 0; i < last; ++i) pointers.push_back(rows_ + static_cast<std::size_t>(i) * columns_ * kBatchLanes);
+  sums_.Add(pointers, 0, 0);
+  held_ = 0;
+}
+
+Eigen::MatrixXd RowSums::Total() {
+  if (held_ > 0) Flush();
+  const int n = from_.num_columns() + 1;
+  Eigen::MatrixXd total(n, n);
+  for (int a = 0; a < n; ++a) {
+    for (int b = a; b < n; ++b) total(a, b) = total(b, a) = sums_.At(a, b);
+  }
+  return total;
+}
+
+NormalSums SumRows(const Linearization& rows, const Eigen::VectorXd* root_weights) {
+  RowSums sums(rows);
+  for (int i = 0; i < rows.num_rows(); ++i) sums.Add(i, root_weights);
+  std::vector<int> columns = rows.columns;
+  columns.resize(rows.num_columns(), -1);
+  return {rows.valid, columns, sums.Total(), rows.num_rows()};
+}
+
+NormalSums SelectColumns(const NormalSums& sums, const std::vector<int>& columns) {
+  NormalSums some{sums.valid, {}, {}, sums.rows};
+  std::vector<int> kept = columns;
+  for (const int c : columns) some.columns.push_back(sums.columns[c]);
+  kept.push_back(sums.num_columns());
+  some.matrix = sums.matrix(kept, kept);
+  return some;
+}
+
+// J'J = P'L D L'P of columns of unit norm; R = D^1/2 L'P and R'c = J'r. A pivot that is round-off of the columns'
+// unit norms is a direction that no row sees.
+Linearization Condense(const NormalSums& sums) {
+  const int n = sums.num_columns();
+  Linearization rows;
+  rows.columns = sums.columns;
+  rows.valid = sums.valid;
+  rows.jacobian.setZero(n + 1, n);
+  rows.residual.setConstant(n + 1, std::nan(""));
+  if (!sums.valid) return rows;
+  const Eigen::VectorXd scale = sums.matrix.diagonal().head(n).cwiseSqrt().cwiseMax(1e-150);
+  const Eigen::MatrixXd scaled =
+      scale.cwiseInverse().asDiagonal() * sums.matrix.topLeftCorner(n, n) * scale.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd gradient = sums.matrix.col(n).head(n).cwiseQuotient(scale);
+  const double round_off = 1e-15 * std::max(1, n);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
+  Eigen::VectorXd c = factor.transpositionsP() * gradient;
+  factor.matrixL().solveInPlace(c);
+  Eigen::VectorXd root(n);
+  for (int i = 0; i < n; ++i) {
+    const double pivot = factor.vectorD()[i];
+    root[i] = pivot > round_off ? std::sqrt(pivot) : 0.0;
+    c[i] = root[i] > 0.0 ? c[i] / root[i] : 0.0;
+  }
+  const Eigen::MatrixXd upper = factor.matrixU();
+  const Eigen::MatrixXd permuted = root.asDiagonal() * upper;
+  rows.jacobian.topRows(n) = permuted * (factor.transpositionsP() * Eigen::MatrixXd::Identity(n, n));
+  rows.jacobian.topRows(n) = rows.jacobian.topRows(n) * scale.asDiagonal();
+  rows.residual.head(n) = c;
+  rows.residual[n] = std::sqrt(std::max(0.0, sums.squared_residual() - c.squaredNorm()));
+  return rows;
+}
+
+bool AreMany(double rows, double columns) { return rows * columns > kFewEntries && rows > kManyTimes * columns; }
+
+Eigen::MatrixXd RootOf(const Eigen::MatrixXd& covariance) {
+  if (covariance.size() == 0) return covariance;
+  // Of the correlations: units differ by 20 orders of magnitude.
+  const Eigen::VectorXd size = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation = size.cwiseInverse().asDiagonal() * covariance * size.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  return size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+Eigen::MatrixXd TallProduct(const Eigen::MatrixXd& x, const Eigen::MatrixXd& w) {
+  Eigen::MatrixXd product(x.rows(), w.cols());
+  const auto done = static_cast<Eigen::Index>(
+      MultiplyColumns(x.data(), x.rows(), x.rows(), x.cols(), w.data(), w.cols(), product.data()));
+  const Eigen::Index rest = x.rows() - done;
+  if (rest > 0) product.bottomRows(rest).noalias() = x.bottomRows(rest) * w;
+  return product;
+}
+
+}  // namespace sagitta

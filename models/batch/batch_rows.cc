@@ -1,0 +1,66 @@
+#include "models/batch/batch_rows.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "models/batch/batch_rows.cc"
+#include "models/batch/targets.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+
+#include <cmath>
+#include <utility>
+
+#include <hwy/aligned_allocator.h>
+#include <hwy/highway.h>
+
+#include "models/batch/lane_motions-inl.h"
+#include "models/batch/lane_shots-inl.h"
+
+#if HWY_ONCE
+namespace sagitta {
+
+HWY_EXPORT(EvaluateLanes);
+HWY_EXPORT(MotionsOfLanes);
+HWY_EXPORT(TargetOfLanes);
+
+BatchPoint::BatchPoint(const ShotProgram& program, const double* theta_in, const Pose<double>& base_in_station_in,
+                       std::vector<Vector3<double>> marker_points_in)
+    : theta(theta_in), base_in_station(base_in_station_in), marker_points(std::move(marker_points_in)) {
+  for (const ShotProgram::Transform& transform : program.transforms) {
+    double value = transform.geometry >= 0 ? theta[transform.geometry] : 0.0;
+    if (transform.lane_value < 0) value += transform.nominal;
+    const bool is_turn = transform.is_fixed() && transform.is_rotation;
+    fixed.push_back(is_turn ? std::sin(value) : value);
+    fixed.push_back(is_turn ? std::cos(value) : 0.0);
+  }
+}
+
+struct BatchScratch::Memory {
+  hwy::AlignedFreeUniquePtr<double[]> doubles;
+  std::size_t size = 0;
+};
+
+BatchScratch::BatchScratch() : memory_(std::make_unique<Memory>()) {}
+BatchScratch::~BatchScratch() = default;
+
+double* BatchScratch::Reserve(std::size_t doubles) {
+  if (memory_->size < doubles) {
+    memory_->doubles = hwy::AllocateAligned<double>(doubles);
+    memory_->size = doubles;
+  }
+  return memory_->doubles.get();
+}
+
+unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const BatchLayout& layout, const double* data,
+                       BatchScratch* scratch, double* rows) {
+  return HWY_DYNAMIC_DISPATCH(EvaluateLanes)(program, at, layout, data, scratch, rows);
+}
+
+unsigned RaiseMotions(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
+                      double* motions) {
+  return HWY_DYNAMIC_DISPATCH(MotionsOfLanes)(program, at, data, scratch, motions);
+}
+
+const char* BatchInstructions() { return HWY_DYNAMIC_DISPATCH(TargetOfLanes)(); }
+
+}  // namespace sagitta
+#endif

@@ -1,0 +1,47 @@
+// The gravity compensator's torque in one register's worth of shots, with derivatives. Compiled once per instruction set.
+#if defined(SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
+#undef SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
+#else
+#define SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
+#endif
+
+#include "models/batch/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sagitta {
+namespace HWY_NAMESPACE {
+
+// T = -Kc (1 - s0/s) L A,  A = a_x cos q - a_y sin q,  C = a_y cos q + a_x sin q,  s^2 = a^2 + L^2 + 2 L C
+// (models/gravity_compensator.h); d s = (L A dq + (L + C) dL + (a_x + L sin q) da_x + (a_y + L cos q) da_y) / s.
+struct SpringTorque {
+  V torque, by_angle, by[5];
+};
+// theta: L, a_x, a_y, s0, Kc; sine and cosine of the joint's angle.
+HWY_INLINE SpringTorque SpringAt(const double* theta, V sine, V cosine) {
+  const V length = Of(theta[0]), ax = Of(theta[1]), ay = Of(theta[2]), rest = Of(theta[3]), rate = Of(theta[4]);
+  const V across = Fnma(ay, sine, hn::Mul(ax, cosine)), along = Fma(ay, cosine, hn::Mul(ax, sine));
+  const V square = Fma(hn::Add(length, hn::Add(along, along)), length, Fma(ax, ax, hn::Mul(ay, ay)));
+  const V s = hn::Sqrt(square);
+  const V ratio = hn::Div(rest, s), slack = hn::Sub(Of(1.0), ratio);
+  const V by_s = hn::Div(ratio, square);  // d slack = (s0 / s^2) ds, ds = (..) / s
+  const V arm = hn::Mul(length, across), minus_rate = hn::Neg(rate);
+  SpringTorque result;
+  result.torque = hn::Mul(hn::Mul(minus_rate, slack), arm);
+  const auto by = [&](V ds, V d_arm) HWY_ATTR {
+    return hn::Mul(minus_rate, Fma(hn::Mul(by_s, ds), arm, hn::Mul(slack, d_arm)));
+  };
+  result.by_angle = by(arm, hn::Neg(hn::Mul(length, along)));
+  result.by[0] = by(hn::Add(length, along), across);
+  result.by[1] = by(Fma(length, sine, ax), hn::Mul(length, cosine));
+  result.by[2] = by(Fma(length, cosine, ay), hn::Neg(hn::Mul(length, sine)));
+  result.by[3] = hn::Div(hn::Mul(rate, arm), s);
+  result.by[4] = hn::Neg(hn::Mul(slack, arm));
+  return result;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sagitta
+HWY_AFTER_NAMESPACE();
+
+#endif

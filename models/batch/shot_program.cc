@@ -1,0 +1,279 @@
+#include "models/batch/shot_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace sagitta {
+namespace {
+
+// Frames that bear wrenches, ascending.
+std::vector<int> WrenchFrames(const ShotInput& shot) {
+  std::set<int> frames;
+  const auto add = [&](const std::vector<AppliedWrench>& wrenches) {
+    for (const AppliedWrench& wrench : wrenches) frames.insert(wrench.frame);
+  };
+  add(shot.wrenches);
+  for (const WrenchTerm& term : shot.terms.wrenches) add(term.wrenches);
+  for (const SagTerm& term : shot.terms.sags) add(term.wrenches);
+  return {frames.begin(), frames.end()};
+}
+
+// Slots that do not answer in this shot (no term on them) bend nothing and are left out.
+std::vector<int> ElasticSlots(const ForwardModel& model, const ShotInput& shot) {
+  const bool has_spring = model.robot().gravity_compensator.has_value();
+  const bool is_loaded = !shot.wrenches.empty() || !shot.terms.wrenches.empty() || has_spring;
+  std::set<int> slots;
+  if (shot.terms.sags.empty() && (shot.terms.elastic.empty() || !is_loaded)) return {};
+  for (const ElasticTerm& term : shot.terms.elastic) slots.insert(term.transform);
+  for (const SagTerm& term : shot.terms.sags) slots.insert(term.transform);
+  if (has_spring) slots.insert(model.chain().JointTransform(model.robot().gravity_compensator->joint));
+  return {slots.begin(), slots.end()};
+}
+
+class Builder {
+ public:
+  Builder(const ForwardModel& model, const ShotInput& shot, const std::vector<BatchReading>& readings)
+      : chain_(model.chain()), model_(model), shot_(shot), levels_(WrenchFrames(shot)) {
+    program_.num_parameters = model.num_parameters();
+    program_.num_levels = static_cast<int>(levels_.size());
+    AddTransforms();
+    AddElastic(ElasticSlots(model, shot));
+    AddMarkers(readings);
+    for (const BaseTerm& term : shot.terms.base) program_.growth.push_back({term.parameter, Take(1)});
+    for (const StationTerm& term : shot.terms.station) program_.station.push_back({term.parameter, Take(12)});
+    for (int j = 0; j < chain_.num_joints(); ++j) {
+      program_.joint_twists.push_back(TwistOf(chain_.JointTransform(j)));
+      program_.joint_signs.push_back(chain_.transforms[chain_.JointTransform(j)].sign);
+    }
+  }
+
+  ShotProgram Take() { return std::move(program_); }
+
+ private:
+  int Take(int numbers) {
+    const int first = program_.num_data;
+    program_.num_data += numbers;
+    return first;
+  }
+  // The first level whose frame lies beyond transform e.
+  int LevelOf(int e) const {
+    return static_cast<int>(std::upper_bound(levels_.begin(), levels_.end(), e) - levels_.begin());
+  }
+  int TwistOf(int e) {
+    ShotProgram::Transform& transform = program_.transforms[e];
+    if (transform.twist < 0) {
+      transform.twist = static_cast<int>(program_.twists.size());
+      program_.twists.push_back({e, LevelOf(e)});
+    }
+    return transform.twist;
+  }
+  int KeptFrame(int frame) {
+    int& kept = frame == 0 ? program_.world_frame : program_.transforms[frame - 1].kept_frame;
+    if (kept < 0) kept = program_.num_kept_frames++;
+    return kept;
+  }
+
+  void AddTransforms() {
+    for (const ElementaryTransform& given : chain_.transforms) {
+      ShotProgram::Transform transform;
+      transform.is_rotation = given.is_rotation();
+      transform.axis = static_cast<int>(given.axis);
+      transform.nominal = given.nominal;
+      if (given.has_joint()) transform.lane_value = Take(transform.is_rotation ? 2 : 1);
+      program_.transforms.push_back(transform);
+    }
+    for (int i = 0; i < model_.num_parameters(); ++i) {
+      if (model_.parameters()[i].law != ParameterLaw::kGeometry) continue;
+      program_.transforms[model_.parameters()[i].index].geometry = i;
+      TwistOf(model_.parameters()[i].index);
+    }
+    for (const SlotTerm& term : shot_.terms.slots) {
+      program_.transforms[term.transform].terms.push_back({term.parameter, Take(1)});
+      TwistOf(term.transform);
+    }
+  }
+
+  ShotProgram::Loads MakeLoads(int parameter, const std::vector<AppliedWrench>& wrenches) {
+    ShotProgram::Loads loads;
+    loads.parameter = parameter;
+    for (const AppliedWrench& wrench : wrenches) {
+      const auto level = std::lower_bound(levels_.begin(), levels_.end(), wrench.frame) - levels_.begin();
+      const bool in_base = wrench.expressed_in == WrenchFrame::kBase;
+      program_.has_base_loads |= in_base;
+      loads.wrenches.push_back({KeptFrame(wrench.frame), static_cast<int>(level), in_base, Take(9)});
+    }
+    return loads;
+  }
+
+  void AddElastic(const std::vector<int>& slots) {
+    if (slots.empty()) return;
+    for (size_t s = 0; s < slots.size(); ++s) {
+      program_.slots.push_back({slots[s], TwistOf(slots[s]), LevelOf(slots[s])});
+      program_.transforms[slots[s]].slot = static_cast<int>(s);
+    }
+    const auto slot_of = [&](int transform) { return program_.transforms[transform].slot; };
+    program_.loads.push_back(MakeLoads(-1, shot_.wrenches));
+    for (const WrenchTerm& term : shot_.terms.wrenches)
+      program_.loads.push_back(MakeLoads(term.parameter, term.wrenches));
+    for (const SagTerm& term : shot_.terms.sags) {
+      program_.sags.push_back(MakeLoads(term.parameter, term.wrenches));
+      program_.sags.back().slot = slot_of(term.transform);
+    }
+    for (const ElasticTerm& term : shot_.terms.elastic) {
+      program_.elastic.push_back({slot_of(term.transform), term.parameter, Take(1), term.law});
+    }
+    if (model_.robot().gravity_compensator) AddSpring(*model_.robot().gravity_compensator);
+  }
+
+  void AddSpring(const GravityCompensator& spring) {
+    const int e = chain_.JointTransform(spring.joint);
+    const double zero = spring.zero.value_or(chain_.transforms[e].nominal);
+    program_.has_spring = true;
+    program_.spring = {program_.transforms[e].slot, e,           FirstOf(ParameterLaw::kCompensator),
+                       std::sin(zero),              std::cos(zero), chain_.transforms[e].sign,
+                       spring.preload ? -1 : Take(2)};
+  }
+  int FirstOf(ParameterLaw law) const {
+    int i = 0;
+    while (model_.parameters()[i].law != law) ++i;
+    return i;
+  }
+
+  void AddMarkers(const std::vector<BatchReading>& readings) {
+    std::map<int, int> class_of;
+    for (const BatchReading& reading : readings) {
+      const auto [found, is_new] = class_of.emplace(reading.frame, static_cast<int>(program_.classes.size()));
+      if (is_new) program_.classes.push_back({reading.frame});
+      ShotProgram::Marker marker{reading.id, KeptFrame(reading.frame), found->second, false, Take(12), {}};
+      marker.grows = reading.frame > chain_.BaseFrame();
+      for (const MarkerTerm& term : shot_.terms.markers) {
+        if (term.marker == reading.id) marker.terms.push_back({term.parameter, Take(3)});
+      }
+      program_.markers.push_back(std::move(marker));
+    }
+  }
+
+  const Chain& chain_;
+  const ForwardModel& model_;
+  const ShotInput& shot_;
+  const std::vector<int> levels_;
+  ShotProgram program_;
+};
+
+// Lines of sight, measured torques and smooth signs are left to the model.
+bool HasProgram(const ShotInput& shot) {
+  const auto is_smooth = [](const ElasticTerm& term) { return term.law == ElasticLaw::kSign && term.width > 0.0; };
+  return shot.terms.sights.empty() && shot.terms.torques.empty() &&
+         std::none_of(shot.terms.elastic.begin(), shot.terms.elastic.end(), is_smooth);
+}
+
+bool TurnsWithFlange(const std::vector<AppliedWrench>& wrenches) {
+  return std::any_of(wrenches.begin(), wrenches.end(),
+                     [](const AppliedWrench& w) { return w.expressed_in == WrenchFrame::kFlange; });
+}
+
+}  // namespace
+
+std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput& shot,
+                                      const std::vector<BatchReading>& readings) {
+  if (!shot.prepared || !HasProgram(shot)) return {};
+  std::vector<std::int64_t> key = {model.chain().num_transforms()};
+  bool known = true;
+  const auto add_wrenches = [&](const std::vector<AppliedWrench>& wrenches) {
+    key.push_back(static_cast<std::int64_t>(wrenches.size()));
+    for (const AppliedWrench& wrench : wrenches) {
+      key.push_back(2 * wrench.frame + (wrench.expressed_in == WrenchFrame::kBase ? 1 : 0));
+    }
+    known = known && !TurnsWithFlange(wrenches);
+  };
+  const auto begin_list = [&](size_t size) { key.push_back(-1 - static_cast<std::int64_t>(size)); };
+  begin_list(readings.size());
+  for (const BatchReading& reading : readings) key.insert(key.end(), {reading.id, reading.frame});
+  add_wrenches(shot.wrenches);
+  begin_list(shot.terms.slots.size());
+  for (const SlotTerm& term : shot.terms.slots) key.insert(key.end(), {term.transform, term.parameter});
+  begin_list(shot.terms.elastic.size());
+  for (const ElasticTerm& term : shot.terms.elastic) {
+    key.insert(key.end(), {term.transform, term.parameter, static_cast<int>(term.law)});
+  }
+  begin_list(shot.terms.wrenches.size());
+  for (const WrenchTerm& term : shot.terms.wrenches) key.push_back(term.parameter), add_wrenches(term.wrenches);
+  begin_list(shot.terms.sags.size());
+  for (const SagTerm& term : shot.terms.sags) {
+    key.insert(key.end(), {term.transform, term.parameter});
+    add_wrenches(term.wrenches);
+  }
+  begin_list(shot.terms.markers.size());
+  for (const MarkerTerm& term : shot.terms.markers) key.insert(key.end(), {term.marker, term.parameter});
+  begin_list(shot.terms.base.size());
+  for (const BaseTerm& term : shot.terms.base) key.push_back(term.parameter);
+  begin_list(shot.terms.station.size());
+  for (const StationTerm& term : shot.terms.station) key.push_back(term.parameter);
+  return known ? key : std::vector<std::int64_t>();
+}
+
+ShotProgram MakeShotProgram(const ForwardModel& model, const ShotInput& shot,
+                            const std::vector<BatchReading>& readings) {
+  return Builder(model, shot, readings).Take();
+}
+
+void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotInput& shot,
+              const std::vector<BatchReading>& readings, int lane, double* data) {
+  const auto set = [&](int index, double value) { data[index * kBatchLanes + lane] = value; };
+  const auto set_vector = [&](int index, const Vector3<double>& value) {
+    for (int i = 0; i < 3; ++i) set(index + i, value[i]);
+  };
+  const auto set_matrix = [&](int index, const Matrix3<double>& value) {
+    for (int i = 0; i < 9; ++i) set(index + i, value(i / 3, i % 3));
+  };
+  const auto set_wrenches = [&](const ShotProgram::Loads& loads, const std::vector<AppliedWrench>& wrenches) {
+    for (size_t w = 0; w < wrenches.size(); ++w) {
+      set_vector(loads.wrenches[w].data, wrenches[w].point);
+      set_vector(loads.wrenches[w].data + 3, wrenches[w].force);
+      set_vector(loads.wrenches[w].data + 6, wrenches[w].moment);
+    }
+  };
+  const Chain& chain = model.chain();
+  const Eigen::VectorXd q = chain.CoupledJointValues(shot.conditions.q);
+  for (int e = 0; e < chain.num_transforms(); ++e) {
+    const ShotProgram::Transform& transform = program.transforms[e];
+    if (transform.lane_value < 0) continue;
+    const double value = transform.nominal + chain.transforms[e].sign * q[chain.transforms[e].joint];
+    set(transform.lane_value, transform.is_rotation ? std::sin(value) : value);
+    if (transform.is_rotation) set(transform.lane_value + 1, std::cos(value));
+  }
+  std::vector<size_t> next(chain.num_transforms(), 0);
+  for (const SlotTerm& term : shot.terms.slots) {
+    set(program.transforms[term.transform].terms[next[term.transform]++].data, term.factor);
+  }
+  if (program.is_elastic()) {
+    set_wrenches(program.loads[0], shot.wrenches);
+    for (size_t i = 0; i < shot.terms.wrenches.size(); ++i) {
+      set_wrenches(program.loads[1 + i], shot.terms.wrenches[i].wrenches);
+    }
+    for (size_t i = 0; i < shot.terms.sags.size(); ++i) set_wrenches(program.sags[i], shot.terms.sags[i].wrenches);
+    for (size_t i = 0; i < program.elastic.size(); ++i) set(program.elastic[i].data, shot.terms.elastic[i].factor);
+    if (program.has_spring && program.spring.commanded >= 0) {
+      const double commanded = q[model.robot().gravity_compensator->joint];
+      set(program.spring.commanded, std::sin(commanded));
+      set(program.spring.commanded + 1, std::cos(commanded));
+    }
+  }
+  for (size_t m = 0; m < readings.size(); ++m) {
+    set_matrix(program.markers[m].data, readings[m].whitener);
+    set_vector(program.markers[m].data + 9, readings[m].point_in_station);
+    size_t own = 0;
+    for (const MarkerTerm& term : shot.terms.markers) {
+      if (term.marker == readings[m].id) set_vector(program.markers[m].terms[own++].data, term.direction);
+    }
+  }
+  for (size_t i = 0; i < program.growth.size(); ++i) set(program.growth[i].data, shot.terms.base[i].factor);
+  for (size_t i = 0; i < program.station.size(); ++i) {
+    set_matrix(program.station[i].data, shot.terms.station[i].gradient);
+    set_vector(program.station[i].data + 9, shot.terms.station[i].offset);
+  }
+}
+
+}  // namespace sagitta

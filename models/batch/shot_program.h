@@ -1,0 +1,136 @@
+// What the shots of one structure have in common, so that several of them can be evaluated side by side.
+//
+// Shots have the same structure where they differ in numbers only: the same markers on the same frames, wrenches on
+// the same frames, terms on the same transforms and parameters. The numbers of kBatchLanes shots lie lane by lane in
+// one block (`data`); the program says which number lies where. What is the same in all lanes (values of the
+// parameters, base pose, marker points) comes with the call.
+//
+// A unit twist of a transform is xi = (z, o x z) for a rotation and (0, z) for a translation, in the base frame: a
+// point p moves by v + w x p, and a wrench (M0, F) about the base origin does the work w . M0 + v . F.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "models/forward_model.h"
+
+namespace sagitta {
+
+constexpr int kBatchLanes = 8;
+
+struct ShotProgram {
+  struct Scaled {  // parameter times a number of each lane
+    int parameter = -1;
+    int data = -1;
+  };
+  struct Transform {
+    bool is_rotation = false;
+    int axis = 0;
+    double nominal = 0.0;
+    int geometry = -1;           // parameter that adds to its value
+    int lane_value = -1;         // data: sin and cos (rotation) or value of nominal + sign q; -1: no joint
+    std::vector<Scaled> terms;   // effects that add to its value
+    int slot = -1;               // elastic slot
+    int twist = -1;              // index of its twist, where somebody differentiates by its value
+    int kept_frame = -1;         // index of the frame right after it, where a marker or a wrench rides on that
+
+    bool is_fixed() const { return lane_value < 0 && slot < 0 && terms.empty(); }  // the same in all lanes
+  };
+  struct Wrench {
+    int kept_frame = 0;
+    int level = 0;  // index of its frame among the distinct frames that bear wrenches, ascending
+    bool in_base = false;
+    int data = 0;  // point, force, moment: 9 numbers
+  };
+  struct Loads {
+    int parameter = -1;  // -1: times one
+    int slot = -1;       // of a sag: where it deflects
+    std::vector<Wrench> wrenches;
+  };
+  struct Elastic {
+    int slot = -1;
+    int parameter = -1;
+    int data = -1;
+    ElasticLaw law = ElasticLaw::kLinear;
+  };
+  struct Slot {
+    int transform = -1;
+    int twist = -1;
+    int level = 0;  // wrenches of this level and beyond act on it
+  };
+  struct Twist {
+    int transform = -1;
+    int level = 0;
+  };
+  struct MarkerDirection {
+    int parameter = -1;
+    int data = -1;  // 3 numbers
+  };
+  struct Station {
+    int parameter = -1;
+    int data = -1;  // gradient, row by row, then offset: 12 numbers
+  };
+  struct Marker {
+    int id = -1;
+    int kept_frame = 0;
+    int frame_class = 0;
+    bool grows = false;
+    int data = 0;  // whitener, row by row, then measured point: 12 numbers
+    std::vector<MarkerDirection> terms;
+  };
+  struct FrameClass {  // a frame that bears markers
+    int frame = 0;
+  };
+  struct Spring {
+    int slot = -1;
+    int transform = -1;
+    int first_parameter = 0;
+    double sin_offset = 0.0, cos_offset = 1.0, sign = 1.0;
+    int commanded = -1;  // data: sin and cos of the commanded joint value, where only the change acts
+  };
+
+  std::vector<Transform> transforms;
+  int world_frame = -1;  // kept frame of the chain's first frame
+  int num_kept_frames = 0;
+  std::vector<Twist> twists;
+  std::vector<Slot> slots;
+  std::vector<Elastic> elastic;
+  std::vector<Loads> loads, sags;
+  int num_levels = 0;
+  bool has_base_loads = false;
+  std::vector<Marker> markers;
+  std::vector<FrameClass> classes;
+  std::vector<Scaled> growth;
+  std::vector<Station> station;
+  std::vector<int> joint_twists;  // of each joint
+  std::vector<double> joint_signs;
+  bool has_spring = false;
+  Spring spring;
+  int num_parameters = 0;
+  int num_data = 0;  // numbers of each lane
+
+  bool is_elastic() const { return !slots.empty(); }
+};
+
+// A marker of a shot as it was read.
+struct BatchReading {
+  int id = -1;
+  int frame = 0;
+  Vector3<double> point_in_station;
+  Matrix3<double> whitener;
+};
+
+// Equal keys: the same structure. Empty: a shot that only the model itself evaluates (wrenches that turn with the
+// flange, errors along lines of sight, measured torques).
+std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput& shot,
+                                      const std::vector<BatchReading>& readings);
+
+// `shot` stands for all of its structure.
+ShotProgram MakeShotProgram(const ForwardModel& model, const ShotInput& shot,
+                            const std::vector<BatchReading>& readings);
+
+// Writes the numbers of one shot into its lane of a block of num_data * kBatchLanes doubles.
+void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotInput& shot,
+              const std::vector<BatchReading>& readings, int lane, double* data);
+
+}  // namespace sagitta

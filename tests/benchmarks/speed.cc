@@ -1,0 +1,238 @@
+// What the estimator costs, as ratios to the forward kinematics of the same arm in the same run: Google Benchmark's
+// rows, and with --benchmark_format=json what tests/benchmarks/run turns into BENCHMARKS.md.
+#include <benchmark/benchmark.h>
+#include <ceres/solver.h>
+
+#include "estimator/baselines/two_step.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/condensed_cost.h"
+#include "estimator/least_squares/sandwich.h"
+#include "tests/benchmarks/loaded_arm.h"
+
+namespace sagitta::benchmarks {
+namespace {
+
+struct Setup {
+  explicit Setup(int configurations, double repeatability = 0.0)
+      : problem(LoadedArm(configurations, repeatability)), rows(CalibrationResiduals(problem)), start(problem.parameters) {
+    AlignNominal(problem, &start);
+    for (const int i : HeldAtStart()) start.coordinate(i).held = true;
+    columns = start.EstimatedCoordinates();
+  }
+  // What an estimate of these data holds; the comparisons solve for the same unknowns.
+  std::vector<int> HeldAtStart() const {
+    const Estimate estimate = EstimateFrom(problem, start);
+    std::vector<int> held;
+    for (int i = 0; i < start.num_coordinates(); ++i) {
+      if (estimate.parameters.coordinates()[i].held) held.push_back(i);
+    }
+    return held;
+  }
+
+  CalibrationProblem problem;
+  ResidualSelection rows;
+  ParameterSet start;
+  std::vector<int> columns;
+};
+
+const Setup& SetupOf(int configurations, bool deviate = false) {
+  static std::map<std::pair<int, bool>, std::unique_ptr<Setup>> known;
+  std::unique_ptr<Setup>& setup = known[{configurations, deviate}];
+  if (!setup) setup = std::make_unique<Setup>(configurations, deviate ? 40e-6 : 0.0);
+  return *setup;
+}
+
+void PerConfiguration(benchmark::State& state, const Setup& setup) {
+  state.counters["configurations"] = static_cast<double>(setup.problem.data.configurations.size());
+  state.counters["unknowns"] = static_cast<double>(setup.columns.size());
+}
+
+// T_FK: kinematics, deflection to first order and three points, scalar code.
+void ForwardKinematics(benchmark::State& state) {
+  const Setup& setup = SetupOf(1000);
+  const Chain& chain = setup.problem.model.chain();
+  const std::vector<double> theta = setup.start.ModelValues();
+  const Pose<double> base = setup.start.BaseInStation(0);
+  ChainState<double> pose;
+  size_t s = 0;
+  std::vector<std::vector<double>> values;
+  for (const ShotInput& shot : setup.problem.shot_inputs) {
+    values.push_back(setup.problem.model.TransformValues(shot, theta.data()));
+  }
+  for (auto _ : state) {
+    s = (s + 1) % values.size();
+    const ShotInput& shot = setup.problem.shot_inputs[s];
+    EvaluateChain(chain, values[s].data(), &pose);
+    for (const ElasticTerm& term : shot.terms.elastic) {
+      double torque = 0.0;
+      for (const AppliedWrench& w : shot.wrenches) {
+        torque += GeneralisedForce(chain, pose, term.transform, ToBase(w, pose, base.rotation));
+      }
+      benchmark::DoNotOptimize(torque);
+    }
+    for (int m = 0; m < 3; ++m) {
+      const Vector3<double> point = base * (pose.frames.back() * setup.start.MarkerPoint(m));
+      benchmark::DoNotOptimize(point.data());
+    }
+  }
+}
+BENCHMARK(ForwardKinematics);
+
+extern "C" void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*, const double*,
+                       const int*, const double*, const int*, const double*, double*, const int*);
+
+// The rate of the machine's BLAS on the product that sums of rows are: J'J of 57 columns, 1152 rows at a time.
+void MachineDgemm(benchmark::State& state) {
+  const int columns = 57, rows = 1152;
+  const Eigen::MatrixXd j = Eigen::MatrixXd::Random(rows, columns);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(columns, columns);
+  const double one = 1.0;
+  for (auto _ : state) {
+    dgemm_("T", "N", &columns, &columns, &rows, &one, j.data(), &rows, j.data(), &rows, &one, product.data(), &columns);
+    benchmark::DoNotOptimize(product.data());
+  }
+  state.counters["flops"] = benchmark::Counter(2.0 * rows * columns * columns, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(MachineDgemm);
+
+// The same sums by ours, the upper half only; flops counted as dgemm's.
+void SumsOfRows(benchmark::State& state) {
+  Linearization rows;
+  rows.jacobian = Eigen::MatrixXd::Random(1152, 56);
+  rows.residual = Eigen::VectorXd::Random(1152);
+  for (auto _ : state) benchmark::DoNotOptimize(SumRows(rows).matrix.data());
+  state.counters["flops"] = benchmark::Counter(2.0 * 1152 * 57 * 57, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(SumsOfRows);
+
+void RowsByModel(benchmark::State& state) {
+  const Setup& setup = SetupOf(1000);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        LinearizeByModel(setup.problem, setup.start, setup.rows.observations, setup.columns, setup.rows.noise));
+  }
+  PerConfiguration(state, setup);
+}
+BENCHMARK(RowsByModel)->Unit(benchmark::kMillisecond);
+
+void BatchedRows(benchmark::State& state) {
+  const Setup& setup = SetupOf(1000);
+  const RowBatches batches(setup.problem, setup.rows.observations, setup.rows.noise, LatentTreatment::kIgnore);
+  const RowBatches::Request request(batches, setup.start, setup.columns);
+  BatchScratch scratch;
+  BatchBuffer buffer;
+  for (auto _ : state) {
+    for (int g = 0; g < batches.num_groups(); ++g) {
+      double* const rows = buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns *
+                                          kBatchLanes);
+      for (int b = 0; b < batches.num_batches(g); ++b) {
+        benchmark::DoNotOptimize(batches.Evaluate(request, g, b, &scratch, rows));
+      }
+    }
+  }
+  state.SetLabel(BatchInstructions());
+  PerConfiguration(state, setup);
+}
+BENCHMARK(BatchedRows)->Unit(benchmark::kMicrosecond);
+
+// Rows and sums.
+void NormalEquationsPass(benchmark::State& state) {
+  const Setup& setup = SetupOf(static_cast<int>(state.range(0)), state.range(2) != 0);
+  const NormalEquations equations(setup.problem, setup.rows.observations, setup.rows.noise,
+                                  LatentTreatment::kMarginalise, static_cast<int>(state.range(1)));
+  for (auto _ : state) benchmark::DoNotOptimize(equations.Sum(setup.start, setup.columns).matrix.data());
+  PerConfiguration(state, setup);
+}
+BENCHMARK(NormalEquationsPass)
+    ->ArgNames({"configurations", "threads", "joints_deviate"})
+    ->Args({18, 1, 0})->Args({1000, 1, 0})->Args({10000, 1, 0})->Args({10000, 2, 0})->Args({10000, 1, 1})
+    ->Args({100000, 1, 0})->Args({100000, 2, 0})
+    ->UseRealTime()->Unit(benchmark::kMicrosecond);
+
+enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate };
+
+void Solve(benchmark::State& state) {
+  const auto way = static_cast<Way>(state.range(1));
+  const bool deviate = state.range(2) != 0;
+  const Setup& setup = SetupOf(static_cast<int>(state.range(0)), deviate);
+  int iterations = 0;
+  for (auto _ : state) {
+    ParameterSet parameters = setup.start;
+    if (way == kWholeEstimate) {
+      JointOptions options;
+      options.judge = false;
+      iterations = EstimateFrom(setup.problem, parameters, options).iterations;
+      continue;
+    }
+    ceres::Problem::Options problem_options;
+    problem_options.disable_all_safety_checks = true;
+    ceres::Problem problem(problem_options);
+    ceres::Solver::Options options;
+    options.logging_type = ceres::SILENT;
+    options.initial_trust_region_radius = 1e12;
+    options.function_tolerance = 1e-9;
+    options.linear_solver_type = ceres::DENSE_QR;
+    std::unique_ptr<NormalEquations> equations;
+    LatentBlocks latents;
+    if (way == kCondensedWay) {
+      equations = std::make_unique<NormalEquations>(setup.problem, setup.rows.observations, setup.rows.noise,
+                                                    LatentTreatment::kIgnore, 1);
+      AddCondensed(*equations, &parameters, &problem);
+    } else if (way == kJets) {
+      AddJets(setup.problem, setup.rows, &parameters, &problem);
+      options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    } else {
+      AddToProblem(setup.problem, setup.rows, &parameters, &problem, way == kSchur ? &latents : nullptr);
+      options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    }
+    if (way == kSchur) {
+      options.linear_solver_type = ceres::DENSE_SCHUR;
+      auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+      for (std::vector<double>& block : latents) ordering->AddElementToGroup(block.data(), 0);
+      std::vector<double*> blocks;
+      problem.GetParameterBlocks(&blocks);
+      for (double* block : blocks) {
+        if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, 1);
+      }
+      options.linear_solver_ordering = ordering;
+    }
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    iterations = static_cast<int>(summary.iterations.size()) - 1;
+  }
+  state.counters["iterations"] = iterations;
+  PerConfiguration(state, setup);
+}
+BENCHMARK(Solve)
+    ->ArgNames({"configurations", "way", "joints_deviate"})
+    ->Args({18, kJets, 0})->Args({18, kAnalytic, 0})->Args({18, kCondensedWay, 0})->Args({18, kWholeEstimate, 0})
+    ->Args({1000, kJets, 0})->Args({1000, kAnalytic, 0})->Args({1000, kCondensedWay, 0})->Args({1000, kWholeEstimate, 0})
+    ->Args({10000, kJets, 0})->Args({10000, kAnalytic, 0})->Args({10000, kCondensedWay, 0})
+    ->Args({10000, kWholeEstimate, 0})->Args({100000, kCondensedWay, 0})
+    ->Args({1000, kSchur, 1})->Args({1000, kWholeEstimate, 1})
+    ->UseRealTime()->Unit(benchmark::kMillisecond);
+
+void CovarianceFromSums(benchmark::State& state) {
+  const Setup& setup = SetupOf(1000);
+  const NormalEquations equations(setup.problem, setup.rows.observations, setup.rows.noise,
+                                  LatentTreatment::kMarginalise, 1);
+  const NormalSums sums = equations.Sum(setup.start, setup.columns);
+  for (auto _ : state) benchmark::DoNotOptimize(SolveLinearization(Condense(sums)).covariance.data());
+}
+BENCHMARK(CovarianceFromSums)->Unit(benchmark::kMicrosecond);
+
+void Sandwich(benchmark::State& state) {
+  const Setup& setup = SetupOf(1000);
+  const Linearization fit =
+      Linearize(setup.problem, setup.start, setup.rows.observations, setup.columns, setup.rows.noise);
+  const std::vector<int> clusters = ConfigurationClusters(setup.problem.data, setup.rows.observations);
+  for (auto _ : state) benchmark::DoNotOptimize(SandwichCovariance(fit, clusters).covariance.data());
+  PerConfiguration(state, setup);
+}
+BENCHMARK(Sandwich)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace sagitta::benchmarks
+
+BENCHMARK_MAIN();

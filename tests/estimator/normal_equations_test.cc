@@ -1,0 +1,268 @@
+// The one pass over the rows against the model, observation by observation, on problems of every kind: rows, sums,
+// estimates; and that the number of threads does not show in any digit.
+#include "estimator/least_squares/normal_equations.h"
+
+#include <ceres/problem.h>
+#include <gtest/gtest.h>
+
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/condensed_cost.h"
+#include "tests/support/kr270_experiment.h"
+#include "tests/support/kr270_poses.h"
+#include "tests/support/loaded_kr270.h"
+#include "tests/support/random_numbers.h"
+
+namespace sagitta {
+namespace {
+
+CalibrationProblem Rigid(int configurations) {
+  test::Kr270Design design;
+  design.configurations = configurations;
+  return test::Kr270Problem(design, test::Kr270Truth(), 11);
+}
+
+// Two stations, loads and pulls, a spring, markers on links.
+CalibrationProblem Loaded(const std::function<void(test::LoadedTruth*, Experiment*)>& change) {
+  test::LoadedTruth truth = test::Everything();
+  Experiment wanted;
+  change(&truth, &wanted);
+  test::LoadedDesign design = test::WithPulls();
+  design.configurations = 24;
+  Measurements data = test::LoadedRows(design, truth);
+  test::Measure(test::ExactPoints(truth, data), design.sigma, 5, &data);
+  test::LoadedSetup setup = test::SetupFor(truth);
+  setup.experiment.repeatability = wanted.repeatability;
+  setup.experiment.priors = wanted.priors;
+  return MakeCalibrationProblem(setup.robot, data, setup.experiment);
+}
+
+// Terms of every law: of slots, stations, the arm's size, deflections, wrenches.
+CalibrationProblem WithEffects() {
+  const CalibrationProblem loaded = Loaded([](auto*, auto*) {});
+  return loaded.WithEffects({{"joint_harmonic", "A3", {{"order", "1"}}, {}},
+                             {"joint_harmonic", "A5", {{"order", "2"}}, {}},
+                             {"station_scale", "S1", {}, {}},
+                             {"transverse_compliance", "A4", {}, {}},
+                             {"load_com", "V250", {}, {}}});
+}
+
+// Readings along lines of sight are the model's own; those of the other station go in batches.
+CalibrationProblem WithSights() {
+  const CalibrationProblem loaded = Loaded([](auto*, auto*) {});
+  return loaded.WithEffects({{"station_range_offset", "S1", {}, {}}});
+}
+
+// Points of three markers, then poses of a target.
+CalibrationProblem Poses(int configurations) {
+  test::Kr270Design design;
+  design.configurations = configurations;
+  const test::Kr270Truth truth = test::TurnedTruth();
+  const test::TargetTruth target;
+  Measurements data = test::PoseRows(design);
+  NormalNumbers normal(7);
+  for (Observation& row : data.observations) {
+    if (!row.is_point()) continue;
+    const Pose<double> exact =
+        test::ExactPose(truth, target, data.ConfigurationOf(row).q, data.shots[row.shot].station);
+    Observation& rotation = data.observations[row.partner];
+    const Vector3<double> off(normal(), normal(), normal()), turn(normal(), normal(), normal());
+    row.point_in_station = rotation.point_in_station = exact.translation + 1e-4 * off;
+    rotation.rotation_in_station = RotationFromVector<double>(1e-3 * turn) * exact.rotation;
+  }
+  return test::Kr270ProblemOf(data, Experiment());
+}
+
+// Stated torques bend the joints of every second shot; the others are free of load.
+CalibrationProblem MeasuredTorques() {
+  test::Kr270Design design;
+  design.configurations = 40;
+  Measurements data = test::DesignMeasurements(design);
+  test::RandomNumbers random(4);
+  for (Shot& shot : data.shots) {
+    shot.joint_torques.resize(6);
+    for (double& torque : shot.joint_torques) torque = random.Uniform(-800.0, 800.0);
+  }
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 9, &data);
+  Experiment experiment;
+  experiment.torques_measured = true;
+  return test::Kr270ProblemOf(data, experiment);
+}
+
+// Weights as a robust loss leaves them: every row has a root of its own.
+CalibrationProblem Weighted() {
+  CalibrationProblem problem = Loaded([](auto*, auto*) {});
+  test::RandomNumbers random(8);
+  NoiseRoots roots;
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    roots.push_back(problem.NoiseRoot(static_cast<int>(i)) / random.Uniform(0.2, 1.0));
+    roots.back()(1, 0) = 0.3 * roots.back()(0, 0);
+  }
+  problem.resolved_noise = roots;
+  return problem;
+}
+
+struct NamedProblem {
+  const char* name;
+  std::function<CalibrationProblem()> make;
+};
+
+void PrintTo(const NamedProblem& problem, std::ostream* out) { *out << problem.name; }
+
+const NamedProblem kProblems[] = {
+    {"Rigid", [] { return Rigid(21); }},
+    {"ManyRigid", [] { return Rigid(600); }},  // more than one block of work, condensed rows
+    {"Loaded", [] { return Loaded([](auto*, auto*) {}); }},
+    {"LoadedWithoutSpring", [] { return Loaded([](test::LoadedTruth* truth, auto*) { truth->spring.reset(); }); }},
+    {"LoadInTheFlange", [] {
+       return Loaded([](test::LoadedTruth* truth, auto*) { truth->loads["PX"].frame = WrenchFrame::kFlange; });
+     }},
+    {"JointsDeviate", [] {
+       return Loaded([](auto*, Experiment* wanted) { wanted->repeatability.angle.common = 40e-6; });
+     }},
+    {"Effects", WithEffects},
+    {"LinesOfSight", WithSights},
+    {"Poses", [] { return Poses(30); }},
+    {"MeasuredTorques", MeasuredTorques},
+    {"Weighted", Weighted},
+    {"Priors", [] {
+       return Loaded([](auto*, Experiment* wanted) { wanted->priors["compliance/A2"] = {0.3, 0.05}; });
+     }},
+};
+
+class NormalEquationsOf : public testing::TestWithParam<NamedProblem> {
+ protected:
+  NormalEquationsOf() : problem_(GetParam().make()), rows_(CalibrationResiduals(problem_)) {
+    parameters_ = problem_.parameters;
+    AlignNominal(problem_, &parameters_);
+    // Away from nominal, where everything bends.
+    test::RandomNumbers random(3);
+    for (int i = 0; i < parameters_.num_model_parameters(); ++i) {
+      const ParameterBlock& block = parameters_.model_parameter(i);
+      const Coordinate& coordinate = parameters_.coordinates()[block.first_coordinate];
+      const double size = std::max(0.02 * std::abs(block.values[0]), 0.1 * TraitsOf(coordinate.quantity).hold_limit);
+      parameters_.SetModelValue(i, block.values[0] + random.Uniform(0.0, size));
+    }
+    columns_ = parameters_.EstimatedCoordinates();
+  }
+
+  CalibrationProblem problem_;
+  ResidualSelection rows_;
+  ParameterSet parameters_;
+  std::vector<int> columns_;
+};
+
+// Rows: residuals to 1e-7 of the noise, derivatives to the last Newton step (1e-8) of their column.
+TEST_P(NormalEquationsOf, BatchedRowsAreTheModels) {
+  for (const LatentTreatment treatment : {LatentTreatment::kIgnore, LatentTreatment::kMarginalise}) {
+    const Linearization model =
+        LinearizeByModel(problem_, parameters_, rows_.observations, columns_, rows_.noise, treatment);
+    const Linearization batched = Linearize(problem_, parameters_, rows_.observations, columns_, rows_.noise, treatment);
+    ASSERT_TRUE(model.valid && batched.valid);
+    EXPECT_LT((model.residual - batched.residual).cwiseAbs().maxCoeff(), 1e-7 * (1.0 + model.residual.norm()));
+    EXPECT_EQ(model.latent.cols(), batched.latent.cols());
+    for (int c = 0; c < model.num_columns(); ++c) {
+      EXPECT_LT((model.jacobian.col(c) - batched.jacobian.col(c)).norm(), 1e-7 * model.jacobian.col(c).norm())
+          << parameters_.coordinates()[columns_[c]].name;
+    }
+  }
+}
+
+TEST_P(NormalEquationsOf, SumsAreThoseOfTheModelsRows) {
+  const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  const NormalSums sums = equations.Sum(parameters_, columns_);
+  Linearization model = LinearizeByModel(problem_, parameters_, rows_.observations, columns_, rows_.noise);
+  AppendPriors(parameters_, &model);
+  Eigen::MatrixXd both(model.num_rows(), model.num_columns() + 1);
+  both << model.jacobian, model.residual;
+  const Eigen::VectorXd size = both.colwise().norm();
+  const Eigen::MatrixXd difference =
+      size.cwiseInverse().asDiagonal() * (both.transpose() * both - sums.matrix) * size.cwiseInverse().asDiagonal();
+  EXPECT_EQ(sums.rows, model.num_rows());
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST_P(NormalEquationsOf, CondensedRowsHaveTheSameSums) {
+  const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  const NormalSums sums = equations.Sum(parameters_, columns_);
+  const Linearization rows = Condense(sums);
+  Eigen::MatrixXd both(rows.num_rows(), rows.num_columns() + 1);
+  both << rows.jacobian, rows.residual;
+  const Eigen::VectorXd size = sums.matrix.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd difference =
+      size.cwiseInverse().asDiagonal() * (both.transpose() * both - sums.matrix) * size.cwiseInverse().asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST_P(NormalEquationsOf, ThreadsDoNotShow) {
+  const NormalEquations one(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  const NormalEquations three(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 3);
+  EXPECT_EQ(one.Sum(parameters_, columns_).matrix, three.Sum(parameters_, columns_).matrix);
+}
+
+// What Ceres is told: the cost of all rows, and its gradient.
+TEST_P(NormalEquationsOf, CondensedCostIsTheCostPerMarker) {
+  if (!problem_.latent.empty()) GTEST_SKIP() << "in the condensed cost joints are exact";
+  const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kIgnore, 1);
+  ParameterSet a = parameters_, b = parameters_;
+  ceres::Problem condensed, by_marker;
+  AddCondensed(equations, &a, &condensed);
+  rows_.granularity = CostGranularity::kMarker;
+  AddToProblem(problem_, rows_, &b, &by_marker);
+  double cost_a = 0.0, cost_b = 0.0;
+  std::vector<double> gradient_a, gradient_b;
+  std::vector<double*> blocks_a, blocks_b;
+  for (size_t i = 0; i < a.blocks().size(); ++i) {
+    double* const values = const_cast<double*>(a.blocks()[i].values.data());
+    if (!condensed.HasParameterBlock(values)) continue;
+    blocks_a.push_back(values);
+    blocks_b.push_back(const_cast<double*>(b.blocks()[i].values.data()));
+  }
+  ceres::Problem::EvaluateOptions options_a, options_b;
+  options_a.parameter_blocks = blocks_a;
+  options_b.parameter_blocks = blocks_b;
+  ASSERT_TRUE(condensed.Evaluate(options_a, &cost_a, nullptr, &gradient_a, nullptr));
+  ASSERT_TRUE(by_marker.Evaluate(options_b, &cost_b, nullptr, &gradient_b, nullptr));
+  EXPECT_NEAR(cost_a, cost_b, 1e-9 * cost_b);
+  ASSERT_EQ(gradient_a.size(), gradient_b.size());
+  const Linearization scale = LinearizeByModel(problem_, a, rows_.observations, columns_, rows_.noise);
+  for (size_t c = 0; c < gradient_a.size(); ++c) {
+    const double size = scale.jacobian.col(static_cast<int>(c)).norm() * std::sqrt(2.0 * cost_b);
+    EXPECT_NEAR(gradient_a[c], gradient_b[c], 1e-7 * size) << parameters_.coordinates()[columns_[c]].name;
+  }
+}
+
+// The whole way: the estimate by sums is the one by markers, to 1e-6 standard deviations.
+TEST_P(NormalEquationsOf, EstimatesAreThoseByMarker) {
+  JointOptions by_marker, judged;
+  by_marker.granularity = CostGranularity::kMarker;
+  const Estimate a = EstimateJointly(problem_, judged), b = EstimateJointly(problem_, by_marker);
+  ASSERT_TRUE(IsUsable(a.status)) << a.message;
+  ASSERT_EQ(a.estimated, b.estimated);
+  for (size_t c = 0; c < a.estimated.size(); ++c) {
+    const ParameterEstimate& row = a.table[a.estimated[c]];
+    EXPECT_NEAR(row.value, b.table[a.estimated[c]].value, 1e-6 * row.sigma) << row.name;
+    EXPECT_NEAR(row.sigma, b.table[a.estimated[c]].sigma, 1e-6 * row.sigma) << row.name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Problems, NormalEquationsOf, testing::ValuesIn(kProblems),
+                         [](const auto& own) { return std::string(own.param.name); });
+
+// From nominal a loaded arm takes few steps, however few the configurations.
+TEST(JointEstimate, TakesAtMostFiveIterationsFromNominal) {
+  for (const int configurations : {18, 100}) {
+    test::LoadedTruth truth = test::Everything();
+    test::LoadedDesign design;
+    design.configurations = configurations;
+    truth.spring.reset();
+    Measurements data = test::LoadedRows(design, truth);
+    test::Measure(test::ExactPoints(truth, data), design.sigma, 5, &data);
+    const test::LoadedSetup setup = test::SetupFor(truth);
+    const Estimate estimate = EstimateJointly(MakeCalibrationProblem(setup.robot, data, setup.experiment));
+    ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+    EXPECT_LE(estimate.iterations, 5);
+  }
+}
+
+}  // namespace
+}  // namespace sagitta

@@ -1,0 +1,221 @@
+// The batched pass against the model itself (which the derivative tests hold against automatic differentiation): every
+// effect, loads in the base frame, springs, prismatic joints, markers on links and foot, deviations of joints.
+#include "models/batch/batch_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <numeric>
+
+#include "tests/support/arms.h"
+#include "tests/support/effect_contract.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kShots = 5;  // of 8 lanes
+
+struct BatchCase {
+  Robot robot;
+  std::vector<int> frames;  // of M1, M2
+  bool base_wrench = false;
+};
+
+ShotInput RandomShot(const ForwardModel& model, const BatchCase& setup, test::RandomNumbers* random) {
+  ShotInput shot = test::ContractShot(model.chain().FlangeFrame(), random);
+  const int joints = model.chain().num_joints();
+  shot.conditions.q.resize(joints);
+  shot.conditions.approach.assign(joints, 1);
+  for (int j = 0; j < joints; ++j) shot.conditions.q[j] = random->Uniform(-1.2, 1.2);
+  if (setup.base_wrench) {
+    AppliedWrench wrench = shot.wrenches[0];
+    wrench.frame = model.chain().FrameAfterJoint(2);
+    wrench.expressed_in = WrenchFrame::kBase;
+    shot.wrenches.push_back(wrench);
+  }
+  model.Prepare(&shot);
+  return shot;
+}
+
+// A batch with every derivative asked for, against ForwardModel::Predict lane by lane. Sizes: of the arm, 1 m.
+void ExpectBatchIsTheModel(const BatchCase& setup, int seed) {
+  const ForwardModel model(setup.robot, test::ContractMarkers());
+  test::RandomNumbers random(seed);
+  std::vector<double> theta = model.NominalValues();
+  for (int i = 0; i < model.num_parameters(); ++i) {
+    const ModelParameter& parameter = model.parameters()[i];
+    if (parameter.law == ParameterLaw::kGeometry) theta[i] = random.Uniform(-1e-3, 1e-3);
+    if (parameter.law == ParameterLaw::kEffect) {
+      theta[i] = random.Uniform(0.5, 1.0) * 0.1 * TraitsOf(parameter.quantity).hold_limit;
+    }
+  }
+  Pose<double> base;
+  base.rotation = RotationFromVector<double>(random.Vector(1.0));
+  base.translation = random.Vector(2.0);
+  std::vector<BatchReading> readings;
+  std::vector<MarkerInFrame> markers;
+  std::vector<Vector3<double>> points;
+  for (int m = 0; m < 2; ++m) {
+    const int frame = setup.frames.empty() ? model.chain().FlangeFrame() : setup.frames[m];
+    Matrix3<double> whitener;
+    for (int i = 0; i < 9; ++i) whitener(i / 3, i % 3) = random.Uniform(-1.0, 1.0);
+    readings.push_back({m, frame, random.Vector(2.0), whitener});
+    points.push_back(random.Vector(0.3));
+    markers.push_back({frame, points.back(), m});
+  }
+  std::vector<ShotInput> shots;
+  for (int i = 0; i < kShots; ++i) shots.push_back(RandomShot(model, setup, &random));
+  const ShotProgram program = MakeShotProgram(model, shots[0], readings);
+  for (const ShotInput& shot : shots) {
+    ASSERT_EQ(StructureOf(model, shot, readings), StructureOf(model, shots[0], readings));
+  }
+
+  const int joints = model.chain().num_joints(), n = model.num_parameters();
+  BatchLayout layout;
+  layout.markers = {0, 3};
+  layout.station = 6;
+  for (int i = 0; i < n; ++i) layout.theta.push_back(12 + i);
+  layout.latent = 12 + n;
+  layout.residual = 12 + n + joints;
+  layout.columns = layout.residual + 1;
+  for (int j = 0; j < joints; ++j) layout.latent_joints.push_back(j), layout.latent_sigmas.push_back(0.5 + j);
+  BatchScratch numbers, scratch, results;
+  double* const data = numbers.Reserve(static_cast<std::size_t>(program.num_data) * kBatchLanes);
+  double* const rows = results.Reserve(static_cast<std::size_t>(6) * layout.columns * kBatchLanes);
+  std::fill(rows, rows + 6 * layout.columns * kBatchLanes, 0.0);
+  for (int lane = 0; lane < kBatchLanes; ++lane) {
+    PackShot(model, program, shots[std::min(lane, kShots - 1)], readings, lane, data);
+  }
+  const BatchPoint at(program, theta.data(), base, points);
+  ASSERT_EQ(EvaluateBatch(program, at, layout, data, &scratch, rows), 0u);
+
+  std::vector<int> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  const std::vector<double> exact(joints, 0.0);
+  for (int lane = 0; lane < kShots; ++lane) {
+    std::vector<PointPrediction> expected;
+    ASSERT_TRUE(model.Predict(shots[lane], theta.data(), all, base, markers, &expected, exact.data()));
+    for (int m = 0; m < 2; ++m) {
+      const auto cell = [&](int i, int column) {
+        return rows[((3 * m + i) * layout.columns + column) * kBatchLanes + lane];
+      };
+      const auto expect = [&](int column, const Vector3<double>& derivative, double tolerance) {
+        const Vector3<double> whitened = readings[m].whitener * derivative;
+        for (int i = 0; i < 3; ++i) EXPECT_NEAR(cell(i, column), whitened[i], tolerance) << column << " " << lane;
+      };
+      // Points are exact to the square of the last Newton step, derivatives to that step: both to round-off here.
+      expect(layout.residual, expected[m].point - readings[m].point_in_station, 1e-13);
+      for (int i = 0; i < 3; ++i) {
+        expect(layout.station + i, expected[m].d_translation.col(i), 1e-15);
+        expect(layout.station + 3 + i, expected[m].d_rotation.col(i), 3e-12);
+        expect(layout.markers[m] + i, expected[m].d_marker.col(i), 1e-12);
+        EXPECT_EQ(cell(0, layout.markers[1 - m] + i), 0.0);
+      }
+      for (int i = 0; i < n; ++i) {
+        expect(layout.theta[i], expected[m].d_theta.col(i), 1e-12 * std::max(1.0, expected[m].d_theta.col(i).norm()));
+      }
+      for (int j = 0; j < joints; ++j) {
+        expect(layout.latent + j, layout.latent_sigmas[j] * expected[m].d_latent.col(j), 1e-12);
+      }
+    }
+  }
+}
+
+bool HasProgram(const BatchCase& setup) {
+  const ForwardModel model(setup.robot, test::ContractMarkers());
+  test::RandomNumbers random(1);
+  return !StructureOf(model, RandomShot(model, setup, &random), {}).empty();
+}
+
+TEST(BatchRows, EveryEffectIsAsInTheModel) {
+  int seed = 100, batched = 0;
+  for (const EffectSpec& use : test::ContractUses(EffectCatalogue())) {
+    SCOPED_TRACE(use.Path());
+    BatchCase setup{test::ContractArm(), {}, false};
+    setup.robot.effects = {use};
+    ++seed;
+    if (!HasProgram(setup)) continue;
+    ExpectBatchIsTheModel(setup, seed);
+    ++batched;
+  }
+  EXPECT_GT(batched, 20);  // all but those along lines of sight and smooth signs
+}
+
+TEST(BatchRows, LoadsInTheBaseFrameAndMarkersOnLinksAndFoot) {
+  BatchCase setup{test::ContractArm(), {}, true};
+  const Chain& chain = setup.robot.chain;
+  setup.frames = {chain.FrameAfterJoint(1), chain.FlangeFrame()};
+  ExpectBatchIsTheModel(setup, 1);
+  setup.frames = {chain.FrameAfterJoint(2), chain.BaseFrame()};
+  ExpectBatchIsTheModel(setup, 2);
+}
+
+TEST(BatchRows, SpringOnAJoint) {
+  for (const bool preload : {true, false}) {
+    BatchCase setup{test::ContractArm(), {}, false};
+    setup.robot.gravity_compensator = GravityCompensator{1, 0.18472, 0.68593, 0.12330, 0.458, 2e5, preload};
+    ExpectBatchIsTheModel(setup, 3);
+  }
+}
+
+TEST(BatchRows, JointsThatSlide) {
+  BatchCase setup{test::ContractArm(), {}, true};
+  for (Joint& joint : setup.robot.chain.joints) {
+    if (joint.name == "A2" || joint.name == "A4") joint.type = JointType::kPrismatic;
+  }
+  for (ElementaryTransform& transform : setup.robot.chain.transforms) {
+    if (transform.has_joint() && setup.robot.chain.joints[transform.joint].type == JointType::kPrismatic) {
+      transform.motion = Motion::kTranslation;
+    }
+  }
+  ExpectBatchIsTheModel(setup, 4);
+}
+
+// Nothing bends a rigid arm; without markers on the flange nothing beyond them moves.
+TEST(BatchRows, RigidArm) {
+  BatchCase setup{test::ContractArm(), {}, false};
+  setup.robot.compliances.clear();
+  ExpectBatchIsTheModel(setup, 5);
+}
+
+// Where an arm deflects by half a radian the model has to say whether it folds.
+TEST(BatchRows, LargeDeflectionsAreLeftToTheModel) {
+  Robot robot = test::ContractArm();
+  robot.compliances[1].nodes[0].k = 1e-3;
+  const ForwardModel model(robot, test::ContractMarkers());
+  test::RandomNumbers random(6);
+  ShotInput shot = test::ContractShot(model.chain().FlangeFrame(), &random);
+  shot.wrenches[0].force = {0.0, 0.0, -2500.0};
+  model.Prepare(&shot);
+  const std::vector<BatchReading> readings = {{0, model.chain().FlangeFrame(), {}, Matrix3<double>::Identity()}};
+  const ShotProgram program = MakeShotProgram(model, shot, readings);
+  const std::vector<double> theta = model.NominalValues();
+  BatchLayout layout;
+  layout.columns = 1;
+  layout.theta.assign(theta.size(), -1);
+  layout.markers = {-1};
+  BatchScratch numbers, scratch, results;
+  double* const data = numbers.Reserve(static_cast<std::size_t>(program.num_data) * kBatchLanes);
+  for (int lane = 0; lane < kBatchLanes; ++lane) PackShot(model, program, shot, readings, lane, data);
+  const BatchPoint at(program, theta.data(), {}, {Vector3<double>::Zero()});
+  EXPECT_EQ(EvaluateBatch(program, at, layout, data, &scratch, results.Reserve(3 * kBatchLanes)),
+            (1u << kBatchLanes) - 1);
+  const Equilibrium there = model.Equilibrate(shot, theta.data(), Matrix3<double>::Identity());
+  const int slot = model.chain().JointTransform(1);
+  const double commanded = model.TransformValues(shot, theta.data())[slot];
+  EXPECT_TRUE(!there.converged || std::abs(there.values[slot] - commanded) > 0.5);
+}
+
+// Wrenches that turn with the flange have no program.
+TEST(BatchRows, WrenchesOfTheFlangeHaveNoStructure) {
+  const ForwardModel model(test::ContractArm(), test::ContractMarkers());
+  test::RandomNumbers random(7);
+  ShotInput shot = test::ContractShot(model.chain().FlangeFrame(), &random);
+  model.Prepare(&shot);
+  EXPECT_FALSE(StructureOf(model, shot, {}).empty());
+  shot.wrenches[0].expressed_in = WrenchFrame::kFlange;
+  EXPECT_TRUE(StructureOf(model, shot, {}).empty());
+}
+
+}  // namespace
+}  // namespace sagitta
