@@ -1,9 +1,9 @@
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/sagitta.h"
+#include "problems/failure.h"
 
 namespace sagitta {
 namespace {
@@ -17,7 +17,7 @@ std::vector<int> AllRows(const CalibrationProblem& problem) {
 Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const Eigen::Matrix3Xd points = PredictPoints(problem, parameters, AllRows(problem));
   if (!points.allFinite()) {
-    throw std::runtime_error("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, parameters));
+    throw Failure("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, parameters));
   }
   return points;
 }

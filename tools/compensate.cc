@@ -1,11 +1,10 @@
 // sagitta compensate: corrected joint values for targets.
-#include <filesystem>
 #include <iostream>
 #include <map>
 
 #include "estimator/results/compensation_csv.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/io/target_file.h"
 #include "tools/commands.h"
 #include "tools/run_command.h"
@@ -37,15 +36,14 @@ void Summarise(const std::vector<CompensatedTarget>& results) {
 int RunCompensate(const CommandLine& line) {
   ExpectArguments(line, CompensateCommand(), 2, 2);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
+  const OutputFile out(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
   const Targets targets = ReadTargets(line.arguments[1], known.robot, known.base_in_station.begin()->first);
   const CompensationInput input = MakeCompensationInput(known, targets);
   const std::vector<CompensatedTarget> results = Compensate(input, targets.rows, FLAGS_threads);
   const std::string csv = CompensationToCsv(targets, results);
-  const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
-  if (!folder.empty()) PrepareOutputFolder(folder.string());
-  WriteTextFile(FLAGS_out, csv);
+  out.Write(csv);
   Summarise(results);
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << " The uncertainties here are multiplied by it.\n";

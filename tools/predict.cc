@@ -3,12 +3,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <filesystem>
 #include <iostream>
 
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/report/summary.h"
 
@@ -87,6 +87,7 @@ std::vector<AddedColumn> UncertaintyColumns(const Measurements& rows, const Pred
 int RunPredict(const CommandLine& line) {
   ExpectArguments(line, PredictCommand(), 2, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
+  const OutputFile out(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   MeasurementReadOptions options;
   options.points_required = false;
@@ -98,9 +99,7 @@ int RunPredict(const CommandLine& line) {
   double largest = 0.0;  // mm
   for (const AddedColumn& column : UncertaintyColumns(rows, prediction, &largest)) added.push_back(column);
   const std::string csv = RowsToCsv(rows, added);
-  const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
-  if (!folder.empty()) PrepareOutputFolder(folder.string());
-  WriteTextFile(FLAGS_out, csv);
+  out.Write(csv);
   const std::string deviation =
       std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
   std::cout << rows.NumRows() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out

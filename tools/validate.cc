@@ -2,10 +2,12 @@
 #include <gflags/gflags.h>
 
 #include <iostream>
+#include <optional>
 
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
-#include "problems/io/files.h"
+#include "problems/io/experiment_inputs.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
@@ -19,7 +21,7 @@ namespace {
 
 nlohmann::ordered_json ToJson(const Validation& validation, const Provenance& provenance) {
   nlohmann::ordered_json json = {
-      {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}};
+      {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}, {"run", RunId(provenance)}};
   json["inputs"] = nlohmann::ordered_json::array();
   for (const InputFile& input : provenance.inputs)
     json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
@@ -59,7 +61,8 @@ std::string ResidualRows(const Measurements& rows, const Validation& validation)
 int RunValidate(const CommandLine& line) {
   ExpectArguments(line, ValidateCommand(), 2, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"residuals.csv", "report.html", "validation.json"});
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
   const Measurements rows = ReadMeasurementsFor(known.robot, files);
@@ -73,9 +76,9 @@ int RunValidate(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    WriteTextFile(FLAGS_out + "/residuals.csv", ResidualRows(rows, validation));
-    WriteTextFile(FLAGS_out + "/report.html", SectionsToPage(sections, "", provenance));
-    WriteTextFile(FLAGS_out + "/validation.json", DumpJson(json));
+    out->Write({{"residuals.csv", ResidualRows(rows, validation)},
+                {"report.html", SectionsToPage(sections, "", provenance)},
+                {"validation.json", DumpJson(json)}});
     std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";

@@ -9,5 +9,7 @@ namespace sagitta {
 
 // Throws InputError. Paths inside are made relative to the working directory.
 Experiment ReadExperimentFile(const std::string& path);
+// The same of text that was read; `path`: what messages call it, and what the paths inside are relative to.
+Experiment ReadExperimentText(const std::string& text, const std::string& path);
 
 }  // namespace sagitta

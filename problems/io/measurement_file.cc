@@ -252,6 +252,22 @@ Measurements MeasurementsBuilder::Take() {
 
 }  // namespace
 
+namespace {
+
+struct JointList {
+  std::vector<std::string> names;
+  std::vector<bool> prismatic;
+
+  explicit JointList(const Robot& robot) {
+    for (const Joint& joint : robot.chain.joints) {
+      names.push_back(joint.name);
+      prismatic.push_back(joint.type == JointType::kPrismatic);
+    }
+  }
+};
+
+}  // namespace
+
 Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::vector<std::string>& joints,
                               const std::vector<bool>& prismatic, const MeasurementReadOptions& options) {
   if (paths.empty()) throw InputError({"", 0, "measurements"}, "no measurement file is given");
@@ -266,13 +282,19 @@ Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::
 
 Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
                                  const MeasurementReadOptions& options) {
-  std::vector<std::string> joints;
-  std::vector<bool> prismatic;
-  for (const Joint& joint : robot.chain.joints) {
-    joints.push_back(joint.name);
-    prismatic.push_back(joint.type == JointType::kPrismatic);
-  }
-  return ReadMeasurements(paths, joints, prismatic, options);
+  const JointList joints(robot);
+  return ReadMeasurements(paths, joints.names, joints.prismatic, options);
+}
+
+Measurements ReadMeasurementsText(const Robot& robot, const std::string& text, const std::string& file_in_messages,
+                                  const MeasurementReadOptions& options) {
+  const JointList joints(robot);
+  CsvTable table = ParseCsvTable(text, file_in_messages);
+  const MeasurementColumns columns =
+      FindMeasurementColumns(table, joints.names, joints.prismatic, options.points_required);
+  MeasurementsBuilder builder;
+  builder.Add(std::move(table), columns, options);
+  return builder.Take();
 }
 
 }  // namespace sagitta

@@ -24,4 +24,8 @@ Measurements ReadMeasurements(const std::vector<std::string>& paths, const std::
 Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::string>& paths,
                                  const MeasurementReadOptions& options = {});
 
+// The same of text that was read.
+Measurements ReadMeasurementsText(const Robot& robot, const std::string& text, const std::string& file_in_messages,
+                                  const MeasurementReadOptions& options = {});
+
 }  // namespace sagitta

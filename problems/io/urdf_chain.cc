@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/io/robot_checks.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -31,13 +33,17 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
   if (text.find("<xacro:") != std::string::npos) {
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
   }
+  CheckXml(text, file);
   CollectedMessages messages;
   urdf::ModelInterfaceSharedPtr model;
   std::string reason;
   try {
     model = urdf::parseURDF(text);
-  } catch (const std::exception& error) {
-    reason = error.what();
+  } catch (const std::exception&) {
+    reason = "a number or a name in it cannot be read";
+  }
+  if (model && model->links_.size() > limits::kLinks) {
+    throw InputError({file, 0, ""}, "there are more than " + std::to_string(limits::kLinks) + " links");
   }
   if (model) return model;
   if (reason.empty()) reason = messages.first();
@@ -79,7 +85,12 @@ class ChainFinder {
   // Joints from the link up to the root.
   std::vector<urdf::JointConstSharedPtr> ToRoot(const std::string& link) const {
     std::vector<urdf::JointConstSharedPtr> joints;
-    for (auto at = model_.getLink(link); at->parent_joint; at = at->getParent()) joints.push_back(at->parent_joint);
+    for (auto at = model_.getLink(link); at->parent_joint; at = at->getParent()) {
+      joints.push_back(at->parent_joint);
+      if (joints.size() > model_.joints_.size()) {
+        throw InputError({file_, 0, at->parent_joint->name}, "the links are joined to a ring", "a chain has two ends");
+      }
+    }
     return joints;
   }
 
@@ -153,6 +164,9 @@ class ChainFinder {
   void AddLimits(const urdf::Joint& joint, UrdfJoint* result) const {
     if (joint.type == urdf::Joint::CONTINUOUS || !joint.limits) return;
     if (joint.limits->lower == 0.0 && joint.limits->upper == 0.0) return;
+    // Writers that know none state 1e16.
+    const bool is_none = std::max(-joint.limits->lower, joint.limits->upper) > limits::kJointValue;
+    if (is_none) return;
     if (!(joint.limits->lower < joint.limits->upper)) {
       throw InputError({file_, 0, joint.name}, "the limits of the joint are swapped or equal");
     }

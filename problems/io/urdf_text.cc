@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 #include <regex>
-#include <stdexcept>
 #include <vector>
 
+#include "problems/input_error.h"
 #include "problems/io/files.h"
 
 namespace sagitta {
@@ -50,7 +50,7 @@ struct Finder {
   }
 };
 
-std::map<std::string, JointPlace> FindJoints(const std::string& text) {
+std::map<std::string, JointPlace> FindJoints(const std::string& text, const std::string& file) {
   const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr), XML_ParserFree);
   Finder finder;
   finder.parser = parser.get();
@@ -62,8 +62,8 @@ std::map<std::string, JointPlace> FindJoints(const std::string& text) {
       },
       [](void* data, const XML_Char*) { --static_cast<Finder*>(data)->depth; });
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), 1) != XML_STATUS_OK) {
-    throw std::runtime_error(std::string("the URDF's text is not XML: ") +
-                             XML_ErrorString(XML_GetErrorCode(parser.get())));
+    throw InputError({file, static_cast<int>(XML_GetCurrentLineNumber(parser.get())), ""},
+                     std::string("the URDF's text is not XML: ") + XML_ErrorString(XML_GetErrorCode(parser.get())));
   }
   return finder.places;
 }
@@ -97,8 +97,9 @@ std::string IndentAfter(const std::string& text, const Span& joint) {
 
 }  // namespace
 
-std::string WithOrigins(const std::string& text, const std::map<std::string, OriginEdit>& edits) {
-  const std::map<std::string, JointPlace> places = FindJoints(text);
+std::string WithOrigins(const std::string& text, const std::string& file,
+                        const std::map<std::string, OriginEdit>& edits) {
+  const std::map<std::string, JointPlace> places = FindJoints(text, file);
   std::map<size_t, std::pair<size_t, std::string>, std::greater<size_t>> replacements;  // from the end
   for (const auto& [joint, edit] : edits) {
     const JointPlace& place = places.at(joint);

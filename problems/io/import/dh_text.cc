@@ -13,6 +13,7 @@
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
@@ -396,7 +397,7 @@ std::string DhTableToCsv(const Robot& robot, const DhTable& table) {
   for (const DhLink& link : table.links) {
     const Joint& joint = chain.joints[link.joint];
     const bool revolute = joint.type == JointType::kRevolute;
-    text += joint.name + (revolute ? ",revolute," : ",prismatic,") + InUnit(link.theta, "deg") + "," +
+    text += CsvCell(joint.name) + (revolute ? ",revolute," : ",prismatic,") + InUnit(link.theta, "deg") + "," +
             InUnit(link.d, "mm") + "," + InUnit(link.a, "mm") + "," + InUnit(link.alpha, "deg") +
             (has_beta ? "," + InUnit(link.beta, "deg") : "");
     const std::string min = joint.min ? InUnit(*joint.min, revolute ? "deg" : "mm") : "";

@@ -3,6 +3,7 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/import/text_table.h"
+#include "problems/io/robot_checks.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/urdf_robot.h"
 
@@ -30,10 +31,7 @@ RobotReading Native(Robot robot, const std::string& format) {
   return reading;
 }
 
-}  // namespace
-
-RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& options) {
-  const std::string bytes = ReadTextFile(path);
+RobotReading ReadByFormat(const std::string& bytes, const std::string& path, const RobotReadOptions& options) {
   std::string encoding;
   const std::string text = DecodeText(bytes, path, &encoding);
   switch (FormatOf(text, path)) {
@@ -58,6 +56,18 @@ RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& optio
   throw InputError({path, 0, ""}, "this is no robot that can be read",
                    "robot.yaml, URDF, a DH table with columns a, alpha, d, theta, calibration.yaml or .conf of "
                    "Universal Robots, MATLAB text");
+}
+
+}  // namespace
+
+RobotReading ReadAnyRobotText(const std::string& bytes, const std::string& path, const RobotReadOptions& options) {
+  RobotReading reading = ReadByFormat(bytes, path, options);
+  CheckRobot(reading.robot, path);
+  return reading;
+}
+
+RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& options) {
+  return ReadAnyRobotText(ReadTextFile(path), path, options);
 }
 
 bool LooksLikeRobot(const std::string& path) {

@@ -6,6 +6,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
@@ -241,6 +242,12 @@ class Builder {
                            std::to_string(layout_.columns) + " (separator: " + table_.separator + ")",
                        layout_.separator == ' ' ? "an empty cell cannot be seen between blanks: use another separator"
                                                 : "the table has to end with the file");
+    }
+    for (const std::string& cell : row.cells) {
+      const size_t found = FindControlCharacter(cell);
+      if (found == std::string::npos) continue;
+      throw InputError({table_.path, line.number, ""},
+                       "a cell holds the control character " + NameOfControlCharacter(cell, found));
     }
     table_.rows.push_back(std::move(row));
   }
