@@ -16,6 +16,7 @@
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
+#include "models/row_block.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -109,9 +110,9 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
   double floor = 0.0;
   int coordinates = 0;
   for (int k = 0; k < n; ++k) {
-    const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * jacobian.middleRows<3>(3 * k);
+    const Eigen::MatrixXd weighed = weights[k].inverse() * estimate->noise[k] * RowBlock(jacobian, 3 * k, 3);
     estimate->leverage[k] = RowVariances(weighed, inverse_normal).mean();
-    const Eigen::MatrixXd latent = all.latent.middleRows<3>(3 * k);  // in units of the instrument's noise
+    const Eigen::MatrixXd latent = RowBlock(all.latent, 3 * k, 3);  // in units of the instrument's noise
     const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
     estimate->scatter[k] = estimate->noise[k] * Matrix3<double>(relative.llt().matrixL());
     const Observation& observation = problem.data.observations[k];
@@ -120,7 +121,7 @@ void JudgeRows(const CalibrationProblem& problem, const Linearization& all, cons
     const Matrix3<double>& own = estimate->noise[k];
     const double noise = own.squaredNorm() + (own * latent).squaredNorm();
     const auto variance = [&](const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance) {
-      const Eigen::MatrixXd metres = own * columns.middleRows<3>(3 * k);
+      const Eigen::MatrixXd metres = own * RowBlock(columns, 3 * k, 3);
       return (metres * covariance * metres.transpose()).trace();
     };
     sum += scale * scale * noise + variance(jacobian, estimate->covariance) + variance(open, held.second_moment);
