@@ -12,6 +12,10 @@ namespace sagitta::limits {
 inline constexpr std::size_t kFileBytes = 256u << 20;
 // Bytes of a file in YAML or XML: their parsers make some hundred bytes of every byte. A robot of 64 joints is 20 kB.
 inline constexpr std::size_t kMarkupBytes = 8u << 20;
+// A controller's configuration or a MATLAB script that describes a robot: they are searched by std::regex, whose stack
+// grows with what matches (32 kB ended it). Names of columns, lines of comment and expressions: the same, per piece.
+inline constexpr std::size_t kScriptBytes = 12'000;
+inline constexpr std::size_t kWordBytes = 500;
 // Nesting of lists and maps. Our own files nest 8 deep; a parser's or writer's stack ends at some ten thousand.
 inline constexpr int kDepth = 64;
 // Values of a YAML file with every alias written out: a kilobyte of aliases stands for 10^9 of them.

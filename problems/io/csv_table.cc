@@ -120,6 +120,10 @@ void CheckHeader(const std::string& path, const Line& line, const std::vector<st
     if (header[c].empty()) {
       throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has no name");
     }
+    if (header[c].size() > limits::kWordBytes) {
+      throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has a name of " +
+                                                    std::to_string(header[c].size()) + " bytes");
+    }
     if (!seen.insert(header[c]).second) throw InputError({path, line.number, header[c]}, "this column stands twice");
   }
 }

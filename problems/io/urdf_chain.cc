@@ -4,6 +4,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <map>
 
 #include "problems/input_error.h"
 #include "problems/io/robot_checks.h"
@@ -29,6 +30,17 @@ class CollectedMessages : public console_bridge::OutputHandler {
   std::string first_;
 };
 
+// Two parents make a ring, in which the library leads on for ever.
+void CheckOneParent(const urdf::ModelInterface& model, const std::string& file) {
+  std::map<std::string, std::string> joint_above;  // by link
+  for (const auto& [name, joint] : model.joints_) {
+    const auto [entry, is_new] = joint_above.emplace(joint->child_link_name, name);
+    if (is_new) continue;
+    throw InputError({file, 0, joint->child_link_name},
+                     "the link is the child of two joints, '" + entry->second + "' and '" + name + "'");
+  }
+}
+
 urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file) {
   if (text.find("<xacro:") != std::string::npos) {
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
@@ -45,7 +57,10 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
   if (model && model->links_.size() > limits::kLinks) {
     throw InputError({file, 0, ""}, "there are more than " + std::to_string(limits::kLinks) + " links");
   }
-  if (model) return model;
+  if (model) {
+    CheckOneParent(*model, file);
+    return model;
+  }
   if (reason.empty()) reason = messages.first();
   throw InputError({file, 0, ""}, "this is not a valid URDF" + (reason.empty() ? "" : ": " + reason));
 }
@@ -87,9 +102,7 @@ class ChainFinder {
     std::vector<urdf::JointConstSharedPtr> joints;
     for (auto at = model_.getLink(link); at->parent_joint; at = at->getParent()) {
       joints.push_back(at->parent_joint);
-      if (joints.size() > model_.joints_.size()) {
-        throw InputError({file_, 0, at->parent_joint->name}, "the links are joined to a ring", "a chain has two ends");
-      }
+      if (joints.size() > model_.joints_.size()) FailRing(link);
     }
     return joints;
   }
@@ -102,15 +115,21 @@ class ChainFinder {
     return names;
   }
 
-  void CollectLeaves(const urdf::Link& link, std::vector<std::string>* leaves) const {
+  // `depth`: joints between the base and the link.
+  void CollectLeaves(const urdf::Link& link, size_t depth, std::vector<std::string>* leaves) const {
+    if (depth > model_.joints_.size()) FailRing(link.name);
     if (link.child_links.empty()) leaves->push_back(link.name);
-    for (const auto& child : link.child_links) CollectLeaves(*child, leaves);
+    for (const auto& child : link.child_links) CollectLeaves(*child, depth + 1, leaves);
+  }
+
+  [[noreturn]] void FailRing(const std::string& link) const {
+    throw InputError({file_, 0, link}, "the links are joined to a ring", "a chain has two ends");
   }
 
   // The one link at the end of a branch with joints, branches aside that leave another on its way.
   std::string OnlyTip(const std::string& base) const {
     std::vector<std::string> leaves;
-    CollectLeaves(*model_.getLink(base), &leaves);
+    CollectLeaves(*model_.getLink(base), 0, &leaves);
     std::vector<std::pair<std::string, Movable>> tips;
     for (const std::string& leaf : leaves) tips.emplace_back(leaf, MovableJoints(base, leaf));
     const auto is_side_branch = [&tips](const auto& tip) {

@@ -9,6 +9,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -105,6 +106,9 @@ std::string WithOrigins(const std::string& text, const std::string& file,
     const JointPlace& place = places.at(joint);
     if (place.origin) {
       const Span& span = *place.origin;
+      if (span.length > limits::kWordBytes) {
+        throw InputError({file, 0, joint}, "the joint's origin is " + std::to_string(span.length) + " bytes long");
+      }
       replacements[span.begin] = {span.length, EditedTag(text.substr(span.begin, span.length), edit)};
     } else {
       const size_t after = place.start_tag.begin + place.start_tag.length;

@@ -126,6 +126,24 @@ TEST_F(LimitsOfExperimentTest, Numbers) {
   EXPECT_NE(Error("loads: {L: {mass_kg: 1e12}}\n"), "");
 }
 
+// std::regex recurses once per character: such files ended the program.
+TEST(LimitsTest, ScriptsAreShort) {
+  const auto error = [](const std::string& text) {
+    return ErrorOf([&] { ReadAnyRobotText(text, "robot.conf"); });
+  };
+  std::string list = "1", rows;
+  for (int i = 0; i < 100000; ++i) list += ",1", rows += "1 2 3 4; ";
+  EXPECT_TRUE(SaysInOrder(error("[DH]\na = [" + list + "]\nd = [1]\nalpha = [1]\n"), {"robot.conf"}));
+  EXPECT_NE(error("[DH]\na = [" + std::string(1000000, ' ') + "]\nd = [1]\nalpha = [1]\n"), "");
+  EXPECT_NE(error("dhparams = [" + rows + "];\n"), "");
+  EXPECT_NE(error(std::string(1000000, '\n') + "a = [1]\n"), "");
+  EXPECT_NE(error("joint,a,alpha,d,theta\nj,1,2,3," + std::string(1000000, '1') + "pi\n"), "");
+  EXPECT_NE(error("joint,a,alpha,d,theta\nj,1,2,3,q99999999999999999999\n"), "");
+  EXPECT_NE(error("joint," + std::string(1000000, ' ') + "a" + std::string(1000000, '_') + "i,alpha,d,theta\nj,1,2,3,4\n"),
+            "");
+  EXPECT_TRUE(SaysInOrder(RowError(std::string(1000000, 'q') + "_deg", "1"), {"m.csv:1", "column 7", "bytes"}));
+}
+
 TEST(LimitsTest, UrdfOfAnyShape) {
   const auto error = [](const std::string& text) {
     return ErrorOf([&] { ReadAnyRobotText(text, "r.urdf"); });

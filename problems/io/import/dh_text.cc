@@ -15,6 +15,7 @@
 #include "problems/io/import/text_table.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -262,7 +263,7 @@ class DhReader {
     for (const std::string& line : table_.preamble) {
       std::smatch match;
       words_ += LowerCaseOf(line) + "\n";
-      if (!std::regex_match(line, match, kEntry)) continue;
+      if (line.size() > limits::kWordBytes || !std::regex_match(line, match, kEntry)) continue;
       if (match[1] == "name") name_ = match[2];
       if (match[1] == "coupling") ReadCoupling(match[2]);
       if (match[1] == "flange") ReadFlange(match[2]);

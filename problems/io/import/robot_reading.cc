@@ -6,6 +6,7 @@
 #include "problems/io/robot_checks.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/urdf_robot.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -16,11 +17,12 @@ Format FormatOf(const std::string& text, const std::string& path) {
   if (IsUrdf(path, text)) return Format::kUrdf;
   if (text.find("sagitta/robot/") != std::string::npos) return Format::kRobotYaml;
   if (LooksLikeUrCalibration(text)) return Format::kUrCalibration;
-  if (LooksLikeUrConf(text)) return Format::kUrConf;
+  const bool is_short = text.size() <= limits::kScriptBytes;
+  if (is_short && LooksLikeUrConf(text)) return Format::kUrConf;
   if (text.find("Body Name") != std::string::npos && text.find("Joint Type") != std::string::npos)
     return Format::kBodyTree;
   if (LooksLikeDhTable(text, path)) return Format::kDhTable;
-  if (LooksLikeMatlab(text)) return Format::kMatlab;
+  if (is_short && LooksLikeMatlab(text)) return Format::kMatlab;
   return Format::kOther;
 }
 
@@ -55,7 +57,7 @@ RobotReading ReadByFormat(const std::string& bytes, const std::string& path, con
   }
   throw InputError({path, 0, ""}, "this is no robot that can be read",
                    "robot.yaml, URDF, a DH table with columns a, alpha, d, theta, calibration.yaml or .conf of "
-                   "Universal Robots, MATLAB text");
+                   "Universal Robots, MATLAB text; the last two of at most 12 kB");
 }
 
 }  // namespace
