@@ -9,7 +9,7 @@
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -98,11 +98,9 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
   const Estimate& estimate = calibration.estimate;
   const std::string json = DumpJson(CalibrationToJson(calibration, provenance));
   const std::string residuals = ResidualsToCsv(problem, estimate);
-  const std::string robot = RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
-  PrepareOutputFolder(folder);
-  WriteTextFile(folder + "/robot.calibrated.yaml", robot);
-  WriteTextFile(folder + "/residuals.csv", residuals);
-  WriteTextFile(folder + "/estimate.json", json);  // last: where it is, the others are
+  const std::string robot = RunComment(provenance) + RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
+  const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
+  out.Write({{"robot.calibrated.yaml", robot}, {"residuals.csv", residuals}, {"estimate.json", json}});
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
+#include "problems/failure.h"
 
 namespace sagitta {
 namespace {
@@ -18,7 +18,7 @@ std::vector<int> AllRows(const CalibrationProblem& problem) {
 Eigen::Matrix3Xd PointsOrThrow(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const Eigen::Matrix3Xd points = PredictPoints(problem, parameters, AllRows(problem));
   if (!points.allFinite()) {
-    throw std::runtime_error("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, parameters));
+    throw Failure("nothing predicted: equilibrium_diverged: " + FoldedInWords(problem, parameters));
   }
   return points;
 }
@@ -73,8 +73,10 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
 }
 
 nlohmann::ordered_json ValidationToJson(const Validation& validation, const Provenance& provenance) {
-  nlohmann::ordered_json json = {
-      {"schema", "sagitta/validation/1"}, {"version", SAGITTA_VERSION}, {"command", provenance.command}};
+  nlohmann::ordered_json json = {{"schema", "sagitta/validation/1"},
+                                 {"version", SAGITTA_VERSION},
+                                 {"command", provenance.command},
+                                 {"run", RunId(provenance)}};
   json["inputs"] = nlohmann::ordered_json::array();
   for (const InputFile& input : provenance.inputs)
     json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});

@@ -1,7 +1,6 @@
-#include <stdexcept>
-
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/sagitta.h"
+#include "problems/failure.h"
 #include "problems/latent_model.h"
 #include "problems/problem_checks.h"
 
@@ -64,12 +63,12 @@ Measurements Simulate(const KnownRobot& known, const Measurements& given, const 
   for (size_t i = 0; i < rows.observations.size(); ++i) all.push_back(static_cast<int>(i));
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
   if (!points.allFinite()) {
-    throw std::runtime_error("nothing simulated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
+    throw Failure("nothing simulated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
   }
   const Simulator simulator(problem, problem.parameters, RootsOf(experiment, rows, points, options.sigma));
   Measurements simulated = problem.data;
   if (!simulator.Draw(options.seed, &simulated)) {
-    throw std::runtime_error("nothing simulated: equilibrium_diverged: a joint's deviation folds the loaded arm");
+    throw Failure("nothing simulated: equilibrium_diverged: a joint's deviation folds the loaded arm");
   }
   return simulated;
 }

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
@@ -41,15 +42,18 @@ struct ResultFiles {
   ResultFiles(const Calibration& calibration, const std::vector<Section>& sections, const Provenance& provenance)
       : json(CalibrationToJson(calibration, provenance)),
         residuals(ResidualsToCsv(calibration.problem, calibration.estimate)),
-        robot(RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()))),
+        robot(RunComment(provenance) +
+              RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()))),
         report(SectionsToPage(sections, ResidualCharts(calibration.problem, calibration.estimate), provenance)) {}
 
-  // The estimate last: where it is, the others are.
-  void Write(const std::string& folder) const {
-    WriteTextFile(folder + "/robot.calibrated.yaml", robot);
-    WriteTextFile(folder + "/residuals.csv", residuals);
-    WriteTextFile(folder + "/report.html", report);
-    WriteTextFile(folder + "/estimate.json", DumpJson(json));
+  static std::vector<std::string> Names() {
+    return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
+  }
+  void Write(const OutputFolder& folder) const {
+    folder.Write({{"robot.calibrated.yaml", robot},
+                  {"residuals.csv", residuals},
+                  {"report.html", report},
+                  {"estimate.json", DumpJson(json)}});
   }
 };
 
@@ -62,7 +66,8 @@ Calibration CalibrateWithProgress(const CalibrationProblem& problem) {
 int RunCalibrate(const CommandLine& line) {
   ExpectArguments(line, CalibrateCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty()) out.emplace(FLAGS_out, ResultFiles::Names());
 
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const Calibration result = CalibrateWithProgress(PlausibleProblem(inputs));
@@ -75,7 +80,7 @@ int RunCalibrate(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    files.Write(FLAGS_out);
+    files.Write(*out);
     std::cout << "\nResults in " << FLAGS_out << ": report.html, estimate.json, robot.calibrated.yaml, residuals.csv\n";
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";

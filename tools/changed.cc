@@ -3,7 +3,7 @@
 
 #include "estimator/changes/changes.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 
 namespace sagitta {
@@ -12,11 +12,11 @@ namespace {
 int RunChanged(const CommandLine& line) {
   ExpectArguments(line, ChangedCommand(), 2, 2);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
+  const OutputFolder out(FLAGS_out, {"changed.json"});
   const KnownRobot old_estimate = ReadEstimateFile(line.arguments[0]);
   const KnownRobot new_estimate = ReadEstimateFile(line.arguments[1]);
   const Changes changes = FindChanges(old_estimate, new_estimate);
-  PrepareOutputFolder(FLAGS_out);
-  WriteTextFile(FLAGS_out + "/changed.json", DumpJson(ChangesToJson(changes)));
+  out.Write({{"changed.json", DumpJson(ChangesToJson(changes))}});
   std::cout << changes.words << "\n";
   std::cout << "Predictions are " << Significant(1e3 * changes.before_rms, 3) << " mm apart (RMS), "
             << Significant(1e3 * changes.after_rms, 3) << " mm with that taken out\n";

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/limits.h"
 
 DEFINE_string(out, "", "where the results go: a folder, or a file where the command says so");
 DEFINE_uint64(seed, 1, "seed of everything random: hold-out, simulated noise");
@@ -58,8 +60,7 @@ void SetFlag(const std::string& name, const std::string& value) {
 std::string JoinForShell(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) {
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"<>*?$&|;()\\") == std::string::npos;
-    text += (text.empty() ? "" : " ") + (plain ? word : "'" + word + "'");
+    text += (text.empty() ? "" : " ") + ShellWord(word);
   }
   return text;
 }
@@ -97,7 +98,9 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
       FailUnknownFlag(command, flag.name);
     }
   }
-  if (FLAGS_threads < 1) throw InputError({"", 0, "--threads"}, "at least one thread is needed");
+  if (FLAGS_threads < 1 || FLAGS_threads > limits::kThreads) {
+    throw InputError({"", 0, "--threads"}, "between 1 and " + std::to_string(limits::kThreads) + " threads are possible");
+  }
   return line;
 }
 

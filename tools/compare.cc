@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <optional>
 
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/results/estimate_json.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/loads.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
@@ -111,7 +112,8 @@ Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
 int RunCompare(const CommandLine& line) {
   ExpectArguments(line, CompareCommand(), 1, 1000);
   std::vector<std::string> methods = MethodsAsked();
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"comparison.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   if (methods.empty()) methods = DefaultMethods(inputs.data);
   const CalibrationProblem problem = PlausibleProblem(inputs);
@@ -140,7 +142,7 @@ int RunCompare(const CommandLine& line) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
     return 0;
   }
-  WriteTextFile(FLAGS_out + "/comparison.json", DumpJson(ComparisonToJson(line, inputs, results)));
+  out->Write({{"comparison.json", DumpJson(ComparisonToJson(line, inputs, results))}});
   std::cout << "\nResults in " << FLAGS_out << ": comparison.json\n";
   return 0;
 }

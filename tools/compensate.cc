@@ -2,6 +2,7 @@
 #include <gflags/gflags.h>
 
 #include <filesystem>
+#include <optional>
 #include <iostream>
 #include <map>
 
@@ -9,7 +10,7 @@
 #include "estimator/results/program_compensation.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/io/target_file.h"
 #include "tools/commands.h"
 #include "tools/run_command.h"
@@ -45,11 +46,6 @@ void Summarise(const std::vector<CompensatedTarget>& results) {
             << " mm; 95 % uncertainty of the estimate at most " << Significant(1e3 * u95, 3) << " mm\n";
 }
 
-void MakeFolderOf(const std::string& file) {
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  if (!folder.empty()) PrepareOutputFolder(folder.string());
-}
-
 Eigen::VectorXd StartJoints(const Chain& chain) {
   if (FLAGS_start_deg.empty()) return {};
   const std::vector<double> numbers = NumbersOfFlag("start_deg", FLAGS_start_deg);
@@ -74,6 +70,9 @@ int RunProgram(const CommandLine& line) {
     throw InputError({FLAGS_program_out, 0, "--program_out"}, "this would replace the program itself",
                      "a corrected program that is corrected again is wrong: keep the original");
   }
+  const OutputFile program_out(FLAGS_program_out);
+  std::optional<OutputFile> table_out;
+  if (!FLAGS_out.empty()) table_out.emplace(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   ProgramScene scene;
   scene.tools = FramesFromText(FLAGS_tools_mm_deg, "--tools_mm_deg");
@@ -84,12 +83,8 @@ int RunProgram(const CommandLine& line) {
       CompensateProgram(known, ReadRobotProgram(FLAGS_program, known.robot.num_joints()), scene, FLAGS_threads);
   const bool any = std::any_of(result.results.begin(), result.results.end(),
                                [](const ProgramPointResult& point) { return point.untouched.empty(); });
-  MakeFolderOf(FLAGS_program_out);
-  if (!FLAGS_out.empty() && !result.solved.empty()) {
-    MakeFolderOf(FLAGS_out);
-    WriteTextFile(FLAGS_out, CompensationToCsv(result.targets, result.solved));
-  }
-  WriteTextFile(FLAGS_program_out, result.text);
+  if (table_out && !result.solved.empty()) table_out->Write(CompensationToCsv(result.targets, result.solved));
+  program_out.Write(result.text);
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << " The uncertainties here are multiplied by it.\n";
@@ -108,14 +103,14 @@ int RunCompensate(const CommandLine& line) {
   RefuseProgramFlags();
   ExpectArguments(line, CompensateCommand(), 2, 2);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
+  const OutputFile out(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
   const Targets targets = ReadTargets(line.arguments[1], known.robot, known.base_in_station.begin()->first);
   const CompensationInput input = MakeCompensationInput(known, targets);
   const std::vector<CompensatedTarget> results = Compensate(input, targets.rows, FLAGS_threads);
   const std::string csv = CompensationToCsv(targets, results);
-  MakeFolderOf(FLAGS_out);
-  WriteTextFile(FLAGS_out, csv);
+  out.Write(csv);
   Summarise(results);
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << " The uncertainties here are multiplied by it.\n";

@@ -9,10 +9,12 @@
 #include "models/dh_from_chain.h"
 #include "models/forward_model.h"
 #include "problems/input_error.h"
+#include "problems/failure.h"
 #include "problems/io/files.h"
 #include "problems/io/import/dh_text.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/universal_robots.h"
+#include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/urdf_writer.h"
 #include "tools/commands.h"
@@ -189,33 +191,25 @@ double LargestDifference(const Chain& a, const Chain& b) {
 
 // Reads what is about to be written as any reader of it would.
 Robot ReadBack(const std::string& text, const std::string& out) {
-  const std::string probe = out + ".check" + std::filesystem::path(out).extension().string();
-  WriteTextFile(probe, text);
   RobotReadOptions options;
   if (!FLAGS_template.empty()) options.ends = {FLAGS_base_link, FLAGS_tip_link};
-  try {
-    const Robot robot = ReadAnyRobot(probe, options).robot;
-    std::filesystem::remove(probe);
-    return robot;
-  } catch (...) {
-    std::filesystem::remove(probe);
-    throw;
-  }
+  return ReadAnyRobotText(text, out, options).robot;
 }
 
 int RunConvert(const CommandLine& line) {
   ExpectArguments(line, ConvertCommand(), 2, 2);
   const std::string& in = line.arguments[0];
   const std::string& out = line.arguments[1];
+  const OutputFile file(out);
   const RobotReading reading = ReadAnyRobot(in, RobotOptionsFromFlags());
   const Written written = WrittenAs(reading.robot, out);
   constexpr double kSame = 1e-9;  // m
   const double difference = LargestDifference(reading.robot.chain, ReadBack(written.text, out).chain);
   if (written.is_exact && difference > kSame) {
-    throw std::runtime_error("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
+    throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
                              " mm; nothing is written");
   }
-  WriteTextFile(out, written.text);
+  file.Write(written.text);
   std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";
   for (const std::string& note : reading.notes) std::cout << "  " << note << "\n";
   for (const std::string& guess : reading.guesses) std::cout << "  guessed: " << guess << "\n";

@@ -16,7 +16,8 @@
 #include "estimator/results/estimate_json.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
+#include "problems/limits.h"
 #include "tools/commands.h"
 #include "tools/coverage_state.h"
 #include "tools/problem_from_arguments.h"
@@ -36,7 +37,9 @@ constexpr double kLevel = 0.95;
 constexpr int kBar = 30;
 
 void CheckFlags() {
-  if (FLAGS_trials < 1) throw InputError({"", 0, "--trials"}, "at least one trial is needed");
+  if (FLAGS_trials < 1 || FLAGS_trials > limits::kTrials) {
+    throw InputError({"", 0, "--trials"}, "between 1 and " + std::to_string(limits::kTrials) + " trials are possible");
+  }
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
   const std::vector<std::string>& methods = MethodNames();
   if (std::find(methods.begin(), methods.end(), FLAGS_method) == methods.end()) {
@@ -173,12 +176,12 @@ std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
 int RunCoverage(const CommandLine& line) {
   ExpectArguments(line, CoverageCommand(), 1, 1000);
   CheckFlags();
+  const OutputFolder out(FLAGS_out, {"coverage.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = PlausibleProblem(inputs);
   CheckIntervalsFit(problem, FLAGS_method);
   const std::string obstacle = MethodObstacle(problem, FLAGS_method);
   if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
-  PrepareOutputFolder(FLAGS_out);
   Progress progress(FLAGS_quiet);
   JointOptions options;
   options.num_threads = FLAGS_threads;
@@ -195,7 +198,7 @@ int RunCoverage(const CommandLine& line) {
   const std::vector<CoverageTrial> trials = FirstTrials(state);
   const std::vector<CoverageRow> rows = study.Summarise(trials);
   const Json json = ResultToJson(line.text, inputs, problem, trials, rows);
-  WriteTextFile(FLAGS_out + "/coverage.json", DumpJson(json));
+  out.Write({{"coverage.json", DumpJson(json)}});
   std::cout << InWords(json, rows) << "\nResults in " << FLAGS_out << ": coverage.json\n";
   return 0;
 }

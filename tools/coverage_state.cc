@@ -3,15 +3,20 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/json_reader.h"
+#include "problems/io/output_files.h"
 
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kAnotherFolder = "give another --out, or delete this file to start anew";
 
 Json NumbersToJson(const std::vector<double>& numbers) {
   Json json = Json::array();
@@ -19,11 +24,12 @@ Json NumbersToJson(const std::vector<double>& numbers) {
   return json;
 }
 
-std::vector<double> NumbersFrom(const Json& json) {
+std::vector<double> NumbersFrom(const JsonValue& json, size_t count) {
   std::vector<double> numbers;
-  for (const Json& number : json) {
-    numbers.push_back(number.is_null() ? std::numeric_limits<double>::quiet_NaN() : number.get<double>());
+  for (const JsonValue& number : json.Items()) {
+    numbers.push_back(number.NumberOrNull().value_or(std::numeric_limits<double>::quiet_NaN()));
   }
+  if (numbers.size() != count) json.Fail("one number per coordinate is expected");
   return numbers;
 }
 
@@ -36,22 +42,34 @@ Json TrialToJson(const CoverageTrial& trial) {
           {"covered", trial.covered}};
 }
 
-// False for a line that was cut off.
-bool ReadTrial(const std::string& line, size_t coordinates, CoverageTrial* trial) {
-  const Json json = Json::parse(line, nullptr, false);
-  if (!json.is_object()) return false;
+CoverageTrial TrialFrom(const JsonValue& json, size_t coordinates) {
+  CoverageTrial trial;
+  trial.number = static_cast<int>(json.Get("trial").NotNegativeNumber());
+  trial.status = json.Get("status").Text();
+  trial.error = NumbersFrom(json.Get("error"), coordinates);
+  trial.linear_error = NumbersFrom(json.Get("linear_error"), coordinates);
+  trial.sigma = NumbersFrom(json.Get("sigma"), coordinates);
+  for (const double covered : NumbersFrom(json.Get("covered"), coordinates)) trial.covered.push_back(covered == 1.0);
+  return trial;
+}
+
+// Nothing for a line that was cut off: that trial is run again.
+std::optional<CoverageTrial> ReadTrial(const std::string& line, const std::string& path, size_t coordinates) {
   try {
-    trial->number = json.at("trial").get<int>();
-    trial->status = json.at("status").get<std::string>();
-    trial->error = NumbersFrom(json.at("error"));
-    trial->linear_error = NumbersFrom(json.at("linear_error"));
-    trial->sigma = NumbersFrom(json.at("sigma"));
-    trial->covered = json.at("covered").get<std::vector<int>>();
-  } catch (const nlohmann::json::exception&) {
-    return false;
+    const Json json = ParseJson(line, path);
+    return TrialFrom(JsonValue(json, path), coordinates);
+  } catch (const InputError&) {
+    return std::nullopt;
   }
-  return trial->error.size() == coordinates && trial->linear_error.size() == coordinates &&
-         trial->sigma.size() == coordinates && trial->covered.size() == coordinates;
+}
+
+Json ReadIdentity(const std::string& line, const std::string& path) {
+  try {
+    const Json json = ParseJson(line, path);
+    if (json.is_object()) return json;
+  } catch (const InputError&) {  // said below
+  }
+  throw InputError({path, 1, ""}, "this is not the state of a coverage run", kAnotherFolder);
 }
 
 }  // namespace
@@ -67,23 +85,22 @@ CoverageState::CoverageState(const std::string& folder, const Json& identity, si
 }
 
 void CoverageState::Read(const Json& identity, size_t coordinates) {
-  std::istringstream lines(ReadTextFile(path_));
+  std::istringstream lines(ReadOwnFile(path_));
   std::string line;
   std::getline(lines, line);
-  const Json theirs = Json::parse(line, nullptr, false);
-  const char* hint = "give another --out, or delete this file to start anew";
-  if (!theirs.is_object()) throw InputError({path_, 1, ""}, "this is not the state of a coverage run", hint);
+  const Json theirs = ReadIdentity(line, path_);
   for (const auto& [key, value] : identity.items()) {
     if (theirs.contains(key) && theirs.at(key) == value) continue;
     throw InputError({path_, 1, key},
                      "this folder holds another run: " + key + " " +
                          (theirs.contains(key) ? theirs.at(key).dump() : "not stated") + " there, " + value.dump() +
                          " here",
-                     hint);
+                     kAnotherFolder);
   }
   while (std::getline(lines, line)) {
-    CoverageTrial trial;
-    if (ReadTrial(line, coordinates, &trial)) trials_[trial.number] = std::move(trial);
+    if (std::optional<CoverageTrial> trial = ReadTrial(line, path_, coordinates)) {
+      trials_[trial->number] = std::move(*trial);
+    }
   }
 }
 

@@ -3,23 +3,24 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "estimator/diagnosis/simulation_baseline.h"
 #include "estimator/results/diagnosis_json.h"
+#include "estimator/results/diagnosis_words.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
 #include "problems/io/diagnosis_prior.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/report/diagnosis_report.h"
-#include "estimator/results/diagnosis_words.h"
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
@@ -86,24 +87,27 @@ int Threads() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Everything is text before the first file is written; the diagnosis last: where it is, the others are.
+// Everything is text before the first file is written.
 void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const SimulationBaseline& baseline,
-                  const Diagnosis& diagnosis, const nlohmann::ordered_json& json) {
+                  const Diagnosis& diagnosis, const nlohmann::ordered_json& json, const OutputFolder& out) {
   CalibrationProblem extended = *diagnosis.final.problem;
   Estimate estimate = diagnosis.final.estimate;
   const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
-  const std::string robot = (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(ExtendedRobot(diagnosis));
+  const std::string robot =
+      RunComment(provenance) + (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(ExtendedRobot(diagnosis));
   const std::string report = DiagnosisToHtml(diagnosis, provenance);
   const std::string estimate_json = DumpJson(EstimateToJson(extended, estimate, provenance));
   if (IsAgainstColumns()) baseline.Unshift(&extended, &estimate);
   const std::string residuals = ResidualsToCsv(extended, estimate);
-  const std::string diagnosis_json = DumpJson(json);
-  WriteTextFile(FLAGS_out + "/robot.extended.yaml", robot);
-  WriteTextFile(FLAGS_out + "/residuals.csv", residuals);
-  WriteTextFile(FLAGS_out + "/report.html", report);
-  WriteTextFile(FLAGS_out + "/estimate.json", estimate_json);
-  if (diagnosis.next) WriteTextFile(FLAGS_out + "/" + kNextFile, NextToCsv(diagnosis));
-  WriteTextFile(FLAGS_out + "/diagnosis.json", diagnosis_json);
+  nlohmann::ordered_json with_run = json;
+  with_run["run"] = RunId(provenance);
+  std::vector<NamedText> files = {{"robot.extended.yaml", robot},
+                                  {"residuals.csv", residuals},
+                                  {"report.html", report},
+                                  {"estimate.json", estimate_json},
+                                  {"diagnosis.json", DumpJson(with_run)}};
+  if (diagnosis.next) files.push_back({kNextFile, NextToCsv(diagnosis)});
+  out.Write(files);
   std::cout << "\nResults in " << FLAGS_out
             << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
 }
@@ -111,7 +115,11 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
 int RunDiagnose(const CommandLine& line) {
   ExpectArguments(line, DiagnoseCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty()) {
+    out.emplace(FLAGS_out, std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html",
+                                                    "estimate.json", "diagnosis.json", kNextFile});
+  }
   const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));
   const SimulationBaseline baseline = BaselineOf(inputs);
   const CalibrationProblem& problem = baseline.problem;
@@ -138,7 +146,7 @@ int RunDiagnose(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    WriteResults(line, inputs, baseline, diagnosis, json);
+    WriteResults(line, inputs, baseline, diagnosis, json, *out);
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
   return unmet.empty() ? 0 : kRequirementNotMet;

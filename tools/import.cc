@@ -1,7 +1,6 @@
 // sagitta import: robot.yaml, measurements.csv and experiment.yaml from what people have.
 #include <fmt/format.h>
 #include <gflags/gflags.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,7 +10,7 @@
 #include "estimator/alignment/aligned_misfit.h"
 #include "problems/calibration_problem.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
 #include "problems/io/import/robot_reading.h"
@@ -38,17 +37,13 @@ constexpr size_t kSampleRows = 60;
 
 // How far the aligned nominal robot misses; infinite where that cannot be said.
 double Misfit(const Robot& robot, const std::string& csv) {
-  const std::string probe =
-      (fs::temp_directory_path() / ("sagitta-import-" + std::to_string(getpid()) + ".csv")).string();
-  WriteTextFile(probe, csv);
-  double misfit = std::numeric_limits<double>::infinity();
   try {
-    const CalibrationProblem problem = MakeCalibrationProblem(robot, ReadMeasurementsFor(robot, {probe}), Experiment());
-    misfit = AlignedMisfit(problem, SampleOfRows(problem));
+    const CalibrationProblem problem =
+        MakeCalibrationProblem(robot, ReadMeasurementsText(robot, csv, "measurements.csv"), Experiment());
+    return AlignedMisfit(problem, SampleOfRows(problem));
   } catch (const InputError&) {  // too few rows: nothing can be said
+    return std::numeric_limits<double>::infinity();
   }
-  fs::remove(probe);
-  return misfit;
 }
 
 double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
@@ -246,6 +241,7 @@ int RunImport(const CommandLine& line) {
   ExpectArguments(line, ImportCommand(), 1, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "the folder for the files is missing", "--out=DIR");
   const std::map<std::string, std::string> columns = MapFromFlag();
+  const OutputFolder out(FLAGS_out, {"robot.yaml", "measurements.csv", "experiment.yaml"});
   std::vector<std::string> robot_files;
   std::vector<TextTable> tables;
   for (const std::string& path : line.arguments) {
@@ -291,10 +287,7 @@ int RunImport(const CommandLine& line) {
                      "say them: --map=COLUMN=HEADER,…, units in headers, columns station and marker");
   }
   const std::string csv = rows.ToCsv(robot.num_joints());
-  PrepareOutputFolder(FLAGS_out);
-  WriteTextFile(FLAGS_out + "/robot.yaml", RobotToYaml(robot));
-  WriteTextFile(FLAGS_out + "/measurements.csv", csv);
-  WriteTextFile(FLAGS_out + "/experiment.yaml", ExperimentText());
+  out.Write({{"robot.yaml", RobotToYaml(robot)}, {"measurements.csv", csv}, {"experiment.yaml", ExperimentText()}});
   std::cout << "Robot: " << found.words << ", " << found.reading.format << ", " << robot.num_joints() << " joints"
             << (robot.name.empty() ? "" : ", " + robot.name) << "\n";
   for (const std::string& note : found.reading.notes) std::cout << "  " << note << "\n";

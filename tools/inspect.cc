@@ -4,10 +4,11 @@
 #include <gflags/gflags.h>
 
 #include <iostream>
+#include <optional>
 
 #include "estimator/results/inspection_json.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
@@ -23,7 +24,8 @@ namespace {
 int RunInspect(const CommandLine& line) {
   ExpectArguments(line, InspectCommand(), 1, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"report.html", "inspect.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = ProblemAsStated(inputs);
   Inspection inspection;
@@ -38,8 +40,7 @@ int RunInspect(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    WriteTextFile(FLAGS_out + "/report.html", InspectionToHtml(problem, inspection, provenance));
-    WriteTextFile(FLAGS_out + "/inspect.json", DumpJson(json));
+    out->Write({{"report.html", InspectionToHtml(problem, inspection, provenance)}, {"inspect.json", DumpJson(json)}});
     std::cout << "\nResults in " << FLAGS_out << ": report.html, inspect.json\n";
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";

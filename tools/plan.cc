@@ -10,8 +10,10 @@
 #include "problems/input_error.h"
 #include "problems/io/effect_names.h"
 #include "problems/io/experiment_inputs.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
+#include "problems/limits.h"
 #include "tools/commands.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/run_command.h"
 
@@ -33,14 +35,17 @@ void CheckFlags() {
   if (IsGiven("poses") == IsGiven("accuracy_mm")) {
     throw InputError({"", 0, "--poses"}, "one of --poses and --accuracy_mm says how many", "--poses=20");
   }
-  if (IsGiven("poses") && FLAGS_poses < 1) throw InputError({"", 0, "--poses"}, "at least one pose is expected");
+  if (IsGiven("poses") && (FLAGS_poses < 1 || FLAGS_poses > limits::kPlanPoses)) {
+    throw InputError({"", 0, "--poses"}, "between 1 and " + std::to_string(limits::kPlanPoses) + " poses are possible");
+  }
   if (IsGiven("accuracy_mm") && !(FLAGS_accuracy_mm > 0.0)) {
     throw InputError({"", 0, "--accuracy_mm"}, "an accuracy above 0 is expected");
   }
-  if (FLAGS_pool < 1) throw InputError({"", 0, "--pool"}, "at least one candidate is expected");
-  if (IsGiven("sigma_mm") && !(FLAGS_sigma_mm > 0.0)) {
-    throw InputError({"", 0, "--sigma_mm"}, "a standard deviation has to be above 0");
+  if (FLAGS_pool < 1 || FLAGS_pool > limits::kPlanPool) {
+    throw InputError({"", 0, "--pool"},
+                     "between 1 and " + std::to_string(limits::kPlanPool) + " candidates are possible");
   }
+  if (IsGiven("sigma_mm")) CheckSigmaFlag(false);
 }
 
 void Summarise(const Plan& plan) {
@@ -62,6 +67,7 @@ void Summarise(const Plan& plan) {
 int RunPlan(const CommandLine& line) {
   ExpectArguments(line, PlanCommand(), 1, 1000);
   CheckFlags();
+  const OutputFolder out(FLAGS_out, {"plan.csv", "plan.json"});
   MeasurementReadOptions options;
   options.points_required = false;
   ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
@@ -92,9 +98,7 @@ int RunPlan(const CommandLine& line) {
   nlohmann::ordered_json json = PlanToJson(plan);
   json["version"] = SAGITTA_VERSION;
   json["command"] = line.text;
-  PrepareOutputFolder(FLAGS_out);
-  WriteTextFile(FLAGS_out + "/plan.csv", PlanToCsv(inputs.robot.chain, plan));
-  WriteTextFile(FLAGS_out + "/plan.json", DumpJson(json));
+  out.Write({{"plan.csv", PlanToCsv(inputs.robot.chain, plan)}, {"plan.json", DumpJson(json)}});
   Summarise(plan);
   std::cout << "Results in " << FLAGS_out << ": plan.csv, plan.json\n";
   return 0;

@@ -2,11 +2,11 @@
 #include <gflags/gflags.h>
 
 #include <cmath>
-#include <filesystem>
 #include <iostream>
 
 #include "estimator/sagitta.h"
 #include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/report/summary.h"
 
@@ -16,6 +16,7 @@ namespace {
 int RunPredict(const CommandLine& line) {
   ExpectArguments(line, PredictCommand(), 2, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
+  const OutputFile out(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   MeasurementReadOptions options;
   options.points_required = false;
@@ -25,9 +26,7 @@ int RunPredict(const CommandLine& line) {
   const Prediction prediction = Predict(known, rows);
   const std::string csv = PredictionToCsv(rows, prediction);
   const double largest = LargestDeviation(prediction, rows);  // mm
-  const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
-  if (!folder.empty()) PrepareOutputFolder(folder.string());
-  WriteTextFile(FLAGS_out, csv);
+  out.Write(csv);
   const std::string deviation =
       std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
   std::cout << rows.NumRows() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out

@@ -2,9 +2,13 @@
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
+#include "problems/limits.h"
 #include "tools/command_line.h"
 
 DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces those of the rows");
@@ -17,11 +21,20 @@ DEFINE_bool(force, false, "go on where the nominal robot cannot have made these 
 DEFINE_double(significance, 0.01, "level of every test");
 
 namespace sagitta {
+
+void CheckSigmaFlag(bool may_be_zero) {
+  const double sigma = FLAGS_sigma_mm / 1e3;
+  if (may_be_zero && sigma == 0.0) return;
+  if (!(sigma > 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation has to be above 0");
+  if (sigma >= limits::kLeastSigma && sigma <= limits::kLargestSigma) return;
+  throw InputError({"", 0, "--sigma_mm"}, "this is no standard deviation of a measurement", "between 1e-6 and 1e4 mm");
+}
+
 namespace {
 
 void ApplyNoiseFlags(Experiment* experiment) {
   if (!IsGiven("sigma_mm")) return;
-  if (!(FLAGS_sigma_mm > 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation has to be above 0");
+  CheckSigmaFlag(false);
   experiment->noise.from = NoiseSpec::From::kSigma;
   experiment->noise.sigma = FLAGS_sigma_mm / 1e3;
   experiment->noise.replaces_rows = true;
@@ -67,6 +80,9 @@ void ApplyEstimateFlags(Experiment* experiment) {
   if (IsGiven("load_point_mm")) {
     const std::vector<double> point = NumbersOfFlag("load_point_mm", FLAGS_load_point_mm);
     if (point.size() != 3) throw InputError({"", 0, "--load_point_mm"}, "three numbers are expected: x,y,z");
+    if (std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])}) > 1e3 * limits::kCoordinate) {
+      throw InputError({"", 0, "--load_point_mm"}, "this is more than 1000 km away");
+    }
     experiment->load_point = Vector3<double>(point[0], point[1], point[2]) / 1e3;
   }
   if (!IsGiven("significance")) return;

@@ -7,8 +7,12 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <new>
 
+#include "problems/failure.h"
 #include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "tools/terminal.h"
 
 namespace sagitta {
 namespace {
@@ -23,47 +27,39 @@ void Print(const InputError& error) {
 
 }  // namespace
 
-int RunGuarded(const char* program_path, const std::function<int()>& program) {
-  google::InitGoogleLogging(program_path);
-  FLAGS_logtostderr = true;
-  FLAGS_minloglevel = google::GLOG_FATAL;  // what matters is said in the summary; Ceres' own words help nobody
+namespace {
+
+// The program's status; an exception becomes words. Texts of libraries' exceptions help nobody.
+int StatusOf(const std::function<int()>& program) {
   try {
     return program();
   } catch (const InputError& error) {
     Print(error);
     return kUsageError;
-  } catch (const std::exception& error) {
+  } catch (const Failure& error) {
     std::cerr << "sagitta: error: " << error.what() << "\n";
-    return kNumericalFailure;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "sagitta: error: there is not enough memory for what these files ask for\n";
+  } catch (const std::exception&) {
+    std::cerr << "sagitta: error: this command met something that it was not made for; nothing more is written\n"
+                 "  hint: please report the command and its files\n";
   }
+  return kNumericalFailure;
 }
 
-namespace {
-
-namespace fs = std::filesystem;
-
-// Folders that are made for results and stay empty, because the command ended before it had any, are taken away again.
-class NewFolders {
- public:
-  explicit NewFolders(const std::string& folder) {
-    std::error_code error;
-    for (fs::path path = folder; !path.empty() && !fs::exists(path, error); path = path.parent_path())
-      made_.push_back(path);
-  }
-  ~NewFolders() {
-    std::error_code error;
-    for (const fs::path& path : made_) {
-      if (fs::is_directory(path, error) && fs::is_empty(path, error)) fs::remove(path, error);
-    }
-  }
-  NewFolders(const NewFolders&) = delete;
-  NewFolders& operator=(const NewFolders&) = delete;
-
- private:
-  std::vector<fs::path> made_;  // that are not there yet, the innermost first
-};
-
 }  // namespace
+
+int RunGuarded(const char* program_path, const std::function<int()>& program) {
+  google::InitGoogleLogging(program_path);
+  FLAGS_logtostderr = true;
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what matters is said in the summary; Ceres' own words help nobody
+  const PrintableStream out(&std::cout), err(&std::cerr);
+  const int status = StatusOf(program);
+  std::cout.flush();
+  if (std::cout) return status;
+  std::cerr << "sagitta: error: standard output cannot be written, what stands there is not all\n";
+  return status == 0 ? kUsageError : status;
+}
 
 std::string HelpOf(const Command& command) {
   std::string text = command.help + "\nFlags\n";
@@ -77,7 +73,7 @@ int RunCommand(const Command& command, const std::vector<std::string>& arguments
     std::cout << HelpOf(command);
     return 0;
   }
-  const NewFolders folders(FLAGS_out);
+  const FileSession files;
   return command.run(line);
 }
 

@@ -14,7 +14,9 @@ constexpr int kRequirementNotMet = 1;
 constexpr int kUsageError = 2;
 constexpr int kNumericalFailure = 3;
 
-// Runs `program` with logging set up; an InputError becomes words on stderr and exit status 2, any other exception 3.
+// Runs `program` with logging set up; an InputError becomes words on stderr and exit status 2, any other
+// exception 3. What the output streams show holds no control characters; a standard output that cannot be written is an
+// error.
 int RunGuarded(const char* program_path, const std::function<int()>& program);
 
 // Parses the arguments and runs the command, or prints its help.

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "tools/run_command.h"
 
 namespace sagitta {
@@ -185,7 +185,7 @@ std::string ZshOf(const std::vector<CommandPage>& pages) {
 void WriteShellPages(const std::vector<Command>& commands, const std::string& overview, const std::string& folder) {
   std::vector<CommandPage> pages;
   for (const Command& command : commands) pages.push_back(PageOf(command));
-  for (const char* part : {"/man", "/bash", "/zsh"}) PrepareOutputFolder(folder + part);
+  const NewFolders man(folder + "/man"), bash(folder + "/bash"), zsh(folder + "/zsh");
   WriteTextFile(folder + "/man/sagitta.1", ManOfAll(pages, overview));
   for (const CommandPage& page : pages) WriteTextFile(folder + "/man/sagitta-" + page.name + ".1", ManOf(page));
   WriteTextFile(folder + "/bash/sagitta", BashOf(pages));

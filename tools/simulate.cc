@@ -1,12 +1,11 @@
 // sagitta simulate: measurements of a stated truth.
 #include <gflags/gflags.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "estimator/sagitta.h"
 #include "problems/io/experiment_file.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "problems/io/measurement_writer.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
@@ -41,7 +40,7 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
 
 std::optional<double> SigmaAsked() {
   if (!IsGiven("sigma_mm")) return std::nullopt;
-  if (!(FLAGS_sigma_mm >= 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation cannot be below 0");
+  CheckSigmaFlag(true);
   return FLAGS_sigma_mm / 1e3;
 }
 
@@ -57,15 +56,14 @@ bool IsExact(const Measurements& rows, const Experiment& experiment) {
 int RunSimulate(const CommandLine& line) {
   ExpectArguments(line, SimulateCommand(), 1, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
+  const OutputFile out(FLAGS_out);
   MeasurementReadOptions options;
   options.points_required = false;
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
   const Measurements simulated =
       Simulate(ReadTruth(line.arguments[0], inputs), inputs.data, inputs.experiment, {SigmaAsked(), FLAGS_seed});
   const std::string csv = MeasurementsToCsv(simulated);
-  const std::filesystem::path folder = std::filesystem::path(FLAGS_out).parent_path();
-  if (!folder.empty()) PrepareOutputFolder(folder.string());
-  WriteTextFile(FLAGS_out, csv);
+  out.Write(csv);
   std::cout << simulated.NumRows() << " rows simulated with seed " << FLAGS_seed
             << (!IsExact(inputs.data, inputs.experiment) ? "" : ", exact: nothing states a standard deviation") << ": "
             << FLAGS_out << "\n";

@@ -2,9 +2,11 @@
 #include <gflags/gflags.h>
 
 #include <iostream>
+#include <optional>
 
 #include "estimator/sagitta.h"
-#include "problems/io/files.h"
+#include "problems/io/experiment_inputs.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
@@ -36,7 +38,9 @@ std::vector<Section> Summary(const KnownRobot& known, const Measurements& rows, 
 int RunValidate(const CommandLine& line) {
   ExpectArguments(line, ValidateCommand(), 2, 1000);
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty())
+    out.emplace(FLAGS_out, std::vector<std::string>{"residuals.csv", "report.html", "validation.json"});
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
   const Measurements rows = ReadMeasurementsFor(known.robot, files);
@@ -50,9 +54,9 @@ int RunValidate(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
-    WriteTextFile(FLAGS_out + "/residuals.csv", ValidationToCsv(rows, validation));
-    WriteTextFile(FLAGS_out + "/report.html", SectionsToPage(sections, "", provenance));
-    WriteTextFile(FLAGS_out + "/validation.json", DumpJson(json));
+    out->Write({{"residuals.csv", ValidationToCsv(rows, validation)},
+                {"report.html", SectionsToPage(sections, "", provenance)},
+                {"validation.json", DumpJson(json)}});
     std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";

@@ -17,6 +17,7 @@
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
+#include "models/row_block.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -140,8 +141,8 @@ class RowJudge {
       const auto row = 3 * static_cast<Eigen::Index>(i);
       const Matrix3<double>& own = estimate.noise[k];
       const Matrix3<double> weight = weights[i].inverse() * own;
-      estimate.leverage[k] = (weight * by_normal.middleRows<3>(row)).squaredNorm() / 3.0;
-      const Eigen::MatrixXd latent = all.latent.middleRows<3>(row);  // in units of the instrument's noise
+      estimate.leverage[k] = (weight * RowBlock(by_normal, row, 3)).squaredNorm() / 3.0;
+      const Eigen::MatrixXd latent = RowBlock(all.latent, row, 3);  // in units of the instrument's noise
       const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
       estimate.scatter[k] = own * Matrix3<double>(relative.llt().matrixL());
       const Observation& observation = problem_.data.observations[k];
@@ -149,7 +150,7 @@ class RowJudge {
       // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
       const double scatter = own.squaredNorm() + (own * latent).squaredNorm();
       const auto variance = [&](const Eigen::MatrixXd& by_root) {
-        return (own * by_root.middleRows<3>(row)).squaredNorm();
+        return (own * RowBlock(by_root, row, 3)).squaredNorm();
       };
       sum_ += scale_ * scale_ * scatter + variance(by_covariance) + variance(by_held);
       floor_ += scatter + variance(by_model) / (scale_ * scale_);

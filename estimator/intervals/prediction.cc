@@ -1,5 +1,7 @@
 #include "estimator/intervals/prediction.h"
 
+#include "models/row_block.h"
+
 namespace sagitta {
 namespace {
 
@@ -46,9 +48,9 @@ std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem
   const Eigen::MatrixXd held = ColumnsOf(uncertainty.held, problem.parameters, all) + estimated * uncertainty.slopes;
   std::vector<PredictionCovariance> result(observations.size());
   for (size_t k = 0; k < observations.size(); ++k) {
-    const auto j = estimated.middleRows(3 * k, 3);
-    const auto h = held.middleRows(3 * k, 3);
-    const auto l = all.latent.middleRows(3 * k, 3);
+    const Eigen::MatrixXd j = RowBlock(estimated, 3 * k, 3);
+    const Eigen::MatrixXd h = RowBlock(held, 3 * k, 3);
+    const Eigen::MatrixXd l = RowBlock(all.latent, 3 * k, 3);
     result[k].parameters = j * uncertainty.covariance * j.transpose();
     result[k].held = h * uncertainty.second_moment * h.transpose();
     result[k].arm = noise_scale * noise_scale * (l * l.transpose());

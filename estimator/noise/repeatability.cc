@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "estimator/least_squares/linearization.h"
+#include "models/row_block.h"
 
 namespace sagitta {
 namespace {
@@ -128,7 +129,7 @@ void MeasureShares(const CalibrationProblem& problem, const ParameterSet& parame
   double instrument = 0.0, robot = 0.0;
   for (size_t k = 0; k < rows.size(); ++k) {
     instrument += noise[k].squaredNorm();
-    robot += (noise[k] * raw.latent.middleRows<3>(3 * static_cast<Eigen::Index>(k))).squaredNorm();
+    robot += (noise[k] * RowBlock(raw.latent, 3 * static_cast<Eigen::Index>(k), 3)).squaredNorm();
   }
   report->instrument_rms = std::sqrt(instrument / (3.0 * rows.size()));
   report->robot_rms = std::sqrt(robot / (3.0 * rows.size()));

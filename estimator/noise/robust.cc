@@ -9,6 +9,7 @@
 #include "estimator/alignment/starting_values.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
+#include "models/row_block.h"
 
 namespace sagitta {
 namespace {
@@ -67,7 +68,7 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
   Eigen::MatrixXd latent(n, m);
   for (size_t i = 0; i < points.size(); ++i) {
     residual.segment<3>(3 * i) = -raw.residual.segment<3>(3 * points[i]) / scale;  // measured - predicted
-    latent.middleRows<3>(3 * i) = raw.latent.middleRows<3>(3 * points[i]) / scale;
+    if (m > 0) latent.middleRows<3>(3 * i) = raw.latent.middleRows<3>(3 * points[i]) / scale;
     variance.segment<3>(3 * i).setConstant(1.0 / std::max(1e-8, weights[points[i]]));
   }
   // delta = (I + L'WL)^-1 L'W r;  V^-1 = W - W L (I + L'WL)^-1 L'W
@@ -81,8 +82,8 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
     const int k = points[i];
     const double own = variance[3 * i];
     check->distance[k] = rest.segment<3>(3 * i).norm();
-    check->expected[k] = 1.0 - (latent.middleRows<3>(3 * i) * plain.middleCols<3>(3 * i)).trace() / 3.0;
-    const auto row = weighted.middleRows<3>(3 * i);
+    check->expected[k] = 1.0 - (RowBlock(latent, 3 * i, 3) * plain.middleCols<3>(3 * i)).trace() / 3.0;
+    const Eigen::MatrixXd row = RowBlock(weighted, 3 * i, 3);
     const Matrix3<double> precision = Matrix3<double>::Identity() / own - row * inverse * row.transpose();
     const Matrix3<double> spread = precision.inverse();
     const Vector3<double> error = spread * (rest.segment<3>(3 * i) / own);

@@ -211,6 +211,7 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   json["schema"] = "sagitta/estimate/1";
   json["version"] = SAGITTA_VERSION;
   json["command"] = provenance.command;
+  json["run"] = RunId(provenance);
   json["method"] = provenance.method;
   if (!provenance.simulation.empty()) json["simulation"] = provenance.simulation;
   json["inputs"] = Json::array();

@@ -1,4 +1,5 @@
 // The half of estimate_json.h that reads.
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -8,6 +9,7 @@
 #include "estimator/results/loading_json.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/json_reader.h"
 #include "problems/io/robot_file.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -18,155 +20,142 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kWritten = "give the estimate.json that 'sagitta calibrate' wrote";
+
+// Checks every shape and number before it is used; `root` outlives it.
 class EstimateReader {
  public:
-  // `path`: what messages call it.
-  EstimateReader(const std::string& path, const std::string& text) : path_(path), text_(text) {}
+  explicit EstimateReader(const JsonValue& root, const std::string& file) : root_(root) { known_.file = file; }
 
   KnownRobot Read() {
-    const Json json = Parse();
-    known_.file = path_;
-    known_.robot = ReadRobotText(Get(json, "robot").dump(), path_);
-    ReadStations(Get(json, "stations"));
-    ReadMarkers(Get(json, "markers"));
-    if (json.contains("loading")) ReadLoading(json.at("loading"), &known_.loading);
-    ReadParameters(json);
-    for (const Json& input : Get(json, "inputs")) known_.input_hashes.push_back(Get(input, "sha256"));
-    ReadCovariance(json);
-    if (HasNoNoise(json)) known_.uncertainty.covariance.setConstant(std::nan(""));
+    CheckKind();
+    known_.robot = ReadRobotText(root_.Get("robot").json().dump(), known_.file);
+    ReadStations(root_.Get("stations"));
+    ReadMarkers(root_.Get("markers"));
+    if (const auto loading = root_.Find("loading")) ReadLoading(*loading, &known_.loading);
+    ReadParameters();
+    for (const JsonValue& input : root_.Get("inputs").Items()) {
+      known_.input_hashes.push_back(input.Get("sha256").Text());
+    }
+    ReadCovariance();
     known_.uncertainty.slopes.resize(known_.uncertainty.estimated.size(), 0);
-    if (json.contains("held")) ReadHeld(json.at("held"), &known_.uncertainty);
-    if (json.contains("prediction_noise")) {
-      known_.noise = ReadPredictionNoise(json.at("prediction_noise"), &known_.loading);
+    if (const auto held = root_.Find("held")) ReadHeld(*held, &known_.uncertainty);
+    for (const std::string& name : known_.uncertainty.held) CheckIsParameter(name, "held.names");
+    if (const auto noise = root_.Find("prediction_noise")) {
+      known_.noise = ReadPredictionNoise(*noise, &known_.loading);
     }
-    if (json.contains("agreement") && json.at("agreement").is_object()) {
-      known_.model_error = Number(Get(json.at("agreement"), "inflation"), "agreement.inflation");
-    }
+    const auto agreement = root_.Find("agreement");
+    if (agreement && agreement->IsMap()) known_.model_error = agreement->Get("inflation").PositiveNumber();
     return known_;
   }
 
  private:
-  [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint = "") const {
-    throw InputError({path_, 0, key}, what, hint);
-  }
-
-  Json Parse() const {
-    Json json = Json::parse(text_, nullptr, false);
-    if (json.is_discarded() || !json.is_object()) {
-      Fail("", "this is not JSON, an estimate is expected", "give the estimate.json that 'sagitta calibrate' wrote");
+  // What it is, and that it is a result and not the record of a failure.
+  void CheckKind() const {
+    if (!root_.IsMap()) root_.Fail("an estimate is expected", kWritten);
+    const auto schema = root_.Find("schema");
+    if (!schema || schema->json() != "sagitta/estimate/1") {
+      root_.Get("schema").Fail(schema->json().dump().substr(0, 60) + " cannot be read here",
+                               "expected: sagitta/estimate/1, as 'sagitta calibrate' writes it");
     }
-    const Json schema = json.value("schema", Json());
-    if (schema != "sagitta/estimate/1") {
-      Fail("schema", schema.is_null() ? "this key is missing: not an estimate" : schema.dump() + " cannot be read here",
-           "expected: sagitta/estimate/1, as 'sagitta calibrate' writes it");
+    if (const auto simulation = root_.Find("simulation")) {
+      simulation->Fail("this estimate corrects another simulation's points and predicts none of its own",
+                       "give the estimate.json of 'sagitta calibrate', or of 'sagitta diagnose' without "
+                       "--simulation=columns");
     }
-    if (json.contains("simulation")) {
-      Fail("simulation", "this estimate corrects another simulation's points and predicts none of its own",
-           "give the estimate.json of 'sagitta calibrate', or of 'sagitta diagnose' without --simulation=columns");
+    const JsonValue status = root_.Get("status");
+    const std::string name = status.Text();
+    for (const Status usable : {Status::kConverged, Status::kConvergedWithHeldParameters}) {
+      if (name == StatusName(usable)) return;
     }
-    return json;
-  }
-
-  const Json& Get(const Json& map, const std::string& key) const {
-    if (!map.is_object() || !map.contains(key)) Fail(key, "this key is missing");
-    return map.at(key);
-  }
-
-  double Number(const Json& json, const std::string& key) const {
-    if (!json.is_number() || !std::isfinite(json.get<double>())) Fail(key, "a finite number is expected");
-    return json.get<double>();
+    status.Fail("'" + name + "' is no status of a usable estimate: its values are where a failed solve stopped",
+                "calibrate again and mind what it says; " + std::string(kWritten));
   }
 
   // Thousandths (mm, mrad) to SI.
-  Vector3<double> Triple(const Json& map, const std::string& key) const {
-    const Json& list = Get(map, key);
-    if (!list.is_array() || list.size() != 3) Fail(key, "three numbers are expected");
-    Vector3<double> triple;
-    for (int i = 0; i < 3; ++i) triple[i] = Number(list[i], key) / 1e3;
-    return triple;
+  static Vector3<double> Thousandths(const JsonValue& map, const std::string& key) {
+    return map.Get(key).Triple() / 1e3;
   }
 
-  void ReadStations(const Json& stations) {
-    for (const auto& [name, station] : stations.items()) {
+  void ReadStations(const JsonValue& stations) {
+    for (const auto& [name, station] : stations.Entries()) {
       Pose<double> pose;
-      pose.translation = Triple(station, "xyz_mm");
-      pose.rotation = RotationFromVector(Triple(station, "rotvec_mrad"));
+      pose.translation = Thousandths(station, "xyz_mm");
+      pose.rotation = RotationFromVector(Thousandths(station, "rotvec_mrad"));
       known_.base_in_station[name] = pose;
-      if (station.contains("instrument_mm")) {
-        known_.loading.stations[name].instrument_xyz = Triple(station, "instrument_mm");
+      if (station.Find("instrument_mm")) {
+        known_.loading.stations[name].instrument_xyz = Thousandths(station, "instrument_mm");
       }
     }
   }
 
-  void ReadMarkers(const Json& markers) {
-    for (const auto& [name, marker] : markers.items()) {
-      const Json& on = Get(marker, "on");
-      if (!on.is_string()) Fail("markers." + name + ".on", "a text is expected");
+  void ReadMarkers(const JsonValue& markers) {
+    for (const auto& [name, marker] : markers.Entries()) {
       MarkerSpec spec;
-      spec.point = Triple(marker, "xyz_mm");
-      if (marker.contains("rotvec_mrad")) spec.rotvec = Triple(marker, "rotvec_mrad");
-      spec.on = on.get<std::string>();
+      spec.point = Thousandths(marker, "xyz_mm");
+      if (marker.Find("rotvec_mrad")) spec.rotvec = Thousandths(marker, "rotvec_mrad");
+      spec.on = marker.Get("on").Text();
       known_.markers[name] = spec;
     }
   }
 
-  std::map<std::string, double> Deviations(const Json& json) const {
-    std::map<std::string, double> deviations;  // SI
-    for (const Json& row : Get(json, "parameters")) {
-      const Json& sigma = Get(row, "sigma");
-      if (sigma.is_null()) continue;
-      deviations[Get(row, "name").get<std::string>()] =
-          Number(sigma, "parameters.sigma") * KnownUnit(Get(row, "unit").get<std::string>());
+  void ReadParameters() {
+    const JsonValue parameters = root_.Get("parameters");
+    for (const JsonValue& row : parameters.Items()) {
+      const JsonValue name = row.Get("name");
+      const JsonValue unit_name = row.Get("unit");
+      const double unit = SiPerUnit(unit_name.Text());
+      if (unit == 0.0) unit_name.Fail("this unit is not known");
+      const KnownRobot::Parameter parameter{row.Get("value").Number() * unit, row.Get("nominal").Number() * unit};
+      if (!known_.parameters.emplace(name.Text(), parameter).second) {
+        name.Fail("the parameter '" + name.Text() + "' stands twice");
+      }
+      const JsonValue sigma = row.Get("sigma");
+      deviations_[name.Text()] = sigma.IsNull() ? std::nan("") : sigma.NotNegativeNumber() * unit;
+      const auto free = row.Find("free");
+      if (free && free->Flag() && !sigma.IsNull()) free_.push_back(name.Text());
     }
-    return deviations;
+    if (known_.parameters.empty()) parameters.Fail("there are no parameters: nothing was estimated", kWritten);
   }
 
-  void ReadParameters(const Json& json) {
-    for (const Json& row : Get(json, "parameters")) {
-      const double unit = KnownUnit(Get(row, "unit").get<std::string>());
-      known_.parameters[Get(row, "name").get<std::string>()] = {
-          Number(Get(row, "value"), "parameters.value") * unit,
-          Number(Get(row, "nominal"), "parameters.nominal") * unit};
-    }
+  void CheckIsParameter(const std::string& name, const std::string& key) const {
+    if (known_.parameters.count(name) > 0) return;
+    throw InputError({known_.file, 0, key}, "'" + name + "' is none of the parameters");
   }
 
   // As many rows as unknowns, and no noise stated: nothing tells how well anything is known.
-  static bool HasNoNoise(const Json& json) {
-    const Json sigma = json.value("sigma", Json::object());
-    if (sigma.value("stated", true) || !sigma.contains("estimated_mm")) return false;
-    const Json& estimated = sigma.at("estimated_mm");
-    return !estimated.is_number() || !(estimated.get<double>() > 0.0);
+  bool HasNoNoise() const {
+    const auto sigma = root_.Find("sigma");
+    if (!sigma) return false;
+    const auto stated = sigma->Find("stated");
+    const auto estimated = sigma->Find("estimated_mm");
+    if (!stated || stated->Flag() || !estimated) return false;
+    return !(estimated->NumberOrNull().value_or(0.0) > 0.0);
   }
 
-  double KnownUnit(const std::string& unit) const {
-    const double si = SiPerUnit(unit);
-    if (si == 0.0) Fail("parameters.unit", "unit '" + unit + "' is not known");
-    return si;
-  }
-
-  void ReadCovariance(const Json& json) {
-    const std::map<std::string, double> deviations = Deviations(json);
-    const Json& correlation = Get(json, "correlation");
-    const Json& matrix = Get(correlation, "matrix");
-    for (const Json& name : Get(correlation, "names")) known_.uncertainty.estimated.push_back(name.get<std::string>());
-    const size_t n = known_.uncertainty.estimated.size();
-    if (matrix.size() != n) Fail("correlation.matrix", "as many rows as names are expected");
-    known_.uncertainty.covariance.resize(n, n);
-    const auto deviation = [&](size_t i) {
-      const auto found = deviations.find(known_.uncertainty.estimated[i]);
-      return found == deviations.end() ? 0.0 : found->second;
-    };
-    for (size_t r = 0; r < n; ++r) {
-      if (matrix[r].size() != n) Fail("correlation.matrix", "a square matrix is expected");
-      for (size_t c = 0; c < n; ++c) {
-        known_.uncertainty.covariance(r, c) = Number(matrix[r][c], "correlation.matrix") * deviation(r) * deviation(c);
-      }
+  void ReadCovariance() {
+    const JsonValue correlation = root_.Get("correlation");
+    std::vector<std::string>& names = known_.uncertainty.estimated;
+    names = correlation.Get("names").Names();
+    const auto n = static_cast<Eigen::Index>(names.size());
+    Eigen::VectorXd deviations(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      CheckIsParameter(names[i], "correlation.names");
+      deviations[i] = deviations_.at(names[i]);  // NaN: not known
     }
+    for (const std::string& name : free_) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      correlation.Get("names").Fail("the free parameter '" + name + "' is missing");
+    }
+    known_.uncertainty.covariance =
+        deviations.asDiagonal() * correlation.Get("matrix").Correlation(n, false) * deviations.asDiagonal();
+    if (HasNoNoise()) known_.uncertainty.covariance.setConstant(std::nan(""));
   }
 
-  std::string path_;
-  const std::string& text_;
+  const JsonValue& root_;
   KnownRobot known_;
+  std::map<std::string, double> deviations_;  // SI, of every parameter
+  std::vector<std::string> free_;             // those with a standard deviation
 };
 
 template <typename Map>
@@ -215,11 +204,9 @@ int FrameOf(const Chain& chain, const std::string& file, const std::string& mark
 }  // namespace
 
 KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages) {
-  try {
-    return EstimateReader(file_in_messages, text).Read();
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError({file_in_messages, 0, ""}, std::string("this estimate cannot be read: ") + error.what());
-  }
+  const Json json = ParseJson(text, file_in_messages);
+  const JsonValue root(json, file_in_messages);
+  return EstimateReader(root, file_in_messages).Read();
 }
 
 KnownRobot ReadEstimateFile(const std::string& path) { return ReadEstimateText(ReadTextFile(path), path); }

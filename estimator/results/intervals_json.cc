@@ -1,5 +1,6 @@
 #include "estimator/results/intervals_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -17,17 +18,6 @@ Json PairOf(const Interval& interval, double unit, bool open_low = false, bool o
 
 double UnitOf(const Estimate& estimate, int coordinate) {
   return TraitsOf(estimate.parameters.coordinates()[coordinate].quantity).si_per_unit;
-}
-
-constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();  // null in the file
-
-Eigen::MatrixXd Matrix(const Json& rows, size_t columns) {
-  Eigen::MatrixXd matrix(rows.size(), columns);
-  for (size_t r = 0; r < rows.size(); ++r) {
-    for (size_t c = 0; c < columns; ++c)
-      matrix(r, c) = rows.at(r).at(c).is_null() ? kNotKnown : rows[r][c].get<double>();
-  }
-  return matrix;
 }
 
 }  // namespace
@@ -96,22 +86,41 @@ Json HeldToJson(const Estimate& estimate) {
   return json;
 }
 
-void ReadHeld(const Json& json, ParameterUncertainty* uncertainty) {
-  std::vector<double> units;
-  Eigen::VectorXd sigmas(json.at("names").size());
-  for (size_t h = 0; h < json.at("names").size(); ++h) {
-    uncertainty->held.push_back(json.at("names").at(h).get<std::string>());
-    units.push_back(SiPerUnit(json.at("unit").at(h).get<std::string>()));
-    const Json& sigma = json.at("sigma").at(h);
-    sigmas[h] = sigma.is_null() ? kNotKnown : sigma.get<double>() * units.back();
+void ReadHeld(const JsonValue& json, ParameterUncertainty* uncertainty) {
+  uncertainty->held = json.Get("names").Names();
+  const auto n = static_cast<Eigen::Index>(uncertainty->held.size());
+  const auto units_of = [](const JsonValue& list, size_t count) {
+    Eigen::VectorXd units(count);
+    const std::vector<JsonValue> items = list.Items();
+    if (items.size() != count) list.Fail("as many as names are expected: " + std::to_string(count));
+    for (size_t i = 0; i < count; ++i) {
+      units[i] = SiPerUnit(items[i].Text());
+      if (units[i] == 0.0) items[i].Fail("this unit is not known");
+    }
+    return units;
+  };
+  const Eigen::VectorXd units = units_of(json.Get("unit"), n);
+  const std::vector<JsonValue> items = json.Get("sigma").Items();
+  if (static_cast<Eigen::Index>(items.size()) != n) json.Get("sigma").Fail("as many as names are expected");
+  Eigen::VectorXd sigmas(n);
+  for (Eigen::Index h = 0; h < n; ++h) {
+    sigmas[h] = items[h].IsNull() ? std::numeric_limits<double>::quiet_NaN() : items[h].NotNegativeNumber() * units[h];
+    const std::string& name = uncertainty->held[h];
+    if (std::find(uncertainty->estimated.begin(), uncertainty->estimated.end(), name) != uncertainty->estimated.end()) {
+      json.Get("names").Fail("'" + name + "' is held and estimated at once");
+    }
   }
-  const size_t n = units.size();
-  uncertainty->second_moment = sigmas.asDiagonal() * Matrix(json.at("correlation"), n) * sigmas.asDiagonal();
-  uncertainty->slopes = n > 0 ? Matrix(json.at("slopes"), n) : Eigen::MatrixXd(uncertainty->estimated.size(), 0);
-  for (size_t h = 0; h < n; ++h) uncertainty->slopes.col(h) /= units[h];
-  for (int c = 0; n > 0 && c < uncertainty->slopes.rows(); ++c) {
-    uncertainty->slopes.row(c) *= SiPerUnit(json.at("estimated_unit").at(c).get<std::string>());
+  uncertainty->second_moment =
+      sigmas.asDiagonal() * json.Get("correlation").Correlation(n, true) * sigmas.asDiagonal();
+  uncertainty->slopes.resize(uncertainty->estimated.size(), 0);
+  if (n == 0) return;
+  if (json.Get("estimated").Names() != uncertainty->estimated) {
+    json.Get("estimated").Fail("the names of correlation.names are expected, in their order");
   }
+  const auto rows = static_cast<Eigen::Index>(uncertainty->estimated.size());
+  const Eigen::VectorXd own_units = units_of(json.Get("estimated_unit"), uncertainty->estimated.size());
+  uncertainty->slopes =
+      own_units.asDiagonal() * json.Get("slopes").Matrix(rows, n, true) * units.cwiseInverse().asDiagonal();
 }
 
 }  // namespace sagitta

@@ -6,6 +6,7 @@
 
 #include "estimator/estimate/estimate.h"
 #include "estimator/intervals/prediction.h"
+#include "problems/io/json_reader.h"
 
 namespace sagitta {
 
@@ -20,7 +21,7 @@ void AddIntervalTo(const ParameterEstimate& row, const Estimate& estimate, nlohm
 // with them (rows as in `correlation.names`), in units of results.
 nlohmann::ordered_json HeldToJson(const Estimate& estimate);
 
-// The inverse of HeldToJson; throws nlohmann::json::exception on a wrong shape.
-void ReadHeld(const nlohmann::ordered_json& json, ParameterUncertainty* uncertainty);
+// The inverse of HeldToJson. `uncertainty`: its estimated names are there. Throws InputError on a wrong shape.
+void ReadHeld(const JsonValue& json, ParameterUncertainty* uncertainty);
 
 }  // namespace sagitta

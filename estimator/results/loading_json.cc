@@ -1,6 +1,7 @@
 #include "estimator/results/loading_json.h"
 
 #include <array>
+#include <cmath>
 
 #include "problems/io/units.h"
 #include "problems/loads.h"
@@ -21,11 +22,7 @@ Json Millimetres(const Vector3<double>& metres) {
   return json;
 }
 
-Vector3<double> Triple(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
-Vector3<double> Metres(const Json& millimetres) { return Triple(millimetres) / 1e3; }
+Vector3<double> Metres(const JsonValue& millimetres) { return millimetres.Triple() / 1e3; }
 
 Json LoadToJson(const LoadSpec& load) {
   Json json = Json::object();
@@ -37,14 +34,32 @@ Json LoadToJson(const LoadSpec& load) {
   return json;
 }
 
-LoadSpec ReadLoad(const Json& json) {
+LoadSpec ReadLoad(const JsonValue& json) {
   LoadSpec load;
-  if (json.contains("mass_kg")) load.mass = json.at("mass_kg").get<double>();
-  if (json.contains("point_mm")) load.point = Metres(json.at("point_mm"));
-  for (size_t i = 0; i < kFrames.size(); ++i) {
-    if (json.value("frame", "") == kFrameNames[i]) load.frame = kFrames[i];
+  if (const auto mass = json.Find("mass_kg")) load.mass = mass->NotNegativeNumber();
+  if (const auto point = json.Find("point_mm")) load.point = Metres(*point);
+  const auto frame = json.Find("frame");
+  for (size_t i = 0; frame && i < kFrames.size(); ++i) {
+    if (frame->Text() == kFrameNames[i]) load.frame = kFrames[i];
   }
   return load;
+}
+
+void ReadGravity(const JsonValue& json, Experiment* experiment) {
+  experiment->gravity_direction = json.Get("direction").Triple();
+  if (!(std::abs(experiment->gravity_direction.norm() - 1.0) < 1e-6)) {
+    json.Get("direction").Fail("a direction of length 1 is expected");
+  }
+  experiment->gravity_in_base = json.Get("frame").Text() == "base";
+  experiment->gravity = json.Get("m_per_s2").PositiveNumber();
+}
+
+ConditionOrigins ReadOrigins(const JsonValue& json) {
+  ConditionOrigins origins;
+  for (const auto& [station, time] : json.Get("first_time_s").Entries()) origins.first_time[station] = time.Number();
+  origins.mean_temperature = json.Get("mean_temperature_degC").Number();
+  if (const auto time = json.Find("campaign_time_s")) origins.campaign_time = time->Number();
+  return origins;
 }
 
 }  // namespace
@@ -65,22 +80,15 @@ Json LoadingToJson(const Experiment& experiment, const Measurements& data) {
   return json;
 }
 
-void ReadLoading(const Json& json, Experiment* experiment) {
-  if (json.contains("load_point_mm")) experiment->load_point = Metres(json.at("load_point_mm"));
-  for (const auto& [name, load] : json.at("loads").items()) experiment->loads[name] = ReadLoad(load);
-  experiment->tool_mass = json.at("tool").at("mass_kg").get<double>();
-  experiment->tool_com = Metres(json.at("tool").at("com_mm"));
-  experiment->gravity_direction = Triple(json.at("gravity").at("direction"));
-  experiment->gravity_in_base = json.at("gravity").at("frame") == "base";
-  experiment->gravity = json.at("gravity").at("m_per_s2").get<double>();
-  experiment->torques_measured = json.value("torques", "model") == "measured";
-  if (!json.contains("origins")) return;
-  const Json& origins = json.at("origins");
-  experiment->origins = {{},
-                         origins.at("first_time_s").get<std::map<std::string, double>>(),
-                         origins.at("mean_temperature_degC").get<double>()};
-  if (origins.contains("campaign_time_s"))
-    experiment->origins->campaign_time = origins.at("campaign_time_s").get<double>();
+void ReadLoading(const JsonValue& json, Experiment* experiment) {
+  if (const auto point = json.Find("load_point_mm")) experiment->load_point = Metres(*point);
+  for (const auto& [name, load] : json.Get("loads").Entries()) experiment->loads[name] = ReadLoad(load);
+  const JsonValue tool = json.Get("tool");
+  experiment->tool_mass = tool.Get("mass_kg").NotNegativeNumber();
+  experiment->tool_com = Metres(tool.Get("com_mm"));
+  ReadGravity(json.Get("gravity"), experiment);
+  if (const auto torques = json.Find("torques")) experiment->torques_measured = torques->Text() == "measured";
+  if (const auto origins = json.Find("origins")) experiment->origins = ReadOrigins(*origins);
 }
 
 }  // namespace sagitta

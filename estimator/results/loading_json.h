@@ -5,14 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "problems/experiment.h"
+#include "problems/io/json_reader.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
 
 nlohmann::ordered_json LoadingToJson(const Experiment& experiment, const Measurements& data);
 
-// Fills load point, loads, tool, gravity and origins. Throws nlohmann::json::exception
-// for anything that LoadingToJson does not write.
-void ReadLoading(const nlohmann::ordered_json& json, Experiment* experiment);
+// Fills load point, loads, tool, gravity and origins. Throws InputError for anything that LoadingToJson does not write.
+void ReadLoading(const JsonValue& json, Experiment* experiment);
 
 }  // namespace sagitta

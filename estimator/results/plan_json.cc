@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
 
@@ -23,13 +24,6 @@ Json CertificateToJson(const Plan& plan) {
   json["bound"] = NumberOrNull(plan.bound);
   json["efficiency"] = NumberOrNull(plan.efficiency);
   return json;
-}
-
-std::string Quoted(const std::string& cell) {
-  if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.find('#') != 0) return cell;
-  std::string quoted = "\"";
-  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 bool AnyShot(const Measurements& data, bool (*is_so)(const Shot&)) {
@@ -113,11 +107,11 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
     const Shot& shot = data.shots[row.shot];
     const Configuration& configuration = data.configurations[shot.configuration];
     csv +=
-        Quoted(configuration.id) + "," + Quoted(data.markers[row.marker]) + "," + Quoted(data.stations[shot.station]);
+        CsvCell(configuration.id) + "," + CsvCell(data.markers[row.marker]) + "," + CsvCell(data.stations[shot.station]);
     for (int j = 0; j < chain.num_joints(); ++j) {
       add(ToUnit(configuration.q[j], UnitNamed(chain.joints[j].type == JointType::kRevolute ? "deg" : "mm")));
     }
-    if (has_load) csv += "," + Quoted(shot.load);
+    if (has_load) csv += "," + CsvCell(shot.load);
     for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.force[i]);
     for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.moment[i]);
     for (int i = 0; i < 3 && has_sigma; ++i) add(ToUnit(row.sigma[i], UnitNamed("mm")));

@@ -44,12 +44,13 @@ Json InstrumentToJson(const NoiseSpec& noise) {
           {"angle_um_per_m", 1e6 * noise.angle_per_m}};
 }
 
-void ReadInstrument(const Json& json, NoiseSpec* noise) {
+void ReadInstrument(const JsonValue& json, NoiseSpec* noise) {
+  const auto micrometres = [&json](const char* key) { return json.Get(key).NotNegativeNumber() / 1e6; };
   noise->from = From::kInstrument;
-  noise->range = json.at("range_um").get<double>() / 1e6;
-  noise->range_per_m = json.at("range_um_per_m").get<double>() / 1e6;
-  noise->angle = json.at("angle_um").get<double>() / 1e6;
-  noise->angle_per_m = json.at("angle_um_per_m").get<double>() / 1e6;
+  noise->range = micrometres("range_um");
+  noise->range_per_m = micrometres("range_um_per_m");
+  noise->angle = micrometres("angle_um");
+  noise->angle_per_m = micrometres("angle_um_per_m");
 }
 
 }  // namespace
@@ -78,23 +79,24 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   return json;
 }
 
-PredictionNoise ReadPredictionNoise(const Json& json, Experiment* experiment) {
+PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experiment) {
   PredictionNoise noise;
-  if (json.at("sigma_mm").is_number()) experiment->noise.sigma = json.at("sigma_mm").get<double>() / 1e3;
-  if (json.contains("instrument")) ReadInstrument(json.at("instrument"), &experiment->noise);
-  if (json.contains("sigma_axis_mm")) {
-    const Json& axes = json.at("sigma_axis_mm");
-    noise.sigma_axis.emplace(axes.at(0).get<double>(), axes.at(1).get<double>(), axes.at(2).get<double>());
-    *noise.sigma_axis /= 1e3;
+  const JsonValue sigma = json.Get("sigma_mm");
+  if (!sigma.IsNull()) experiment->noise.sigma = sigma.NotNegativeNumber() / 1e3;
+  if (const auto instrument = json.Find("instrument")) ReadInstrument(*instrument, &experiment->noise);
+  if (const auto axes = json.Find("sigma_axis_mm")) {
+    noise.sigma_axis = axes->Triple() / 1e3;
+    if (noise.sigma_axis->minCoeff() < 0.0) axes->Fail("a standard deviation is not below 0");
   }
-  noise.instrument_factor = json.value("instrument_factor", 1.0);
+  if (const auto factor = json.Find("instrument_factor")) noise.instrument_factor = factor->NotNegativeNumber();
   const auto read = [&json](const char* key, RepeatabilitySpec::OfKind* kind) {
-    if (!json.contains(key)) return;
-    for (const auto& [joint, value] : json.at(key).items()) kind->per_joint[joint] = value.get<double>() / 1e6;
+    const auto joints = json.Find(key);
+    if (!joints) return;
+    for (const auto& [joint, value] : joints->Entries()) kind->per_joint[joint] = value.NotNegativeNumber() / 1e6;
   };
   read("repeatability_urad", &experiment->repeatability.angle);
   read("repeatability_um", &experiment->repeatability.length);
-  noise.scale = json.at("scale").get<double>();
+  noise.scale = json.Get("scale").PositiveNumber();
   return noise;
 }
 

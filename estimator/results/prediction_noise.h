@@ -7,6 +7,7 @@
 
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
+#include "problems/io/json_reader.h"
 
 namespace sagitta {
 
@@ -20,8 +21,8 @@ struct PredictionNoise {
 // {"sigma_mm", "sigma_axis_mm", "instrument", "instrument_factor", "scale", "repeatability_urad", "repeatability_um"}.
 nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
 
-// The inverse; sigma, instrument and repeatability go to `experiment`.
-PredictionNoise ReadPredictionNoise(const nlohmann::ordered_json& json, Experiment* experiment);
+// The inverse; sigma, instrument and repeatability go to `experiment`. Throws InputError.
+PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experiment);
 
 // Roots of each observation's covariance seen at `points` (m, station frame), before `scale`; zero: not known.
 NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNoise& noise,

@@ -8,6 +8,14 @@
 
 namespace sagitta {
 
+// What all files of one set have in common: 16 hexadecimal digits out of version, command and inputs. Runs that cannot
+// differ have the same.
+struct Provenance;
+std::string RunId(const Provenance& provenance);
+
+// "# run: …", a comment of a YAML file.
+std::string RunComment(const Provenance& provenance);
+
 struct Provenance {
   std::string command;
   std::string method = "joint";

@@ -6,16 +6,10 @@
 
 #include "estimator/least_squares/linearization.h"
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
 
 namespace sagitta {
 namespace {
-
-std::string Quoted(const std::string& cell) {
-  if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.rfind("#", 0) != 0) return cell;
-  std::string quoted = "\"";
-  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 std::vector<std::string> UnionOfColumns(const Measurements& data, const std::vector<AddedColumn>& added) {
   std::vector<std::string> names;
@@ -84,7 +78,7 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
   std::vector<std::vector<int>> index(data.files.size());  // of each column in each file, -1: none
   std::string csv;
   for (const std::string& name : names) {
-    csv += (csv.empty() ? "" : ",") + Quoted(name);
+    csv += (csv.empty() ? "" : ",") + CsvCell(name);
     replaced.push_back(Find(added, name));
     for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
   }
@@ -97,9 +91,9 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
       if (c > 0) csv += ",";
       const int source = index[observation.file][c];
       if (replaced[c] != nullptr) {
-        csv += replaced[c]->cells[i];
+        csv += CsvCell(replaced[c]->cells[i]);
       } else if (source >= 0) {
-        csv += Quoted(cells[source]);
+        csv += CsvCell(cells[source]);
       }
     }
     csv += "\n";
@@ -134,7 +128,7 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const int partner = data.observations[i].partner;
     const double own = estimate.leverage[i];
-    leverage.cells.push_back(FormatNumber(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner])));
+    leverage.cells.push_back(Cell(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner])));
     set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
   }
   append({leverage, set});

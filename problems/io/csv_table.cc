@@ -5,6 +5,8 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -66,7 +68,24 @@ bool TakeQuotedCell(std::string_view* rest, std::string* cell) {
   return true;
 }
 
+// A tab may stand between cells; whatever else moves a cursor or rings a bell may not.
+void CheckControl(const std::string& path, const Line& line) {
+  size_t from = 0;
+  while (true) {
+    const size_t found = FindControlCharacter(line.text.substr(from));
+    if (found == std::string_view::npos) return;
+    if (line.text[from + found] != '\t') {
+      throw InputError({path, line.number, ""},
+                       "the line holds the control character " + NameOfControlCharacter(line.text, from + found) +
+                           ": this is not a text file",
+                       "save the table as plain text in UTF-8");
+    }
+    from += found + 1;
+  }
+}
+
 std::vector<std::string> SplitCells(const std::string& path, const Line& line, size_t expected) {
+  CheckControl(path, line);
   std::vector<std::string> cells;
   cells.reserve(expected);
   std::string_view rest = line.text;
@@ -83,15 +102,16 @@ std::vector<std::string> SplitCells(const std::string& path, const Line& line, s
       cells.emplace_back(Trimmed(rest.substr(0, comma)));
       rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma);
     }
+    cells.back() = UnguardedCell(std::move(cells.back()));
     if (rest.empty()) return cells;
+    if (cells.size() == limits::kColumns) {
+      throw InputError({path, line.number, ""}, "the row has more than " + std::to_string(limits::kColumns) + " cells");
+    }
     rest.remove_prefix(1);  // the comma; what follows is one more cell, even if empty
   }
 }
 
 void CheckHeader(const std::string& path, const Line& line, const std::vector<std::string>& header) {
-  if (line.text.find('\0') != std::string_view::npos) {
-    throw InputError({path, line.number, ""}, "this is not a text file in UTF-8");
-  }
   if (header.size() == 1 && line.text.find_first_of(";\t") != std::string_view::npos) {
     throw InputError({path, line.number, ""}, "the header has one column", "columns are separated by commas");
   }
@@ -100,14 +120,19 @@ void CheckHeader(const std::string& path, const Line& line, const std::vector<st
     if (header[c].empty()) {
       throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has no name");
     }
+    if (header[c].size() > limits::kWordBytes) {
+      throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has a name of " +
+                                                    std::to_string(header[c].size()) + " bytes");
+    }
     if (!seen.insert(header[c]).second) throw InputError({path, line.number, header[c]}, "this column stands twice");
   }
 }
 
 }  // namespace
 
-CsvTable ReadCsvTable(const std::string& path) {
-  const std::string text = ReadTextFile(path);
+CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFile(path), path); }
+
+CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   if (const int bad_line = LineOfInvalidUtf8(text))
     throw InputError({path, bad_line, ""}, "this is not a text file in UTF-8");
   CsvTable table;
@@ -131,6 +156,10 @@ CsvTable ReadCsvTable(const std::string& path) {
           {path, line.number, ""},
           "the row has " + std::to_string(row.cells.size()) + " cells, the header has " + std::to_string(columns),
           row.cells.size() > columns ? "a decimal comma? numbers have a point" : "a comma is missing?");
+    }
+    if ((table.file.rows.size() + 1) * columns > limits::kCells) {
+      throw InputError({path, line.number, ""}, "the table has more than " + std::to_string(limits::kCells) + " cells",
+                       "split the file, or leave out columns that nothing needs");
     }
     table.file.rows.push_back(std::move(row));
   }

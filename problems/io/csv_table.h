@@ -15,7 +15,10 @@ struct CsvTable {
 // UTF-8 (with or without BOM), commas, LF or CRLF, '#' comments, blank lines
 // skipped, cells optionally in double quotes. Throws InputError: unreadable,
 // empty, no rows, a row of another length than the header, a column name that
-// is empty or stands twice.
+// is empty or stands twice, a control character, more than limits::kColumns or
+// limits::kCells.
 CsvTable ReadCsvTable(const std::string& path);
+// The same of text that was read: `path` is what messages call it.
+CsvTable ParseCsvTable(const std::string& text, const std::string& path);
 
 }  // namespace sagitta

@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "problems/io/experiment_parts.h"
+#include "problems/io/files.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -27,6 +29,7 @@ double ReadUnitInterval(const YamlValue& value) {
 
 double NotNegative(const std::optional<double>& number, const YamlValue& map) {
   if (number && *number < 0.0) map.Fail("an instrument's standard deviations are not below 0");
+  if (number && *number > 0.0) CheckDeviation(map, *number);
   return number.value_or(0.0);
 }
 
@@ -50,7 +53,9 @@ void ReadInstrument(const YamlValue& value, NoiseSpec* noise) {
 std::optional<double> ReadSigma(YamlMap* map, const std::string& stem) {
   const auto sigma = map->FindQuantity(stem, Dimension::kLength);
   if (!sigma) return std::nullopt;
-  return sigma->unit.ToSi(sigma->value.PositiveNumber());
+  const double si = sigma->unit.ToSi(sigma->value.PositiveNumber());
+  CheckDeviation(sigma->value, si);
+  return si;
 }
 
 NoiseSpec::From ReadNoiseSource(const YamlValue& value) {
@@ -76,6 +81,7 @@ void ReadResidualSettings(YamlMap* map, NoiseSpec* noise) {
 double ReadDeviation(const YamlValue& value, const Unit& unit) {
   const double deviation = value.NumberIn(unit);
   if (deviation < 0.0) value.Fail("a standard deviation is not below 0");
+  if (deviation > 0.0) CheckDeviation(value, deviation);
   return deviation;
 }
 
@@ -94,6 +100,11 @@ void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, RepeatabilitySpec
 }
 
 }  // namespace
+
+void CheckDeviation(const YamlValue& value, double si) {
+  if (si >= limits::kLeastSigma && si <= limits::kLargestSigma) return;
+  value.Fail("this is no standard deviation of a measurement", "1 nm to 10 m, 1 nrad to 10 rad");
+}
 
 NoiseSpec ReadNoise(const YamlValue& value) {
   YamlMap map(value);
@@ -160,7 +171,13 @@ std::map<std::string, Prior> ReadPriors(const YamlValue& value) {
     YamlMap map(entry);
     Prior prior;
     prior.value = map.Get("value").Number();
-    prior.sigma = map.Get("sigma").PositiveNumber();
+    const YamlValue sigma = map.Get("sigma");
+    prior.sigma = sigma.PositiveNumber();
+    if (prior.sigma < limits::kLeastPriorSigma || prior.sigma > limits::kLargestPriorSigma) {
+      sigma.Fail("this is no standard deviation of something that is known",
+                 "between " + FormatNumber(limits::kLeastPriorSigma) + " and " +
+                     FormatNumber(limits::kLargestPriorSigma) + "; without a prior leave the entry out");
+    }
     map.Finish();
     priors[name] = prior;
   }

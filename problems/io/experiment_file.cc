@@ -54,8 +54,9 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
 
 }  // namespace
 
-Experiment ReadExperimentFile(const std::string& path) {
-  const std::string text = ReadTextFile(path);
+Experiment ReadExperimentFile(const std::string& path) { return ReadExperimentText(ReadTextFile(path), path); }
+
+Experiment ReadExperimentText(const std::string& text, const std::string& path) {
   const YamlValue root = ParseYaml(text, path);
   YamlMap map(root);
   map.ExpectSchema("sagitta/experiment/1");

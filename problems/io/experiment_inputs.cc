@@ -50,6 +50,7 @@ bool IsExperimentFile(const std::string& path) {
 
 ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths,
                                       const MeasurementReadOptions& options) {
+  const FileSession once;
   ExperimentInputs inputs;
   inputs.experiment = ExperimentOf(paths);
   const Experiment& experiment = inputs.experiment;

@@ -15,6 +15,9 @@ std::map<std::string, StationSpec> ReadStations(const YamlValue& value);
 void ReadTool(const YamlValue& value, Experiment* experiment);
 void ReadGravity(const YamlValue& value, Experiment* experiment);
 
+// Refuses what is no standard deviation of a measurement (problems/limits.h), 0 among it.
+void CheckDeviation(const YamlValue& value, double si);
+
 NoiseSpec ReadNoise(const YamlValue& value);
 // Keys repeatability_urad and repeatability_um of the file.
 RepeatabilitySpec ReadRepeatability(YamlMap* file);

@@ -1,5 +1,6 @@
 // Loads, tool, gravity, markers and stations of an experiment file.
 #include "problems/io/experiment_parts.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -13,6 +14,7 @@ WrenchFrame ReadWrenchFrame(const YamlValue& value) {
 double ReadMass(const YamlValue& value) {
   const double mass = value.Number();
   if (mass < 0.0) value.Fail("a mass is not below 0");
+  if (mass > limits::kMass) value.Fail("no robot carries more than 1000 t");
   return mass;
 }
 
@@ -44,6 +46,7 @@ std::map<std::string, MarkerSpec> ReadMarkers(const YamlValue& value) {
     if (const auto spring = map.Find("spring")) marker.spring = spring->OneOf({"lever", "anchor", "none"});
     if (const auto sigma = map.Length("spring_sigma")) {
       if (!(*sigma > 0.0)) entry.Fail("spring_sigma must be above 0");
+      CheckDeviation(entry, *sigma);
       marker.spring_sigma = sigma;
     }
     map.Finish();
@@ -83,7 +86,10 @@ void ReadGravity(const YamlValue& value, Experiment* experiment) {
   }
   if (const auto frame = map.Find("frame"))
     experiment->gravity_in_base = frame->OneOf({"measurement", "base"}) == "base";
-  if (const auto magnitude = map.Find("m_per_s2")) experiment->gravity = magnitude->PositiveNumber();
+  if (const auto magnitude = map.Find("m_per_s2")) {
+    experiment->gravity = magnitude->PositiveNumber();
+    if (experiment->gravity < 1e-3 || experiment->gravity > 1e3) magnitude->Fail("no robot stands in such a gravity");
+  }
   map.Finish();
 }
 

@@ -1,54 +1,77 @@
 #include "problems/io/files.h"
 
+#include <fcntl.h>
 #include <openssl/evp.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <system_error>
+#include <vector>
 
 #include "problems/input_error.h"
+#include "problems/io/output_files.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A name next to `path` that no other process uses.
-std::string TemporaryName(const std::string& path) { return path + ".tmp" + std::to_string(getpid()); }
+struct Identity {
+  std::string path;  // as given
+  fs::path canonical;
+  dev_t device = 0;
+  ino_t inode = 0;
+  bool exists = false;
 
-// "" when all was written, else the reason.
-std::string TryWrite(const std::string& path, const std::string& text) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  if (file) return "";
-  return errno != 0 ? std::strerror(errno) : "the file could not be written";
-}
-
-void RemoveQuietly(const fs::path& path) {
-  std::error_code ignored;
-  fs::remove(path, ignored);
-}
-
-// The folders on the way to `path` that do not exist, outermost first.
-std::vector<fs::path> AbsentFolders(const fs::path& path) {
-  std::vector<fs::path> absent;
-  std::error_code ignored;
-  for (fs::path folder = path; !folder.empty() && !fs::exists(folder, ignored); folder = folder.parent_path()) {
-    absent.insert(absent.begin(), folder);
-    if (folder == folder.parent_path()) break;
+  bool IsSameAs(const Identity& other) const {
+    if (exists && other.exists) return device == other.device && inode == other.inode;
+    return !canonical.empty() && canonical == other.canonical;
   }
-  return absent;
+};
+
+Identity IdentityOf(const std::string& path) {
+  Identity identity{path, {}};
+  std::error_code ignored;
+  identity.canonical = fs::weakly_canonical(path, ignored);
+  struct stat status;
+  identity.exists = stat(path.c_str(), &status) == 0;
+  if (identity.exists) identity.device = status.st_dev, identity.inode = status.st_ino;
+  return identity;
 }
 
-void RemoveInnermostFirst(const std::vector<fs::path>& folders) {
-  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) RemoveQuietly(*folder);
+struct Session {
+  std::map<std::string, std::string> bytes;  // by path
+  std::vector<Identity> inputs, outputs;
+};
+
+thread_local std::unique_ptr<Session> session;
+
+[[noreturn]] void FailInputIsOutput(const Identity& input, const Identity& output) {
+  throw InputError({input.path, 0, ""},
+                   "this input would be overwritten by the output '" + output.path + "'; nothing is written",
+                   "give another --out");
+}
+
+// All bytes from where the descriptor is; a device that never ends is cut off by the limit.
+std::string ReadAll(int descriptor, const std::string& path) {
+  std::string bytes;
+  std::vector<char> block(1 << 20);
+  while (true) {
+    const ssize_t count = read(descriptor, block.data(), block.size());
+    if (count == 0) return bytes;
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw InputError({path, 0, ""}, "the file cannot be read: " + std::string(std::strerror(errno)));
+    if (bytes.size() + static_cast<size_t>(count) > limits::kFileBytes) {
+      throw InputError({path, 0, ""}, "the file is longer than " + std::to_string(limits::kFileBytes >> 20) + " MB",
+                       "split it, or leave out columns that nothing needs");
+    }
+    bytes.append(block.data(), static_cast<size_t>(count));
+  }
 }
 
 // Of the UTF-8 character at i (RFC 3629); 0: there is none.
@@ -69,57 +92,46 @@ size_t CharacterLength(const std::string& bytes, size_t i) {
 
 }  // namespace
 
-std::string ReadTextFile(const std::string& path) {
+FileSession::FileSession() : is_outermost_(session == nullptr) {
+  if (is_outermost_) session = std::make_unique<Session>();
+}
+
+FileSession::~FileSession() {
+  if (is_outermost_) session.reset();
+}
+
+void DeclareOutput(const std::string& path) {
+  if (session == nullptr) return;
+  const Identity output = IdentityOf(path);
+  for (const Identity& input : session->inputs) {
+    if (input.IsSameAs(output)) FailInputIsOutput(input, output);
+  }
+  session->outputs.push_back(output);
+}
+
+std::string ReadOwnFile(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw InputError({path, 0, ""}, "there is no such file");
   if (fs::is_directory(status)) throw InputError({path, 0, ""}, "this is a folder, a file is expected");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  // Inserting an empty buffer sets failbit, which is no failure here.
-  if (file && file.peek() != std::ifstream::traits_type::eof()) bytes << file.rdbuf();
-  if (!file.is_open() || file.bad() || bytes.bad()) {
-    throw InputError({path, 0, ""}, "the file cannot be read: " + std::string(std::strerror(errno)));
-  }
-  return bytes.str();
+  FinishInterruptedWrite(fs::path(path).parent_path().string());
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
+  if (descriptor < 0) throw InputError({path, 0, ""}, "the file cannot be read: " + std::string(std::strerror(errno)));
+  const std::unique_ptr<const int, void (*)(const int*)> closer(&descriptor, [](const int* d) { close(*d); });
+  return ReadAll(descriptor, path);
 }
 
-void WriteTextFile(const std::string& path, const std::string& text) {
-  const std::string temporary = TemporaryName(path);
-  const std::string reason = TryWrite(temporary, text);
-  if (!reason.empty()) {
-    RemoveQuietly(temporary);
-    throw InputError({path, 0, ""}, "the file cannot be written: " + reason);
+std::string ReadTextFile(const std::string& path) {
+  if (session == nullptr) return ReadOwnFile(path);
+  const auto known = session->bytes.find(path);
+  if (known != session->bytes.end()) return known->second;
+  const Identity input = IdentityOf(path);
+  for (const Identity& output : session->outputs) {
+    if (input.IsSameAs(output)) FailInputIsOutput(input, output);
   }
-  std::error_code error;
-  fs::rename(temporary, path, error);
-  if (!error) return;
-  RemoveQuietly(temporary);
-  throw InputError({path, 0, ""}, "the file cannot be written: " + error.message());
-}
-
-void PrepareOutputFolder(const std::string& path) {
-  if (path.empty()) throw InputError({"", 0, "out"}, "the output folder has no name");
-  // Without a trailing slash, so that parent_path() goes up one folder.
-  fs::path folder = fs::path(path).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    throw InputError({path, 0, ""}, "this is a file, an output folder is expected");
-  }
-  const std::vector<fs::path> absent = AbsentFolders(folder);
-  fs::create_directories(folder, error);
-  if (error) {
-    RemoveInnermostFirst(absent);
-    throw InputError({path, 0, ""}, "the output folder cannot be made: " + error.message());
-  }
-  const std::string probe = TemporaryName((folder / "sagitta").string());
-  const std::string reason = TryWrite(probe, "");
-  RemoveQuietly(probe);
-  if (reason.empty()) return;
-  RemoveInnermostFirst(absent);
-  throw InputError({path, 0, ""}, "the output folder cannot be written: " + reason);
+  std::string bytes = ReadOwnFile(path);
+  session->inputs.push_back(input);
+  return session->bytes[path] = std::move(bytes);
 }
 
 int LineOfInvalidUtf8(const std::string& bytes) {

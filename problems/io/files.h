@@ -1,19 +1,33 @@
-// Files as bytes: reading, provenance, and writing that is whole or not at all.
+// Files as bytes: reading each once, provenance. Writing: output_files.h.
 #pragma once
 
 #include <string>
 
 namespace sagitta {
 
-// Throws InputError when the file is absent or cannot be read.
+// One run of a command. While it lives, what this thread reads through ReadTextFile is read once, so that what is
+// recognised, hashed and parsed are the same bytes (and pipes can be read at all); and no output may be one of the
+// inputs. Within another session it does nothing: that one goes on.
+class FileSession {
+ public:
+  FileSession();
+  ~FileSession();
+  FileSession(const FileSession&) = delete;
+  FileSession& operator=(const FileSession&) = delete;
+
+ private:
+  bool is_outermost_;
+};
+
+// The rule for inputs and outputs, in one place: says that the session will write `path`. Throws InputError where that
+// is a file the session reads, before or after, by whatever name or link.
+void DeclareOutput(const std::string& path);
+
+// At most limits::kFileBytes. Throws InputError when the file is absent, longer, or cannot be read.
 std::string ReadTextFile(const std::string& path);
 
-// Writes to a temporary name in the same folder and renames. Throws InputError.
-void WriteTextFile(const std::string& path, const std::string& text);
-
-// Makes the folder if it is absent and proves that it can be written. Throws
-// InputError; leaves nothing behind.
-void PrepareOutputFolder(const std::string& path);
+// The same, of a file that is the session's own and may change: neither remembered nor an input.
+std::string ReadOwnFile(const std::string& path);
 
 // The line of the first byte that is no UTF-8; 0: all is.
 int LineOfInvalidUtf8(const std::string& bytes);

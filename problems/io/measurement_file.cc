@@ -293,4 +293,11 @@ Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::stri
   return MeasurementsFromTables(std::move(tables), robot, options);
 }
 
+Measurements ReadMeasurementsText(const Robot& robot, const std::string& text, const std::string& file_in_messages,
+                                  const MeasurementReadOptions& options) {
+  std::vector<CsvTable> tables;
+  tables.push_back(ParseCsvTable(text, file_in_messages));
+  return MeasurementsFromTables(std::move(tables), robot, options);
+}
+
 }  // namespace sagitta

@@ -28,5 +28,8 @@ Measurements ReadMeasurementsFor(const Robot& robot, const std::vector<std::stri
 // The same of tables that are in memory already.
 Measurements MeasurementsFromTables(std::vector<CsvTable> tables, const Robot& robot,
                                     const MeasurementReadOptions& options = {});
+// The same of text that was read.
+Measurements ReadMeasurementsText(const Robot& robot, const std::string& text, const std::string& file_in_messages,
+                                  const MeasurementReadOptions& options = {});
 
 }  // namespace sagitta

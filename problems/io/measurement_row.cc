@@ -1,11 +1,13 @@
 #include "problems/io/measurement_row.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -33,23 +35,41 @@ class RowReader {
     return row_.cells[column];
   }
 
-  double Number(const NumberColumn& column) const {
+  // At most `most`, SI, either sign (problems/limits.h).
+  double Number(const NumberColumn& column, double most) const {
     const std::string& cell = row_.cells[column.index];
     const std::optional<double> number = ParseNumber(cell);
-    if (number) return column.unit.ToSi(*number);
+    if (number && std::abs(column.unit.ToSi(*number)) <= most) return column.unit.ToSi(*number);
+    if (number) {
+      Fail(column.name, "'" + cell + "' is beyond anything that is measured on a robot",
+           "at most " + FormatNumber(ToUnit(most, column.unit)));
+    }
     if (cell.empty()) Fail(column.name, "the cell is empty, a number is expected");
     Fail(column.name, "'" + cell + "' is not a finite number");
   }
 
-  double NumberOr(const NumberColumn& column, double otherwise) const {
-    return IsStated(column) ? Number(column) : otherwise;
+  double NumberOr(const NumberColumn& column, double otherwise, double most) const {
+    return IsStated(column) ? Number(column, most) : otherwise;
+  }
+
+  double Sigma(const NumberColumn& column, double least, double most) const {
+    const double sigma = Number(column, std::numeric_limits<double>::max());
+    if (sigma <= 0.0) Fail(column.name, "a standard deviation is above 0");
+    if (sigma < least || sigma > most) {
+      Fail(column.name, "'" + row_.cells[column.index] + "' is no standard deviation of a measurement",
+           "between " + FormatNumber(ToUnit(least, column.unit)) + " and " + FormatNumber(ToUnit(most, column.unit)));
+    }
+    return sigma;
+  }
+
+  bool IsAnyStated(const std::array<NumberColumn, 3>& columns) const {
+    return IsStated(columns[0]) || IsStated(columns[1]) || IsStated(columns[2]);
   }
 
   // All three or none; false: none.
-  bool Triple(const std::array<NumberColumn, 3>& columns, bool required, Vector3<double>* values) const {
-    const bool any = IsStated(columns[0]) || IsStated(columns[1]) || IsStated(columns[2]);
-    if (!any && !required) return false;
-    for (int i = 0; i < 3; ++i) (*values)[i] = Number(columns[i]);
+  bool Triple(const std::array<NumberColumn, 3>& columns, bool required, double most, Vector3<double>* values) const {
+    if (!IsAnyStated(columns) && !required) return false;
+    for (int i = 0; i < 3; ++i) (*values)[i] = Number(columns[i], most);
     return true;
   }
 
@@ -61,15 +81,13 @@ class RowReader {
 void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, const MeasurementReadOptions& options,
                MeasurementRow* row) {
   row->point.setConstant(std::numeric_limits<double>::quiet_NaN());
-  reader.Triple(columns.point, options.points_required, &row->point);
+  reader.Triple(columns.point, options.points_required, limits::kCoordinate, &row->point);
   row->sigma.setZero();
-  if (options.row_sigmas_used && reader.Triple(columns.sigma, false, &row->sigma)) {
-    for (int i = 0; i < 3; ++i) {
-      if (row->sigma[i] <= 0.0) reader.Fail(columns.sigma[i].name, "a standard deviation is above 0");
-    }
+  for (int i = 0; i < 3 && options.row_sigmas_used && reader.IsAnyStated(columns.sigma); ++i) {
+    row->sigma[i] = reader.Sigma(columns.sigma[i], limits::kLeastSigma, limits::kLargestSigma);
   }
   Vector3<double> sim;  // read by name later; checked here with the rest
-  reader.Triple(columns.sim, false, &sim);
+  reader.Triple(columns.sim, false, limits::kCoordinate, &sim);
 }
 
 // A rotation vector or a quaternion; empty cells: the reading is a point.
@@ -78,10 +96,11 @@ void ReadRotation(const RowReader& reader, const MeasurementColumns& columns, Me
   const auto stated = [&](const NumberColumn& column) { return reader.IsStated(column); };
   const auto& q = columns.quaternion;
   row->is_pose = true;
-  if (reader.Triple(columns.rotation, false, &vector)) {
+  if (reader.Triple(columns.rotation, false, limits::kJointValue, &vector)) {
     row->rotation = RotationFromVector(vector);
   } else if (std::any_of(q.begin(), q.end(), stated)) {
-    Eigen::Quaterniond rotation(reader.Number(q[0]), reader.Number(q[1]), reader.Number(q[2]), reader.Number(q[3]));
+    Eigen::Quaterniond rotation(reader.Number(q[0], 2.0), reader.Number(q[1], 2.0), reader.Number(q[2], 2.0),
+                                reader.Number(q[3], 2.0));
     if (std::abs(rotation.norm() - 1.0) > kUnitLength) {
       reader.Fail(q[0].name, "ow, ox, oy, oz have the length " + FormatNumber(rotation.norm()),
                   "a unit quaternion is expected, scalar first");
@@ -92,23 +111,20 @@ void ReadRotation(const RowReader& reader, const MeasurementColumns& columns, Me
   }
   row->rotation_sigma.setZero();
   if (reader.IsStated(columns.common_rotation_sigma)) {
-    row->rotation_sigma.setConstant(reader.Number(columns.common_rotation_sigma));
-    if (row->rotation_sigma[0] <= 0.0) {
-      reader.Fail(columns.common_rotation_sigma.name, "a standard deviation is above 0");
-    }
-  } else if (reader.Triple(columns.rotation_sigma, false, &row->rotation_sigma)) {
+    row->rotation_sigma.setConstant(
+        reader.Sigma(columns.common_rotation_sigma, limits::kLeastRotationSigma, limits::kLargestRotationSigma));
+  } else if (reader.IsAnyStated(columns.rotation_sigma)) {
     for (int i = 0; i < 3; ++i) {
-      if (row->rotation_sigma[i] <= 0.0) {
-        reader.Fail(columns.rotation_sigma[i].name, "a standard deviation is above 0");
-      }
+      row->rotation_sigma[i] =
+          reader.Sigma(columns.rotation_sigma[i], limits::kLeastRotationSigma, limits::kLargestRotationSigma);
     }
   }
 }
 
 void ReadLoad(const RowReader& reader, const MeasurementColumns& columns, MeasurementRow* row) {
   for (int i = 0; i < 3; ++i) {
-    row->wrench.force[i] = reader.NumberOr(columns.wrench[i], 0.0);
-    row->wrench.moment[i] = reader.NumberOr(columns.wrench[i + 3], 0.0);
+    row->wrench.force[i] = reader.NumberOr(columns.wrench[i], 0.0, limits::kForce);
+    row->wrench.moment[i] = reader.NumberOr(columns.wrench[i + 3], 0.0, limits::kMoment);
   }
   const bool loaded = !row->wrench.IsZero();
   // Without a load column the wrench alone tells the two states apart.
@@ -127,7 +143,7 @@ void ReadApproach(const RowReader& reader, const MeasurementColumns& columns, Me
       row->approach.push_back(kApproachNotStated);
       continue;
     }
-    const double direction = reader.NumberOr(column, 0.0);
+    const double direction = reader.NumberOr(column, 0.0, 1e9);
     if (direction != -1.0 && direction != 0.0 && direction != 1.0) {
       reader.Fail(column.name, "the direction of the last motion is -1, 0 or 1");
     }
@@ -141,7 +157,7 @@ void ReadTorques(const RowReader& reader, const MeasurementColumns& columns, Mea
   if (std::none_of(columns.torque.begin(), columns.torque.end(), stated)) return;
   row->joint_torques.resize(static_cast<Eigen::Index>(columns.torque.size()));
   for (size_t j = 0; j < columns.torque.size(); ++j) {
-    row->joint_torques[static_cast<Eigen::Index>(j)] = reader.Number(columns.torque[j]);
+    row->joint_torques[static_cast<Eigen::Index>(j)] = reader.Number(columns.torque[j], limits::kMoment);
   }
 }
 
@@ -165,7 +181,9 @@ void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row&
   row->visit = reader.Text(columns.visit, "");
   row->repeat = reader.Text(columns.repeat, "");
   row->q.resize(static_cast<Eigen::Index>(columns.q.size()));
-  for (size_t j = 0; j < columns.q.size(); ++j) row->q[static_cast<Eigen::Index>(j)] = reader.Number(columns.q[j]);
+  for (size_t j = 0; j < columns.q.size(); ++j) {
+    row->q[static_cast<Eigen::Index>(j)] = reader.Number(columns.q[j], limits::kJointValue);
+  }
   ReadPoint(reader, columns, options, row);
   ReadRotation(reader, columns, row);
   ReadLoad(reader, columns, row);
@@ -173,9 +191,9 @@ void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row&
   ReadTorques(reader, columns, row);
   CheckSet(reader, columns);
   row->has_time = reader.IsStated(columns.time);
-  row->time = reader.NumberOr(columns.time, 0.0);
+  row->time = reader.NumberOr(columns.time, 0.0, limits::kTime);
   row->has_temperature = reader.IsStated(columns.temperature);
-  row->temperature = reader.NumberOr(columns.temperature, 0.0);
+  row->temperature = reader.NumberOr(columns.temperature, 0.0, limits::kTemperature);
 }
 
 }  // namespace sagitta

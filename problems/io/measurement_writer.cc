@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
@@ -50,16 +51,6 @@ int RotationAxis(const Column& column) {
 bool IsQuaternion(const Column& column) {
   return column.unit.empty() && column.quantity.size() == 2 && column.quantity[0] == 'o' &&
          column.quantity.find_first_of("wxyz", 1) == 1;
-}
-
-std::string Quoted(const std::string& cell) {
-  if (cell.find_first_of(",\"\n\r") == std::string::npos && cell.find('#') != 0) return cell;
-  std::string quoted = "\"";
-  for (const char c : cell) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
 }
 
 // The cell in another unit; as it stands when nothing changes or it is no number.
@@ -117,7 +108,7 @@ std::string MeasurementsToCsv(const Measurements& data) {
   std::vector<std::vector<Source>> sources;
   for (const MeasurementFile& file : data.files) sources.push_back(SourcesIn(file, columns));
   std::string csv;
-  for (size_t c = 0; c < columns.size(); ++c) csv += (c > 0 ? "," : "") + Quoted(columns[c].Name());
+  for (size_t c = 0; c < columns.size(); ++c) csv += (c > 0 ? "," : "") + CsvCell(columns[c].Name());
   csv += "\n";
   for (const Observation& observation : data.observations) {
     if (!observation.is_point()) continue;  // in the line of its point
@@ -135,7 +126,7 @@ std::string MeasurementsToCsv(const Measurements& data) {
         const double value = RotationVector(rotation)[RotationAxis(columns[c])];
         if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mrad")));
       } else if (source.index >= 0) {
-        csv += Quoted(Converted(cells[source.index], source.unit, columns[c].unit));
+        csv += CsvCell(Converted(cells[source.index], source.unit, columns[c].unit));
       }
     }
     csv += "\n";

@@ -1,6 +1,7 @@
 #include "problems/io/robot_parts.h"
 
 #include "problems/input_error.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -83,6 +84,8 @@ JointCompliance::Node ReadComplianceNode(const YamlValue& value, const Joint& jo
   node.k = k.NumberIn(UnitNamed("urad"));
   map.Finish();
   if (node.k < 0.0) k.Fail("a compliance is not below 0", "0 is rigid; leave the joint out where it is");
+  if (node.k > limits::kCompliance) k.Fail("no joint is so soft", "at most 1e8, in the unit of the key");
+  if (node.k > 0.0 && node.k < limits::kLeastCompliance) k.Fail("no joint is so stiff", "0 is rigid");
   return node;
 }
 

@@ -5,9 +5,11 @@
 #include "problems/io/effect_entries.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/robot_checks.h"
 #include "problems/io/robot_parts.h"
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -34,7 +36,9 @@ Joint ReadJoint(const YamlValue& value) {
 
 std::vector<Joint> ReadJoints(const YamlValue& value) {
   std::vector<Joint> joints;
-  for (const YamlValue& item : value.Items()) {
+  const std::vector<YamlValue> items = value.Items();
+  if (items.size() > limits::kJoints) value.Fail("a chain has at most " + std::to_string(limits::kJoints) + " joints");
+  for (const YamlValue& item : items) {
     const Joint joint = ReadJoint(item);
     for (const Joint& other : joints) {
       if (other.name == joint.name) item.Fail("two joints are called '" + joint.name + "'");
@@ -218,9 +222,12 @@ Robot ReadRobotText(const std::string& text, const std::string& file_in_messages
   if (IsUrdf(file_in_messages, text)) {
     Robot robot = ReadUrdfText(text, file_in_messages);
     robot.own_effects = own_effects;
+    CheckRobot(robot, file_in_messages);
     return robot;
   }
-  return ReadRobot(ParseYaml(text, file_in_messages), file_in_messages, own_effects);
+  Robot robot = ReadRobot(ParseYaml(text, file_in_messages), file_in_messages, own_effects);
+  CheckRobot(robot, file_in_messages);
+  return robot;
 }
 
 Robot ReadRobotFile(const std::string& path, const std::vector<const EffectDefinition*>& own_effects) {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
 #include "problems/io/units.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -143,7 +145,11 @@ std::optional<double> TargetReader::Number(const TargetColumn& column) const {
   if (cell.empty()) return std::nullopt;
   const std::optional<double> number = ParseNumber(cell);
   if (!number) Fail(table_.file.header[column.index], "'" + cell + "' is not a finite number");
-  return column.unit.ToSi(*number);
+  const double si = column.unit.ToSi(*number);
+  if (std::abs(si) > (column.index == time_.index ? limits::kTime : limits::kForce)) {
+    Fail(table_.file.header[column.index], "'" + cell + "' is beyond anything that a robot can do");
+  }
+  return si;
 }
 
 std::optional<Eigen::VectorXd> TargetReader::Numbers(const std::vector<TargetColumn>& columns) const {

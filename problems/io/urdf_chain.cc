@@ -4,8 +4,11 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <map>
 
 #include "problems/input_error.h"
+#include "problems/io/robot_checks.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -27,19 +30,37 @@ class CollectedMessages : public console_bridge::OutputHandler {
   std::string first_;
 };
 
+// Two parents make a ring, in which the library leads on for ever.
+void CheckOneParent(const urdf::ModelInterface& model, const std::string& file) {
+  std::map<std::string, std::string> joint_above;  // by link
+  for (const auto& [name, joint] : model.joints_) {
+    const auto [entry, is_new] = joint_above.emplace(joint->child_link_name, name);
+    if (is_new) continue;
+    throw InputError({file, 0, joint->child_link_name},
+                     "the link is the child of two joints, '" + entry->second + "' and '" + name + "'");
+  }
+}
+
 urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::string& file) {
   if (text.find("<xacro:") != std::string::npos) {
     throw InputError({file, 0, ""}, "this is a xacro file", "expand it first: xacro FILE.xacro > FILE.urdf");
   }
+  CheckXml(text, file);
   CollectedMessages messages;
   urdf::ModelInterfaceSharedPtr model;
   std::string reason;
   try {
     model = urdf::parseURDF(text);
-  } catch (const std::exception& error) {
-    reason = error.what();
+  } catch (const std::exception&) {
+    reason = "a number or a name in it cannot be read";
   }
-  if (model) return model;
+  if (model && model->links_.size() > limits::kLinks) {
+    throw InputError({file, 0, ""}, "there are more than " + std::to_string(limits::kLinks) + " links");
+  }
+  if (model) {
+    CheckOneParent(*model, file);
+    return model;
+  }
   if (reason.empty()) reason = messages.first();
   throw InputError({file, 0, ""}, "this is not a valid URDF" + (reason.empty() ? "" : ": " + reason));
 }
@@ -79,7 +100,10 @@ class ChainFinder {
   // Joints from the link up to the root.
   std::vector<urdf::JointConstSharedPtr> ToRoot(const std::string& link) const {
     std::vector<urdf::JointConstSharedPtr> joints;
-    for (auto at = model_.getLink(link); at->parent_joint; at = at->getParent()) joints.push_back(at->parent_joint);
+    for (auto at = model_.getLink(link); at->parent_joint; at = at->getParent()) {
+      joints.push_back(at->parent_joint);
+      if (joints.size() > model_.joints_.size()) FailRing(link);
+    }
     return joints;
   }
 
@@ -91,15 +115,21 @@ class ChainFinder {
     return names;
   }
 
-  void CollectLeaves(const urdf::Link& link, std::vector<std::string>* leaves) const {
+  // `depth`: joints between the base and the link.
+  void CollectLeaves(const urdf::Link& link, size_t depth, std::vector<std::string>* leaves) const {
+    if (depth > model_.joints_.size()) FailRing(link.name);
     if (link.child_links.empty()) leaves->push_back(link.name);
-    for (const auto& child : link.child_links) CollectLeaves(*child, leaves);
+    for (const auto& child : link.child_links) CollectLeaves(*child, depth + 1, leaves);
+  }
+
+  [[noreturn]] void FailRing(const std::string& link) const {
+    throw InputError({file_, 0, link}, "the links are joined to a ring", "a chain has two ends");
   }
 
   // The one link at the end of a branch with joints, branches aside that leave another on its way.
   std::string OnlyTip(const std::string& base) const {
     std::vector<std::string> leaves;
-    CollectLeaves(*model_.getLink(base), &leaves);
+    CollectLeaves(*model_.getLink(base), 0, &leaves);
     std::vector<std::pair<std::string, Movable>> tips;
     for (const std::string& leaf : leaves) tips.emplace_back(leaf, MovableJoints(base, leaf));
     const auto is_side_branch = [&tips](const auto& tip) {
@@ -153,6 +183,9 @@ class ChainFinder {
   void AddLimits(const urdf::Joint& joint, UrdfJoint* result) const {
     if (joint.type == urdf::Joint::CONTINUOUS || !joint.limits) return;
     if (joint.limits->lower == 0.0 && joint.limits->upper == 0.0) return;
+    // Writers that know none state 1e16.
+    const bool is_none = std::max(-joint.limits->lower, joint.limits->upper) > limits::kJointValue;
+    if (is_none) return;
     if (!(joint.limits->lower < joint.limits->upper)) {
       throw InputError({file_, 0, joint.name}, "the limits of the joint are swapped or equal");
     }

@@ -5,10 +5,11 @@
 #include <memory>
 #include <optional>
 #include <regex>
-#include <stdexcept>
 #include <vector>
 
+#include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -50,7 +51,7 @@ struct Finder {
   }
 };
 
-std::map<std::string, JointPlace> FindJoints(const std::string& text) {
+std::map<std::string, JointPlace> FindJoints(const std::string& text, const std::string& file) {
   const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr), XML_ParserFree);
   Finder finder;
   finder.parser = parser.get();
@@ -62,8 +63,8 @@ std::map<std::string, JointPlace> FindJoints(const std::string& text) {
       },
       [](void* data, const XML_Char*) { --static_cast<Finder*>(data)->depth; });
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), 1) != XML_STATUS_OK) {
-    throw std::runtime_error(std::string("the URDF's text is not XML: ") +
-                             XML_ErrorString(XML_GetErrorCode(parser.get())));
+    throw InputError({file, static_cast<int>(XML_GetCurrentLineNumber(parser.get())), ""},
+                     std::string("the URDF's text is not XML: ") + XML_ErrorString(XML_GetErrorCode(parser.get())));
   }
   return finder.places;
 }
@@ -97,13 +98,17 @@ std::string IndentAfter(const std::string& text, const Span& joint) {
 
 }  // namespace
 
-std::string WithOrigins(const std::string& text, const std::map<std::string, OriginEdit>& edits) {
-  const std::map<std::string, JointPlace> places = FindJoints(text);
+std::string WithOrigins(const std::string& text, const std::string& file,
+                        const std::map<std::string, OriginEdit>& edits) {
+  const std::map<std::string, JointPlace> places = FindJoints(text, file);
   std::map<size_t, std::pair<size_t, std::string>, std::greater<size_t>> replacements;  // from the end
   for (const auto& [joint, edit] : edits) {
     const JointPlace& place = places.at(joint);
     if (place.origin) {
       const Span& span = *place.origin;
+      if (span.length > limits::kWordBytes) {
+        throw InputError({file, 0, joint}, "the joint's origin is " + std::to_string(span.length) + " bytes long");
+      }
       replacements[span.begin] = {span.length, EditedTag(text.substr(span.begin, span.length), edit)};
     } else {
       const size_t after = place.start_tag.begin + place.start_tag.length;

@@ -17,7 +17,8 @@ struct OriginEdit {
 };
 
 // The text with the origins of the named joints edited, by joint name. A joint
-// without an origin element gets one.
-std::string WithOrigins(const std::string& text, const std::map<std::string, OriginEdit>& edits);
+// without an origin element gets one. Throws InputError.
+std::string WithOrigins(const std::string& text, const std::string& file_in_messages,
+                        const std::map<std::string, OriginEdit>& edits);
 
 }  // namespace sagitta

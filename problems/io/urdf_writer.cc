@@ -245,7 +245,7 @@ EditedUrdf EditUrdf(const std::string& text, const std::string& file_in_messages
   const UrdfChain urdf = ReadUrdfChain(text, file_in_messages, ends);
   const std::map<std::string, OriginEdit> edits = Editor(urdf, robot, file_in_messages).Edits();
   EditedUrdf edited;
-  edited.text = WithOrigins(text, edits);
+  edited.text = WithOrigins(text, file_in_messages, edits);
   for (const UrdfJoint& joint : urdf.joints) {
     if (edits.count(joint.name)) edited.joints.push_back(joint.name);
   }

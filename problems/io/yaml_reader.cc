@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -32,6 +35,43 @@ bool IsStemOf(const std::string& stem, const std::string& key) {
                          key[stem.size()] == '_' && key.find('_', stem.size() + 1) == std::string::npos);
 }
 
+// Aliases count as often as they stand for something: a kilobyte of them can stand for 10^9 values. One that holds
+// itself has no end.
+void CheckTree(const YAML::Node& node, const std::string& file, int depth, size_t* values) {
+  const int line = node.Mark().line + 1;
+  if (depth > limits::kDepth) {
+    throw InputError({file, line, ""},
+                     "lists and maps are nested more than " + std::to_string(limits::kDepth) + " deep");
+  }
+  if (++*values > limits::kYamlValues) {
+    throw InputError({file, line, ""}, "the file stands for more than " + std::to_string(limits::kYamlValues) +
+                                           " values", "are aliases (*name) nested?");
+  }
+  if (node.IsScalar()) {
+    const size_t found = FindControlCharacter(node.Scalar());
+    if (found == std::string::npos) return;
+    throw InputError({file, line, ""}, "the text '" + Printable(node.Scalar().substr(0, kMostQuoted)) +
+                                           "' holds the control character " +
+                                           NameOfControlCharacter(node.Scalar(), found));
+  }
+  for (const auto& entry : node) {
+    if (node.IsSequence()) {
+      CheckTree(entry, file, depth + 1, values);
+    } else {
+      CheckTree(entry.first, file, depth + 1, values);
+      CheckTree(entry.second, file, depth + 1, values);
+    }
+  }
+}
+
+void CheckText(const std::string& text, const std::string& file) {
+  if (text.size() > limits::kMarkupBytes) {
+    throw InputError({file, 0, ""}, "the file is longer than " + std::to_string(limits::kMarkupBytes >> 20) +
+                                        " MB: a robot or an experiment is much shorter");
+  }
+  if (const int line = LineOfInvalidUtf8(text)) throw InputError({file, line, ""}, "this is not a text in UTF-8");
+}
+
 }  // namespace
 
 YamlValue::YamlValue(YAML::Node node, std::string file, std::string path, int line)
@@ -53,6 +93,7 @@ std::string YamlValue::Text() const {
 double YamlValue::Number() const {
   const std::optional<double> number = node_.IsScalar() ? ParseNumber(node_.Scalar()) : std::nullopt;
   if (!number) Fail("a finite number is expected, this is " + KindOf(node_));
+  if (std::abs(*number) > limits::kYamlNumber) Fail(KindOf(node_) + " is too large to compute with");
   return *number;
 }
 
@@ -127,10 +168,12 @@ std::vector<std::pair<std::string, YamlValue>> YamlValue::Entries() const {
 }
 
 YamlValue ParseYaml(const std::string& text, const std::string& file) {
-  if (const int line = LineOfInvalidUtf8(text)) throw InputError({file, line, ""}, "this is not a text in UTF-8");
+  CheckText(text, file);
   try {
     YAML::Node root = YAML::Load(text);
     if (root.IsNull()) throw InputError({file, 0, ""}, "the file is empty");
+    size_t values = 0;
+    CheckTree(root, file, 0, &values);
     return YamlValue(root, file, "", root.Mark().line + 1);
   } catch (const YAML::Exception& error) {
     throw InputError({file, error.mark.line + 1, ""}, "this is not YAML: " + error.msg);
@@ -144,6 +187,17 @@ void ListLines(const YamlValue& value, std::map<std::string, int>* lines) {
     ListLines(entry, lines);
   }
 }
+
+namespace {
+
+double InRange(const YamlValue& value, double si, Dimension dimension) {
+  const bool is_angle = dimension == Dimension::kAngle;
+  const double most = is_angle ? limits::kJointValue : limits::kCoordinate;
+  if (std::abs(si) <= most) return si;
+  value.Fail("this is more than " + FormatNumber(is_angle ? most : most / 1e3) + (is_angle ? " rad" : " km"));
+}
+
+}  // namespace
 
 YamlMap::YamlMap(const YamlValue& value) : value_(value), entries_(value.Entries()) {}
 
@@ -182,18 +236,20 @@ YamlMap::Quantity YamlMap::GetQuantity(const std::string& stem, Dimension dimens
 std::optional<double> YamlMap::Find(const std::string& stem, Dimension dimension) {
   const std::optional<Quantity> quantity = FindQuantity(stem, dimension);
   if (!quantity) return std::nullopt;
-  return quantity->value.NumberIn(quantity->unit);
+  return InRange(quantity->value, quantity->value.NumberIn(quantity->unit), dimension);
 }
 
 std::optional<Vector3<double>> YamlMap::FindTriple(const std::string& stem, Dimension dimension) {
   const std::optional<Quantity> quantity = FindQuantity(stem, dimension);
   if (!quantity) return std::nullopt;
-  return quantity->value.Triple(quantity->unit);
+  const Vector3<double> triple = quantity->value.Triple(quantity->unit);
+  InRange(quantity->value, triple.cwiseAbs().maxCoeff(), dimension);
+  return triple;
 }
 
 double YamlMap::GetLength(const std::string& stem) {
   const Quantity quantity = GetQuantity(stem, Dimension::kLength);
-  return quantity.value.NumberIn(quantity.unit);
+  return InRange(quantity.value, quantity.value.NumberIn(quantity.unit), Dimension::kLength);
 }
 
 void YamlMap::ExpectSchema(const std::string& schema) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "problems/io/output_files.h"
 #include "problems/io/units.h"
 #include "tests/problems/file_test_support.h"
 
@@ -47,22 +48,6 @@ TEST_F(FilesTest, WritingLeavesNoTemporaryFile) {
 TEST_F(FilesTest, RefusesToReadWhatIsNoFile) {
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadTextFile(Path("absent")); }), {"absent: ", "no such file"}));
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { ReadTextFile(folder_); }), {folder_, "folder"}));
-}
-
-TEST_F(FilesTest, PreparesAnOutputFolder) {
-  PrepareOutputFolder(Path("a/b/"));
-  EXPECT_TRUE(std::filesystem::is_directory(Path("a/b")));
-  EXPECT_TRUE(std::filesystem::is_empty(Path("a/b")));
-  PrepareOutputFolder(Path("a/b"));  // once more: it may exist
-}
-
-TEST_F(FilesTest, RefusesAnImpossibleOutputFolder) {
-  Write("file", "x");
-  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { PrepareOutputFolder(Path("file")); }), {"file", "a file"}));
-  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { PrepareOutputFolder(Path("file/sub")); }), {"file/sub"}));
-  EXPECT_NE(ErrorOf([&] { PrepareOutputFolder("/proc/sagitta/out"); }), "");
-  EXPECT_NE(ErrorOf([&] { PrepareOutputFolder(""); }), "");
-  EXPECT_EQ(ReadTextFile(Path("file")), "x");
 }
 
 TEST_F(FilesTest, FindsWhatIsNoUtf8) {

@@ -58,20 +58,21 @@ std::string HistogramChart(const std::string& title, const std::vector<double>& 
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
                          const std::vector<double>& blue, const std::vector<double>& red) {
   if (x.empty()) return "";
-  const auto [left, right] = std::minmax_element(x.begin(), x.end());
+  const auto ends = std::minmax_element(x.begin(), x.end());
+  const double left = *ends.first, right = *ends.second;  // C++17 lambdas capture no structured bindings
   double reach = 0.0;
   for (const std::vector<double>* values : {&blue, &red}) {
     for (const double value : *values) reach = std::max(reach, std::abs(value));
   }
   const double middle = 0.5 * (kTop + kFloor);
   const double origin = kTickRoom + kDotRoom, width = kWide - origin - kDotRoom;
-  const double across = *right > *left ? width / (*right - *left) : 0.0;
+  const double across = right > left ? width / (right - left) : 0.0;
   const double up = reach > 0.0 ? (0.5 * (kFloor - kTop) - kDotRoom) / reach : 0.0;
   std::string body = svg::LevelLine(middle, kWide, "axis");
   const auto dots = [&](const std::vector<double>& values, const char* style) {
     std::vector<std::pair<double, double>> points;
     for (size_t i = 0; i < values.size(); ++i) {
-      points.emplace_back(origin + across * (x[i] - *left), middle - up * values[i]);
+      points.emplace_back(origin + across * (x[i] - left), middle - up * values[i]);
     }
     body += svg::Dots(points, style);
   };
@@ -80,9 +81,9 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
   body += svg::Text(0, kTop + 8, "start", Significant(reach, 3)) + svg::Text(0, middle - 3, "start", "0") +
           svg::Text(0, kFloor - 3, "start", Significant(-reach, 3));
   return Frame(title,
-               body + svg::Text(origin, kHeight - 6, "start", Significant(*left, 3)) +
+               body + svg::Text(origin, kHeight - 6, "start", Significant(left, 3)) +
                    svg::Text(origin + 0.5 * width, kHeight - 6, "middle", x_label) +
-                   svg::Text(kWide, kHeight - 6, "end", Significant(*right, 3)),
+                   svg::Text(kWide, kHeight - 6, "end", Significant(right, 3)),
                kWide);
 }
 

@@ -1,12 +1,13 @@
 #include "tools/report/svg.h"
 
+#include "problems/io/text_checks.h"
 #include "tools/report/summary.h"
 
 namespace sagitta {
 
 std::string EscapeHtml(const std::string& text) {
   std::string escaped;
-  for (const char c : text) {
+  for (const char c : ValidUtf8(Printable(text))) {
     switch (c) {
       case '&':
         escaped += "&amp;";

@@ -5,20 +5,14 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/json_reader.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/robot_file.h"
 
 namespace sagitta {
 namespace {
 
-nlohmann::json ReadJson(const std::string& path) {
-  const std::string text = ReadTextFile(path);
-  try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError({path, 0, ""}, std::string("this is no JSON: ") + error.what());
-  }
-}
+nlohmann::json ReadJson(const std::string& path) { return ParseJson(ReadTextFile(path), path); }
 
 }  // namespace
 

@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "estimator/results/estimate_json.h"
 #include "problems/input_error.h"
-#include "problems/io/files.h"
+#include "problems/io/output_files.h"
+#include "problems/limits.h"
 #include "tools/progress.h"
 #include "tools/reproduce/data.h"
 #include "tools/run_command.h"
@@ -18,8 +20,6 @@ DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, e
 
 namespace sagitta {
 namespace {
-
-constexpr int kMostTrials = 1000000;
 
 std::string DataFolder() {
   if (!FLAGS_data.empty()) return FLAGS_data;
@@ -77,8 +77,8 @@ std::vector<ReproducedTable> Compute(const std::vector<ReproducibleTable>& asked
     progress.Say("computing " + table.id);
     try {
       tables.push_back(table.make(reproduction));
-    } catch (const nlohmann::json::exception& error) {
-      throw InputError({DataFolder(), 0, table.id}, std::string("the published data lack something: ") + error.what());
+    } catch (const nlohmann::json::exception&) {
+      throw InputError({DataFolder(), 0, table.id}, "the published data lack something that this table needs");
     }
   }
   return tables;
@@ -101,11 +101,12 @@ std::string ToText(const std::vector<ReproducedTable>& tables) {
 }
 
 int RunReproduce(const CommandLine& line) {
-  if (FLAGS_trials < 2 || FLAGS_trials > kMostTrials) {
-    throw InputError({"", 0, "--trials"}, "between 2 and " + std::to_string(kMostTrials) + " trials are possible");
+  if (FLAGS_trials < 2 || FLAGS_trials > limits::kTrials) {
+    throw InputError({"", 0, "--trials"}, "between 2 and " + std::to_string(limits::kTrials) + " trials are possible");
   }
   const std::vector<ReproducibleTable> asked = TablesAsked(line.arguments);
-  if (!FLAGS_out.empty()) PrepareOutputFolder(FLAGS_out);
+  std::optional<OutputFolder> out;
+  if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"report.html", "reproduce.json"});
   Reproduction reproduction(ReadPublishedData(DataFolder()), {FLAGS_trials, FLAGS_seed});
   const std::vector<ReproducedTable> tables = Compute(asked, &reproduction);
   const std::string report = ReproductionToHtml(tables, line.text), json = DumpJson(ToJson(tables, line));
@@ -114,8 +115,7 @@ int RunReproduce(const CommandLine& line) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
     return 0;
   }
-  WriteTextFile(FLAGS_out + "/report.html", report);
-  WriteTextFile(FLAGS_out + "/reproduce.json", json);
+  out->Write({{"report.html", report}, {"reproduce.json", json}});
   std::cout << "\nResults in " << FLAGS_out << ": report.html, reproduce.json\n";
   return 0;
 }

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <map>
-#include <stdexcept>
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "problems/failure.h"
 #include "problems/simulation.h"
 #include "tools/reproduce/data.h"
 
@@ -157,7 +157,7 @@ GeometricRun RunGeometric(const PublishedData& published, const ReproduceOptions
   GeometricRun run;
   run.problem = std::make_unique<CalibrationProblem>(MakeCalibrationProblem(published.kr270, data, experiment));
   run.estimate = EstimateJointly(*run.problem);
-  if (!IsUsable(run.estimate.status)) throw std::runtime_error("no geometric estimate: " + run.estimate.message);
+  if (!IsUsable(run.estimate.status)) throw Failure("no geometric estimate: " + run.estimate.message);
   run.calibration = run.problem->CalibrationObservations();
   run.validation = run.problem->ValidationObservations();
   run.residuals = ResidualsAt(*run.problem, run.estimate.parameters);
@@ -175,7 +175,7 @@ Eigen::VectorXd TrueDeflections(const ForwardModel& model, const ElasticScene& s
     const bool found = model.Predict(scene.shots[s], theta.data(), {}, scene.base_in_station, scene.markers, &loaded) &&
                        model.Predict(ShotInput(scene.shots[s].conditions.q), theta.data(), {}, scene.base_in_station,
                                      scene.markers, &unloaded);
-    if (!found) throw std::runtime_error("the published load folds the arm: no equilibrium");
+    if (!found) throw Failure("the published load folds the arm: no equilibrium");
     for (int m = 0; m < markers; ++m) {
       deflections.segment<3>(3 * (markers * s + m)) = loaded[m].point - unloaded[m].point;
     }

@@ -13,7 +13,9 @@
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -261,7 +263,7 @@ class DhReader {
     for (const std::string& line : table_.preamble) {
       std::smatch match;
       words_ += LowerCaseOf(line) + "\n";
-      if (!std::regex_match(line, match, kEntry)) continue;
+      if (line.size() > limits::kWordBytes || !std::regex_match(line, match, kEntry)) continue;
       if (match[1] == "name") name_ = match[2];
       if (match[1] == "coupling") ReadCoupling(match[2]);
       if (match[1] == "flange") ReadFlange(match[2]);
@@ -396,7 +398,7 @@ std::string DhTableToCsv(const Robot& robot, const DhTable& table) {
   for (const DhLink& link : table.links) {
     const Joint& joint = chain.joints[link.joint];
     const bool revolute = joint.type == JointType::kRevolute;
-    text += joint.name + (revolute ? ",revolute," : ",prismatic,") + InUnit(link.theta, "deg") + "," +
+    text += CsvCell(joint.name) + (revolute ? ",revolute," : ",prismatic,") + InUnit(link.theta, "deg") + "," +
             InUnit(link.d, "mm") + "," + InUnit(link.a, "mm") + "," + InUnit(link.alpha, "deg") +
             (has_beta ? "," + InUnit(link.beta, "deg") : "");
     const std::string min = joint.min ? InUnit(*joint.min, revolute ? "deg" : "mm") : "";

@@ -4,6 +4,7 @@
 #include <regex>
 
 #include "problems/io/import/text_table.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -27,6 +28,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 
 std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decimal_comma) {
   TypedNumber number;
+  if (typed.size() > limits::kWordBytes) return std::nullopt;
   std::string text = WithoutBlanks(typed);
   for (const char* minus : {"−", "–"}) text = Replaced(text, minus, "-");
   for (const char* degrees : {"°", "deg"}) {
@@ -55,9 +57,10 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
 }
 
 std::optional<JointExpression> ParseJointExpression(const std::string& typed, bool decimal_comma) {
+  if (typed.size() > limits::kWordBytes) return std::nullopt;
   const std::string text = WithoutBlanks(Replaced(Replaced(typed, "θ", "theta"), "−", "-"));
-  static const std::regex kVariable(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]+)\)?\}?([+-].+)?)", std::regex::icase);
-  static const std::regex kConstantFirst(R"((.+[0-9i°])([+-])(?:q|th|theta)_?\(?([0-9]+)\)?)", std::regex::icase);
+  static const std::regex kVariable(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]{1,6})\)?\}?([+-].+)?)", std::regex::icase);
+  static const std::regex kConstantFirst(R"((.+[0-9i°])([+-])(?:q|th|theta)_?\(?([0-9]{1,6})\)?)", std::regex::icase);
   JointExpression expression;
   std::smatch match;
   std::string offset;

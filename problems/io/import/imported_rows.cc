@@ -6,6 +6,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
@@ -203,14 +204,7 @@ std::string ImportedRows::ToCsv(int joints) const {
     for (size_t c = 0; c < order.size(); ++c) {
       const auto cell = row.find(order[c]);
       const std::string value = cell == row.end() ? "" : cell->second;
-      const bool quoted = value.find_first_of(",\"") != std::string::npos;
-      std::string shown = value;
-      if (quoted) {
-        shown = "\"";
-        for (const char ch : value) shown += ch == '"' ? "\"\"" : std::string(1, ch);
-        shown += "\"";
-      }
-      text += (c == 0 ? "" : ",") + shown;
+      text += (c == 0 ? "" : ",") + CsvCell(value);
     }
     text += "\n";
   }

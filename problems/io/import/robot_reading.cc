@@ -3,8 +3,10 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/import/text_table.h"
+#include "problems/io/robot_checks.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/urdf_robot.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -15,11 +17,12 @@ Format FormatOf(const std::string& text, const std::string& path) {
   if (IsUrdf(path, text)) return Format::kUrdf;
   if (text.find("sagitta/robot/") != std::string::npos) return Format::kRobotYaml;
   if (LooksLikeUrCalibration(text)) return Format::kUrCalibration;
-  if (LooksLikeUrConf(text)) return Format::kUrConf;
+  const bool is_short = text.size() <= limits::kScriptBytes;
+  if (is_short && LooksLikeUrConf(text)) return Format::kUrConf;
   if (text.find("Body Name") != std::string::npos && text.find("Joint Type") != std::string::npos)
     return Format::kBodyTree;
   if (LooksLikeDhTable(text, path)) return Format::kDhTable;
-  if (LooksLikeMatlab(text)) return Format::kMatlab;
+  if (is_short && LooksLikeMatlab(text)) return Format::kMatlab;
   return Format::kOther;
 }
 
@@ -30,10 +33,7 @@ RobotReading Native(Robot robot, const std::string& format) {
   return reading;
 }
 
-}  // namespace
-
-RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& options) {
-  const std::string bytes = ReadTextFile(path);
+RobotReading ReadByFormat(const std::string& bytes, const std::string& path, const RobotReadOptions& options) {
   std::string encoding;
   const std::string text = DecodeText(bytes, path, &encoding);
   switch (FormatOf(text, path)) {
@@ -57,7 +57,19 @@ RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& optio
   }
   throw InputError({path, 0, ""}, "this is no robot that can be read",
                    "robot.yaml, URDF, a DH table with columns a, alpha, d, theta, calibration.yaml or .conf of "
-                   "Universal Robots, MATLAB text");
+                   "Universal Robots, MATLAB text; the last two of at most 12 kB");
+}
+
+}  // namespace
+
+RobotReading ReadAnyRobotText(const std::string& bytes, const std::string& path, const RobotReadOptions& options) {
+  RobotReading reading = ReadByFormat(bytes, path, options);
+  CheckRobot(reading.robot, path);
+  return reading;
+}
+
+RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& options) {
+  return ReadAnyRobotText(ReadTextFile(path), path, options);
 }
 
 bool LooksLikeRobot(const std::string& path) {

@@ -27,6 +27,9 @@ struct RobotReadOptions {
 // .conf, MATLAB text; by content, not by the name. Throws InputError.
 RobotReading ReadAnyRobot(const std::string& path, const RobotReadOptions& options = {});
 
+// The same of text that was read: `path` is what messages call it.
+RobotReading ReadAnyRobotText(const std::string& bytes, const std::string& path, const RobotReadOptions& options = {});
+
 // True for a file that ReadAnyRobot reads as a robot and not as a table of measurements.
 bool LooksLikeRobot(const std::string& path);
 

@@ -6,6 +6,8 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/text_checks.h"
+#include "problems/limits.h"
 #include "problems/io/units.h"
 
 namespace sagitta {
@@ -128,6 +130,9 @@ Layout FindLayout(const std::vector<Line>& lines, const std::string& path) {
     const Layout layout = LayoutWith(separator, lines);
     if (layout.numbers > best.numbers) best = layout;
   }
+  if (best.columns > limits::kColumns) {
+    throw InputError({path, 0, ""}, "the table has more than " + std::to_string(limits::kColumns) + " columns");
+  }
   if (best.numbers == 0) {
     throw InputError({path, 0, ""}, "no table of numbers is found",
                      "rows of numbers with tabs, semicolons, commas, bars or blanks between them are expected");
@@ -229,6 +234,10 @@ class Builder {
     table_.header_line = lines_[*header].number;
     for (size_t c = 0; c < names.size(); ++c) {
       const bool has_unit = !units.empty() && !units[c].empty() && units[c] != "-";
+      if (names[c].size() > limits::kWordBytes) {
+        throw InputError({table_.path, table_.header_line, ""},
+                         "column " + std::to_string(c + 1) + " has a name of " + std::to_string(names[c].size()) + " bytes");
+      }
       table_.header[c] = names[c] + (has_unit ? (units[c][0] == '[' ? " " + units[c] : " [" + units[c] + "]") : "");
     }
   }
@@ -241,6 +250,12 @@ class Builder {
                            std::to_string(layout_.columns) + " (separator: " + table_.separator + ")",
                        layout_.separator == ' ' ? "an empty cell cannot be seen between blanks: use another separator"
                                                 : "the table has to end with the file");
+    }
+    for (const std::string& cell : row.cells) {
+      const size_t found = FindControlCharacter(cell);
+      if (found == std::string::npos) continue;
+      throw InputError({table_.path, line.number, ""},
+                       "a cell holds the control character " + NameOfControlCharacter(cell, found));
     }
     table_.rows.push_back(std::move(row));
   }

@@ -6,6 +6,7 @@
 //   calibration.conf   [mounting] delta_theta, delta_a, delta_d, delta_alpha: added to the robot's [DH]
 #include "problems/io/import/universal_robots.h"
 
+#include <array>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -118,7 +119,8 @@ RobotReading ReadUrCalibration(const std::string& text, const std::string& path)
     joint.type = UrdfJoint::Type::kRevolute;
     Vector3<double> rpy;
     for (int i = 0; i < 3; ++i) joint.parent_from_joint.translation[i] = map.Get(std::string(1, "xyz"[i])).Number();
-    rpy << map.Get("roll").Number(), map.Get("pitch").Number(), map.Get("yaw").Number();
+    // One by one: Eigen's << is not to be left by an exception.
+    for (int i = 0; i < 3; ++i) rpy[i] = map.Get(std::array{"roll", "pitch", "yaw"}[i]).Number();
     joint.parent_from_joint.rotation = RotationFromRpy(rpy);
     map.Finish();
     chain.joints.push_back(joint);
