@@ -98,7 +98,8 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
   const Estimate& estimate = calibration.estimate;
   const std::string json = DumpJson(CalibrationToJson(calibration, provenance));
   const std::string residuals = ResidualsToCsv(problem, estimate);
-  const std::string robot = RunComment(provenance) + RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
+  const std::string robot =
+      RunComment(provenance) + RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
   const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
   out.Write({{"robot.calibrated.yaml", robot}, {"residuals.csv", residuals}, {"estimate.json", json}});
 }

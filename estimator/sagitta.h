@@ -8,9 +8,9 @@
 // What to measure next: MakePlan (estimator/planning/plan.h). Corrected targets: MakeCompensationInput, Compensate
 // (estimator/results/compensation_csv.h). Long work ends early where an Interruptible scope says so.
 //
-// Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta) R_hat.
-// Input that cannot be used throws InputError {file, line, key, what, hint}; a numerical failure is a Status with a
-// message, never an exception. Nothing here prints.
+// Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta)
+// R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}; a numerical failure is a Status
+// with a message, never an exception. Nothing here prints.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ namespace sagitta {
 CalibrationProblem ReadExperiment(const std::vector<std::string>& paths);
 
 // What every estimating command asks first. Throws InputError where numbers are in another unit than their column says,
-// or where the nominal robot cannot have made the readings; `remedy` is what the caller offers for going on all the same.
+// or where the nominal robot cannot have made the readings; `remedy` is what the caller offers for going on all the
+// same.
 void CheckReadings(const CalibrationProblem& problem, const std::string& remedy);
 
 // Sets 30 % of the configurations aside where the experiment does not say which, as a diagnosis needs.
@@ -61,8 +62,8 @@ struct Calibration {
 };
 
 // Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, the agreement
-// between parts of the data, and the verdict. Judge it by estimate.status (IsUsable). Throws InputError where the method cannot honour
-// what the problem states.
+// between parts of the data, and the verdict. Judge it by estimate.status (IsUsable). Throws InputError where the
+// method cannot honour what the problem states.
 Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
 
 // estimate.json as written: the estimate, its verdict, cross-validation and suspect rows.
@@ -97,8 +98,8 @@ double LargestDeviation(const Prediction& prediction, const Measurements& rows);
 // Before (nominal robot; base and markers fitted to the calibration rows) and after, on rows that were not calibrated.
 struct Validation {
   ResidualSize before, after;
-  double predicted_rms = 0.0;   // m, per coordinate: noise and parameters; 0: the noise is not known
-  Eigen::Matrix3Xd predicted;   // m
+  double predicted_rms = 0.0;  // m, per coordinate: noise and parameters; 0: the noise is not known
+  Eigen::Matrix3Xd predicted;  // m
   std::vector<std::string> warnings;
 };
 

@@ -32,14 +32,14 @@ namespace internal {
 using DoubleMapper = blas_data_mapper<double, Index, ColMajor, Unaligned, 1>;
 SAGITTA_TEMPLATE struct gebp_kernel<double, double, Index, DoubleMapper, gebp_traits<double, double>::mr,
                                     gebp_traits<double, double>::nr, false, false>;
-SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, ColMajor, false, double, ColMajor, false,
-                                                      ColMajor, 1>;
-SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, RowMajor, false, double, ColMajor, false,
-                                                      ColMajor, 1>;
-SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, ColMajor, false, double, RowMajor, false,
-                                                      ColMajor, 1>;
-SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, RowMajor, false, double, RowMajor, false,
-                                                      ColMajor, 1>;
+SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, ColMajor, false, double, ColMajor, false, ColMajor,
+                                                      1>;
+SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, RowMajor, false, double, ColMajor, false, ColMajor,
+                                                      1>;
+SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, ColMajor, false, double, RowMajor, false, ColMajor,
+                                                      1>;
+SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, RowMajor, false, double, RowMajor, false, ColMajor,
+                                                      1>;
 
 }  // namespace internal
 }  // namespace Eigen

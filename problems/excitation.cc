@@ -99,9 +99,9 @@ class ShotBatches {
       const int marker = problem_.data.observations[i].marker;
       markers.push_back({problem_.marker_frames[marker], parameters.MarkerPoint(marker), marker});
     }
-    const std::vector<double> motion = MotionPerUnit(problem_.model, problem_.shot_inputs[s],
-                                                     parameters.ModelValues().data(),
-                                                     parameters.BaseInStation(shot.station), markers);
+    const std::vector<double> motion =
+        MotionPerUnit(problem_.model, problem_.shot_inputs[s], parameters.ModelValues().data(),
+                      parameters.BaseInStation(shot.station), markers);
     for (size_t i = 0; i < largest->size(); ++i) (*largest)[i] = std::max((*largest)[i], motion[i]);
   }
 

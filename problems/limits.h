@@ -35,9 +35,9 @@ inline constexpr std::size_t kLinks = 2000;
 
 // --- counts that are asked for ---------------------------------------------------------------------------------------
 
-inline constexpr int kTrials = 1'000'000;     // 5 decimals of a coverage; a state file of some GB
-inline constexpr int kPlanPoses = 100'000;    // a plan is measured pose by pose
-inline constexpr int kPlanPool = 1'000'000;   // candidates are kept in memory
+inline constexpr int kTrials = 1'000'000;    // 5 decimals of a coverage; a state file of some GB
+inline constexpr int kPlanPoses = 100'000;   // a plan is measured pose by pose
+inline constexpr int kPlanPool = 1'000'000;  // candidates are kept in memory
 inline constexpr int kThreads = 1024;
 
 // --- quantities, SI --------------------------------------------------------------------------------------------------

@@ -2,9 +2,10 @@
 //
 //   measured = t + R * point_base(q, theta, loads, deviations) + root n,   base_in_station = (t, R)
 //
-// (a rotation: exp(root n) times the true one) with n three standard normal numbers per observation in row order, and one deviation of each joint per visit where a
-// repeatability is stated (paper 003, section 2: it is the robot's, not the instrument's). SI; points in the station's
-// measurement frame. Loads, compliances, the compensator and effects are those of the problem.
+// (a rotation: exp(root n) times the true one) with n three standard normal numbers per observation in row order, and
+// one deviation of each joint per visit where a repeatability is stated (paper 003, section 2: it is the robot's, not
+// the instrument's). SI; points in the station's measurement frame. Loads, compliances, the compensator and effects are
+// those of the problem.
 #pragma once
 
 #include <cstdint>

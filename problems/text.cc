@@ -10,7 +10,8 @@ namespace {
 
 // "-0.00" is 0.00.
 std::string WithoutSignOfZero(const std::string& text) {
-  const bool is_zero = text.find_first_of("123456789") == std::string::npos && text.find_first_of("in") == std::string::npos;
+  const bool is_zero =
+      text.find_first_of("123456789") == std::string::npos && text.find_first_of("in") == std::string::npos;
   return is_zero && !text.empty() && text[0] == '-' ? text.substr(1) : text;
 }
 

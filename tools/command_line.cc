@@ -99,7 +99,8 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
     }
   }
   if (FLAGS_threads < 1 || FLAGS_threads > limits::kThreads) {
-    throw InputError({"", 0, "--threads"}, "between 1 and " + std::to_string(limits::kThreads) + " threads are possible");
+    throw InputError({"", 0, "--threads"},
+                     "between 1 and " + std::to_string(limits::kThreads) + " threads are possible");
   }
   return line;
 }

@@ -31,7 +31,7 @@ struct Command {
   std::string help;     // usage, what it does, examples
   std::vector<std::string> flags;
   int (*run)(const CommandLine& line) = nullptr;  // exit status; null: not in this version
-  std::string program = {};  // another program that does it, in the same folder
+  std::string program = {};                       // another program that does it, in the same folder
 };
 
 // `arguments`: what follows the command's name. `--flag value` and

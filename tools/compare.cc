@@ -26,7 +26,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
 std::vector<std::string> MethodsAsked() {
   const std::vector<std::string>& known = MethodNames();
   std::vector<std::string> methods;

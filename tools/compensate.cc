@@ -2,9 +2,9 @@
 #include <gflags/gflags.h>
 
 #include <filesystem>
-#include <optional>
 #include <iostream>
 #include <map>
+#include <optional>
 
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/program_compensation.h"

@@ -8,8 +8,8 @@
 
 #include "models/dh_from_chain.h"
 #include "models/forward_model.h"
-#include "problems/input_error.h"
 #include "problems/failure.h"
+#include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/import/dh_text.h"
 #include "problems/io/import/robot_reading.h"
@@ -207,7 +207,7 @@ int RunConvert(const CommandLine& line) {
   const double difference = LargestDifference(reading.robot.chain, ReadBack(written.text, out).chain);
   if (written.is_exact && difference > kSame) {
     throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
-                             " mm; nothing is written");
+                  " mm; nothing is written");
   }
   file.Write(written.text);
   std::cout << in << ": " << reading.format << ", " << reading.robot.num_joints() << " joints\n";

@@ -12,20 +12,13 @@ namespace {
 
 const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
-      CalibrateCommand(),
-      PredictCommand(),
-      SimulateCommand(),
-      CompareCommand(),
-      DiagnoseCommand(),
-      ValidateCommand(),
-      InspectCommand(),
-      CoverageCommand(),
-      PlanCommand(),
-      CompensateCommand(),
-      ChangedCommand(),
-      {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
-      ImportCommand(),
-      ConvertCommand(),
+      CalibrateCommand(), PredictCommand(),
+      SimulateCommand(),  CompareCommand(),
+      DiagnoseCommand(),  ValidateCommand(),
+      InspectCommand(),   CoverageCommand(),
+      PlanCommand(),      CompensateCommand(),
+      ChangedCommand(),   {"reproduce", "the published tables side by side", "", {}, nullptr, "sagitta-reproduce"},
+      ImportCommand(),    ConvertCommand(),
   };
   return commands;
 }

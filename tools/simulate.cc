@@ -5,8 +5,8 @@
 
 #include "estimator/sagitta.h"
 #include "problems/io/experiment_file.h"
-#include "problems/io/output_files.h"
 #include "problems/io/measurement_writer.h"
+#include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 

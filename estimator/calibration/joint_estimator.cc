@@ -319,8 +319,8 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
     Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
                         " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
     ResetHeld(estimate.aligned, &estimate.parameters);
-    minimized = Solve(problem, residuals, equations, exact_joints ? *exact_joints : equations, options,
-                      &estimate.parameters);
+    minimized =
+        Solve(problem, residuals, equations, exact_joints ? *exact_joints : equations, options, &estimate.parameters);
     estimate.iterations += minimized.iterations;
     if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, &estimate)) break;
   }

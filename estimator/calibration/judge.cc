@@ -157,8 +157,7 @@ class RowJudge {
       coordinates_ += 3;
     }
     if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
-      estimate.leverage =
-          LeverageBesideDeviations(problem_, all, jacobian, normal_root_ * normal_root_.transpose());
+      estimate.leverage = LeverageBesideDeviations(problem_, all, jacobian, normal_root_ * normal_root_.transpose());
     }
   }
 

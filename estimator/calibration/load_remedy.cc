@@ -13,8 +13,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kPull = 500.0;          // N
-constexpr double kOffAxis = 0.1;         // m
+constexpr double kPull = 500.0;   // N
+constexpr double kOffAxis = 0.1;  // m
 constexpr int kPulls = 3;
 constexpr int kHeadings = 8;
 constexpr size_t kMostConfigurations = 60;  // tried

@@ -255,7 +255,7 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
   constexpr double kFarOff = 0.01;  // of the characteristic length; what compensation corrects is below 5 mm in 3 m
   if (solution.status == TargetStatus::kNotConverged && solution.least_singular < kNearSingular) {
     solution.status = solution.left_position > kFarOff * CharacteristicLength(chain) ? TargetStatus::kUnreachable
-                                                                                      : TargetStatus::kSingular;
+                                                                                     : TargetStatus::kSingular;
   }
   return solution;
 }

@@ -8,17 +8,37 @@
 #include <set>
 
 #include "estimator/diagnosis/typical_units.h"
+#include "estimator/least_squares/batch_algebra.h"
 #include "problems/split.h"
 
 namespace sagitta {
 namespace {
 
 constexpr int kRowsPerBlock = 384;                 // enough for the products to run at full speed
+constexpr Eigen::Index kColumnsAtOnce = 256;       // of a product, upper blocks alone: a tenth more than half of it
 constexpr size_t kMostStored = 128 * 1024 * 1024;  // bytes of linearized blocks
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRank = 1e-13;
 // Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
 constexpr double kContained = 1e-9;
+
+// R' R is added to the upper triangle, some columns at a time with the instructions that the machine has.
+void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
+  const Eigen::MatrixXd turned = rows.transpose();
+  const Eigen::Index width = turned.rows();
+  Eigen::MatrixXd product(width, kColumnsAtOnce);
+  for (Eigen::Index first = 0; first < width; first += kColumnsAtOnce) {
+    const Eigen::Index columns = std::min<Eigen::Index>(kColumnsAtOnce, width - first), height = first + columns;
+    const auto done = static_cast<Eigen::Index>(
+        MultiplyColumns(turned.data(), width, height, turned.cols(), rows.col(first).data(), columns, product.data()));
+    upper->block(0, first, done, columns) += product.topLeftCorner(done, columns);
+    const Eigen::Index rest = height - done;
+    if (rest > 0) {
+      upper->block(done, first, rest, columns).noalias() +=
+          turned.middleRows(done, rest) * rows.middleCols(first, columns);
+    }
+  }
+}
 
 LatentModel AllJoints(const CalibrationProblem& problem) {
   LatentModel latent = problem.latent;
@@ -255,7 +275,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
       }
     }
     sums.log_det += Whiten(block, scatter, &rows);
-    sums.products.selfadjointView<Eigen::Upper>().rankUpdate(rows.transpose());
+    AddProducts(rows, &sums.products);
     sums.rows += block.here.num_rows();
   }
   return sums;

@@ -42,12 +42,12 @@ struct NoiseReport {
   bool converged = true;
 
   std::vector<VarianceComponent> components;
-  bool per_joint = false;       // one repeatability per joint, else one for all
-  double gain_per_joint = 0.0;  // deviance one per joint gains over a common one
-  double penalty = 0.0;         // what it has to gain
+  bool per_joint = false;            // one repeatability per joint, else one for all
+  double gain_per_joint = 0.0;       // deviance one per joint gains over a common one
+  double penalty = 0.0;              // what it has to gain
   bool instrument_is_factor = true;  // on stated noise; else m per coordinate
-  double instrument_rms = 0.0;  // m, of one coordinate of the calibration rows
-  double robot_rms = 0.0;       // m, what the joint deviations move it
+  double instrument_rms = 0.0;       // m, of one coordinate of the calibration rows
+  double robot_rms = 0.0;            // m, what the joint deviations move it
 
   std::vector<NoiseGroup> groups;
 

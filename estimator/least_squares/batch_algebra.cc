@@ -2,15 +2,13 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "estimator/least_squares/batch_algebra.cc"
-#include "models/batch/targets.h"
-
 #include <hwy/foreach_target.h>  // must come before highway.h
-
 #include <hwy/highway.h>
 
 #include <algorithm>
 
 #include "models/batch/shot_program.h"
+#include "models/batch/targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sagitta {
@@ -100,7 +98,9 @@ std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows,
 void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
   const Tag d;
   const std::size_t step = hn::Lanes(d);
-  const auto cell = [&](int row, int column) { return (static_cast<std::size_t>(row) * columns + column) * kBatchLanes; };
+  const auto cell = [&](int row, int column) {
+    return (static_cast<std::size_t>(row) * columns + column) * kBatchLanes;
+  };
   const auto entry = [&](int row, int column) {
     return factor + (static_cast<std::size_t>(row) * num_rows + column) * kBatchLanes;
   };
@@ -116,7 +116,8 @@ void MarginaliseRows(int num_rows, int columns, int latent, int count, double* r
           sum = hn::NegMulAdd(hn::Load(d, entry(r, i) + lane), hn::Load(d, entry(k, i) + lane), sum);
         }
         // The diagonal is kept as its inverse.
-        const V value = r == k ? hn::Div(hn::Set(d, 1.0), hn::Sqrt(sum)) : hn::Mul(sum, hn::Load(d, entry(k, k) + lane));
+        const V value =
+            r == k ? hn::Div(hn::Set(d, 1.0), hn::Sqrt(sum)) : hn::Mul(sum, hn::Load(d, entry(k, k) + lane));
         hn::Store(value, d, entry(r, k) + lane);
       }
     }
@@ -169,10 +170,10 @@ void GramSums::Add(const std::vector<const double*>& rows, int first_a, int firs
 }
 
 double GramSums::At(int a, int b) const {
-  const double* lanes = lanes_.data() + (static_cast<std::size_t>(Block(a / kGramBlock, b / kGramBlock)) * kGramBlock *
-                                             kGramBlock +
-                                         (a % kGramBlock) * kGramBlock + b % kGramBlock) *
-                                            kBatchLanes;
+  const double* lanes =
+      lanes_.data() + (static_cast<std::size_t>(Block(a / kGramBlock, b / kGramBlock)) * kGramBlock * kGramBlock +
+                       (a % kGramBlock) * kGramBlock + b % kGramBlock) *
+                          kBatchLanes;
   double sum = 0.0;
   for (int i = 0; i < kBatchLanes; ++i) sum += lanes[i];
   return sum;

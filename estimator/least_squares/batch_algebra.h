@@ -31,8 +31,8 @@ class GramSums {
 };
 
 // product = X W for matrices stored column by column: x has `rows` rows (of `stride` numbers from column to column) and
-// n columns, w n x k; product as many rows from column to column as x. Returns how many rows were done, all but the last
-// few.
+// n columns, w n x k; product as many rows from column to column as x. Returns how many rows were done, all but the
+// last few.
 std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
                             std::size_t k, double* product);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr double kShownComponent = 0.05;  // of the largest
 constexpr double kNumericallyZero = 1e-13;
 constexpr double kWellTold = 1e6;
-constexpr double kLeastSigma = 1e-9;  // of an exact fit, stated sigmas
+constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
 constexpr size_t kMostNames = 6;           // in words
 
@@ -64,8 +64,7 @@ Eigen::MatrixXd ScaledFactor(const Linearization& linearization, const Eigen::Ve
 // than 1 / |R^-1| (Frobenius).
 bool AllAbove(const Eigen::MatrixXd& r, double limit) {
   if (!(r.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
-  const Eigen::MatrixXd inverse =
-      r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(r.rows(), r.cols()));
+  const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(r.rows(), r.cols()));
   return inverse.norm() * std::max(limit, kNumericallyZero * r.norm()) < 1.0;
 }
 

@@ -257,8 +257,7 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
   for (int g = 0; g < batches.num_groups(); ++g) {
     const BatchColumns& columns = request.columns(g);
     for (int b = 0; b < batches.num_batches(g); ++b) {
-      double* const rows =
-          buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
+      double* const rows = buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
       if (!batches.Evaluate(request, g, b, &scratch, rows)) return PointsByModel(problem, parameters, observations);
       for (int lane = 0; lane < kBatchLanes; ++lane) {
         const std::vector<int> unit = batches.UnitOf(g, b, lane);

@@ -51,7 +51,8 @@ ceres::Solver::Options SolverOptions(const MinimizeOptions& options) {
   solver.initial_trust_region_radius = options.cautious ? 1e4 : 1e12;
   solver.max_trust_region_radius = 1e16;
   // What is left at 1e-9 of the cost is below a hundredth of a standard deviation up to 10^5 rows, and EstimateFrom
-  // polishes; at 1e-12 the round-off of the equilibria keeps small problems searching. Starting values are not polished.
+  // polishes; at 1e-12 the round-off of the equilibria keeps small problems searching. Starting values are not
+  // polished.
   solver.function_tolerance = options.cautious ? 1e-12 : 1e-9;
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-13;

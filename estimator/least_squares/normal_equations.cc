@@ -17,8 +17,8 @@ constexpr int kRowsAtOnce = 48;      // of lanes that are summed together: they 
 class GroupSums {
  public:
   explicit GroupSums(const BatchColumns& columns)
-      : columns_(columns), shared_((columns.latent < 0 ? columns.columns : columns.latent) / kGramBlock -
-                                   columns.first / kGramBlock) {
+      : columns_(columns),
+        shared_((columns.latent < 0 ? columns.columns : columns.latent) / kGramBlock - columns.first / kGramBlock) {
     dense_ = GramSums(shared_, shared_, true);
     for (size_t m = 0; m < columns.own.size(); ++m) own_.emplace_back(1, 1 + shared_, false);
   }

@@ -97,8 +97,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
     bool by_model = false;
     for (const std::vector<int>& run : units[u]) {
       const std::vector<BatchReading> readings = readings_of(run);
-      const std::vector<std::int64_t> own =
-          StructureOf(problem.model, problem.shot_inputs[shot_of(run)], readings);
+      const std::vector<std::int64_t> own = StructureOf(problem.model, problem.shot_inputs[shot_of(run)], readings);
       by_model |= own.empty();
       for (const int k : run) {
         const ReadingKind kind = problem.data.observations[observations[k]].kind;
@@ -323,7 +322,8 @@ bool RowBatches::EvaluateByModel(const Request& request, const Group& group, con
       }
       const Vector3<double> residual = whiteners_[*position] * misfit;
       for (int i = 0; i < 3; ++i) {
-        rows[(static_cast<std::size_t>(row + i) * columns.columns + layout.residual) * kBatchLanes + lane] = residual[i];
+        rows[(static_cast<std::size_t>(row + i) * columns.columns + layout.residual) * kBatchLanes + lane] =
+            residual[i];
       }
     }
   }

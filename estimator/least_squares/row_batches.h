@@ -18,13 +18,13 @@ namespace sagitta {
 
 // The columns of one group of units and what they are of.
 struct BatchColumns {
-  std::vector<BatchLayout> shots;    // one per shot of a unit
-  std::vector<int> of;               // per local column: index into the columns asked for, or -1
+  std::vector<BatchLayout> shots;  // one per shot of a unit
+  std::vector<int> of;             // per local column: index into the columns asked for, or -1
   // Units of one shot: rows of a marker share the columns 0 .. 2 with those of the others; per marker what they are.
   // Empty: every marker has columns of its own.
   std::vector<std::vector<int>> own;
-  int columns = 0;   // a multiple of kGramBlock; unused ones are zero
-  int first = 0;     // of those that all rows share
+  int columns = 0;  // a multiple of kGramBlock; unused ones are zero
+  int first = 0;    // of those that all rows share
   int residual = 0;
   int latent = -1, latents = 0;  // deviations of joints, times their sigmas, as they were before they are marginalised
 

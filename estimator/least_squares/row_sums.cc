@@ -39,7 +39,8 @@ void RowSums::Clear() {
 
 void RowSums::Add(int row, const Eigen::VectorXd* root_weights) {
   const double weight = root_weights == nullptr ? 1.0 : (*root_weights)[row];
-  double* const lane = rows_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
+  double* const lane =
+      rows_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
   const int n = from_.num_columns();
   for (int c = 0; c < n; ++c) lane[c * kBatchLanes] = weight * from_.jacobian(row, c);
   lane[n * kBatchLanes] = weight * from_.residual[row];

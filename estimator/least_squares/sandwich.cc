@@ -75,7 +75,8 @@ class VectorProducts {
 
   template <typename Vector>
   void Add(const Vector& w) {
-    double* const lane = lanes_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
+    double* const lane =
+        lanes_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
     for (int c = 0; c < w.size(); ++c) lane[c * kBatchLanes] = w[c];
     if (++held_ == kRows * kBatchLanes) Flush();
   }
@@ -92,7 +93,8 @@ class VectorProducts {
   static constexpr int kRows = 32;
   void Flush() {
     std::vector<const double*> rows;
-    for (int i = 0; i * kBatchLanes < held_; ++i) rows.push_back(lanes_ + static_cast<std::size_t>(i) * columns_ * kBatchLanes);
+    for (int i = 0; i * kBatchLanes < held_; ++i)
+      rows.push_back(lanes_ + static_cast<std::size_t>(i) * columns_ * kBatchLanes);
     sums_.Add(rows, 0, 0);
     lanes_ = buffer_.Reserve(static_cast<std::size_t>(kRows) * columns_ * kBatchLanes);
     held_ = 0;

@@ -110,8 +110,7 @@ void ReadHeld(const JsonValue& json, ParameterUncertainty* uncertainty) {
       json.Get("names").Fail("'" + name + "' is held and estimated at once");
     }
   }
-  uncertainty->second_moment =
-      sigmas.asDiagonal() * json.Get("correlation").Correlation(n, true) * sigmas.asDiagonal();
+  uncertainty->second_moment = sigmas.asDiagonal() * json.Get("correlation").Correlation(n, true) * sigmas.asDiagonal();
   uncertainty->slopes.resize(uncertainty->estimated.size(), 0);
   if (n == 0) return;
   if (json.Get("estimated").Names() != uncertainty->estimated) {

@@ -106,8 +106,8 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
     if (!row.is_point()) continue;
     const Shot& shot = data.shots[row.shot];
     const Configuration& configuration = data.configurations[shot.configuration];
-    csv +=
-        CsvCell(configuration.id) + "," + CsvCell(data.markers[row.marker]) + "," + CsvCell(data.stations[shot.station]);
+    csv += CsvCell(configuration.id) + "," + CsvCell(data.markers[row.marker]) + "," +
+           CsvCell(data.stations[shot.station]);
     for (int j = 0; j < chain.num_joints(); ++j) {
       add(ToUnit(configuration.q[j], UnitNamed(chain.joints[j].type == JointType::kRevolute ? "deg" : "mm")));
     }

@@ -15,12 +15,12 @@ namespace {
 // Everything that a fold is taken out of, columns scaled to unit norm.
 struct Fit {
   std::vector<int> observations;
-  Linearization rows;      // as fitted, without priors
-  NoiseRoots roots;        // of the observations
-  Eigen::MatrixXd apart;   // J, one observation apart from the other, where joints deviate: else that of `rows`
+  Linearization rows;     // as fitted, without priors
+  NoiseRoots roots;       // of the observations
+  Eigen::MatrixXd apart;  // J, one observation apart from the other, where joints deviate: else that of `rows`
   Eigen::VectorXd scale;  // SI of one unit of each column
   Eigen::MatrixXd sums;   // [J r]'[J r], priors included, SI
-  double noise = 1.0;  // of the whitened residuals
+  double noise = 1.0;     // of the whitened residuals
   bool valid = false;
 };
 
@@ -124,8 +124,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
       rows_of_point = (fit.roots[point_rows[3 * m] / 3] * rows_of_point).eval();
     }
     // Of the predicted points, m.
-    const Eigen::VectorXd moved =
-        own * (-(root * (root.transpose() * gradient.cwiseQuotient(fit.scale)))).eval();
+    const Eigen::VectorXd moved = own * (-(root * (root.transpose() * gradient.cwiseQuotient(fit.scale)))).eval();
     for (size_t m = 0; m < points.size(); ++m) {
       const int i = points[m];
       errors.col(column_of[i]) = problem.data.observations[i].point_in_station - estimate.predicted.col(i) -

@@ -129,8 +129,8 @@ bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outlier
   ParameterSet parameters = IsUsable(estimate.status) ? estimate.parameters : Unheld(estimate.aligned);
   bool is_restarted = !IsUsable(estimate.status);
   for (int round = 0; round < kRounds; ++round) {
-    Linearization here = Linearize(rows->problem, parameters, rows->observations, parameters.EstimatedCoordinates(), noise,
-                                   LatentTreatment::kIgnore);
+    Linearization here = Linearize(rows->problem, parameters, rows->observations, parameters.EstimatedCoordinates(),
+                                   noise, LatentTreatment::kIgnore);
     std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
     for (int c = 0; c < here.num_columns(); ++c) {
       if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);

@@ -47,8 +47,7 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   return unseen;
 }
 
-void PredictedSquares::Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian,
-                           const Eigen::MatrixXd& root) {
+void PredictedSquares::Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& root) {
   Linearization moved;  // J R
   moved.jacobian = TallProduct(jacobian, root);
   moved.residual.setZero(moved.jacobian.rows());

@@ -1,5 +1,7 @@
 #include "models/batch/batch_rows.h"
 
+// The order of these is Highway's.
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "models/batch/batch_rows.cc"
 #include "models/batch/targets.h"
@@ -14,6 +16,7 @@
 
 #include "models/batch/lane_motions-inl.h"
 #include "models/batch/lane_shots-inl.h"
+// clang-format on
 
 #if HWY_ONCE
 namespace sagitta {

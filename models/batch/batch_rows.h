@@ -63,8 +63,8 @@ unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const B
                        BatchScratch* scratch, double* rows);
 
 // MotionPerUnit (models/excitation.h) of each parameter but geometric errors, the largest over all lanes: raises
-// motions, one number per model parameter. Shots are as in EvaluateBatch, whiteners and measured points count for nothing;
-// lanes that are left over must repeat a shot. Returns the lanes that were left to the caller.
+// motions, one number per model parameter. Shots are as in EvaluateBatch, whiteners and measured points count for
+// nothing; lanes that are left over must repeat a shot. Returns the lanes that were left to the caller.
 unsigned RaiseMotions(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
                       double* motions);
 

@@ -108,8 +108,8 @@ class LaneShots {
 
   // The instrument's side of one marker.
   struct Seen {
-    M3 from_base;     // whitened: W B
-    M3 from_station;  // whitened: W d seen / d true
+    M3 from_base;                        // whitened: W B
+    M3 from_station;                     // whitened: W d seen / d true
     V3 row_by_turn[3], row_by_shift[3];  // rows of P
   };
 
@@ -147,7 +147,8 @@ class LaneShots {
       s.row_by_shift[i] = {entry(s.from_base.column[0]), entry(s.from_base.column[1]), entry(s.from_base.column[2])};
       s.row_by_turn[i] = Cross(in_base, s.row_by_shift[i]);
     }
-    double* own_rows = rows + static_cast<std::size_t>(layout_.first_row + 3 * m) * layout_.columns * kBatchLanes + lane;
+    double* own_rows =
+        rows + static_cast<std::size_t>(layout_.first_row + 3 * m) * layout_.columns * kBatchLanes + lane;
     const V3 misfit = whitener * (seen - At3(data, marker.data + 9, lane));
     WriteResidual(s, misfit, statics_.LeftOver(p_.classes[marker.frame_class].frame), own_rows);
     WriteColumns(s, marker.frame_class, own_rows);

@@ -1,4 +1,5 @@
-// The gravity compensator's torque in one register's worth of shots, with derivatives. Compiled once per instruction set.
+// The gravity compensator's torque in one register's worth of shots, with derivatives. Compiled once per instruction
+// set.
 #if defined(SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
 #undef SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
@@ -28,9 +29,8 @@ HWY_INLINE SpringTorque SpringAt(const double* theta, V sine, V cosine) {
   const V arm = hn::Mul(length, across), minus_rate = hn::Neg(rate);
   SpringTorque result;
   result.torque = hn::Mul(hn::Mul(minus_rate, slack), arm);
-  const auto by = [&](V ds, V d_arm) HWY_ATTR {
-    return hn::Mul(minus_rate, Fma(hn::Mul(by_s, ds), arm, hn::Mul(slack, d_arm)));
-  };
+  const auto by = [&](V ds, V d_arm)
+                      HWY_ATTR { return hn::Mul(minus_rate, Fma(hn::Mul(by_s, ds), arm, hn::Mul(slack, d_arm))); };
   result.by_angle = by(arm, hn::Neg(hn::Mul(length, along)));
   result.by[0] = by(hn::Add(length, along), across);
   result.by[1] = by(Fma(length, sine, ax), hn::Mul(length, cosine));

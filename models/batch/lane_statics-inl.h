@@ -23,8 +23,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sagitta {
 namespace HWY_NAMESPACE {
 
-constexpr double kSettled = 1e-8;      // rad or m: what is left then is added to first order, 1e-16
-constexpr double kFoldedLanes = 0.5;   // rad or m: the reference looks closer
+constexpr double kSettled = 1e-8;     // rad or m: what is left then is added to first order, 1e-16
+constexpr double kFoldedLanes = 0.5;  // rad or m: the reference looks closer
 constexpr int kMostNewtonSteps = 8;
 
 class LaneStatics {
@@ -253,7 +253,8 @@ class LaneStatics {
       if (transform.slot >= 0) value = hn::Add(value, deflection_[transform.slot]);
       if (transform.is_rotation) {
         SinCos(value, &sine, &cosine);
-        if (transform.lane_value >= 0) Compose(Datum(transform.lane_value), Datum(transform.lane_value + 1), &sine, &cosine);
+        if (transform.lane_value >= 0)
+          Compose(Datum(transform.lane_value), Datum(transform.lane_value + 1), &sine, &cosine);
       } else if (transform.lane_value >= 0) {
         value = hn::Add(value, Datum(transform.lane_value));
       }
@@ -465,16 +466,16 @@ class LaneStatics {
   const double* data_ = nullptr;
   int lane_ = 0, frame_ = 0;
 
-  TwistLanes* twists_;   // of the undeflected and deflected arm alike: at the current values
-  V3* origins_;          // of the slots' transforms
-  Frame* frames_;        // kept ones
+  TwistLanes* twists_;  // of the undeflected and deflected arm alike: at the current values
+  V3* origins_;         // of the slots' transforms
+  Frame* frames_;       // kept ones
   Sums *measured_, *in_base_, *own_;
-  TwistLanes* beyond_;   // slots x levels: d law / d value of transforms from the slot on
-  V3* before_;           // of transforms before the slot
+  TwistLanes* beyond_;  // slots x levels: d law / d value of transforms from the slot on
+  V3* before_;          // of transforms before the slot
   V *torque_, *flexibility_, *deflection_, *step_, *law_;
   V *matrix_, *response_;
   TwistLanes* imposed_;
-  V* by_rotation_;       // slots x 3
+  V* by_rotation_;  // slots x 3
   V spring_sine_, spring_cosine_, spring_stiffness_, by_spring_[5];
 };
 

@@ -48,8 +48,12 @@ struct M3 {
   V3 column[3];
 };
 HWY_INLINE M3 Zero33() { return {{Zero3(), Zero3(), Zero3()}}; }
-HWY_INLINE V3 operator*(const M3& m, V3 v) { return Fma(v.x, m.column[0], Fma(v.y, m.column[1], Times(v.z, m.column[2]))); }
-HWY_INLINE V3 TransposeTimes(const M3& m, V3 v) { return {Dot(m.column[0], v), Dot(m.column[1], v), Dot(m.column[2], v)}; }
+HWY_INLINE V3 operator*(const M3& m, V3 v) {
+  return Fma(v.x, m.column[0], Fma(v.y, m.column[1], Times(v.z, m.column[2])));
+}
+HWY_INLINE V3 TransposeTimes(const M3& m, V3 v) {
+  return {Dot(m.column[0], v), Dot(m.column[1], v), Dot(m.column[2], v)};
+}
 HWY_INLINE M3 operator*(const M3& a, const M3& b) { return {{a * b.column[0], a * b.column[1], a * b.column[2]}}; }
 HWY_INLINE V Trace(const M3& m) { return hn::Add(m.column[0].x, hn::Add(m.column[1].y, m.column[2].z)); }
 template <typename Matrix>
@@ -74,7 +78,9 @@ struct TwistLanes {
   V3 w, v;
 };
 HWY_INLINE TwistLanes ZeroTwist() { return {Zero3(), Zero3()}; }
-HWY_INLINE TwistLanes Fma(V a, const TwistLanes& b, const TwistLanes& c) { return {Fma(a, b.w, c.w), Fma(a, b.v, c.v)}; }
+HWY_INLINE TwistLanes Fma(V a, const TwistLanes& b, const TwistLanes& c) {
+  return {Fma(a, b.w, c.w), Fma(a, b.v, c.v)};
+}
 HWY_INLINE V Work(const TwistLanes& twist, V3 moment, V3 force) {
   const V a = Fma(twist.w.x, moment.x, Fma(twist.w.y, moment.y, hn::Mul(twist.w.z, moment.z)));
   return Fma(twist.v.x, force.x, Fma(twist.v.y, force.y, Fma(twist.v.z, force.z, a)));

@@ -131,8 +131,12 @@ class Builder {
     const int e = chain_.JointTransform(spring.joint);
     const double zero = spring.zero.value_or(chain_.transforms[e].nominal);
     program_.has_spring = true;
-    program_.spring = {program_.transforms[e].slot, e,           FirstOf(ParameterLaw::kCompensator),
-                       std::sin(zero),              std::cos(zero), chain_.transforms[e].sign,
+    program_.spring = {program_.transforms[e].slot,
+                       e,
+                       FirstOf(ParameterLaw::kCompensator),
+                       std::sin(zero),
+                       std::cos(zero),
+                       chain_.transforms[e].sign,
                        spring.preload ? -1 : Take(2)};
   }
   int FirstOf(ParameterLaw law) const {

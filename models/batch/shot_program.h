@@ -27,12 +27,12 @@ struct ShotProgram {
     bool is_rotation = false;
     int axis = 0;
     double nominal = 0.0;
-    int geometry = -1;           // parameter that adds to its value
-    int lane_value = -1;         // data: sin and cos (rotation) or value of nominal + sign q; -1: no joint
-    std::vector<Scaled> terms;   // effects that add to its value
-    int slot = -1;               // elastic slot
-    int twist = -1;              // index of its twist, where somebody differentiates by its value
-    int kept_frame = -1;         // index of the frame right after it, where a marker or a wrench rides on that
+    int geometry = -1;          // parameter that adds to its value
+    int lane_value = -1;        // data: sin and cos (rotation) or value of nominal + sign q; -1: no joint
+    std::vector<Scaled> terms;  // effects that add to its value
+    int slot = -1;              // elastic slot
+    int twist = -1;             // index of its twist, where somebody differentiates by its value
+    int kept_frame = -1;        // index of the frame right after it, where a marker or a wrench rides on that
 
     bool is_fixed() const { return lane_value < 0 && slot < 0 && terms.empty(); }  // the same in all lanes
   };

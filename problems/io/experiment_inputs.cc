@@ -48,8 +48,7 @@ bool IsExperimentFile(const std::string& path) {
   return false;
 }
 
-ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths,
-                                      const MeasurementReadOptions& options) {
+ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths, const MeasurementReadOptions& options) {
   const FileSession once;
   ExperimentInputs inputs;
   inputs.experiment = ExperimentOf(paths);

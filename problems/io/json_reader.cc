@@ -73,7 +73,8 @@ Json ParseJson(const std::string& text, const std::string& file) {
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event != Json::parse_event_t::key) return true;
     const std::string& key = parsed.get_ref<const std::string&>();
-    if (!keys.back().insert(key).second) throw InputError({file, 0, Printable(key)}, "this key stands twice in one map");
+    if (!keys.back().insert(key).second)
+      throw InputError({file, 0, Printable(key)}, "this key stands twice in one map");
     return true;
   };
   try {

@@ -123,7 +123,8 @@ class Temporaries {
   void Rename() {
     while (!to_rename_.empty()) {
       const auto& [temporary, name] = to_rename_.front();
-      if (renameat(folder_, temporary.c_str(), folder_, name.c_str()) != 0) FailToWrite(Joined(path_, name), LastError());
+      if (renameat(folder_, temporary.c_str(), folder_, name.c_str()) != 0)
+        FailToWrite(Joined(path_, name), LastError());
       to_rename_.erase(to_rename_.begin());
     }
     fsync(folder_);  // where the file system has no such thing for folders, nothing more can be done

@@ -24,10 +24,9 @@ void CheckTransform(const ElementaryTransform& transform, size_t number, const s
   CheckName(transform.error, file);
   const double most = transform.is_rotation() ? limits::kJointValue : limits::kCoordinate;
   if (std::abs(transform.nominal) <= most) return;  // not so: NaN
-  throw InputError({file, 0, ""},
-                   "transform " + std::to_string(number) + " of the chain" +
-                       (transform.error.empty() ? "" : " (" + transform.error + ")") +
-                       " is no length or angle of a robot");
+  throw InputError({file, 0, ""}, "transform " + std::to_string(number) + " of the chain" +
+                                      (transform.error.empty() ? "" : " (" + transform.error + ")") +
+                                      " is no length or angle of a robot");
 }
 
 struct XmlSize {
@@ -83,8 +82,8 @@ void CheckXml(const std::string& text, const std::string& file) {
     throw InputError({file, line, ""}, "there are more than " + std::to_string(limits::kXmlElements) + " elements");
   }
   if (is_whole) return;
-  throw InputError({file, line, ""}, std::string("this is not a valid URDF: ") +
-                                         XML_ErrorString(XML_GetErrorCode(parser.get())));
+  throw InputError({file, line, ""},
+                   std::string("this is not a valid URDF: ") + XML_ErrorString(XML_GetErrorCode(parser.get())));
 }
 
 }  // namespace sagitta

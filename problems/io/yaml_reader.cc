@@ -44,8 +44,9 @@ void CheckTree(const YAML::Node& node, const std::string& file, int depth, size_
                      "lists and maps are nested more than " + std::to_string(limits::kDepth) + " deep");
   }
   if (++*values > limits::kYamlValues) {
-    throw InputError({file, line, ""}, "the file stands for more than " + std::to_string(limits::kYamlValues) +
-                                           " values", "are aliases (*name) nested?");
+    throw InputError({file, line, ""},
+                     "the file stands for more than " + std::to_string(limits::kYamlValues) + " values",
+                     "are aliases (*name) nested?");
   }
   if (node.IsScalar()) {
     const size_t found = FindControlCharacter(node.Scalar());

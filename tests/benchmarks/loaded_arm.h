@@ -85,7 +85,8 @@ inline void AddJets(const CalibrationProblem& problem, const ResidualSelection& 
   }
   for (size_t k = 0; k < selection.observations.size(); ++k) {
     const Observation& observation = problem.data.observations[selection.observations[k]];
-    auto* functor = new JetMarker{&problem, &observation, parameters->ModelValues(), active, selection.noise[k].inverse()};
+    auto* functor =
+        new JetMarker{&problem, &observation, parameters->ModelValues(), active, selection.noise[k].inverse()};
     auto* cost = new ceres::DynamicAutoDiffCostFunction<JetMarker, 8>(functor);
     const int station = problem.data.shots[observation.shot].station;
     std::vector<double*> blocks = {parameters->station_translation(station).values.data(),

@@ -15,7 +15,9 @@ namespace {
 
 struct Setup {
   explicit Setup(int configurations, double repeatability = 0.0)
-      : problem(LoadedArm(configurations, repeatability)), rows(CalibrationResiduals(problem)), start(problem.parameters) {
+      : problem(LoadedArm(configurations, repeatability)),
+        rows(CalibrationResiduals(problem)),
+        start(problem.parameters) {
     AlignNominal(problem, &start);
     for (const int i : HeldAtStart()) start.coordinate(i).held = true;
     columns = start.EstimatedCoordinates();
@@ -92,7 +94,8 @@ void MachineDgemm(benchmark::State& state) {
     dgemm_("T", "N", &columns, &columns, &rows, &one, j.data(), &rows, j.data(), &rows, &one, product.data(), &columns);
     benchmark::DoNotOptimize(product.data());
   }
-  state.counters["flops"] = benchmark::Counter(2.0 * rows * columns * columns, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["flops"] =
+      benchmark::Counter(2.0 * rows * columns * columns, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(MachineDgemm);
 
@@ -124,8 +127,8 @@ void BatchedRows(benchmark::State& state) {
   BatchBuffer buffer;
   for (auto _ : state) {
     for (int g = 0; g < batches.num_groups(); ++g) {
-      double* const rows = buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns *
-                                          kBatchLanes);
+      double* const rows =
+          buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns * kBatchLanes);
       for (int b = 0; b < batches.num_batches(g); ++b) {
         benchmark::DoNotOptimize(batches.Evaluate(request, g, b, &scratch, rows));
       }
@@ -146,9 +149,15 @@ void NormalEquationsPass(benchmark::State& state) {
 }
 BENCHMARK(NormalEquationsPass)
     ->ArgNames({"configurations", "threads", "joints_deviate"})
-    ->Args({18, 1, 0})->Args({1000, 1, 0})->Args({10000, 1, 0})->Args({10000, 2, 0})->Args({10000, 1, 1})
-    ->Args({100000, 1, 0})->Args({100000, 2, 0})
-    ->UseRealTime()->Unit(benchmark::kMicrosecond);
+    ->Args({18, 1, 0})
+    ->Args({1000, 1, 0})
+    ->Args({10000, 1, 0})
+    ->Args({10000, 2, 0})
+    ->Args({10000, 1, 1})
+    ->Args({100000, 1, 0})
+    ->Args({100000, 2, 0})
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
 
 enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate };
 
@@ -206,12 +215,23 @@ void Solve(benchmark::State& state) {
 }
 BENCHMARK(Solve)
     ->ArgNames({"configurations", "way", "joints_deviate"})
-    ->Args({18, kJets, 0})->Args({18, kAnalytic, 0})->Args({18, kCondensedWay, 0})->Args({18, kWholeEstimate, 0})
-    ->Args({1000, kJets, 0})->Args({1000, kAnalytic, 0})->Args({1000, kCondensedWay, 0})->Args({1000, kWholeEstimate, 0})
-    ->Args({10000, kJets, 0})->Args({10000, kAnalytic, 0})->Args({10000, kCondensedWay, 0})
-    ->Args({10000, kWholeEstimate, 0})->Args({100000, kCondensedWay, 0})
-    ->Args({1000, kSchur, 1})->Args({1000, kWholeEstimate, 1})
-    ->UseRealTime()->Unit(benchmark::kMillisecond);
+    ->Args({18, kJets, 0})
+    ->Args({18, kAnalytic, 0})
+    ->Args({18, kCondensedWay, 0})
+    ->Args({18, kWholeEstimate, 0})
+    ->Args({1000, kJets, 0})
+    ->Args({1000, kAnalytic, 0})
+    ->Args({1000, kCondensedWay, 0})
+    ->Args({1000, kWholeEstimate, 0})
+    ->Args({10000, kJets, 0})
+    ->Args({10000, kAnalytic, 0})
+    ->Args({10000, kCondensedWay, 0})
+    ->Args({10000, kWholeEstimate, 0})
+    ->Args({100000, kCondensedWay, 0})
+    ->Args({1000, kSchur, 1})
+    ->Args({1000, kWholeEstimate, 1})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 void CovarianceFromSums(benchmark::State& state) {
   const Setup& setup = SetupOf(1000);

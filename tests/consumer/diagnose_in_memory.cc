@@ -22,7 +22,8 @@ kinematics:
       - {joint: A4, a_mm: 0, alpha_deg: 90, d_mm: 640, theta_deg: 0}
       - {joint: A5, a_mm: 0, alpha_deg: -90, d_mm: 0, theta_deg: 0}
       - {joint: A6, a_mm: 0, alpha_deg: 0, d_mm: 80, theta_deg: 0}
-)", "arm in memory");
+)",
+                                "arm in memory");
 }
 
 constexpr int kPoses = 60;
@@ -51,7 +52,8 @@ sagitta::Measurements Readings(const sagitta::Robot& robot) {
       sagitta::Observation row;
       row.shot = i;
       row.marker = m;
-      row.point_in_station = model.PointInBase(sagitta::ShotInput(actual), no_errors.data(), robot.chain.FlangeFrame(), points[m]);
+      row.point_in_station =
+          model.PointInBase(sagitta::ShotInput(actual), no_errors.data(), robot.chain.FlangeFrame(), points[m]);
       for (double& coordinate : row.point_in_station) coordinate += kSigma * normal();
       row.sigma.setConstant(kSigma);
       shot.observations.push_back(static_cast<int>(data.observations.size()));

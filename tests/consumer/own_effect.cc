@@ -1,5 +1,5 @@
-// An effect of one's own: joint 3's gear is turned by joint 2, so that joint 3 is off by cos . cos(n q2) + sin . sin(n q2).
-// The robot carries the definition; calibration estimates it like any other.
+// An effect of one's own: joint 3's gear is turned by joint 2, so that joint 3 is off by cos . cos(n q2) + sin . sin(n
+// q2). The robot carries the definition; calibration estimates it like any other.
 //
 // usage: own_effect EXPERIMENT.yaml
 #include <sagitta/sagitta.h>
@@ -33,8 +33,9 @@ void ApplyDriven(const EffectContext& context, ShotTerms* terms) {
 
 const EffectDefinition& DrivenHarmonic() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"driven_harmonic", "periodic error driven by another joint",
-                            "where it is described", EffectTarget::kJoint, DrivenParameters, ApplyDriven};
+    EffectDefinition effect{"driven_harmonic",       "periodic error driven by another joint",
+                            "where it is described", EffectTarget::kJoint,
+                            DrivenParameters,        ApplyDriven};
     effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}},
                        {"order", SettingDefinition::Kind::kInteger, "1", {}}};
     effect.separate_by = "poses with {target} and its driver over their whole ranges";
@@ -48,8 +49,10 @@ const EffectDefinition& DrivenHarmonic() {
 int main(int, char** argv) {
   sagitta::ExperimentInputs inputs = sagitta::ReadExperimentInputs({argv[1]});
   inputs.robot.own_effects = {&DrivenHarmonic()};
-  inputs.robot.effects.push_back({"driven_harmonic", inputs.robot.chain.joints[2].name,
-                                  {{"driver", inputs.robot.chain.joints[1].name}, {"order", "2"}}, {}});
+  inputs.robot.effects.push_back({"driven_harmonic",
+                                  inputs.robot.chain.joints[2].name,
+                                  {{"driver", inputs.robot.chain.joints[1].name}, {"order", "2"}},
+                                  {}});
   const sagitta::Calibration result =
       sagitta::Calibrate(sagitta::MakeCalibrationProblem(inputs.robot, inputs.data, inputs.experiment));
   int found = 0;

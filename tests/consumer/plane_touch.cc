@@ -1,5 +1,5 @@
-// Laser-tracker markers and a cost of one's own in one ceres::Problem: the first marker has also touched a plane that is
-// known in the station's frame. Prints the standard deviation of a marker coordinate without and with the touches.
+// Laser-tracker markers and a cost of one's own in one ceres::Problem: the first marker has also touched a plane that
+// is known in the station's frame. Prints the standard deviation of a marker coordinate without and with the touches.
 //
 // usage: plane_touch EXPERIMENT.yaml
 #include <ceres/ceres.h>
@@ -23,9 +23,8 @@ struct PlaneTouch {
     const Eigen::Map<const Eigen::Quaternion<T>> rotation(blocks[1]);
     std::vector<T> theta(problem->model.num_parameters());
     for (size_t i = 0; i < theta.size(); ++i) theta[i] = blocks[3 + i][0];
-    const sagitta::Vector3<T> point =
-        problem->model.PointInStation<T>(shot, theta.data(), {problem->marker_frames[0], {}, 0}, marker,
-                                         rotation.toRotationMatrix(), translation);
+    const sagitta::Vector3<T> point = problem->model.PointInStation<T>(
+        shot, theta.data(), {problem->marker_frames[0], {}, 0}, marker, rotation.toRotationMatrix(), translation);
     residual[0] = (normal.cast<T>().dot(point) - distance) / sigma;
     return true;
   }

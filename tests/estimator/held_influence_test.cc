@@ -1,5 +1,7 @@
 // Intervals that do not take a held parameter as exact: a grid whose flange never
 // turns cannot tell the tool from the base.
+#include "estimator/least_squares/held_influence.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +9,6 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/intervals/prediction.h"
-#include "estimator/least_squares/held_influence.h"
 #include "problems/loads.h"
 #include "problems/simulation.h"
 #include "tests/support/constant_orientation.h"

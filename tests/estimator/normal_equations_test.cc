@@ -113,20 +113,18 @@ const NamedProblem kProblems[] = {
     {"ManyRigid", [] { return Rigid(600); }},  // more than one block of work, condensed rows
     {"Loaded", [] { return Loaded([](auto*, auto*) {}); }},
     {"LoadedWithoutSpring", [] { return Loaded([](test::LoadedTruth* truth, auto*) { truth->spring.reset(); }); }},
-    {"LoadInTheFlange", [] {
-       return Loaded([](test::LoadedTruth* truth, auto*) { truth->loads["PX"].frame = WrenchFrame::kFlange; });
-     }},
-    {"JointsDeviate", [] {
-       return Loaded([](auto*, Experiment* wanted) { wanted->repeatability.angle.common = 40e-6; });
-     }},
+    {"LoadInTheFlange",
+     [] { return Loaded([](test::LoadedTruth* truth, auto*) { truth->loads["PX"].frame = WrenchFrame::kFlange; }); }},
+    {"JointsDeviate",
+     [] { return Loaded([](auto*, Experiment* wanted) { wanted->repeatability.angle.common = 40e-6; }); }},
     {"Effects", WithEffects},
     {"LinesOfSight", WithSights},
     {"Poses", [] { return Poses(30); }},
     {"MeasuredTorques", MeasuredTorques},
     {"Weighted", Weighted},
-    {"Priors", [] {
-       return Loaded([](auto*, Experiment* wanted) { wanted->priors["compliance/A2"] = {0.3, 0.05}; });
-     }},
+    {"Priors", [] { return Loaded([](auto*, Experiment* wanted) {
+                      wanted->priors["compliance/A2"] = {0.3, 0.05};
+                    }); }},
 };
 
 class NormalEquationsOf : public testing::TestWithParam<NamedProblem> {
@@ -156,7 +154,8 @@ TEST_P(NormalEquationsOf, BatchedRowsAreTheModels) {
   for (const LatentTreatment treatment : {LatentTreatment::kIgnore, LatentTreatment::kMarginalise}) {
     const Linearization model =
         LinearizeByModel(problem_, parameters_, rows_.observations, columns_, rows_.noise, treatment);
-    const Linearization batched = Linearize(problem_, parameters_, rows_.observations, columns_, rows_.noise, treatment);
+    const Linearization batched =
+        Linearize(problem_, parameters_, rows_.observations, columns_, rows_.noise, treatment);
     ASSERT_TRUE(model.valid && batched.valid);
     EXPECT_LT((model.residual - batched.residual).cwiseAbs().maxCoeff(), 1e-7 * (1.0 + model.residual.norm()));
     EXPECT_EQ(model.latent.cols(), batched.latent.cols());

@@ -1,6 +1,6 @@
 // An effect of one's own, as docs/ADDING_AN_EFFECT.md adds it: defined
 // outside the catalogue, carried by the robot, held to the catalogue's contract,
-// read and written, estimated, and found by screening where it is hidden.
+// read and written, estimated, and found by the diagnosis where it is hidden.
 #include <gtest/gtest.h>
 
 #include "estimator/diagnosis/diagnose.h"

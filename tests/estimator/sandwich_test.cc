@@ -1,9 +1,10 @@
 // Cluster-robust covariance: closed form, and what its intervals cover.
+#include "estimator/least_squares/sandwich.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "estimator/least_squares/sandwich.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/simulation.h"
 

@@ -6,7 +6,9 @@
 namespace sagitta {
 
 // Of the estimators, which are not linked; reading an estimate predicts nothing.
-Eigen::Matrix3Xd PredictPoints(const CalibrationProblem&, const ParameterSet&, const std::vector<int>&) { std::abort(); }
+Eigen::Matrix3Xd PredictPoints(const CalibrationProblem&, const ParameterSet&, const std::vector<int>&) {
+  std::abort();
+}
 
 }  // namespace sagitta
 

@@ -82,7 +82,7 @@ TEST_F(JsonValueTest, CorrelationsCanBe) {
   const auto correlation = [](const JsonValue& v) { v.Correlation(static_cast<Eigen::Index>(v.json().size()), false); };
   EXPECT_EQ(Error("[]", correlation), "");
   EXPECT_EQ(Error("[[1, 0.5], [0.5, 1]]", correlation), "");
-  EXPECT_EQ(Error("[[1, 1], [1, 1]]", correlation), "");  // semi-definite
+  EXPECT_EQ(Error("[[1, 1], [1, 1]]", correlation), "");                         // semi-definite
   EXPECT_EQ(Error("[[1, 0.1234567891], [0.12345678905, 1]]", correlation), "");  // cut digits
   EXPECT_TRUE(SaysInOrder(Error("[[1, 1.2], [1.2, 1]]", correlation), {"row 2, column 1", "-1 and 1"}));
   EXPECT_TRUE(SaysInOrder(Error("[[1, 0.5], [0.4, 1]]", correlation), {"other side"}));

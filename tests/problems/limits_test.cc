@@ -49,9 +49,7 @@ TEST(LimitsTest, AliasesThatStandForBillions) {
 }
 
 TEST(LimitsTest, DepthAndLength) {
-  const auto error = [](const std::string& text) {
-    return ErrorOf([&] { ParseYaml(text, "e.yaml"); });
-  };
+  const auto error = [](const std::string& text) { return ErrorOf([&] { ParseYaml(text, "e.yaml"); }); };
   EXPECT_TRUE(SaysInOrder(error(std::string(70, '[') + std::string(70, ']')), {"e.yaml:1", "64 deep"}));
   EXPECT_NE(error(std::string(100000, '[')), "");
   EXPECT_NE(error(std::string(100000, '{')), "");
@@ -77,7 +75,8 @@ TEST(LimitsTest, LengthsAndAngles) {
 std::string RowError(const std::string& header, const std::string& cells) {
   const Robot robot = ReadRobotText(RobotOf(1), "r.yaml");
   return ErrorOf([&] {
-    ReadMeasurementsText(robot, "config,marker,q1_deg,x_mm,y_mm,z_mm," + header + "\nc,m,1,2,3,4," + cells + "\n", "m.csv");
+    ReadMeasurementsText(robot, "config,marker,q1_deg,x_mm,y_mm,z_mm," + header + "\nc,m,1,2,3,4," + cells + "\n",
+                         "m.csv");
   });
 }
 
@@ -99,10 +98,9 @@ TEST(LimitsTest, Quantities) {
   EXPECT_EQ(RowError("time_s", "1.7e9"), "");
   EXPECT_NE(RowError("temperature_degC", "1e5"), "");
   const Robot robot = ReadRobotText(RobotOf(1), "r.yaml");
-  EXPECT_TRUE(SaysInOrder(ErrorOf([&] {
-                            ReadMeasurementsText(robot, "config,marker,q1_deg,x_mm,y_mm,z_mm\nc,m,1,2,3,1e12\n", "m.csv");
-                          }),
-                          {"m.csv:2: z_mm", "beyond"}));
+  EXPECT_TRUE(SaysInOrder(
+      ErrorOf([&] { ReadMeasurementsText(robot, "config,marker,q1_deg,x_mm,y_mm,z_mm\nc,m,1,2,3,1e12\n", "m.csv"); }),
+      {"m.csv:2: z_mm", "beyond"}));
 }
 
 class LimitsOfExperimentTest : public FileTest {
@@ -128,9 +126,7 @@ TEST_F(LimitsOfExperimentTest, Numbers) {
 
 // std::regex recurses once per character: such files ended the program.
 TEST(LimitsTest, ScriptsAreShort) {
-  const auto error = [](const std::string& text) {
-    return ErrorOf([&] { ReadAnyRobotText(text, "robot.conf"); });
-  };
+  const auto error = [](const std::string& text) { return ErrorOf([&] { ReadAnyRobotText(text, "robot.conf"); }); };
   std::string list = "1", rows;
   for (int i = 0; i < 100000; ++i) list += ",1", rows += "1 2 3 4; ";
   EXPECT_TRUE(SaysInOrder(error("[DH]\na = [" + list + "]\nd = [1]\nalpha = [1]\n"), {"robot.conf"}));
@@ -139,15 +135,14 @@ TEST(LimitsTest, ScriptsAreShort) {
   EXPECT_NE(error(std::string(1000000, '\n') + "a = [1]\n"), "");
   EXPECT_NE(error("joint,a,alpha,d,theta\nj,1,2,3," + std::string(1000000, '1') + "pi\n"), "");
   EXPECT_NE(error("joint,a,alpha,d,theta\nj,1,2,3,q99999999999999999999\n"), "");
-  EXPECT_NE(error("joint," + std::string(1000000, ' ') + "a" + std::string(1000000, '_') + "i,alpha,d,theta\nj,1,2,3,4\n"),
-            "");
+  EXPECT_NE(
+      error("joint," + std::string(1000000, ' ') + "a" + std::string(1000000, '_') + "i,alpha,d,theta\nj,1,2,3,4\n"),
+      "");
   EXPECT_TRUE(SaysInOrder(RowError(std::string(1000000, 'q') + "_deg", "1"), {"m.csv:1", "column 7", "bytes"}));
 }
 
 TEST(LimitsTest, UrdfOfAnyShape) {
-  const auto error = [](const std::string& text) {
-    return ErrorOf([&] { ReadAnyRobotText(text, "r.urdf"); });
-  };
+  const auto error = [](const std::string& text) { return ErrorOf([&] { ReadAnyRobotText(text, "r.urdf"); }); };
   std::string deep, wide = "<robot name='r'><link name='l0'/>";
   for (int i = 0; i < 100000; ++i) deep += "<a>";
   EXPECT_TRUE(SaysInOrder(error("<robot name='r'>" + deep), {"r.urdf:1", "64 deep"}));

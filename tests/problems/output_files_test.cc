@@ -119,8 +119,8 @@ TEST_F(OutputFilesTest, OneRunAtATime) {
   OutputFolder(Path("other"), {"a"}).Write({{"a", "1"}});
 }
 
-// Killed at its k-th stop, before or after a system call, for every second k, which leaves out none of the calls: all files are those of before or all are new, and the next run
-// neither waits nor trips.
+// Killed at its k-th stop, before or after a system call, for every second k, which leaves out none of the calls: all
+// files are those of before or all are new, and the next run neither waits nor trips.
 TEST_F(OutputFilesTest, AKillAtAnyMomentMixesNothing) {
   int before = 0, after = 0, k = 0;
   for (bool ended = false; !ended && k < 4000; k += 2) {

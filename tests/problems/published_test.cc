@@ -23,7 +23,6 @@
 namespace sagitta {
 namespace {
 
-
 const std::string kPublished = test::SourceFolder() + "/problems/published/";
 constexpr double kMm = 1e-3;
 

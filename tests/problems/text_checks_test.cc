@@ -13,7 +13,9 @@ namespace sagitta {
 namespace {
 
 TEST(TextChecksTest, ControlCharactersAreFoundAndShown) {
-  EXPECT_FALSE(HasControlCharacter("Gr\xC3\xB6\xC3\x9F" "e 1.5 \xE2\x82\xAC"));
+  EXPECT_FALSE(
+      HasControlCharacter("Gr\xC3\xB6\xC3\x9F"
+                          "e 1.5 \xE2\x82\xAC"));
   EXPECT_EQ(FindControlCharacter("ab\x1b[2J"), 2u);
   EXPECT_EQ(FindControlCharacter(std::string("a\0b", 3)), 1u);
   EXPECT_EQ(FindControlCharacter("a\xC2\x9B"), 1u);  // C1: CSI
@@ -24,7 +26,10 @@ TEST(TextChecksTest, ControlCharactersAreFoundAndShown) {
 
 TEST(TextChecksTest, PagesAreUtf8) {
   EXPECT_EQ(ValidUtf8("gr\xC3\xB6n"), "gr\xC3\xB6n");
-  EXPECT_EQ(ValidUtf8("a\xFF" "b\xC3"), "a\xEF\xBF\xBD" "b\xEF\xBF\xBD");
+  EXPECT_EQ(ValidUtf8("a\xFF"
+                      "b\xC3"),
+            "a\xEF\xBF\xBD"
+            "b\xEF\xBF\xBD");
   EXPECT_EQ(LineOfInvalidUtf8(ValidUtf8("\xED\xA0\x80\xF5\xC0\xAF")), 0);
 }
 
@@ -40,14 +45,16 @@ TEST(TextChecksTest, FormulasAreTextsAndNumbersAreNumbers) {
 
 // What is written into a table is what is read out of it.
 TEST(TextChecksTest, GuardedCellsReadBack) {
-  for (const char* text : {"=1+1", "'=1+1", "''-x", "-x", "-1.5", "a,b", "\"", "#1", "'a", "@f", "+", " b", "=\"a\",b"}) {
+  for (const char* text :
+       {"=1+1", "'=1+1", "''-x", "-x", "-1.5", "a,b", "\"", "#1", "'a", "@f", "+", " b", "=\"a\",b"}) {
     const CsvTable table = ParseCsvTable("a,b\n" + CsvCell(text) + ",1\n", "t.csv");
     EXPECT_EQ(table.file.rows.at(0).cells.at(0), text);
   }
 }
 
 TEST(TextChecksTest, TheShellReadsWordsBack) {
-  for (const std::string& word : std::vector<std::string>{"a b", "it's", "$(touch x)", "`x`", "a\nb", "*", "\\", "", "-n", "~", "a;b", "#c", "!"}) {
+  for (const std::string& word : std::vector<std::string>{"a b", "it's", "$(touch x)", "`x`", "a\nb", "*", "\\", "",
+                                                          "-n", "~", "a;b", "#c", "!"}) {
     const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(("printf %s " + ShellWord(word)).c_str(), "r"), pclose);
     std::array<char, 100> buffer{};
     const size_t count = fread(buffer.data(), 1, buffer.size(), pipe.get());
@@ -57,9 +64,7 @@ TEST(TextChecksTest, TheShellReadsWordsBack) {
 }
 
 TEST(CsvControlTest, IdsHoldNoControlCharacters) {
-  const auto error = [](const std::string& text) {
-    return ErrorOf([&] { ParseCsvTable(text, "t.csv"); });
-  };
+  const auto error = [](const std::string& text) { return ErrorOf([&] { ParseCsvTable(text, "t.csv"); }); };
   EXPECT_TRUE(SaysInOrder(error("a,b\n1,x\x1b[2J\n"), {"t.csv:2", "U+001B"}));
   EXPECT_TRUE(SaysInOrder(error("a,b\n1,2\n" + std::string("M\0,3\n", 5)), {"t.csv:3", "U+0000"}));
   EXPECT_TRUE(SaysInOrder(error("a,\xC2\x9Bz\n1,2\n"), {"t.csv:1", "U+009B"}));
@@ -67,9 +72,7 @@ TEST(CsvControlTest, IdsHoldNoControlCharacters) {
 }
 
 TEST(CsvControlTest, SizesAreLimited) {
-  const auto error = [](const std::string& text) {
-    return ErrorOf([&] { ParseCsvTable(text, "t.csv"); });
-  };
+  const auto error = [](const std::string& text) { return ErrorOf([&] { ParseCsvTable(text, "t.csv"); }); };
   EXPECT_TRUE(SaysInOrder(error(std::string(5000, ',')), {"t.csv:1", "4096"}));
 }
 

@@ -11,8 +11,6 @@
 
 namespace sagitta::test {
 
-
-
 inline ElementaryTransform Translate(Axis axis, double nominal_m, const std::string& error = "") {
   return {Motion::kTranslation, axis, nominal_m, -1, 1.0, error};
 }

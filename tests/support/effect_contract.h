@@ -109,7 +109,8 @@ inline std::map<std::string, double> TypicalSizes(const Robot& robot, const Effe
   std::map<std::string, double> sizes;
   for (const EffectParameter& parameter : FindEffect(robot, use.effect)->parameters(robot, use)) {
     const double general = TraitsOf(parameter.quantity).hold_limit * 0.1;
-    sizes[use.Path() + "/" + parameter.name] = parameter.typical > 0.0 && !parameter.of_motion ? parameter.typical : general;
+    sizes[use.Path() + "/" + parameter.name] =
+        parameter.typical > 0.0 && !parameter.of_motion ? parameter.typical : general;
   }
   return sizes;
 }

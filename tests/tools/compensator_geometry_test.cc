@@ -7,7 +7,6 @@
 namespace sagitta {
 namespace {
 
-
 // Paper 002's six angles; P1 and P2 built from distances: |P1 - P2| is the
 // spring's length of models/gravity_compensator.h at every angle.
 CompensatorMarkers ExactMarkers(const test::SpringTruth& spring, double beside = 0.05) {

@@ -9,7 +9,6 @@
 namespace sagitta {
 namespace {
 
-
 constexpr SpringMounting kGeometry{0.18472, 0.68593, 0.12330};      // paper 002, Table V
 constexpr double kNodes[5] = {-140, -99.85, -56.9, -25.24, -0.01};  // deg
 

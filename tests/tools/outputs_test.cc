@@ -1,6 +1,6 @@
 // What the commands do with files: inputs stay, sets are of one run, pipes work, texts are texts.
-#include <sys/file.h>
 #include <fcntl.h>
+#include <sys/file.h>
 
 #include "problems/io/files.h"
 #include "tests/tools/program.h"

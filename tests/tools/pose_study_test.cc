@@ -12,7 +12,6 @@
 namespace sagitta {
 namespace {
 
-
 // The arm of paper 000. The paper does not state the range its configurations were
 // drawn from; +-90 degrees of q2 and +-150 of q3 give the medians of the reference.
 Robot ThreeLinkArm() {

@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
 #include "tests/support/paths.h"
 
 namespace sagitta::test {

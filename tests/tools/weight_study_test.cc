@@ -13,7 +13,6 @@
 namespace sagitta {
 namespace {
 
-
 constexpr double kMicro = 1e-6;  // urad/(N m), um
 constexpr int kMarkers = 3;
 constexpr int kRepeats = 6;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "tools/report/charts.h"
 #include "estimator/results/diagnosis_words.h"
+#include "tools/report/charts.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
 

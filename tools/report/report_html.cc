@@ -150,8 +150,9 @@ std::string SectionToHtml(const Section& section, const char* heading) {
 }
 
 std::string ProvenanceToHtml(const Provenance& provenance) {
-  std::string html = "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION ", method " + EscapeHtml(provenance.method) + ", run " +
-                     RunId(provenance) + "</p>\n<p><code>" + EscapeHtml(provenance.command) + "</code></p>\n<table><tbody>\n";
+  std::string html = "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION ", method " + EscapeHtml(provenance.method) +
+                     ", run " + RunId(provenance) + "</p>\n<p><code>" + EscapeHtml(provenance.command) +
+                     "</code></p>\n<table><tbody>\n";
   for (const InputFile& input : provenance.inputs) {
     html +=
         "<tr><td>" + EscapeHtml(input.path) + "</td><td class=\"unit\"><code>" + input.sha256 + "</code></td></tr>\n";

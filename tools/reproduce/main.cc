@@ -143,6 +143,7 @@ Examples
 }  // namespace sagitta
 
 int main(int argc, char** argv) {
-  return sagitta::RunGuarded(argv[0],
-                             [&] { return sagitta::RunCommand(sagitta::ReproduceCommand(), {argv + 1, argv + argc}); });
+  return sagitta::RunGuarded(argv[0], [&] {
+    return sagitta::RunCommand(sagitta::ReproduceCommand(), {argv + 1, argv + argc});
+  });
 }

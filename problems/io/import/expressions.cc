@@ -59,7 +59,8 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
 std::optional<JointExpression> ParseJointExpression(const std::string& typed, bool decimal_comma) {
   if (typed.size() > limits::kWordBytes) return std::nullopt;
   const std::string text = WithoutBlanks(Replaced(Replaced(typed, "θ", "theta"), "−", "-"));
-  static const std::regex kVariable(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]{1,6})\)?\}?([+-].+)?)", std::regex::icase);
+  static const std::regex kVariable(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]{1,6})\)?\}?([+-].+)?)",
+                                    std::regex::icase);
   static const std::regex kConstantFirst(R"((.+[0-9i°])([+-])(?:q|th|theta)_?\(?([0-9]{1,6})\)?)", std::regex::icase);
   JointExpression expression;
   std::smatch match;

@@ -7,8 +7,8 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
-#include "problems/limits.h"
 #include "problems/io/units.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -235,8 +235,8 @@ class Builder {
     for (size_t c = 0; c < names.size(); ++c) {
       const bool has_unit = !units.empty() && !units[c].empty() && units[c] != "-";
       if (names[c].size() > limits::kWordBytes) {
-        throw InputError({table_.path, table_.header_line, ""},
-                         "column " + std::to_string(c + 1) + " has a name of " + std::to_string(names[c].size()) + " bytes");
+        throw InputError({table_.path, table_.header_line, ""}, "column " + std::to_string(c + 1) + " has a name of " +
+                                                                    std::to_string(names[c].size()) + " bytes");
       }
       table_.header[c] = names[c] + (has_unit ? (units[c][0] == '[' ? " " + units[c] : " [" + units[c] + "]") : "");
     }

@@ -2,10 +2,9 @@
 // tilts right after each joint and at the foot. Shares nothing with models/.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 namespace hidden {
 

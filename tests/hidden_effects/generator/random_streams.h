@@ -2,12 +2,11 @@
 // case each purpose, has a generator of its own, seeded by all three.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <string>
-
-#include <Eigen/Core>
 
 namespace hidden {
 

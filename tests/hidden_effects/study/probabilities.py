@@ -8,6 +8,23 @@ BINS = ((0.0, 0.3), (0.3, 0.5), (0.5, 0.7), (0.7, 0.9), (0.9, 0.99), (0.99, 1.0 
 HELD = 0.95
 
 
+def smallest_list(sets, nothing):
+    """Names, the most useful next, until what they are part of holds 95 %; what has no name counts as one."""
+    open_sets = [({naming.identity(e) for e in s['explanations']} or {None}, s['probability']) for s in sets]
+    total = nothing + sum(probability for _, probability in open_sets)
+    held, listed = nothing, set()
+    while held < HELD * total and open_sets:
+        worth = {}
+        for names, probability in open_sets:
+            for name in names:
+                worth[name] = worth.get(name, 0.0) + probability
+        best = max(worth, key=worth.get)
+        listed.add(best)
+        held += worth[best]
+        open_sets = [(names, probability) for names, probability in open_sets if best not in names]
+    return len(listed), listed
+
+
 def said(diagnosis, truths):
     """Probabilities of one effect being there, of the leading name, and the smallest set of names with 95 %."""
     posterior = diagnosis.get('posterior')
@@ -15,16 +32,7 @@ def said(diagnosis, truths):
         return None
     ranked = [(naming.identity(e), e['probability']) for e in posterior['explanations']]
     chances = dict(ranked)
-    others = posterior['nothing'] + posterior['noise'] + posterior['unnamed']
-    total = sum(chances.values()) + others
-    held, size = 0.0, 0
-    listed = set()
-    for name, probability in sorted(ranked + [(None, others)], key=lambda entry: -entry[1]):
-        if held >= HELD * total:
-            break
-        held += probability
-        size += 1
-        listed.add(name)
+    size, listed = smallest_list(diagnosis['sets'], posterior['nothing'] + posterior['noise'])
     truth = truths[0] if len(truths) == 1 else None
     leading = max(ranked, key=lambda entry: entry[1]) if ranked else (None, 0.0)
     return {'nothing': posterior['nothing'], 'noise': posterior['noise'], 'unnamed': posterior['unnamed'],
