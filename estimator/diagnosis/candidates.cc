@@ -193,7 +193,7 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
     if (compliant.count(joint.name) == 0) {
       list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance above 0 (loaded rows)"});
     } else {
-      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}, 1, 0, {}});
+      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}});
     }
   }
 }
@@ -256,9 +256,7 @@ void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& d
     testable.clear();
   }
   if (!missing.empty()) list->not_testable.push_back({definition.name, target, missing});
-  for (EffectSpec& variant : testable) {
-    list->candidates.push_back({std::move(variant), static_cast<int>(testable.size()), 0, {}});
-  }
+  for (EffectSpec& variant : testable) list->candidates.push_back({std::move(variant)});
 }
 
 }  // namespace
@@ -286,7 +284,6 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
       }
     }
   }
-  for (size_t i = 0; i < list.candidates.size(); ++i) list.candidates[i].place = static_cast<int>(i);
   return list;
 }
 

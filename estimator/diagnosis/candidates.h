@@ -11,12 +11,10 @@
 namespace sagitta {
 
 struct Candidate {
-  EffectSpec spec;                 // values empty: neutral
-  int settings = 1;                // how many settings of this effect and target were scanned
-  int place = 0;                   // in the list, which is in catalogue order: ties go to the earlier
-  std::vector<std::string> vague;  // parameters that the data cannot tell
-  std::vector<std::string> loose;  // those, and what the data tell poorly: refitted with a prior of three typical sizes
-  bool oversized = false;          // its only parameter would be a hundred typical sizes: loses ties
+  EffectSpec spec;                      // values empty: neutral
+  std::vector<std::string> vague = {};  // parameters that the data cannot tell
+  // Those, and what the data tell poorly: refitted with a prior of three typical sizes.
+  std::vector<std::string> loose = {};
 };
 
 struct NotTestable {

@@ -75,7 +75,7 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
   return screened;
 }
 
-ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const PriorMasses& prior) {
+ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const PriorMasses& prior, double gate) {
   const ExplanationList& list = evidence.list();
   ReportedPosterior report;
   report.nothing = posterior.nothing;
@@ -99,7 +99,7 @@ ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, c
     }
     report.sets.push_back(std::move(reported));
   }
-  report.flips = WhatFlips(evidence, posterior);
+  report.flips = WhatFlips(evidence, posterior, gate);
   return report;
 }
 
@@ -125,7 +125,7 @@ class Session {
     for (const std::string& caution : FindCautions(problem_, d_.baseline)) d_.cautions.push_back(caution);
     for (int round = 0; round < kMostRounds; ++round) {
       Search();
-      if (!aside_.Follow(d_.final, &d_.baseline)) break;
+      if (round + 1 == kMostRounds || !aside_.Follow(d_.final, &d_.baseline)) break;
     }
     JudgeFinal();
     Describe();
@@ -149,9 +149,7 @@ class Session {
         std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof, options_.progress);
     d_.not_testable = evidence_->list().not_testable;
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
-    // Where nothing is missing, odds of B on something come about with probability 1 / B at most (Markov's inequality),
-    // and in fact with about the share 1 / B of that: the smallest effects, which have these odds at all, are few.
-    named_ = posterior_.Something() > 1.0 - std::sqrt(options_.significance) && !posterior_.sets.empty();
+    named_ = posterior_.Something() > NamingGate() && !posterior_.sets.empty();
     leading_ = named_ ? evidence_->models()[posterior_.sets[0].best] : BestOfNothing();
     lacking_ = d_.baseline;
     lacking_.problem = std::make_shared<CalibrationProblem>(WithNoiseOf(*evidence_, leading_, working));
@@ -219,6 +217,10 @@ class Session {
     }
   }
 
+  // Where nothing is missing, odds of B on something come about with probability 1 / B at most (Markov's inequality),
+  // and in fact with about the share 1 / B of that: the smallest effects, which have these odds at all, are few.
+  double NamingGate() const { return 1.0 - std::sqrt(options_.significance); }
+
   WeightedModel BestOfNothing() const {
     for (const WeightedModel& model : evidence_->models()) {
       if (model.set.members.empty()) return model;
@@ -280,7 +282,7 @@ class Session {
 
   void Describe() {
     Say("alternatives and halves");
-    d_.posterior = Report(*evidence_, posterior_, options_.prior);
+    d_.posterior = Report(*evidence_, posterior_, options_.prior, NamingGate());
     d_.candidates = Screen(*evidence_, d_.baseline);
     d_.where = FindWhere(d_.baseline);
     double before = HoldoutRms(d_.baseline);

@@ -42,7 +42,9 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
 
 double LogSumExp(const std::vector<double>& logs);
 
-constexpr double kWidestFactor = 4.0;  // an instrument that is so much better or worse than stated is another one
+// A wrong unit's decades: mm for 10 um, or a sigma of the last digit. Where the true factor lay beyond, what no factor
+// takes would be given to explanations with certainty.
+constexpr double kWidestFactor = 100.0;
 
 // f: what is known of sigma. `sigma_dof`: degrees of freedom that state it (infinity: known; 0: nothing states it).
 // A stated sigma is wrong with probability `wrong`: then its factor lies anywhere within kWidestFactor, evenly in the

@@ -24,20 +24,25 @@ double MeanStated(const CalibrationProblem& stated) {
   return count > 0 ? sum / count : 0.0;
 }
 
+// The likelihood takes sigma for open where nothing states it or the stated one is probably wrong: then it scales the
+// whole covariance, the joints' deviations too.
+double AppliedFactor(const Evidence& evidence, const WeightedModel& model) {
+  const bool is_open = !evidence.IsSigmaStated() || evidence.SigmaIsWrong(model) > kEvenOdds;
+  return is_open ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
+}
+
 }  // namespace
 
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model,
                                const CalibrationProblem& problem) {
   const NoiseView& view = evidence.views()[model.view].view;
   CalibrationProblem with = problem;
-  if (view.kind == NoiseView::Kind::kVisit) with = WithRepeatability(with, view.sigma);
+  const double factor = AppliedFactor(evidence, model);
+  if (view.kind == NoiseView::Kind::kVisit) with = WithRepeatability(with, factor * view.sigma);
   if (view.kind == NoiseView::Kind::kPose) {
-    with = WithRepeatability(with, std::hypot(view.sigma, MeanStated(problem)));
+    with = WithRepeatability(with, factor * std::hypot(view.sigma, MeanStated(problem)));
   }
-  if (evidence.SigmaIsWrong(model) > kEvenOdds) {
-    const double residual = evidence.ResidualOf(model);
-    with = WithScaledSigmas(with, evidence.LikelihoodOf(model.view).Factor(residual));
-  }
+  if (factor != 1.0) with = WithScaledSigmas(with, factor);
   return with;
 }
 
@@ -57,10 +62,11 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   const NoiseView& view = evidence.views()[model.view].view;
   if (view.kind == NoiseView::Kind::kVisit) {
     const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise.is_stated);
-    noise.repeatability = fit.sigma > 0.0 ? fit.sigma : view.sigma;
+    noise.repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
     noise.repeatability_low = fit.low;
     noise.repeatability_high = fit.high;
-    noise.repeatability_is_overstated = view.sigma < MeanStated(stated);
+    const double stated_size = MeanStated(stated);
+    noise.repeatability_is_overstated = fit.high > 0.0 ? fit.high < stated_size : noise.repeatability < stated_size;
   }
   noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;
   const double applied =

@@ -43,8 +43,8 @@ struct Leading {
   bool operator==(const Leading& other) const { return is_something == other.is_something && names == other.names; }
 };
 
-Leading LeadingOf(const Posterior& posterior) {
-  if (posterior.Something() < 0.5 || posterior.sets.empty()) return {};
+Leading LeadingOf(const Posterior& posterior, double gate) {
+  if (posterior.Something() <= gate || posterior.sets.empty()) return {};
   return {true, posterior.sets[0].names};
 }
 
@@ -111,14 +111,18 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
                      [](const auto& a, const auto& b) { return a.probability > b.probability; });
     return entries_by_probability;
   };
+  for (auto* entries : {&named, &functions}) {  // rounding of the sums
+    for (auto& [name, entry] : *entries) entry.probability = std::min(1.0, entry.probability);
+  }
+  posterior.unnamed = std::min(1.0, posterior.unnamed);
   posterior.sets = sorted(sets);
   posterior.explanations = sorted(named);
   posterior.functions = sorted(functions);
   return posterior;
 }
 
-std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior) {
-  const Leading now = LeadingOf(posterior);
+std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
+  const Leading now = LeadingOf(posterior, gate);
   std::vector<std::string> flips;
   for (const double factor : {kThreefold, 1.0 / kThreefold}) {
     const Changed changes[] = {{"nothing", factor, 1.0, 1.0, 1.0},
@@ -129,7 +133,7 @@ std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& po
       std::vector<WeightedModel> changed = evidence.models();
       for (WeightedModel& model : changed) model.log_weight += change.LogFactor(evidence, model);
       Normalise(&changed);
-      const Leading then = LeadingOf(PosteriorOf(evidence, changed));
+      const Leading then = LeadingOf(PosteriorOf(evidence, changed), gate);
       if (then == now) continue;
       flips.push_back(std::string("With a prior of '") + change.words + "' three times as " +
                       (factor > 1.0 ? "large" : "small") + ": " + InWords(now, then) + ".");

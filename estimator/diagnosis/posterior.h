@@ -38,7 +38,8 @@ struct Posterior {
 // The unnamed part of a deviation that follows the pose in its own way counts as unnamed.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models);
 
-// What would be said with a prior mass three times as large or as small: sentences, none where nothing flips.
-std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior);
+// What would be said with a prior mass three times as large or as small: sentences, none where nothing flips. gate: of
+// the probability that something is missing, above which it is named.
+std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate);
 
 }  // namespace sagitta

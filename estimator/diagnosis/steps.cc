@@ -92,7 +92,6 @@ std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& m
 
 std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const ChosenStep& step,
                                      const DiagnosedModel& lacking) {
-  const ExplanationList& list = evidence.list();
   std::vector<int> shapes;
   for (const NamedProbability& shape : ShapesInPlaceOf(evidence, model, step.explanation)) {
     if (shape.explanation != step.explanation) shapes.push_back(shape.explanation);

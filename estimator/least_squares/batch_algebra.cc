@@ -1,14 +1,19 @@
 #include "estimator/least_squares/batch_algebra.h"
 
+// The order of these is Highway's.
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "estimator/least_squares/batch_algebra.cc"
+#include "models/batch/targets.h"
+
 #include <hwy/foreach_target.h>  // must come before highway.h
+
 #include <hwy/highway.h>
 
 #include <algorithm>
 
 #include "models/batch/shot_program.h"
-#include "models/batch/targets.h"
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace sagitta {

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "estimator/results/diagnosis_words.h"
 #include "problems/io/effect_entries.h"
@@ -124,10 +125,17 @@ Json GroupsToJson(const Diagnosis& d) {
   return json;
 }
 
+// Readings of another pose; of the station, its instrument and its markers a cell stays.
+bool IsReading(const std::string& column) {
+  static const std::set<std::string> names = {"x_mm",    "y_mm", "z_mm", "time_s", "rx_mrad", "ry_mrad",
+                                              "rz_mrad", "ow",   "ox",   "oy",     "oz"};
+  return names.count(column) > 0 || column.rfind("tau", 0) == 0 || column.rfind("sim_", 0) == 0;
+}
+
 // What a cell of a proposed row is: joint values are the pose's, readings are to be filled in.
 std::string NextCell(const std::string& column, const std::string& cell, const ProposedPose& pose, size_t number) {
   if (column == "config") return "next" + std::to_string(number + 1);
-  if (column == "x_mm" || column == "y_mm" || column == "z_mm" || column == "time_s") return "";
+  if (IsReading(column)) return "";
   if (column.size() < 2 || column[0] != 'q' || !std::isdigit(static_cast<unsigned char>(column[1]))) return cell;
   const size_t end = column.find('_');
   const long joint = std::stol(column.substr(1)) - 1;
@@ -135,7 +143,7 @@ std::string NextCell(const std::string& column, const std::string& cell, const P
   const std::string unit = column.substr(end + 1);
   const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
   char text[32];
-  std::snprintf(text, sizeof text, "%.3f", pose.q[joint] / si);
+  std::snprintf(text, sizeof text, unit == "rad" ? "%.5f" : "%.3f", pose.q[joint] / si);
   return text;
 }
 
@@ -220,17 +228,25 @@ bool MoveHome(const EffectSpec& spec, Robot* robot) {
 
 std::string NextToCsv(const Diagnosis& d) {
   const Measurements& data = d.baseline.problem->data;
-  const MeasurementFile& file = data.files.front();
+  std::vector<std::string> header;  // of all files
+  for (const MeasurementFile& file : data.files) {
+    for (const std::string& column : file.header) {
+      if (std::find(header.begin(), header.end(), column) == header.end()) header.push_back(column);
+    }
+  }
   std::string text;
-  for (size_t c = 0; c < file.header.size(); ++c) text += (c > 0 ? "," : "") + file.header[c];
+  for (size_t c = 0; c < header.size(); ++c) text += (c > 0 ? "," : "") + header[c];
   text += "\n";
   for (size_t k = 0; k < d.next->poses.size(); ++k) {
     const ProposedPose& pose = d.next->poses[k];
     for (const Observation& observation : data.observations) {
-      if (data.shots[observation.shot].configuration != pose.like || observation.file != 0) continue;
+      // A pose's two readings are one row.
+      if (data.shots[observation.shot].configuration != pose.like || !observation.is_point()) continue;
+      const MeasurementFile& file = data.files[observation.file];
       const std::vector<std::string>& cells = file.rows[observation.row].cells;
-      for (size_t c = 0; c < file.header.size(); ++c) {
-        text += (c > 0 ? "," : "") + NextCell(file.header[c], cells[c], pose, k);
+      for (size_t c = 0; c < header.size(); ++c) {
+        const int own = file.FindColumn(header[c]);
+        text += (c > 0 ? "," : "") + NextCell(header[c], own < 0 ? "" : cells[own], pose, k);
       }
       text += "\n";
     }

@@ -237,6 +237,7 @@ std::string PhysicalInWords(const Robot& robot, const DiagnosisStep& step) {
 }
 
 std::string ClosedInWords(const GapReport& gap) {
+  if (std::isnan(gap.closed)) return "how much of it is closed is not known without a stated noise";
   const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
   if (std::isnan(gap.closed_ci95.low)) return words;
   return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +
