@@ -95,24 +95,11 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
 }
 
 double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const {
-  std::vector<int> columns;
-  for (const int m : set.members) {
-    const std::vector<int>& own = list_.math[m].group.columns;
-    columns.insert(columns.end(), own.begin(), own.end());
-  }
-  std::sort(columns.begin(), columns.end());
-  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-  std::vector<Explanation> few;
-  std::vector<int> members;
-  for (const int m : set.members) {
-    few.push_back(list_.math[m]);
-    for (int& column : few.back().group.columns) {
-      column = static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
-    }
-    members.push_back(static_cast<int>(members.size()));
-  }
-  const BesideBelieved beside = columns_.Project(columns_.Sum(ScatterOf(view), &columns));
-  const SetSearch search(beside.normal, few, prior_, Likelihood(beside.normal.dof));
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  std::vector<int> members(set.members.size());
+  std::iota(members.begin(), members.end(), 0);
+  const BesideBelieved beside = columns_.Project(columns_.Sum(ScatterOf(view), &few.columns));
+  const SetSearch search(beside.normal, few.explanations, prior_, Likelihood(beside.normal.dof));
   return search.Evaluate(members, set.scales).log_weight + beside.log_constant + view.log_prior;
 }
 
@@ -149,7 +136,7 @@ void Evidence::Search(ViewedNormal viewed) {
   const int index = static_cast<int>(views_.size()) - 1;
   const NoiseView& view = views_.back().view;
   const BesideBelieved& beside = views_.back().beside;
-  SetSearch search(beside.normal, list_.math, prior_, LikelihoodOf(index));
+  SetSearch search = SearchIn(index);
   const WeightedSet start = models_.empty() ? WeightedSet() : models_[0].set;
   for (WeightedSet& set : search.Run(start)) {
     const double weight = set.log_weight + beside.log_constant + view.log_prior;
@@ -162,15 +149,18 @@ void Evidence::Search(ViewedNormal viewed) {
   }
 }
 
-void Evidence::Reweigh(const std::function<double(const WeightedModel&)>& log_factor) {
-  for (WeightedModel& model : models_) model.log_weight += log_factor(model);
-  Normalise(&models_);
-}
-
 std::vector<const ColumnGroup*> Evidence::GroupsOf(const WeightedSet& set) const {
   std::vector<const ColumnGroup*> groups;
   for (const int m : set.members) groups.push_back(&list_.math[m].group);
   return groups;
+}
+
+GroupValues Evidence::ValuesOfMember(const WeightedModel& model, int member) const {
+  const GroupValues all = ValuesOf(views_[model.view].beside.normal, GroupsOf(model.set), model.set.scales);
+  long first = 0;
+  for (size_t k = 0; model.set.members[k] != member; ++k) first += list_.math[model.set.members[k]].group.size();
+  const long size = list_.math[member].group.size();
+  return {all.values.segment(first, size), all.covariance.block(first, first, size, size)};
 }
 
 double Evidence::ResidualOf(const WeightedModel& model) const {

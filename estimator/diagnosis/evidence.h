@@ -64,8 +64,12 @@ class Evidence {
   ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
   const SetPrior& prior() const { return prior_; }
   const PriorMasses& masses() const { return masses_; }
-  // Multiplies weights by what the refits say, and normalises.
-  void Reweigh(const std::function<double(const WeightedModel&)>& log_factor);
+  // Of all explanations beside a view.
+  SetSearch SearchIn(int view) const {
+    return SetSearch(views_[view].beside.normal, list_.math, prior_, LikelihoodOf(view));
+  }
+  // Coefficients of one member of a model's set and their covariance, in typical sizes, the others estimated too.
+  GroupValues ValuesOfMember(const WeightedModel& model, int member) const;
   bool IsSigmaStated() const { return sigma_dof_ > 0.0; }
   // That sigma is not what is stated, in a model; 0 where nothing states it.
   double SigmaIsWrong(const WeightedModel& model) const;

@@ -7,12 +7,13 @@
 #include <numeric>
 #include <set>
 
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
 
 constexpr size_t kTableRows = 41;
 constexpr double kPerMicro = 1e-6;
-constexpr double kDegree = 57.29577951308232;
 constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
 // Log evidence that an unnamed function needs beside a set that has none of its own: odds of 20.
 constexpr double kStandsOut = 3.0;
@@ -28,8 +29,7 @@ std::string Rounded(double value) {
 int StrongestFunction(const Evidence& evidence, const WeightedModel& model, WeightedModel* with) {
   const ExplanationList& list = evidence.list();
   *with = model;
-  const SetSearch own(evidence.views()[model.view].beside.normal, list.math, evidence.prior(),
-                      evidence.LikelihoodOf(model.view));
+  const SetSearch own = evidence.SearchIn(model.view);
   int strongest = -1;
   double most = -std::numeric_limits<double>::infinity();
   for (size_t k = 0; k < model.set.members.size(); ++k) {
@@ -43,7 +43,7 @@ int StrongestFunction(const Evidence& evidence, const WeightedModel& model, Weig
   }
   if (strongest >= 0) return strongest;
   with->view = 0;
-  const SetSearch search(evidence.views()[0].beside.normal, list.math, evidence.prior(), evidence.LikelihoodOf(0));
+  const SetSearch search = evidence.SearchIn(0);
   const WeightedSet base = search.Evaluate(model.set.members, model.set.scales);
   const std::vector<double> weights = search.Additions(base);
   most = base.log_weight + kStandsOut;
@@ -131,7 +131,7 @@ class FormulaSearch {
     int order = 0;
     for (int n = 1; n <= kOrders; ++n) {
       Eigen::MatrixXd waves(x_.size(), 2);
-      waves << (n / kDegree * x_.array()).cos().matrix(), (n / kDegree * x_.array()).sin().matrix();
+      waves << (n * kDegree * x_.array()).cos().matrix(), (n * kDegree * x_.array()).sin().matrix();
       const double explained = Explained(waves, y_, weights_, &c_);
       if (explained <= most) continue;
       most = explained;
@@ -192,14 +192,10 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   learnt.driver = what.driver.name;
   learnt.driver_unit = what.driver.unit;
 
-  const GroupValues all =
-      ValuesOf(evidence.views()[with.view].beside.normal, evidence.GroupsOf(with.set), with.set.scales);
-  long first = 0;
-  for (size_t k = 0; with.set.members[k] != member; ++k)
-    first += evidence.list().math[with.set.members[k]].group.size();
   const ColumnGroup& group = evidence.list().math[member].group;
-  const Eigen::MatrixXd covariance = all.covariance.block(first, first, group.size(), group.size());
-  const Eigen::VectorXd coefficients = all.values.segment(first, group.size());
+  const GroupValues own_values = evidence.ValuesOfMember(with, member);
+  const Eigen::MatrixXd& covariance = own_values.covariance;
+  const Eigen::VectorXd& coefficients = own_values.values;
   // Of several axes, the one that moves most.
   const long height = static_cast<long>(group.columns.size() / what.sources.size());
   long best = 0;

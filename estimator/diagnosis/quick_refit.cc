@@ -12,7 +12,6 @@ constexpr int kMostSteps = 40;  // most need two or three
 constexpr double kFirstDamping = 1e-4;
 constexpr double kSmallStep = 0.01;  // standard deviations
 constexpr double kSmallGain = 1e-3;  // of chi-square: what the step promises; 0.03 standard deviations in all
-constexpr double kCrawl = 0.05;      // of the gain that the undamped step promises
 
 // Steps that cross a bound stop there; the coordinate then has no say.
 std::vector<int> InteriorCoordinates(const ParameterSet& parameters) {
@@ -63,7 +62,7 @@ LocalModel ModelAt(const CalibrationProblem& problem, const ParameterSet& parame
 
 }  // namespace
 
-QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start, Patience patience) {
+QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start) {
   QuickRefit refit;
   refit.parameters = start;
   const std::vector<int> observations = problem.CalibrationObservations();
@@ -97,8 +96,6 @@ QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& s
       damping = std::max(kFirstDamping, 10.0 * damping);
       continue;
     }
-    const bool crawls = damping > 0.0 && model.chi2 - there.chi2 < kCrawl * promised;
-    if (crawls && patience == Patience::kImpatient) return refit;
     damping = damping > kFirstDamping ? 0.1 * damping : 0.0;
     refit.parameters = std::move(trial);
     model = std::move(there);

@@ -18,11 +18,6 @@ struct QuickRefit {
   Eigen::VectorXd sigmas;  // per coordinate of `parameters`, SI, at the stated noise; 0 unless estimated
 };
 
-// Where a full step does not lower chi-square and a damped one gains next to nothing of what it promised, the optimum
-// is far beyond where the model is nearly linear, if anywhere: the impatient end there.
-enum class Patience { kPatient, kImpatient };
-
-QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start,
-                        Patience patience = Patience::kPatient);
+QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start);
 
 }  // namespace sagitta

@@ -28,7 +28,10 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   CalibrationProblem believed = *model.problem;
   believed.parameters.CopyByName(model.estimate.parameters);
   CalibrationProblem problem = believed.WithEffects(SpecsOf(added));
-  const std::vector<double> sizes = TypicalSizes(problem, problem.parameters);
+  const bool any_loose =
+      std::any_of(added.begin(), added.end(), [](const Candidate& candidate) { return !candidate.loose.empty(); });
+  const std::vector<double> sizes =
+      any_loose ? TypicalSizes(problem, problem.parameters) : std::vector<double>();  // a pass over the rows
   for (const Candidate& candidate : added) {
     for (const std::string& name : candidate.loose) {
       const int i = problem.parameters.FindCoordinate(name);

@@ -18,6 +18,24 @@ constexpr int kMostSettled = 100;        // where a hundred sets share it, each 
 
 }  // namespace
 
+FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen) {
+  FewExplanations few;
+  for (const int k : chosen) {
+    const std::vector<int>& own = list[k].group.columns;
+    few.columns.insert(few.columns.end(), own.begin(), own.end());
+  }
+  std::sort(few.columns.begin(), few.columns.end());
+  few.columns.erase(std::unique(few.columns.begin(), few.columns.end()), few.columns.end());
+  for (const int k : chosen) {
+    few.explanations.push_back(list[k]);
+    for (int& column : few.explanations.back().group.columns) {
+      const auto at = std::lower_bound(few.columns.begin(), few.columns.end(), column);
+      column = static_cast<int>(at - few.columns.begin());
+    }
+  }
+  return few;
+}
+
 double SetPrior::Log(const std::vector<double>& shares) const {
   if (shares.empty()) return std::log(nothing);
   const double m = static_cast<double>(shares.size());

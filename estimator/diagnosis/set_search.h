@@ -15,6 +15,13 @@ struct Explanation {
   int excludes = 0;    // explanations of one number exclude each other: settings of one effect on one target
 };
 
+// Some of a list, and the columns they need, ascending: their groups count within those.
+struct FewExplanations {
+  std::vector<int> columns;
+  std::vector<Explanation> explanations;
+};
+FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen);
+
 // nothing: no explanation holds. further: each one beside the first. P(set of m) = (1 - nothing) further^(m-1) m! times
 // the product of the shares: m draws in any order.
 struct SetPrior {

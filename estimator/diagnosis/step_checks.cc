@@ -28,9 +28,12 @@ WeightedSet Without(const Evidence& evidence, const WeightedModel& model, int me
     members.push_back(model.set.members[k]);
     scales.push_back(model.set.scales[k]);
   }
-  const SetSearch search(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
-                         evidence.LikelihoodOf(model.view));
-  return search.Evaluate(members, scales);
+  return evidence.SearchIn(model.view).Evaluate(members, scales);
+}
+
+// Log weights of the set with each explanation in the member's place.
+std::vector<double> InItsPlace(const Evidence& evidence, const WeightedModel& model, int member) {
+  return evidence.SearchIn(model.view).Additions(Without(evidence, model, member));
 }
 
 std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
@@ -90,15 +93,11 @@ ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
 }  // namespace
 
 std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const WeightedModel& model, int member) {
-  const SetSearch search(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
-                         evidence.LikelihoodOf(model.view));
-  return ByName(evidence, search.Additions(Without(evidence, model, member)));
+  return ByName(evidence, InItsPlace(evidence, model, member));
 }
 
 std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member) {
-  const SetSearch search(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
-                         evidence.LikelihoodOf(model.view));
-  const std::vector<double> weights = search.Additions(Without(evidence, model, member));
+  const std::vector<double> weights = InItsPlace(evidence, model, member);
   std::vector<NamedProbability> shapes;
   for (size_t k = 0; k < weights.size(); ++k) {
     if (evidence.list().name[k] != evidence.list().name[member]) continue;
@@ -167,20 +166,7 @@ Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int m
     if (asked.size() >= model.set.members.size() + kRivalsOnHalves) break;
     if (rival.name != evidence.list().name[member]) asked.push_back(rival.explanation);
   }
-  std::vector<int> needed;
-  for (const int k : asked) {
-    const std::vector<int>& own = evidence.list().math[k].group.columns;
-    needed.insert(needed.end(), own.begin(), own.end());
-  }
-  std::sort(needed.begin(), needed.end());
-  needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
-  std::vector<Explanation> few;
-  for (const int k : asked) {
-    few.push_back(evidence.list().math[k]);
-    for (int& column : few.back().group.columns) {
-      column = static_cast<int>(std::lower_bound(needed.begin(), needed.end(), column) - needed.begin());
-    }
-  }
+  const FewExplanations few = WithTheirColumns(evidence.list().math, asked);
   const int own = static_cast<int>(std::find(asked.begin(), asked.end(), member) - asked.begin());
   Confirmation confirmation;
   for (int half = 0; half < 2; ++half) {
@@ -189,13 +175,13 @@ Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int m
     std::iota(poses.begin(), poses.end(), half == 0 ? 0 : middle);
     if (poses.empty()) continue;
     const ViewedNormal& view = evidence.views()[model.view];
-    const BesideBelieved beside = columns.Project(columns.Sum(view.scatter, &needed, poses));
-    const SetSearch search(beside.normal, few, evidence.prior(), evidence.Likelihood(beside.normal.dof));
+    const BesideBelieved beside = columns.Project(columns.Sum(view.scatter, &few.columns, poses));
+    const SetSearch search(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof));
     WeightedSet others;
     std::vector<const ColumnGroup*> groups;
     std::vector<double> scales;
     for (size_t k = 0; k < model.set.members.size(); ++k) {
-      groups.push_back(&few[k].group);
+      groups.push_back(&few.explanations[k].group);
       scales.push_back(kScales[kNumScales - 1]);
       if (static_cast<int>(k) == own) continue;
       others.members.push_back(static_cast<int>(k));
@@ -212,8 +198,8 @@ Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int m
     }
     const GroupValues values = ValuesOf(beside.normal, groups, scales);
     long first = 0;
-    for (int k = 0; k < own; ++k) first += few[static_cast<size_t>(k)].group.size();
-    const long size = few[static_cast<size_t>(own)].group.size();
+    for (int k = 0; k < own; ++k) first += few.explanations[static_cast<size_t>(k)].group.size();
+    const long size = few.explanations[static_cast<size_t>(own)].group.size();
     result.values = values.values.segment(first, size);
     result.covariance = values.covariance.block(first, first, size, size);
     confirmation.halves.push_back(std::move(result));

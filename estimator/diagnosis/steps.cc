@@ -20,13 +20,8 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
                         const DiagnosedModel& lacking) {
   const CalibrationProblem& problem = *lacking.problem;
   EffectSpec spring = evidence.list().start[member];
-  const GroupValues values =
-      ValuesOf(evidence.views()[model.view].beside.normal, evidence.GroupsOf(model.set), model.set.scales);
-  long first = 0;
-  for (size_t k = 0; model.set.members[k] != member; ++k)
-    first += evidence.list().math[model.set.members[k]].group.size();
   const ColumnGroup& group = evidence.list().math[member].group;
-  const Eigen::VectorXd coefficients = group.mixing * values.values.segment(first, group.size());
+  const Eigen::VectorXd coefficients = group.mixing * evidence.ValuesOfMember(model, member).values;
   const Eigen::VectorXd turned = kTypicalTurn * evidence.columns().FunctionOf(group.columns) * coefficients;
   const int joint = problem.robot.chain.FindJoint(spring.target);
   std::vector<double> angles, torques;
@@ -63,8 +58,7 @@ Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* co
 
 std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& model, const DiagnosedModel& lacking) {
   const ExplanationList& list = evidence.list();
-  const SetSearch search(evidence.views()[model.view].beside.normal, list.math, evidence.prior(),
-                         evidence.LikelihoodOf(model.view));
+  const SetSearch search = evidence.SearchIn(model.view);
   const double whole = search.Evaluate(model.set.members, model.set.scales).log_weight;
   std::vector<ChosenStep> steps;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
@@ -159,17 +153,15 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
 
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after) {
   std::vector<int> counts;
-  const Eigen::VectorXd apart = HoldoutSquares(after, &counts) - HoldoutSquares(before, &counts);
-  if (std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; }) < static_cast<long>(kFewHeldOut)) {
-    return false;
-  }
+  const Eigen::VectorXd now = HoldoutSquares(after, &counts), then = HoldoutSquares(before, &counts);
+  const auto held_out = std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; });
+  if (held_out < static_cast<long>(kFewHeldOut)) return false;
   const double limit = NormalQuantile(1.0 - kWorseBeyondChance);
-  if (apart.sum() > limit * apart.norm()) return true;
+  if ((now - then).sum() > limit * (now - then).norm()) return true;
   // A few configurations that are far off say nothing by their own scatter. Root mean squares of n points scatter by
   // 1 / sqrt(6 n) of themselves, and two of the same points by less.
-  const double n = static_cast<double>(std::count_if(counts.begin(), counts.end(), [](int c) { return c > 0; }));
-  const double growth = 1.0 + limit / std::sqrt(6.0 * n);
-  return HoldoutSquares(after, &counts).sum() > growth * growth * HoldoutSquares(before, &counts).sum();
+  const double growth = 1.0 + limit / std::sqrt(6.0 * static_cast<double>(held_out));
+  return now.sum() > growth * growth * then.sum();
 }
 
 bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "estimator/results/diagnosis_words.h"
+#include "models/constants.h"
 #include "problems/io/effect_entries.h"
 
 namespace sagitta {
@@ -14,7 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr size_t kListedCandidates = 40;
 constexpr double kHardlyWorthALine = 1e-4;  // of probability
 

@@ -214,7 +214,9 @@ TEST(SetSearch, FindsWhatEnumerationFinds) {
     for (const WeightedSet& set : found) {
       // Those that hold all but a thousandth are evaluated by themselves: exactly, or about the best scales.
       const double near = set.members.size() <= 3 ? 1e-9 : 0.3;
-      if (kept < 0.9 * sum) EXPECT_NEAR(set.log_weight, all.at(set.members), near) << "seed " << seed;
+      if (kept < 0.9 * sum) {
+        EXPECT_NEAR(set.log_weight, all.at(set.members), near) << "seed " << seed;
+      }
       kept += std::exp(set.log_weight - found[0].log_weight);
       EXPECT_LE(set.log_weight, found[0].log_weight);
     }
