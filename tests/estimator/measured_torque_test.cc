@@ -5,6 +5,7 @@
 #include "estimator/inspection/torque_lint.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
+#include "tests/support/stated_torques.h"
 
 namespace sagitta {
 namespace {
@@ -13,13 +14,8 @@ constexpr std::array<double, 6> kCompliance = {0.6e-6, 0.3e-6, 0.4e-6, 2.8e-6, 3
 
 // Each joint gives way by k times its torque, wherever that is from: no load is stated.
 Measurements RowsWithTorques(const test::Kr270Truth& truth) {
-  test::Kr270Design design;
-  design.configurations = 40;
-  Measurements data = test::DesignMeasurements(design);
-  test::RandomNumbers random(4);
-  for (Shot& shot : data.shots) {
-    shot.joint_torques.resize(6);
-    for (double& torque : shot.joint_torques) torque = random.Uniform(-800.0, 800.0);
+  Measurements data = test::DesignWithTorques();
+  for (const Shot& shot : data.shots) {
     const Eigen::VectorXd& q = data.configurations[shot.configuration].q;
     Eigen::VectorXd bent = q;
     for (int j = 0; j < 6; ++j) bent[j] += kCompliance[j] * shot.joint_torques[j];

@@ -11,6 +11,7 @@
 #include "tests/support/kr270_poses.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/random_numbers.h"
+#include "tests/support/stated_torques.h"
 
 namespace sagitta {
 namespace {
@@ -72,17 +73,10 @@ CalibrationProblem Poses(int configurations) {
   return test::Kr270ProblemOf(data, Experiment());
 }
 
-// Stated torques bend the joints of every second shot; the others are free of load.
+// Torques stated on every joint of every shot.
 CalibrationProblem MeasuredTorques() {
-  test::Kr270Design design;
-  design.configurations = 40;
-  Measurements data = test::DesignMeasurements(design);
-  test::RandomNumbers random(4);
-  for (Shot& shot : data.shots) {
-    shot.joint_torques.resize(6);
-    for (double& torque : shot.joint_torques) torque = random.Uniform(-800.0, 800.0);
-  }
-  test::MeasureKr270(test::Kr270Truth(), design.sigma, 9, &data);
+  Measurements data = test::DesignWithTorques();
+  test::MeasureKr270(test::Kr270Truth(), test::Kr270Design().sigma, 9, &data);
   Experiment experiment;
   experiment.torques_measured = true;
   return test::Kr270ProblemOf(data, experiment);
