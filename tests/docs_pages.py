@@ -13,7 +13,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r'^```(\w*)\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-NUMBER = re.compile(r'(?<![\w.,])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])')
+NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])')
 LEFT_OUT = '…'
 BETWEEN = '\x1e'
 LINKED = ('docs', 'problems', 'tests', 'estimator', 'models')  # what commands read of a checkout
@@ -65,10 +65,11 @@ class Scratch:
     def __exit__(self, *error):
         shutil.rmtree(self.folder)
 
-    def run(self, commands):
+    def run(self, commands, is_on_path):
         """What each of the blocks printed, and the words of a failure or ''."""
         script = 'set -e\n' + ''.join('%s\nprintf "\\036"\n' % block.text for block in commands)
-        environment = dict(os.environ, LC_ALL='C.UTF-8', PATH='%s:%s' % (self.done, os.environ['PATH']))
+        folders = [str(self.done)] + [str(self.program.parent)] * is_on_path + [os.environ['PATH']]
+        environment = dict(os.environ, LC_ALL='C.UTF-8', PATH=':'.join(folders))
         done = subprocess.run(['bash', '-c', script], cwd=self.folder, capture_output=True, text=True, check=False,
                               env=environment)
         printed = done.stdout.split(BETWEEN)
@@ -137,15 +138,18 @@ def compared(shown, printed):
     return '\n'.join(now) + '\n', differs
 
 
-def check(page, program, write=False, not_run=()):
-    """Words on what differs. With `write`, numbers that are shown become those that are printed."""
+def check(page, program, write=False, not_run=(), is_on_path=False):
+    """Words on what differs. With `write`, numbers that are shown become those that are printed.
+
+    `is_on_path`: the page takes `sagitta` for installed.
+    """
     path = ROOT / page
     text = path.read_text(encoding='utf-8')
     steps = [(block, shown) for block, shown in steps_of(text) if block.text.strip() not in not_run]
     if not steps:
         return
     with Scratch(program) as scratch:
-        printed, failure = scratch.run([block for block, _ in steps])
+        printed, failure = scratch.run([block for block, _ in steps], is_on_path)
     if failure:
         yield '%s: %s' % (page, failure)
         return

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <set>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "problems/calibration_problem.h"
@@ -35,11 +36,34 @@ constexpr double kBetter = 3.0;       // the best of several readings has to fit
 constexpr double kComputed = 2e-6;    // m: no instrument and no robot agree with a nominal table so well
 constexpr size_t kSampleRows = 60;
 
+std::set<std::string> LoadsOf(const Measurements& data) {
+  std::set<std::string> loads;
+  for (const Shot& shot : data.shots) loads.insert(shot.load);
+  loads.erase(Shot().load);
+  return loads;
+}
+
+std::set<std::string> LoadsIn(const Robot& robot, const std::string& csv) {
+  try {
+    return LoadsOf(ReadMeasurementsText(robot, csv, "measurements.csv"));
+  } catch (const InputError&) {  // calibrate says what it is
+    return {};
+  }
+}
+
+// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than kSuspicious.
+Experiment WithWeightlessLoads(const Measurements& data) {
+  Experiment experiment;
+  experiment.load_point = Vector3<double>::Zero();
+  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
+  return experiment;
+}
+
 // How far the aligned nominal robot misses; infinite where that cannot be said.
 double Misfit(const Robot& robot, const std::string& csv) {
   try {
-    const CalibrationProblem problem =
-        MakeCalibrationProblem(robot, ReadMeasurementsText(robot, csv, "measurements.csv"), Experiment());
+    const Measurements data = ReadMeasurementsText(robot, csv, "measurements.csv");
+    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
     return AlignedMisfit(problem, SampleOfRows(problem));
   } catch (const InputError&) {  // too few rows: nothing can be said
     return std::numeric_limits<double>::infinity();
@@ -206,6 +230,14 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
   }
 }
 
+void PrintWhatLoadsNeed(const std::set<std::string>& loads) {
+  for (const std::string& load : loads) {
+    std::cout << "Load " << load
+              << ": state in experiment.yaml where it hangs, load_point_mm: [x, y, z] on the flange, "
+              << "and, where no column has its force, loads: {" << load << ": {mass_kg: …}}\n";
+  }
+}
+
 void PrintGuesses(const std::vector<std::string>& guesses) {
   if (guesses.empty()) {
     std::cout << "\nNothing had to be guessed.\n";
@@ -296,9 +328,9 @@ int RunImport(const CommandLine& line) {
   for (const std::string& note : rows.notes()) std::cout << note << "\n";
   PrintGuesses(guesses);
   std::cout << "\n"
-            << rows.size() << " readings in " << FLAGS_out
-            << ": robot.yaml, measurements.csv, experiment.yaml\nNext: sagitta calibrate " << FLAGS_out
-            << "/experiment.yaml --out=results\n";
+            << rows.size() << " readings in " << FLAGS_out << ": robot.yaml, measurements.csv, experiment.yaml\n";
+  PrintWhatLoadsNeed(LoadsIn(robot, csv));
+  std::cout << "Next: sagitta calibrate " << FLAGS_out << "/experiment.yaml --out=results\n";
   return 0;
 }
 

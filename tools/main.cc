@@ -29,9 +29,11 @@ std::string Overview() {
   std::string text = "sagitta " SAGITTA_VERSION
                      ": robot calibration from measured points\n\n"
                      "sagitta COMMAND … | sagitta help COMMAND | sagitta --version\n\n";
+  const std::vector<Command>& commands = Commands();
+  const bool is_whole = std::all_of(commands.begin(), commands.end(), IsBuilt);
   for (const bool built : {true, false}) {
-    if (!built) text += "\nnot in this version yet\n";
-    for (const Command& command : Commands()) {
+    if (!built && !is_whole) text += "\nnot in this version yet\n";
+    for (const Command& command : commands) {
       if (IsBuilt(command) != built) continue;
       std::string name = "  " + command.name;
       name.resize(14, ' ');
