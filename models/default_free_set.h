@@ -12,8 +12,8 @@
 //     column is independent of all columns kept so far.
 // Complete: every generic motion of the flange is spanned. Minimal: no kept
 // column is redundant. Continuous: the choice does not change as axes pass
-// through parallel. For a chain with 4R + 2P + 6 parameters (Everett, Driels,
-// Mooring 1987) exactly 4R + 2P remain beside base and tool.
+// through parallel. Of 4R + 2P + 6 parameters of base, arm and tool (Everett, Driels,
+// Mooring 1987) exactly 4R + 2P - 6 remain beside base and tool.
 #pragma once
 
 #include <string>

@@ -54,6 +54,7 @@ def two_files(program):
 
 
 def main(program, arguments):
+    program = str(pathlib.Path(program).resolve())
     pages = [argument for argument in arguments if not argument.startswith('--')]
     found = []
     for page in pages:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the pictures of README.md and docs/TUTORIAL.md from the results of the tutorial's ten commands.
 
-    python3 docs/pictures/make_pictures.py results
+    python3 docs/pictures/make_pictures.py results [--out DIR]
 
 The folder holds what the commands wrote: job/, believed/, diagnosis/, calibrated/. `sagitta` has to be on the PATH: the
 nominal robot, with only base poses and markers fitted, is computed here. White background, legible in dark mode too.
@@ -46,12 +46,12 @@ def distances(rows):
     return np.sort(np.linalg.norm(rows[RESIDUAL].to_numpy(), axis=1))
 
 
-def save(figure, name):
-    figure.savefig(HERE / name, metadata={'Date': None, 'Creator': None}, bbox_inches='tight', pad_inches=0.15)
+def save(figure, path):
+    figure.savefig(path, metadata={'Date': None, 'Creator': None}, bbox_inches='tight', pad_inches=0.15)
     plt.close(figure)
 
 
-def errors(nominal, believed, calibrated):
+def errors(nominal, believed, calibrated, path):
     figure, axes = plt.subplots(figsize=(7.2, 3.4))
     for rows, colour, label in ((nominal, NOMINAL, 'nominal robot'), (believed, BELIEVED, 'geometry and compliances'),
                                 (calibrated, CALIBRATED, 'with the gravity compensator')):
@@ -59,15 +59,15 @@ def errors(nominal, believed, calibrated):
         axes.step(sorted_mm, np.arange(1, len(sorted_mm) + 1) / len(sorted_mm) * 100, where='post', color=colour,
                   linewidth=2.4, label=label)
     axes.set_xscale('log')
-    axes.set_xlim(0.0025, 10)
+    axes.set_xlim(0.008, 10)
     axes.set_xticks([0.01, 0.1, 1, 10], ['0.01', '0.1', '1', '10'])
     axes.set_xlabel('distance between measured and predicted point, mm')
     axes.set_ylabel('readings within, %')
-    axes.legend(frameon=True, facecolor='white', edgecolor='white', framealpha=1, loc='upper left')
-    save(figure, 'kr270_errors.svg')
+    axes.legend(frameon=False, loc='lower center', bbox_to_anchor=(0.5, 1.0), ncols=3, columnspacing=1.2)
+    save(figure, path)
 
 
-def compensator(believed, calibrated):
+def compensator(believed, calibrated, path):
     """What the believed model leaves over the angle of joint 2: height of the loaded poses of station S3."""
     figure, axes = plt.subplots(figsize=(7.2, 3.4))
     for rows, colour, marker, label in ((believed, BELIEVED, 'o', 'geometry and compliances'),
@@ -78,13 +78,13 @@ def compensator(believed, calibrated):
     axes.set_xlabel('angle of joint A2, deg')
     axes.set_ylabel('measured − predicted height, mm')
     axes.legend(frameon=False, loc='lower left')
-    save(figure, 'kr270_residual_over_a2.svg')
+    save(figure, path)
 
 
-def known(folder):
+def known(folder, path):
     """Estimated compliances with their 95 % intervals, beside the values that the simulation used."""
-    here = HERE.parent.parent / 'problems' / 'published' / 'kr270' / 'loaded_truth.json'
-    truth = json.loads(here.read_text())['compliance_urad_per_Nm']
+    truth_file = HERE.parent.parent / 'problems' / 'published' / 'kr270' / 'loaded_truth.json'
+    truth = json.loads(truth_file.read_text())['compliance_urad_per_Nm']
     values = {p['name']: p for p in json.loads((folder / 'estimate.json').read_text())['parameters']}
     figure, axes = plt.subplots(figsize=(7.2, 2.8))
     for j in range(1, 7):
@@ -97,17 +97,19 @@ def known(folder):
     axes.set_yticks(range(1, 7), ['A%d' % j for j in range(1, 7)])
     axes.invert_yaxis()
     axes.set_xlabel('compliance, estimate − truth, % of the truth (bars: 95 % intervals)')
-    save(figure, 'kr270_compliances.svg')
+    save(figure, path)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('results', type=pathlib.Path)
-    folder = parser.parse_args().results
+    parser.add_argument('--out', type=pathlib.Path, default=HERE)
+    arguments = parser.parse_args()
+    folder, out = arguments.results, arguments.out
     believed, calibrated = (pd.read_csv(folder / name / 'residuals.csv') for name in ('believed', 'calibrated'))
-    errors(nominal_residuals(folder / 'job'), believed, calibrated)
-    compensator(believed, calibrated)
-    known(folder / 'calibrated')
+    errors(nominal_residuals(folder / 'job'), believed, calibrated, out / 'kr270_errors.svg')
+    compensator(believed, calibrated, out / 'kr270_residual_over_a2.svg')
+    known(folder / 'calibrated', out / 'kr270_compliances.svg')
 
 
 if __name__ == '__main__':
