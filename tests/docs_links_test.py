@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Links of the pages lead somewhere: the file is in the checkout, the heading is on its page, the picture is shown by a
-page. What is linked has to be committed or ready to be. Addresses elsewhere are not asked for. Standard library only.
+page, and the sources that the maps name are there. Addresses elsewhere are not asked for. Standard library only.
 """
 import pathlib
 import re
@@ -11,6 +11,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 FENCE = re.compile(r'^```.*?^```$', re.MULTILINE | re.DOTALL)
 LINK = re.compile(r'!?\[[^\]]*\]\(([^)\s]+)\)')
 CODE = re.compile(r'`[^`\n]*`')
+SOURCE = re.compile(r'`((?:models|problems|estimator|tools|tests|python|cmake|docs)/[\w./*-]+)`')
+MAPS = ('ARCHITECTURE.md', 'docs/WHERE.md', 'docs/THEORY.md', 'docs/DECISIONS.md')
 ELSEWHERE = re.compile(r'^[a-z]+:')
 
 
@@ -58,9 +60,17 @@ def unshown_pictures():
             yield 'docs/pictures/%s is on no page' % picture.name
 
 
+def absent_sources():
+    for name in MAPS:
+        for source in SOURCE.findall((ROOT / name).read_text(encoding='utf-8')):
+            if not list(ROOT.glob(source)) and not list(ROOT.glob(source + '.*')):
+                yield '%s: %s is not there' % (name, source)
+
+
 def main():
     checked = pages()
     found = [defect for page in checked for defect in defects(page)] + list(unshown_pictures())
+    found += absent_sources()
     print('\n'.join(found) if found else 'the links of %d pages lead somewhere' % len(checked))
     return 1 if found or not checked else 0
 

@@ -1,8 +1,8 @@
 """What the tests of the pages share: the blocks of a page, running them as printed, comparing what is shown.
 
 A block ```sh is run, by bash, from the root of a checkout. The block ```text that follows it is what the commands print:
-all of it, or parts of it with a line "…" for what is left out. Words have to be the same; a number may differ by 1 % or
-by one and a half of its last digit, because compilers differ. Other blocks are not run.
+all of it, or parts of it with a line "…" for what is left out. Words have to be the same; a number may differ by 0.5 %
+because compilers differ. Other blocks are not run.
 """
 import os
 import pathlib
@@ -87,16 +87,9 @@ def words_of(line):
     return NUMBER.sub('#', plain(line))
 
 
-def last_digit(number):
-    mantissa, _, exponent = number.partition('e')
-    return 10.0 ** (int(exponent or 0) - len(mantissa.partition('.')[2]))
-
-
 def numbers_agree(shown, printed):
-    for a, b in zip(NUMBER.findall(plain(shown)), NUMBER.findall(plain(printed))):
-        if abs(float(a) - float(b)) > max(0.01 * abs(float(a)), 1.5 * max(last_digit(a), last_digit(b))):
-            return False
-    return True
+    pairs = zip(NUMBER.findall(plain(shown)), NUMBER.findall(plain(printed)))
+    return all(abs(float(a) - float(b)) <= 0.005 * abs(float(a)) for a, b in pairs)
 
 
 def chunks_of(shown):
