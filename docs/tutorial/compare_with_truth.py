@@ -38,6 +38,19 @@ def true_values():
     return dict(values, **{'compensator/s0': spring['s0_mm'], 'compensator/Kc': spring['Kc_N_per_mm']})
 
 
+def chi_square(deviations, correlation):
+    """d' C^-1 d by Cholesky's factor C = L L'."""
+    factor, whitened = [], []
+    for i, row in enumerate(correlation):
+        line = []
+        for j in range(i):
+            line.append((row[j] - sum(a * b for a, b in zip(line, factor[j]))) / factor[j][j])
+        line.append(math.sqrt(row[i] - sum(a * a for a in line)))
+        factor.append(line)
+        whitened.append((deviations[i] - sum(a * b for a, b in zip(line, whitened))) / line[i])
+    return sum(w * w for w in whitened)
+
+
 def off_target_mm(row, prefix, to_deg):
     """Distance of the true, loaded flange from that of the nominal arm at the program's joint values."""
     error = {name: entry['value_mm'] if 'value_mm' in entry else math.radians(entry['value_deg'])
@@ -53,11 +66,15 @@ def off_target_mm(row, prefix, to_deg):
 
 def main(folder):
     folder = pathlib.Path(folder)
-    estimated = json.loads((folder / 'calibrated' / 'estimate.json').read_text(encoding='utf-8'))['parameters']
-    intervals = {p['name']: p['ci95'] for p in estimated}
+    estimate = json.loads((folder / 'calibrated' / 'estimate.json').read_text(encoding='utf-8'))
+    found = {p['name']: p for p in estimate['parameters']}
     truth = true_values()
-    missed = [name for name, value in truth.items() if not intervals[name][0] <= value <= intervals[name][1]]
+    missed = [name for name, value in truth.items() if not found[name]['ci95'][0] <= value <= found[name]['ci95'][1]]
     print('%d of %d intervals hold the truth; not: %s' % (len(truth) - len(missed), len(truth), ', '.join(missed)))
+    names = estimate['correlation']['names']
+    deviations = [(found[name]['value'] - truth[name]) / found[name]['sigma'] for name in names]
+    print('all at once, correlations counted: chi-square %.1f of %d'
+          % (chi_square(deviations, estimate['correlation']['matrix']), len(names)))
     print('\ntrue distance from the target, mm\n  point            program  corrected  stated 95 %')
     with open(folder / 'points.csv', encoding='utf-8') as lines:
         for row in csv.DictReader(lines):
