@@ -69,6 +69,17 @@ TEST_F(ProgramCommandTest, WhatIsNotStatedIsAskedForAndNothingIsWritten) {
   EXPECT_EQ(Read("p.src"), "LIN {X 1500,Y 0,Z 1500,A 0,B 90,C 0}\n");
 }
 
+// A program has no columns for a force: the words say what a user can do.
+TEST_F(ProgramCommandTest, ALoadOfUnknownWeightIsAskedForByItsName) {
+  Write("p.src", kJoints);
+  const test::Outcome asked =
+      Compensate({"--program=" + Path("p.src"), "--program_out=" + Path("new/p.src"), "--load=V250"});
+  EXPECT_EQ(asked.status, 2);
+  for (const char* part : {"--load", "what load 'V250' weighs", "loads: {V250: {mass_kg"})
+    EXPECT_THAT(asked.err, HasSubstr(part));
+  EXPECT_FALSE(Exists("new"));
+}
+
 TEST_F(ProgramCommandTest, NothingCorrectedIsANumericalFailure) {
   Write("p.src", "LIN {X 9500,Y 0,Z 1500,A 0,B 90,C 0}\n");
   const test::Outcome done = Compensate({"--program=" + Path("p.src"), "--program_out=" + Path("p2.src"),
