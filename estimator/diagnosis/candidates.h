@@ -15,6 +15,7 @@ struct Candidate {
   std::vector<std::string> vague = {};  // parameters that the data cannot tell
   // Those, and what the data tell poorly: refitted with a prior of three typical sizes.
   std::vector<std::string> loose = {};
+  bool keeps_shape = false;  // of a spring: the data hardly tell its shape, it stays near the start's
 };
 
 struct NotTestable {

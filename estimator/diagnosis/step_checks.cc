@@ -133,6 +133,22 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
   return alternatives;
 }
 
+double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
+  const ProjectedNormal& normal = evidence.views()[model.view].beside.normal;
+  if (model.set.members.empty()) return normal.residual;
+  const std::vector<const ColumnGroup*> groups = evidence.GroupsOf(model.set);
+  std::vector<double> scales = model.set.scales;
+  for (size_t k = 0; k < groups.size(); ++k) {
+    const bool is_spring = evidence.list().start[model.set.members[k]].effect == "gravity_compensator";
+    if (!is_spring) scales[k] = kScales[kNumScales - 1];
+  }
+  const Eigen::VectorXd values = -ValuesOf(normal, groups, scales).values;  // measured minus predicted
+  ColumnGroup all = *groups[0];
+  for (size_t k = 1; k < groups.size(); ++k) all = Joined(all, *groups[k]);
+  const Sweep sweep(normal, {}, {});
+  return normal.residual - 2.0 * values.dot(sweep.Gradient(all)) + values.dot(sweep.Information(all) * values);
+}
+
 MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member) {
   const WeightedSet others = Without(evidence, model, member);
   const Sweep sweep(evidence.views()[model.view].beside.normal, evidence.GroupsOf(others), others.scales);

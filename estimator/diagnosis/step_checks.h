@@ -34,6 +34,9 @@ struct MemberFit {
   std::vector<std::string> vague;  // coordinates
   std::vector<std::string> loose;  // names of those that need their prior
 };
+// Square of the residual at the set's values beside the widest prior, as refits have it (refit.h), of a spring beside
+// its own; the prior's own term left out.
+double ResidualAtBest(const Evidence& evidence, const WeightedModel& model);
 MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member);
 
 // The step's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the
