@@ -26,8 +26,8 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
                                           const std::vector<NamedProbability>& in_place);
 constexpr double kWorthListing = 0.01;  // FORMATS section 6
 
-// Chi-square reduction of a member, given the others; and parameters that the data cannot tell: known no better than
-// before, to more than half of what the prior says.
+// Chi-square reduction of a member, given the others; and parameters that the data cannot tell: of the prior variance
+// a fifth or more is left.
 struct MemberFit {
   double reduction = 0.0;
   int parameters = 0;
