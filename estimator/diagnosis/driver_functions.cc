@@ -45,8 +45,8 @@ std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most) {
 // F = U S V', by the eigenvectors of the smaller of F'F and FF':  basis F V = U S, mixing V' = S^-1 U' F.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
   const bool is_tall = functions.rows() >= functions.cols();
-  const Eigen::MatrixXd gram = is_tall ? Eigen::MatrixXd(functions.transpose() * functions)
-                                       : Eigen::MatrixXd(functions * functions.transpose());
+  const Eigen::MatrixXd gram =
+      is_tall ? Eigen::MatrixXd(functions.transpose() * functions) : Eigen::MatrixXd(functions * functions.transpose());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
   const double least = tolerance * tolerance * eigen.eigenvalues().maxCoeff();
   const long rank = (eigen.eigenvalues().array() > least).count();
