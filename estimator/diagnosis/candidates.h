@@ -34,7 +34,4 @@ std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 // `estimated`: values of the believed model; what acts through a compliance of zero there cannot be tested.
 CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated);
 
-// Moments that the list leaves out between one of its own and the next on either side.
-std::vector<std::string> ChangePointsNear(const CalibrationProblem& problem, double moment);
-
 }  // namespace sagitta

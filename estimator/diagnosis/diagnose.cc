@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/refitted_set.h"
@@ -156,14 +157,17 @@ class Session {
     const CalibrationProblem& working = *working_;
     const ParameterSet& parameters = d_.baseline.estimate.parameters;
     candidates_ = ListCandidates(working, parameters);
+    RefineMoments(working, parameters, &candidates_);
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
     evidence_ =
         std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof, options_.progress);
     d_.not_testable = evidence_->list().not_testable;
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
-    named_ = posterior_.Something() > NamingGate() && !posterior_.sets.empty();
-    const RefittedSet leading = named_ ? RefitLeading(working, d_.baseline, joint_, evidence_.get(), &posterior_)
-                                       : RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
+    RefittedSet leading;
+    named_ = IsNamed();
+    if (named_) leading = RefitLeading(working, d_.baseline, joint_, evidence_.get(), &posterior_);
+    named_ = IsNamed();  // the full model may leave less of it
+    if (!named_) leading = RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
     leading_ = leading.model;
     lacking_ = leading.lacking;
     steps_ = leading.steps;
@@ -174,27 +178,7 @@ class Session {
       d_.has_unexplained = true;
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     }
-    RefineMoments();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
-  }
-
-  // The list has every so-manieth moment at which something may have changed: the best of those between.
-  void RefineMoments() {
-    for (size_t k = 0; k < steps_.size(); ++k) {
-      const auto moment = steps_[k].candidate.spec.settings.find("after_s");
-      if (moment == steps_[k].candidate.spec.settings.end()) continue;
-      for (const std::string& near : ChangePointsNear(*lacking_.problem, std::stod(moment->second))) {
-        std::vector<ChosenStep> moved = steps_;
-        moved[k].candidate.spec.settings["after_s"] = near;
-        for (std::vector<std::string>* names : {&moved[k].candidate.vague, &moved[k].candidate.loose}) {
-          for (std::string& name : *names) name = moved[k].candidate.spec.Path() + name.substr(name.rfind('/'));
-        }
-        DiagnosedModel with = Extend(lacking_, CandidatesOf(moved), joint_);
-        if (!IsUsable(with.estimate.status) || with.estimate.chi2 >= d_.final.estimate.chi2) continue;
-        d_.final = std::move(with);
-        steps_ = std::move(moved);
-      }
-    }
   }
 
   // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline; priors of what
@@ -215,6 +199,8 @@ class Session {
   // Where nothing is missing, odds of B on something come about with probability 1 / B at most (Markov's inequality),
   // and in fact with about the share 1 / B of that: the smallest effects, which have these odds at all, are few.
   double NamingGate() const { return 1.0 - std::sqrt(options_.significance); }
+
+  bool IsNamed() const { return posterior_.Something() > NamingGate() && !posterior_.sets.empty(); }
 
   // The full estimator has the last word: a step with which it finds no optimum is not named, nor one whose values it
   // takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance.

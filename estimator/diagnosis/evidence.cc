@@ -23,12 +23,6 @@ constexpr size_t kMostModels = 1000;
 // (explanations.cc).
 constexpr double kOfUnnamed = 0.1;
 
-Eigen::VectorXd StatedRepeatability(const CalibrationProblem& problem) {
-  Eigen::VectorXd stated = Eigen::VectorXd::Zero(problem.robot.num_joints());
-  for (int i = 0; i < problem.latent.size(); ++i) stated[problem.latent.joints[i]] = problem.latent.sigmas[i];
-  return stated;
-}
-
 }  // namespace
 
 void Normalise(std::vector<WeightedModel>* models) {
@@ -48,7 +42,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       masses_(masses),
       prior_{masses.nothing, masses.further},
       sigma_dof_(sigma_dof),
-      stated_(StatedRepeatability(problem)) {
+      stated_(StatedScatter(problem)) {
   ViewedNormal stated{{}, ScatterOf({}), {}};
   stated.beside = columns_.Project(columns_.Sum(stated.scatter));
   DropInvisible(stated.beside.normal, masses, &list_);
@@ -91,9 +85,9 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
 }
 
 JointScatter Evidence::ScatterOf(const NoiseView& view) const {
-  JointScatter scatter{stated_, Eigen::VectorXd::Zero(stated_.size())};
+  JointScatter scatter = stated_;
   if (view.kind == NoiseView::Kind::kStated) return scatter;
-  for (long j = 0; j < stated_.size(); ++j) {
+  for (long j = 0; j < scatter.visit.size(); ++j) {
     if (problem_.robot.chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
     (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
   }

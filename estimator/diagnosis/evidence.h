@@ -98,7 +98,7 @@ class Evidence {
   PriorMasses masses_;
   SetPrior prior_;
   double sigma_dof_;
-  Eigen::VectorXd stated_;  // repeatability, one per joint
+  JointScatter stated_;
   std::vector<ViewedNormal> views_;
   std::vector<WeightedModel> models_;
 };

@@ -19,7 +19,7 @@ constexpr int kPlaces = 24;      // of a step along a joint's angle
 constexpr int kFineBumps = 25;   // of a joint's own angle: a bump of 10 degrees
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
 constexpr long kPerShape = 4;    // columns of a compensator's shape
-constexpr double kElsewhere = 0.1;  // of the compensators: not against the arm's own weight
+constexpr double kElsewhere = 0.05;  // of the compensators: not against the arm's own weight
 constexpr double kTwoPi = 6.283185307179586;
 
 // Change points, widths and lags of one effect are many settings and one explanation.
@@ -144,9 +144,9 @@ class ListBuilder {
     }
   }
 
-  // A compensator is built where weight is carried and against it. Of the prior a joint has the share of what a weight
-  // at the flange turns it by (root mean square over the shots, against all joints'), and of that a shape the share of
-  // the weight's torque that it can take away, cos^2 of the angle between the two, nothing where it pulls along.
+  // A compensator is built where weight is carried and against it. Of the prior a joint has the share of the squared
+  // torque that a weight at the flange puts on it (mean over the shots, of all joints'), and of that a shape the share
+  // that it can take away, cos^2 of the angle between the two torques, nothing where it pulls along.
   // kElsewhere of the prior is equal over joints and shapes: springs that balance something else.
   Eigen::VectorXd SpringWeights(int joint, const Eigen::MatrixXd& torques) {
     if (of_weight_.size() == 0) of_weight_ = OnFitted(TorquesPerWeight(problem_, parameters_));
@@ -160,8 +160,8 @@ class ListBuilder {
       against[s] = cosine < 0.0 ? cosine * cosine : 0.0;
     }
     double all = 0.0;
-    for (int j = 0; j < joints(); ++j) all += Turns(problem_, j) ? of_weight_.col(j).norm() : 0.0;
-    const double sum = against.sum(), of_joint = all > 0.0 ? of_weight_.col(joint).norm() / all : 0.0;
+    for (int j = 0; j < joints(); ++j) all += Turns(problem_, j) ? of_weight_.col(j).squaredNorm() : 0.0;
+    const double sum = against.sum(), of_joint = all > 0.0 ? of_weight_.col(joint).squaredNorm() / all : 0.0;
     const double elsewhere = kElsewhere / static_cast<double>(joints() * shapes);
     if (!(sum > 0.0)) return Eigen::VectorXd::Constant(shapes, elsewhere);
     return ((1.0 - kElsewhere) * of_joint / sum * against).array() + elsewhere;
