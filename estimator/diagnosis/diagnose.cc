@@ -68,7 +68,7 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
   const double left = baseline.estimate.chi2 / std::max(1, baseline.estimate.dof);
   for (auto& [name, entry] : best) {
     const int dof = baseline.estimate.dof - entry.parameters;
-    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, tests);
+    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, evidence.IsSigmaStated(), tests);
     screened.push_back(std::move(entry));
   }
   std::stable_sort(screened.begin(), screened.end(),
@@ -240,7 +240,8 @@ class Session {
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
-  // Hold-out after each step; the first step that makes it worse beyond chance, or -1.
+  // Hold-out after each step. A step that makes it worse beyond chance, or, where all since the best prefix do
+  // together, the one of these that makes it worst; -1 where none does.
   int MeasurePrefixes() {
     prefixes_.assign(1, lacking_);
     for (size_t count = 1; count < steps_.size(); ++count) {
@@ -251,7 +252,21 @@ class Session {
     for (size_t k = steps_.size(); k > 0; --k) {
       if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[k])) return static_cast<int>(k) - 1;
     }
-    return -1;
+    std::vector<double> rms;
+    for (const DiagnosedModel& prefix : prefixes_) {
+      rms.push_back(IsUsable(prefix.estimate.status) ? HoldoutRms(prefix) : kNotKnown);
+    }
+    const auto is_less = [](double a, double b) { return a < b || (!std::isnan(a) && std::isnan(b)); };
+    const size_t best = std::min_element(rms.begin(), rms.end(), is_less) - rms.begin();
+    if (best == steps_.size() || !MakesHoldoutWorse(prefixes_[best], d_.final)) return -1;
+    int worst = -1;
+    double most = 0.0;
+    for (size_t k = best; k < steps_.size(); ++k) {
+      if (!(rms[k + 1] - rms[k] > most)) continue;
+      most = rms[k + 1] - rms[k];
+      worst = static_cast<int>(k);
+    }
+    return worst;
   }
 
   void Describe() {
@@ -299,8 +314,11 @@ class Session {
     step.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
     step.reduction = chosen.fit.reduction;
     const Estimate& after = d_.final.estimate;
-    const double left = after.chi2 / std::max(1, after.dof);
-    step.corrected_p = CorrectedP(chosen.fit.reduction, chosen.fit.parameters, left, after.dof, tests);
+    // The reduction is in units of the evidence's rows, the refit may have other sigmas.
+    const double unit = evidence_->views()[leading_.view].beside.normal.residual / lacking_.estimate.chi2;
+    step.corrected_p =
+        CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
+                   evidence_->IsSigmaStated(), tests);
     const std::vector<NamedProbability> in_place = InPlaceOf(*evidence_, leading_, chosen.explanation);
     step.alternatives = FindAlternatives(*evidence_, posterior_, leading_, chosen.explanation, in_place);
     step.confirmation = Confirm(*evidence_, leading_, chosen.explanation, in_place);

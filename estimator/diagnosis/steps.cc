@@ -107,9 +107,9 @@ std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
   return candidates;
 }
 
-double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests) {
+double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests) {
   const double m = std::max(1, parameters);
-  const bool is_known = scatter <= 1.0 || dof <= 0;
+  const bool is_known = (is_sigma_stated && scatter <= 1.0) || dof <= 0;
   const double p = is_known ? ChiSquareSurvival(reduction, m) : FSurvival(reduction / (m * scatter), m, dof);
   return std::min(1.0, tests * p);
 }
