@@ -4,6 +4,7 @@
 #include <set>
 
 #include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/diagnosis/moments.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -14,7 +15,6 @@ namespace {
 constexpr int kHarmonicOrders = 6;        // scanned with few configurations
 constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
 constexpr int kConfigurationsPerOrder = 20;
-constexpr int kChangePoints = 30;  // at least, and less than twice as many, where the visits allow
 
 bool AnyLoad(const CalibrationProblem& problem) {
   return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
@@ -55,29 +55,6 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
       break;
   }
   return targets;
-}
-
-// Times at which a fitted shot was measured, ascending.
-std::vector<double> FittedTimes(const CalibrationProblem& problem) {
-  std::set<double> times;
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-    const bool held_out = problem.data.configurations[problem.data.shots[s].configuration].is_validation;
-    if (problem.shot_inputs[s].conditions.has_time && !held_out) times.insert(problem.shot_inputs[s].conditions.time);
-  }
-  return {times.begin(), times.end()};
-}
-
-size_t ChangePointStride(const std::vector<double>& times) { return std::max<size_t>(1, times.size() / kChangePoints); }
-
-// Middles between the times of consecutive visits, thinned.
-std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
-  const std::vector<double> times = FittedTimes(problem);
-  std::vector<std::string> points;
-  const size_t stride = ChangePointStride(times);
-  for (size_t i = stride; i + 1 < times.size(); i += stride) {
-    points.push_back(std::to_string(0.5 * (times[i - 1] + times[i])));
-  }
-  return points;
 }
 
 // As many orders as the configurations can resolve.
@@ -285,18 +262,6 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
     }
   }
   return list;
-}
-
-std::vector<std::string> ChangePointsNear(const CalibrationProblem& problem, double moment) {
-  const std::vector<double> times = FittedTimes(problem);
-  const long stride = static_cast<long>(ChangePointStride(times));
-  const long after = std::lower_bound(times.begin(), times.end(), moment) - times.begin();
-  std::vector<std::string> points;
-  for (long i = after - stride + 1; i < after + stride; ++i) {
-    if (i < 1 || i >= static_cast<long>(times.size()) || i == after) continue;
-    points.push_back(std::to_string(0.5 * (times[static_cast<size_t>(i - 1)] + times[static_cast<size_t>(i)])));
-  }
-  return points;
 }
 
 }  // namespace sagitta

@@ -15,6 +15,7 @@ struct Candidate {
   std::vector<std::string> vague = {};  // parameters that the data cannot tell
   // Those, and what the data tell poorly: refitted with a prior of three typical sizes.
   std::vector<std::string> loose = {};
+  bool keeps_shape = false;  // of a spring: the data hardly tell its shape, it stays near the start's
 };
 
 struct NotTestable {
@@ -32,8 +33,5 @@ std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 
 // `estimated`: values of the believed model; what acts through a compliance of zero there cannot be tested.
 CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated);
-
-// Moments that the list leaves out between one of its own and the next on either side.
-std::vector<std::string> ChangePointsNear(const CalibrationProblem& problem, double moment);
 
 }  // namespace sagitta

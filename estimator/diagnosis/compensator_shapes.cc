@@ -17,6 +17,17 @@ constexpr double kTwoPi = 6.283185307179586;
 constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y: the largest arms are as long
 constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
 constexpr double kLeastRate = 100.0;  // N/m
+constexpr double kKeptWithin = 0.3;   // of a: 17 degrees and a factor of 1.35, about one cell of the grid either way
+
+// Of an even distribution over a cell of the grid: its width over the root of 12. Ratios differ by factors of
+// about 1.4.
+const double kDirectionDeviation = kTwoPi / kDirections / std::sqrt(12.0);
+const double kRatioDeviation = std::log(1.4) / std::sqrt(12.0);
+
+EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
+  const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
+  return {"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}};
+}
 
 }  // namespace
 
@@ -40,9 +51,7 @@ std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
   std::vector<EffectSpec> shapes;
   for (const double ratio : kRatios) {
     for (int d = 0; d < kDirections; ++d) {
-      const double alpha = kTwoPi * d / kDirections;
-      const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
-      shapes.push_back({"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}});
+      shapes.push_back(ShapeOf(joint, ratio, kTwoPi * d / kDirections));
     }
   }
   return shapes;
@@ -58,6 +67,22 @@ Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& 
   return torques;
 }
 
+Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& angles) {
+  const auto usual = [&](double ratio, double alpha) -> Eigen::VectorXd {
+    const EffectSpec near = ShapeOf(shape.target, ratio, alpha);
+    const Eigen::MatrixX2d per_rate = TorquesPerRate(near, angles);
+    return per_rate.col(0) + kUsualRest * ratio * kLever * per_rate.col(1);
+  };
+  const double a_x = shape.values[1], a_y = shape.values[2];
+  const double a = std::hypot(a_x, a_y), ratio = a / kLever, alpha = std::atan2(a_x, a_y);
+  constexpr double kStep = 1e-4;
+  Eigen::MatrixXd columns(angles.size(), 4);
+  columns << usual(ratio, alpha), kRestDeviation * a * TorquesPerRate(shape, angles).col(1),
+      kDirectionDeviation / kStep * (usual(ratio, alpha + kStep) - usual(ratio, alpha)),
+      kRatioDeviation / kStep * (usual(ratio * (1.0 + kStep), alpha) - usual(ratio, alpha));
+  return columns;
+}
+
 void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape) {
   const Eigen::Vector2d rates = TorquesPerRate(*shape, angles).colPivHouseholderQr().solve(torques);
   std::vector<double>& p = shape->values;
@@ -67,16 +92,24 @@ void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, E
   p[4] = std::max(rates[0], kLeastRate);
 }
 
-void BoundCompensatorShape(ParameterSet* parameters) {
-  const auto prior = [&](const char* name, double value, double sigma) {
+void BoundCompensatorShape(bool keep, ParameterSet* parameters) {
+  const auto value = [&](const char* name) { return parameters->Value(parameters->FindCoordinate(name)); };
+  const auto prior = [&](const char* name, double about, double sigma) {
     const int i = parameters->FindCoordinate(name);
     if (i < 0 || !parameters->coordinates()[i].free) return;
-    parameters->coordinate(i).prior_value = value;
+    parameters->coordinate(i).prior_value = about;
     parameters->coordinate(i).prior_sigma = sigma;
   };
-  prior("compensator/a_x", 0.0, kAnchorReach);
-  prior("compensator/a_y", 0.0, kAnchorReach);
-  prior("compensator/s0", kSpringRest, kSpringRest);
+  if (!keep) {
+    prior("compensator/a_x", 0.0, kAnchorReach);
+    prior("compensator/a_y", 0.0, kAnchorReach);
+    prior("compensator/s0", kSpringRest, kSpringRest);
+    return;
+  }
+  const double a_x = value("compensator/a_x"), a_y = value("compensator/a_y"), a = std::hypot(a_x, a_y);
+  prior("compensator/a_x", a_x, kKeptWithin * a);
+  prior("compensator/a_y", a_y, kKeptWithin * a);
+  prior("compensator/s0", kUsualRest * a, kRestDeviation * a);
 }
 
 }  // namespace sagitta

@@ -15,6 +15,10 @@ namespace sagitta {
 
 // rad. A spring carries about what the links weigh: a third of the deflection under rated load (link_gravity.cc).
 constexpr double kTypicalSpringTurn = 3e-4;
+// Rest length s0 in units of a. A tension spring is never slack and is stretched to twice its rest length at most:
+// (a + L) / 2 <= s0 <= a - L, which for the KR 270's a / L = 3.7 is 0.63 to 0.73 a (published: 458 of 686 mm, 0.67).
+// Gas springs have any equivalent rest length up to a.
+constexpr double kUsualRest = 0.65, kRestDeviation = 0.25;
 
 // The joint's compliance in a model, or the nodes of its table.
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint);
@@ -27,11 +31,16 @@ std::vector<EffectSpec> CompensatorShapes(const std::string& joint);
 // Torque per unit of Kc and of Kc s0 for such a shape at each angle (rad).
 Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& angles);
 
+// Joint torques of a spring of this shape at each angle, in an arbitrary unit: with the usual rest length; what another
+// rest length adds per standard deviation; and other directions and ratios within the grid's cell.
+Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& angles);
+
 // Sets s0 and Kc of a shape so that its torques are nearest to those wanted; of a spring that no machine has (negative
 // rate or rest length) the nearest that one has.
 void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, EffectSpec* shape);
 
-// Weak physical priors on the shape: anchors lie within metres of the joint.
-void BoundCompensatorShape(ParameterSet* parameters);
+// Weak physical priors on the shape: anchors lie within metres of the joint. keep: near the shape as it is, and the
+// rest length that goes with it.
+void BoundCompensatorShape(bool keep, ParameterSet* parameters);
 
 }  // namespace sagitta

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "estimator/diagnosis/cautions.h"
-#include "estimator/diagnosis/compensator_shapes.h"
+#include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
+#include "estimator/diagnosis/refitted_set.h"
 #include "estimator/diagnosis/set_aside.h"
-#include "estimator/diagnosis/steps.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -20,6 +20,7 @@ constexpr double kMostOfTheSets = 0.99;  // of the probability: FORMATS section 
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostScatterRounds = 6;
+constexpr int kMostPredicted = 5;         // candidates, each refitted by itself
 constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of freedom leave open is more
 constexpr int kMostRounds = 2;            // outliers beside the believed model, then beside the extended one
 
@@ -61,18 +62,31 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
     if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
     const MemberFit fit = FitOf(evidence, {0, {{static_cast<int>(k)}, {1.0}, 0.0, 0.0}, 0.0, 0.0}, static_cast<int>(k));
     if (fit.parameters == 0) continue;
-    best[list.name[k]] = {list.start[k], fit.reduction, fit.parameters, 1.0, log_evidence, {}};
+    best[list.name[k]] = {list.start[k], static_cast<int>(k), fit.reduction, fit.parameters, 1.0, log_evidence, {}};
   }
   std::vector<ScreenedCandidate> screened;
   const double left = baseline.estimate.chi2 / std::max(1, baseline.estimate.dof);
   for (auto& [name, entry] : best) {
     const int dof = baseline.estimate.dof - entry.parameters;
-    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, tests);
+    entry.corrected_p = CorrectedP(entry.reduction, entry.parameters, left, dof, evidence.IsSigmaStated(), tests);
     screened.push_back(std::move(entry));
   }
   std::stable_sort(screened.begin(), screened.end(),
                    [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
   return screened;
+}
+
+// By name; a deviation that follows the pose has no member.
+ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& members, double probability) {
+  ReportedSet reported{probability, {}, {}};
+  for (const int m : members) {
+    if (list.IsUnnamed(m)) {
+      reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
+    } else {
+      reported.specs.push_back(list.start[m]);
+    }
+  }
+  return reported;
 }
 
 ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, const PriorMasses& prior, double gate) {
@@ -89,17 +103,16 @@ ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, c
   for (const NameSet& set : posterior.sets) {
     if (sum >= kMostOfTheSets) break;
     sum += set.probability;
-    ReportedSet reported{set.probability, {}, {}};
-    for (const int m : evidence.models()[set.best].set.members) {
-      if (list.IsUnnamed(m)) {
-        reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
-      } else {
-        reported.specs.push_back(list.start[m]);
-      }
+    const WeightedModel& best = evidence.models()[set.best];
+    report.sets.push_back(ReportSet(list, best.set.members, set.probability));
+    if (evidence.views()[best.view].view.kind == NoiseView::Kind::kPose) {
+      report.sets.back().unnamed.push_back("a deviation of the joints that follows the pose");
     }
-    report.sets.push_back(std::move(reported));
   }
-  report.flips = WhatFlips(evidence, posterior, gate);
+  for (const Flip& flip : WhatFlips(evidence, posterior, gate)) {
+    report.flips.push_back({flip.mass, flip.is_larger, flip.is_something, ReportSet(list, flip.more, 0.0),
+                            ReportSet(list, flip.fewer, 0.0)});
+  }
   return report;
 }
 
@@ -137,69 +150,35 @@ class Session {
     if (options_.progress) options_.progress(words);
   }
 
-  // Weighs everything, takes the most probable set and refits it.
+  // Weighs everything, refits the most probable sets and assumes the leading one.
   void Search() {
     const bool is_stated = IsSigmaStated(problem_);
     working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
     const CalibrationProblem& working = *working_;
     const ParameterSet& parameters = d_.baseline.estimate.parameters;
     candidates_ = ListCandidates(working, parameters);
+    RefineMoments(working, parameters, &candidates_);
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
     evidence_ =
         std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof, options_.progress);
     d_.not_testable = evidence_->list().not_testable;
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
-    named_ = posterior_.Something() > NamingGate() && !posterior_.sets.empty();
-    leading_ = named_ ? evidence_->models()[posterior_.sets[0].best] : BestOfNothing();
-    lacking_ = d_.baseline;
-    lacking_.problem = std::make_shared<CalibrationProblem>(WithNoiseOf(*evidence_, leading_, working));
-    const bool is_other = evidence_->views()[leading_.view].view.kind != NoiseView::Kind::kStated;
-    if (is_other || !is_stated || evidence_->SigmaIsWrong(leading_) > kEvenOdds) {
-      const DiagnosedModel refit = RefitFully(*lacking_.problem, lacking_.estimate, joint_);
-      if (IsUsable(refit.estimate.status)) lacking_ = refit;
-    }
-    steps_ = StepsOf(*evidence_, leading_, lacking_);
-    d_.has_unexplained = named_ && posterior_.sets[0].has_unnamed;
-    d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
-    if (!IsUsable(d_.final.estimate.status)) TryOtherSprings();
+    RefittedSet leading;
+    named_ = IsNamed();
+    if (named_) leading = RefitLeading(working, d_.baseline, joint_, evidence_.get(), &posterior_);
+    named_ = IsNamed();  // the full model may leave less of it
+    if (!named_) leading = RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
+    leading_ = leading.model;
+    lacking_ = leading.lacking;
+    steps_ = leading.steps;
+    d_.final = leading.with_steps;
+    d_.has_unexplained = named_ && (posterior_.sets[0].has_unnamed || posterior_.unnamed > kEvenOdds);
     while (!steps_.empty() && !IsUsable(d_.final.estimate.status)) {
       steps_.pop_back();  // the weakest
       d_.has_unexplained = true;
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     }
-    RefineMoments();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
-  }
-
-  // A spring's shape is a narrow valley: from another shape the refit may find its floor.
-  void TryOtherSprings() {
-    for (ChosenStep& step : steps_) {
-      if (step.candidate.spec.effect != "gravity_compensator") continue;
-      for (const EffectSpec& spring : OtherSprings(*evidence_, leading_, step, lacking_)) {
-        step.candidate.spec = spring;
-        d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
-        if (IsUsable(d_.final.estimate.status)) return;
-      }
-    }
-  }
-
-  // The list has every so-manieth moment at which something may have changed: the best of those between.
-  void RefineMoments() {
-    for (size_t k = 0; k < steps_.size(); ++k) {
-      const auto moment = steps_[k].candidate.spec.settings.find("after_s");
-      if (moment == steps_[k].candidate.spec.settings.end()) continue;
-      for (const std::string& near : ChangePointsNear(*lacking_.problem, std::stod(moment->second))) {
-        std::vector<ChosenStep> moved = steps_;
-        moved[k].candidate.spec.settings["after_s"] = near;
-        for (std::vector<std::string>* names : {&moved[k].candidate.vague, &moved[k].candidate.loose}) {
-          for (std::string& name : *names) name = moved[k].candidate.spec.Path() + name.substr(name.rfind('/'));
-        }
-        DiagnosedModel with = Extend(lacking_, CandidatesOf(moved), joint_);
-        if (!IsUsable(with.estimate.status) || with.estimate.chi2 >= d_.final.estimate.chi2) continue;
-        d_.final = std::move(with);
-        steps_ = std::move(moved);
-      }
-    }
   }
 
   // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline; priors of what
@@ -221,12 +200,7 @@ class Session {
   // and in fact with about the share 1 / B of that: the smallest effects, which have these odds at all, are few.
   double NamingGate() const { return 1.0 - std::sqrt(options_.significance); }
 
-  WeightedModel BestOfNothing() const {
-    for (const WeightedModel& model : evidence_->models()) {
-      if (model.set.members.empty()) return model;
-    }
-    return {};
-  }
+  bool IsNamed() const { return posterior_.Something() > NamingGate() && !posterior_.sets.empty(); }
 
   // The full estimator has the last word: a step with which it finds no optimum is not named, nor one whose values it
   // takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance.
@@ -266,7 +240,8 @@ class Session {
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
-  // Hold-out after each step; the first step that makes it worse beyond chance, or -1.
+  // Hold-out after each step. A step that makes it worse beyond chance, or, where all since the best prefix do
+  // together, the one of these that makes it worst; -1 where none does.
   int MeasurePrefixes() {
     prefixes_.assign(1, lacking_);
     for (size_t count = 1; count < steps_.size(); ++count) {
@@ -277,13 +252,28 @@ class Session {
     for (size_t k = steps_.size(); k > 0; --k) {
       if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[k])) return static_cast<int>(k) - 1;
     }
-    return -1;
+    std::vector<double> rms;
+    for (const DiagnosedModel& prefix : prefixes_) {
+      rms.push_back(IsUsable(prefix.estimate.status) ? HoldoutRms(prefix) : kNotKnown);
+    }
+    const auto is_less = [](double a, double b) { return a < b || (!std::isnan(a) && std::isnan(b)); };
+    const size_t best = std::min_element(rms.begin(), rms.end(), is_less) - rms.begin();
+    if (best == steps_.size() || !MakesHoldoutWorse(prefixes_[best], d_.final)) return -1;
+    int worst = -1;
+    double most = 0.0;
+    for (size_t k = best; k < steps_.size(); ++k) {
+      if (!(rms[k + 1] - rms[k] > most)) continue;
+      most = rms[k + 1] - rms[k];
+      worst = static_cast<int>(k);
+    }
+    return worst;
   }
 
   void Describe() {
     Say("alternatives and halves");
     d_.posterior = Report(*evidence_, posterior_, options_.prior, NamingGate());
     d_.candidates = Screen(*evidence_, d_.baseline);
+    PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     double before = HoldoutRms(d_.baseline);
     for (size_t k = 0; k < steps_.size(); ++k) {
@@ -304,14 +294,31 @@ class Session {
     d_.groups = GroupSteps(d_.steps, lacking_, d_.baseline, d_.final, joint_);
   }
 
+  // Of the first candidates that have a share of the probability: each alone beside the believed model.
+  void PredictHoldout(std::vector<ScreenedCandidate>* candidates) const {
+    if (d_.baseline.problem->ValidationObservations().empty()) return;
+    int count = 0;
+    for (ScreenedCandidate& entry : *candidates) {
+      if (count == kMostPredicted) return;
+      if (posterior_.Of(evidence_->list().name[entry.explanation]) < kWorthListing) continue;
+      ++count;
+      const WeightedModel alone{leading_.view, {{entry.explanation}, {1.0}, 0.0, 0.0}, 0.0, 0.0};
+      const DiagnosedModel with = Extend(lacking_, CandidatesOf(StepsOf(*evidence_, alone, lacking_)), joint_);
+      if (IsUsable(with.estimate.status)) entry.holdout_rms = HoldoutRms(with);
+    }
+  }
+
   DiagnosisStep DescribeStep(const ChosenStep& chosen, int tests) const {
     DiagnosisStep step;
     step.candidate = chosen.candidate;
     step.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
     step.reduction = chosen.fit.reduction;
     const Estimate& after = d_.final.estimate;
-    const double left = after.chi2 / std::max(1, after.dof);
-    step.corrected_p = CorrectedP(chosen.fit.reduction, chosen.fit.parameters, left, after.dof, tests);
+    // The reduction is in units of the evidence's rows, the refit may have other sigmas.
+    const double unit = evidence_->views()[leading_.view].beside.normal.residual / lacking_.estimate.chi2;
+    step.corrected_p =
+        CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
+                   evidence_->IsSigmaStated(), tests);
     const std::vector<NamedProbability> in_place = InPlaceOf(*evidence_, leading_, chosen.explanation);
     step.alternatives = FindAlternatives(*evidence_, posterior_, leading_, chosen.explanation, in_place);
     step.confirmation = Confirm(*evidence_, leading_, chosen.explanation, in_place);

@@ -30,6 +30,7 @@ struct WhereShare {
 // A candidate alone beside the believed model.
 struct ScreenedCandidate {
   EffectSpec spec;
+  int explanation = 0;     // the best of its name
   double reduction = 0.0;  // chi-square
   int parameters = 0;
   double corrected_p = 1.0;
@@ -56,7 +57,8 @@ struct DiagnosisStep {
 struct StepGroup {
   std::string effect;
   std::vector<int> steps;
-  double share_of_gap = kNotKnown;  // on untouched rows: of the squared gap, group after group, strongest first
+  // Of the squared gap beyond the noise floor on untouched rows; group after group, strongest first.
+  double share_of_gap = kNotKnown;
 };
 
 // One set of the posterior, by name.
@@ -66,12 +68,20 @@ struct ReportedSet {
   std::vector<std::string> unnamed;  // words
 };
 
+// What another prior would name.
+struct ReportedFlip {
+  std::string mass;
+  bool is_larger = false;  // three times, else a third
+  bool is_something = false;
+  ReportedSet more, fewer;  // than is named
+};
+
 struct ReportedPosterior {
   double nothing = 1.0, noise = 0.0, unnamed = 0.0;
   std::vector<std::pair<EffectSpec, double>> explanations;
   std::vector<ReportedSet> sets;  // all that are needed for 99 %
   PriorMasses prior;
-  std::vector<std::string> flips;  // what another prior would say
+  std::vector<ReportedFlip> flips;
 };
 
 struct Diagnosis {
@@ -87,7 +97,7 @@ struct Diagnosis {
   std::vector<NotTestable> not_testable;
   std::vector<DiagnosisStep> steps;
   std::vector<StepGroup> groups;
-  double baseline_p = 1.0, final_p = 1.0;  // lack of fit
+  double baseline_p = kNotKnown, final_p = kNotKnown;  // lack of fit
   GapReport gap;
   std::optional<NextPoses> next;  // that would decide between what shares the probability
   bool has_unexplained = false;

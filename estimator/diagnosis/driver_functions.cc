@@ -42,13 +42,18 @@ std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most) {
   return places;
 }
 
-// By the eigenvectors V of F'F: F = (F V) V', the columns of F V orthogonal and as long as the singular values.
+// F = U S V', by the eigenvectors of the smaller of F'F and FF':  basis F V = U S, mixing V' = S^-1 U' F.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(functions.transpose() * functions);
+  const bool is_tall = functions.rows() >= functions.cols();
+  const Eigen::MatrixXd gram =
+      is_tall ? Eigen::MatrixXd(functions.transpose() * functions) : Eigen::MatrixXd(functions * functions.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
   const double least = tolerance * tolerance * eigen.eigenvalues().maxCoeff();
   const long rank = (eigen.eigenvalues().array() > least).count();
   const Eigen::MatrixXd vectors = eigen.eigenvectors().rightCols(rank);
-  return {functions * vectors, vectors.transpose()};
+  if (is_tall) return {functions * vectors, vectors.transpose()};
+  const Eigen::VectorXd sizes = eigen.eigenvalues().tail(rank).cwiseSqrt();
+  return {vectors * sizes.asDiagonal(), sizes.cwiseInverse().asDiagonal() * (vectors.transpose() * functions)};
 }
 
 }  // namespace sagitta

@@ -16,6 +16,33 @@ Driver PerShot(const CalibrationProblem& problem, const std::string& name, const
   return driver;
 }
 
+std::vector<int> JointSlots(const Chain& chain) {
+  std::vector<int> slots;
+  for (int j = 0; j < chain.num_joints(); ++j) slots.push_back(chain.JointTransform(j));
+  return slots;
+}
+
+using WrenchesOfShot = std::function<std::vector<AppliedWrench>(const ShotInput&)>;
+
+// On each joint's transform, shots x joints; zero where the equilibrium diverges or a torque is stated.
+Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                  const WrenchesOfShot& wrenches_of) {
+  const Chain& chain = problem.robot.chain;
+  const std::vector<int> slots = JointSlots(chain);
+  const std::vector<double> theta = parameters.ModelValues();
+  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs.size()), chain.num_joints());
+  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+    const ShotInput& shot = problem.shot_inputs[s];
+    const Matrix3<double> rotation = parameters.BaseInStation(problem.data.shots[s].station).rotation;
+    const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
+    if (!equilibrium.converged) continue;
+    const std::vector<AppliedWrench> wrenches = wrenches_of(shot);
+    const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &wrenches, &shot.terms};
+    torques.row(static_cast<long>(s)) = TorquesOf(query, equilibrium.state, wrenches, rotation).transpose();
+  }
+  return torques;
+}
+
 }  // namespace
 
 bool Turns(const CalibrationProblem& problem, int joint) {
@@ -53,22 +80,26 @@ Driver ConfigurationNumberOf(const CalibrationProblem& problem) {
 }
 
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const Chain& chain = problem.robot.chain;
-  std::vector<int> slots;
-  for (size_t j = 0; j < chain.joints.size(); ++j) slots.push_back(chain.JointTransform(static_cast<int>(j)));
-  const std::vector<double> theta = parameters.ModelValues();
-  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs.size()), slots.size());
+  const std::vector<int> slots = JointSlots(problem.robot.chain);
+  Eigen::MatrixXd torques = TorquesOfWrenches(problem, parameters, [](const ShotInput& shot) { return shot.wrenches; });
   for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-    const ShotInput& shot = problem.shot_inputs[s];
-    const Matrix3<double> rotation = parameters.BaseInStation(problem.data.shots[s].station).rotation;
-    const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
-    if (!equilibrium.converged) continue;
-    const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &shot.wrenches, &shot.terms};
-    torques.row(static_cast<long>(s)) = TorquesOf(query, equilibrium.state, shot.wrenches, rotation).transpose();
     for (size_t j = 0; j < slots.size(); ++j) {
-      if (const auto stated = StatedTorqueOn(shot.terms, slots[j])) torques(static_cast<long>(s), j) = *stated;
+      const auto stated = StatedTorqueOn(problem.shot_inputs[s].terms, slots[j]);
+      if (stated) torques(static_cast<long>(s), static_cast<long>(j)) = *stated;
     }
   }
+  return torques;
+}
+
+Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const int flange = problem.robot.chain.FlangeFrame();
+  const Eigen::MatrixXd torques = TorquesOfWrenches(problem, parameters, [flange](const ShotInput& shot) {
+    AppliedWrench weight;
+    weight.frame = flange;
+    weight.force = shot.conditions.gravity.normalized();
+    weight.expressed_in = shot.conditions.gravity_frame;
+    return std::vector<AppliedWrench>{weight};
+  });
   return torques;
 }
 

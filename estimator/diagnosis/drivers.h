@@ -27,6 +27,8 @@ Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
 // Torque (force) of the known wrenches on each joint's axis, N m (N), at the equilibrium of these parameters: shots x
 // joints. The spring of a compensator takes no part. Zero where the equilibrium diverges.
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters);
+// The same of a weight of 1 N at the flange, shots x joints, m: what gravity makes of the arm's posture.
+Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters);
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques);
 
 }  // namespace sagitta

@@ -13,17 +13,15 @@ constexpr double kSettled = 0.03;  // of log sigma
 // A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
+// A deviation is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not hold
+// what is stated: half the quantile of chi-square with one degree of freedom.
+constexpr double kLeastGain = 1.92;
+constexpr double kTwoPi = 6.283185307179586;
 // Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
 constexpr size_t kMostModels = 1000;
 // A deviation that follows the pose in its own way is one family of unnamed functions among about ten
 // (explanations.cc).
 constexpr double kOfUnnamed = 0.1;
-
-Eigen::VectorXd StatedRepeatability(const CalibrationProblem& problem) {
-  Eigen::VectorXd stated = Eigen::VectorXd::Zero(problem.robot.num_joints());
-  for (int i = 0; i < problem.latent.size(); ++i) stated[problem.latent.joints[i]] = problem.latent.sigmas[i];
-  return stated;
-}
 
 }  // namespace
 
@@ -44,7 +42,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       masses_(masses),
       prior_{masses.nothing, masses.further},
       sigma_dof_(sigma_dof),
-      stated_(StatedRepeatability(problem)) {
+      stated_(StatedScatter(problem)) {
   ViewedNormal stated{{}, ScatterOf({}), {}};
   stated.beside = columns_.Project(columns_.Sum(stated.scatter));
   DropInvisible(stated.beside.normal, masses, &list_);
@@ -54,16 +52,18 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   }
   Search(std::move(stated));
   const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);
-  for (int round = 1; round < kMostViews; ++round) {
+  const auto& joints = problem.robot.chain.joints;
+  const bool any_turns =
+      std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
+  for (int round = 1; round < kMostViews && any_turns; ++round) {
     const WeightedModel best = models_[0];
-    std::vector<Trial> trials = {BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), best.set)};
-    if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, best.set));
-    for (const WeightedModel& model : models_) {  // nothing, which other noise may be enough for
-      if (!model.set.members.empty() || best.set.members.empty()) continue;
-      trials.push_back(BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), model.set));
-      if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, model.set));
-      break;
-    }
+    std::vector<Trial> trials;
+    const auto try_beside = [&](const WeightedSet& set) {
+      trials.push_back(BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set));
+      if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, set));
+    };
+    try_beside(best.set);
+    if (!best.set.members.empty()) try_beside(BestOfNothing().set);  // which other noise may be enough for
     const auto is_known = [&](const NoiseView& view) {
       return std::any_of(views_.begin(), views_.end(), [&](const ViewedNormal& known) {
         return known.view.kind == view.kind && std::abs(std::log(known.view.sigma / view.sigma)) < 0.1;
@@ -85,9 +85,9 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
 }
 
 JointScatter Evidence::ScatterOf(const NoiseView& view) const {
-  JointScatter scatter{stated_, Eigen::VectorXd::Zero(stated_.size())};
+  JointScatter scatter = stated_;
   if (view.kind == NoiseView::Kind::kStated) return scatter;
-  for (long j = 0; j < stated_.size(); ++j) {
+  for (long j = 0; j < scatter.visit.size(); ++j) {
     if (problem_.robot.chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
     (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
   }
@@ -104,18 +104,19 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const 
 }
 
 Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
+  const double low = std::log(kLeastRepeatability), high = std::log(kMostRepeatability);
   const auto weight = [&](double log_sigma) { return LogWeight({kind, std::exp(log_sigma), log_prior}, set); };
-  double best = std::log(kLeastRepeatability), best_weight = weight(best), step = std::log(2.0);
-  for (double at = best + step; at < std::log(kMostRepeatability); at += step) {
+  double best = low, best_weight = weight(low), step = std::log(2.0);
+  for (double at = low + step; at <= high; at += step) {
     const double here = weight(at);
-    if (here > best_weight) {
-      best = at;
-      best_weight = here;
-    }
+    if (here <= best_weight) continue;
+    best = at;
+    best_weight = here;
   }
   while (step > kSettled) {
     step *= 0.5;
     for (const double at : {best - step, best + step}) {
+      if (at < low || at > high) continue;
       const double here = weight(at);
       if (here <= best_weight) continue;
       best = at;
@@ -123,12 +124,24 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
       break;
     }
   }
+  const double gain = best_weight - log_prior - LogWeight({}, set);
+  if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
   const double apart = 4.0 * kSettled;
   const double curvature = (2.0 * best_weight - weight(best - apart) - weight(best + apart)) / (apart * apart);
-  const double width = std::sqrt(6.283185307179586 / std::max(curvature, 1e-3));
-  const double occam = std::log(std::min(1.0, width / std::log(kMostRepeatability / kLeastRepeatability)));
+  const double width = std::sqrt(kTwoPi / std::max(curvature, 1e-3));
+  const double occam = std::log(std::min(1.0, width / (high - low)));
   return {{kind, std::exp(best), log_prior + occam}, best_weight + occam};
+}
+
+const WeightedModel& Evidence::BestOfNothing() const {
+  return *std::find_if(models_.begin(), models_.end(),
+                       [](const WeightedModel& model) { return model.set.members.empty(); });
+}
+
+void Evidence::Correct(const std::vector<double>& log_corrections) {
+  for (size_t m = 0; m < models_.size(); ++m) models_[m].log_weight += log_corrections[m];
+  Normalise(&models_);
 }
 
 void Evidence::Search(ViewedNormal viewed) {
@@ -143,10 +156,10 @@ void Evidence::Search(ViewedNormal viewed) {
     models_.push_back({index, std::move(set), 0.0, weight});
   }
   Normalise(&models_);
-  if (models_.size() > kMostModels) {
-    models_.resize(kMostModels);
-    Normalise(&models_);
-  }
+  if (models_.size() <= kMostModels) return;
+  const auto holds_something = [](const WeightedModel& model) { return !model.set.members.empty(); };
+  models_.erase(std::remove_if(models_.begin() + kMostModels, models_.end(), holds_something), models_.end());
+  Normalise(&models_);
 }
 
 std::vector<const ColumnGroup*> Evidence::GroupsOf(const WeightedSet& set) const {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -58,8 +59,11 @@ class Evidence {
   const ExplanationList& list() const { return list_; }
   const EvidenceColumns& columns() const { return columns_; }
   const std::vector<ViewedNormal>& views() const { return views_; }
-  // Best first; without those below e^-kWorthKeeping of the best.
+  // Best first; without those below e^-kWorthKeeping of the best, but always with some that hold nothing.
   const std::vector<WeightedModel>& models() const { return models_; }
+  const WeightedModel& BestOfNothing() const;
+  // Adds to each model's log weight and sorts them anew.
+  void Correct(const std::vector<double>& log_corrections);
   ResidualLikelihood LikelihoodOf(int view) const { return Likelihood(views_[view].beside.normal.dof); }
   ResidualLikelihood Likelihood(double dof) const { return {dof, sigma_dof_, kNoiseIsWrong}; }
   const SetPrior& prior() const { return prior_; }
@@ -80,7 +84,7 @@ class Evidence {
  private:
   struct Trial {
     NoiseView view;
-    double log_weight = 0.0;
+    double log_weight = -std::numeric_limits<double>::infinity();  // no other view than the stated one
   };
   JointScatter ScatterOf(const NoiseView& view) const;
   // Of the set beside a view, with its few columns alone.
@@ -94,7 +98,7 @@ class Evidence {
   PriorMasses masses_;
   SetPrior prior_;
   double sigma_dof_;
-  Eigen::VectorXd stated_;  // repeatability, one per joint
+  JointScatter stated_;
   std::vector<ViewedNormal> views_;
   std::vector<WeightedModel> models_;
 };

@@ -61,6 +61,13 @@ std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std:
 
 }  // namespace
 
+JointScatter StatedScatter(const CalibrationProblem& problem) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot.num_joints());
+  JointScatter scatter{none, none};
+  for (int i = 0; i < problem.latent.size(); ++i) scatter.visit[problem.latent.joints[i]] = problem.latent.sigmas[i];
+  return scatter;
+}
+
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const std::vector<Candidate>& candidates)
     : extended_(problem.WithEffects(FreshSpecs(problem, candidates))) {

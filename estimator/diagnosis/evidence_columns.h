@@ -40,6 +40,9 @@ struct JointScatter {
   Eigen::VectorXd visit, pose;
 };
 
+// As the experiment states it: repeatability at each visit.
+JointScatter StatedScatter(const CalibrationProblem& problem);
+
 // Sums over rows, whitened: rows of [believed, explaining, residual] times themselves.
 struct RowSums {
   Eigen::MatrixXd products;  // upper triangle

@@ -1,6 +1,5 @@
 #include "estimator/diagnosis/explanations.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -19,6 +18,8 @@ constexpr int kPeriods = 8;      // of waves over the time of the campaign
 constexpr int kPlaces = 24;      // of a step along a joint's angle
 constexpr int kFineBumps = 25;   // of a joint's own angle: a bump of 10 degrees
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
+constexpr long kPerShape = 4;    // columns of a compensator's shape
+constexpr double kElsewhere = 0.05;  // of the compensators: not against the arm's own weight
 constexpr double kTwoPi = 6.283185307179586;
 
 // Change points, widths and lags of one effect are many settings and one explanation.
@@ -34,22 +35,30 @@ std::string WithoutChangePoint(const Robot& robot, EffectSpec spec) {
 }
 
 // Of the catalogue or of what is unnamed, each with its mass: equal over families, then over targets, then over
-// settings.
+// settings; in a family that states weights, by these.
 void SetShares(const PriorMasses& prior, ExplanationList* list) {
+  struct Family {
+    std::map<std::string, int> settings;  // of each target
+    double weights = 0.0;
+  };
   const double something = prior.catalogue + prior.unnamed;
   for (const bool unnamed : {false, true}) {
-    std::map<std::string, std::map<std::string, int>> tree;
+    std::map<std::string, Family> families;
     std::vector<size_t> own;
     for (size_t k = 0; k < list->math.size(); ++k) {
       if (list->IsUnnamed(static_cast<int>(k)) != unnamed) continue;
       own.push_back(k);
-      ++tree[list->place[k].family][list->place[k].target];
+      Family& family = families[list->place[k].family];
+      ++family.settings[list->place[k].target];
+      family.weights += list->place[k].weight;
     }
-    const double mass = (unnamed ? prior.unnamed : prior.catalogue) / something;
+    const double mass =
+        (unnamed ? prior.unnamed : prior.catalogue) / something / std::max(1.0, static_cast<double>(families.size()));
     for (const size_t k : own) {
-      const auto& targets = tree[list->place[k].family];
-      list->math[k].share = mass / static_cast<double>(tree.size()) / static_cast<double>(targets.size()) /
-                            targets.at(list->place[k].target);
+      const PlaceInPrior& place = list->place[k];
+      const Family& family = families[place.family];
+      const double among = static_cast<double>(family.settings.size()) * family.settings.at(place.target);
+      list->math[k].share = mass * (family.weights > 0.0 ? place.weight / family.weights : 1.0 / among);
     }
   }
 }
@@ -110,29 +119,52 @@ class ListBuilder {
     }
   }
 
-  // Two columns for each shape, orthogonal over the shots, each turning the joint by kTypicalSpringTurn (root mean
-  // square): the rate and the rest length of a spring cancel too nearly to have a typical size each.
+  // Four columns for each shape: a spring of the usual rest length that turns the joint by kTypicalSpringTurn (root
+  // mean square over the shots), and what another rest length, direction and ratio within the grid's cell add,
+  //   Kc (T1 + s0 T2),  s0 = m + d eta,  eta ~ N(0, 1):  columns T1 + m T2, d T2, and the first one's derivatives times
+  // the standard deviations of an even distribution over the cell.
   void AddCompensator(int candidate) {
     const EffectSpec& spec = list_.candidates[candidate].spec;
     const int joint = problem_.robot.chain.FindJoint(spec.target);
     const Source source{Source::Kind::kJoint, joint, 0};
     const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
     const Eigen::VectorXd angles = OfShots([&](const ShotConditions& shot) { return shot.q[joint]; });
-    Eigen::MatrixXd torques(angles.size(), 2 * static_cast<long>(shapes.size()));
+    Eigen::MatrixXd torques(angles.size(), kPerShape * static_cast<long>(shapes.size()));
     const double turn = kTypicalSpringTurn / kTypicalTurn * std::sqrt(static_cast<double>(fitted_.size()));
     for (size_t s = 0; s < shapes.size(); ++s) {
-      Eigen::MatrixXd own = TorquesPerRate(shapes[s], angles);
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(OnFitted(own));
-      const Eigen::MatrixXd root = qr.matrixQR().topRows(2).triangularView<Eigen::Upper>();
-      own = root.transpose().triangularView<Eigen::Lower>().solve(own.transpose()).transpose();
-      torques.middleCols<2>(static_cast<long>(2 * s)) = turn * own;
+      const Eigen::MatrixXd own = SpringColumns(shapes[s], angles);
+      torques.middleCols(kPerShape * static_cast<long>(s), kPerShape) = turn / OnFitted(own.col(0)).norm() * own;
     }
+    const Eigen::VectorXd weights = SpringWeights(joint, OnFitted(torques));
     const Compressed functions = Compress(torques, 1e-2 * kAlike);
     const std::vector<int> own = Columns({source, functions.basis});
     for (size_t s = 0; s < shapes.size(); ++s) {
-      Append({own, functions.mixing.middleCols(static_cast<long>(2 * s), 2)}, candidate, -1, shapes[s],
-             {spec.effect, spec.target}, spec.effect);
+      Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
+             {spec.effect, spec.target, weights[static_cast<long>(s)]}, spec.effect);
     }
+  }
+
+  // A compensator is built where weight is carried and against it. Of the prior a joint has the share of the squared
+  // torque that a weight at the flange puts on it (mean over the shots, of all joints'), and of that a shape the share
+  // that it can take away, cos^2 of the angle between the two torques, nothing where it pulls along.
+  // kElsewhere of the prior is equal over joints and shapes: springs that balance something else.
+  Eigen::VectorXd SpringWeights(int joint, const Eigen::MatrixXd& torques) {
+    if (of_weight_.size() == 0) of_weight_ = OnFitted(TorquesPerWeight(problem_, parameters_));
+    const Chain& chain = problem_.robot.chain;
+    const double sign = chain.transforms[chain.JointTransform(joint)].sign;  // a spring's torque is along the joint
+    const long shapes = torques.cols() / kPerShape;
+    Eigen::VectorXd against(shapes);
+    for (long s = 0; s < shapes; ++s) {
+      const double size = torques.col(kPerShape * s).norm() * of_weight_.col(joint).norm();
+      const double cosine = size > 0.0 ? sign * torques.col(kPerShape * s).dot(of_weight_.col(joint)) / size : 0.0;
+      against[s] = cosine < 0.0 ? cosine * cosine : 0.0;
+    }
+    double all = 0.0;
+    for (int j = 0; j < joints(); ++j) all += Turns(problem_, j) ? of_weight_.col(j).squaredNorm() : 0.0;
+    const double sum = against.sum(), of_joint = all > 0.0 ? of_weight_.col(joint).squaredNorm() / all : 0.0;
+    const double elsewhere = kElsewhere / static_cast<double>(joints() * shapes);
+    if (!(sum > 0.0)) return Eigen::VectorXd::Constant(shapes, elsewhere);
+    return ((1.0 - kElsewhere) * of_joint / sum * against).array() + elsewhere;
   }
 
   std::vector<int> Columns(const FunctionFamily& family) {
@@ -385,7 +417,8 @@ class ListBuilder {
   EvidenceColumns* columns_;
   ExplanationList list_;
   std::map<std::string, int> numbers_;
-  std::set<int> fitted_;  // shots
+  std::set<int> fitted_;       // shots
+  Eigen::MatrixXd of_weight_;  // fitted shots x joints: torque per weight at the flange, m
 };
 
 }  // namespace

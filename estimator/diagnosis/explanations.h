@@ -28,6 +28,7 @@ struct UnnamedFunction {
 // What shares of the prior are equal over, level by level; settings are the last level.
 struct PlaceInPrior {
   std::string family, target;
+  double weight = 0.0;  // in its family; 0 in all of them: equal
 };
 
 struct ExplanationList {

@@ -242,7 +242,16 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
     break;
   }
   for (const NameSet& set : posterior.sets) {
-    if (held.size() < kMostRivals && set.probability >= kWorthDeciding) held.push_back({set.best, set.probability});
+    const std::vector<int>& members = evidence.models()[set.best].set.members;
+    // A deviation that follows the pose predicts no new pose: its sets are those of their members.
+    const auto same = std::find_if(held.begin(), held.end(), [&](const Held& each) {
+      return evidence.models()[each.model].set.members == members;
+    });
+    if (same != held.end()) {
+      same->probability += set.probability;
+    } else if (held.size() < kMostRivals && set.probability >= kWorthDeciding && !members.empty()) {
+      held.push_back({set.best, set.probability});
+    }
   }
   double most = 0.0;
   for (const Held& each : held) {
@@ -280,6 +289,7 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
   std::vector<bool> taken(drawn.size(), false);
   for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice.Take(&taken)]);
   next.decides = choice.Decides();
+  if (next.decides < next.decided + kWorthDeciding) return std::nullopt;  // no pose decides
   return next;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/statistics/distributions.h"
@@ -10,6 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kEvenOdds = 0.5;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNearlyAll = 0.999;  // of the probability: best models first
 
 double MeanStated(const CalibrationProblem& stated) {
@@ -89,16 +91,16 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
 
 double LackOfFit(const CalibrationProblem& stated, const DiagnosedModel& model, const NoiseFinding& noise) {
   const Estimate& estimate = model.estimate;
-  if (estimate.dof <= 0) return 1.0;
+  if (estimate.dof <= 0) return kUnknown;
   const double of_sigma = SigmaDof(stated.repeat_scatter);
   const double reduced = estimate.chi2 / estimate.dof;
   if (!noise.scale_differs) return FSurvival(reduced, estimate.dof, of_sigma);
   // Joints move bodies as a whole: what rigid bodies leave is the instrument alone, and the two sums are independent.
   const auto rigid = InstrumentNoiseScale(*model.problem, model.estimate.parameters, 1.0);
-  if (!rigid) return 1.0;
+  if (!rigid) return kUnknown;
   const double pure = rigid->scale * rigid->scale;
   const int rest = estimate.dof - rigid->dof;
-  if (rest <= 0) return 1.0;
+  if (rest <= 0) return kUnknown;
   return FSurvival((estimate.chi2 - pure * rigid->dof) / (rest * pure), rest, rigid->dof);
 }
 

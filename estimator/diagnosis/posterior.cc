@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -22,7 +19,7 @@ bool HasUnnamed(const Evidence& evidence, const WeightedModel& model) {
 
 // Log factor on a model's weight when one mass is multiplied.
 struct Changed {
-  const char* words;
+  const char* mass;
   double nothing, catalogue, unnamed, further;  // factors
 
   double LogFactor(const Evidence& evidence, const WeightedModel& model) const {
@@ -33,8 +30,6 @@ struct Changed {
     return log;
   }
 };
-
-constexpr size_t kMostNames = 3;  // in words
 
 struct Leading {
   bool is_something = false;
@@ -48,18 +43,15 @@ Leading LeadingOf(const Posterior& posterior, double gate) {
   return {true, posterior.sets[0].names};
 }
 
-std::string ListedWithout(const std::set<std::string>& names, const std::set<std::string>& others) {
-  std::vector<std::string> own;
-  std::set_difference(names.begin(), names.end(), others.begin(), others.end(), std::back_inserter(own));
-  return own.empty() ? "" : Enumerate(own, kMostNames);
-}
-
-std::string InWords(const Leading& now, const Leading& then) {
-  if (!then.is_something) return "nothing is missing";
-  const std::string more = ListedWithout(then.names, now.names), less = ListedWithout(now.names, then.names);
-  if (more.empty() && less.empty()) return "something without a name";
-  if (less.empty()) return "also " + more;
-  return more.empty() ? "without " + less : more + " instead of " + less;
+// The first explanation of each name that only the former have.
+std::vector<int> Without(const ExplanationList& list, const std::set<std::string>& names,
+                         const std::set<std::string>& others) {
+  std::vector<int> own;
+  for (const std::string& name : names) {
+    if (others.count(name) > 0) continue;
+    own.push_back(static_cast<int>(std::find(list.name.begin(), list.name.end(), name) - list.name.begin()));
+  }
+  return own;
 }
 
 }  // namespace
@@ -101,8 +93,11 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
       }
       entry.probability += model.probability;
     }
-    const NameSet fresh{names, has_unnamed, 0.0, static_cast<int>(i)};  // the first of a kind is the most probable
-    sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second.probability += model.probability;
+    // The first of a kind is the most probable.
+    const NameSet fresh{names, has_unnamed, 0.0, static_cast<int>(i), {}};
+    NameSet& set = sets.emplace(std::make_pair(names, IsPose(evidence, model)), fresh).first->second;
+    set.probability += model.probability;
+    set.models.push_back(static_cast<int>(i));
   }
   const auto sorted = [](const auto& entries) {
     std::vector<typename std::decay_t<decltype(entries)>::mapped_type> entries_by_probability;
@@ -121,9 +116,9 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
   return posterior;
 }
 
-std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
+std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate) {
   const Leading now = LeadingOf(posterior, gate);
-  std::vector<std::string> flips;
+  std::vector<Flip> flips;
   for (const double factor : {kThreefold, 1.0 / kThreefold}) {
     const Changed changes[] = {{"nothing", factor, 1.0, 1.0, 1.0},
                                {"catalogue", 1.0, factor, 1.0, 1.0},
@@ -135,8 +130,8 @@ std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& po
       Normalise(&changed);
       const Leading then = LeadingOf(PosteriorOf(evidence, changed), gate);
       if (then == now) continue;
-      flips.push_back(std::string("With a prior of '") + change.words + "' three times as " +
-                      (factor > 1.0 ? "large" : "small") + ": " + InWords(now, then) + ".");
+      flips.push_back({change.mass, factor > 1.0, then.is_something, Without(evidence.list(), then.names, now.names),
+                       Without(evidence.list(), now.names, then.names)});
     }
   }
   return flips;

@@ -14,7 +14,8 @@ struct NameSet {
   std::set<std::string> names;
   bool has_unnamed = false;
   double probability = 0.0;
-  int best = 0;  // of the models
+  int best = 0;             // of the models
+  std::vector<int> models;  // all of them
 };
 
 struct NamedProbability {
@@ -38,8 +39,15 @@ struct Posterior {
 // The unnamed part of a deviation that follows the pose in its own way counts as unnamed.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models);
 
-// What would be said with a prior mass three times as large or as small: sentences, none where nothing flips. gate: of
-// the probability that something is missing, above which it is named.
-std::vector<std::string> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate);
+// What would be named otherwise with a prior mass three times as large or as small.
+struct Flip {
+  std::string mass;  // as in the experiment's `prior`
+  bool is_larger = false;
+  bool is_something = false;     // something is missing then
+  std::vector<int> more, fewer;  // explanations that are named then only, now only
+};
+
+// gate: of the probability that something is missing, above which it is named.
+std::vector<Flip> WhatFlips(const Evidence& evidence, const Posterior& posterior, double gate);
 
 }  // namespace sagitta

@@ -40,10 +40,10 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       if (coordinate.free) coordinate.prior_sigma = kScales[kNumScales - 1] * sizes[i];
     }
   }
-  const bool adds_spring = std::any_of(added.begin(), added.end(), [](const Candidate& candidate) {
-    return candidate.spec.effect == "gravity_compensator";
-  });
-  if (adds_spring) BoundCompensatorShape(&problem.parameters);
+  for (const Candidate& candidate : added) {
+    if (candidate.spec.effect == "gravity_compensator")
+      BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
+  }
   return problem;
 }
 

@@ -14,9 +14,26 @@ constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
 constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
-constexpr int kMostSettled = 100;        // where a hundred sets share it, each has about a hundredth
+constexpr size_t kMostSettled = 100;     // where a hundred sets share it, each has about a hundredth
 
 }  // namespace
+
+void FoundSets::Put(WeightedSet set) {
+  const std::vector<int> members = set.members;
+  const auto known = by_members_.find(members);
+  if (known != by_members_.end()) {
+    by_weight_.erase({&known->second});
+    known->second = std::move(set);
+    by_weight_.insert({&known->second});
+    return;
+  }
+  by_weight_.insert({&by_members_.emplace(members, std::move(set)).first->second});
+}
+
+const WeightedSet* FoundSets::Find(const std::vector<int>& members) const {
+  const auto known = by_members_.find(members);
+  return known == by_members_.end() ? nullptr : &known->second;
+}
 
 FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen) {
   FewExplanations few;
@@ -172,18 +189,15 @@ SetSearch::Own SetSearch::Left(const Sweep& sweep, size_t candidate) const {
 }
 
 void SetSearch::Record(WeightedSet set, bool replaces) {
-  Key key = set.members;
-  const auto entry = found_.find(key);
-  if (entry == found_.end()) {
-    found_.emplace(std::move(key), std::move(set));
-  } else if (replaces || (settled_.count(key) == 0 && set.log_weight > entry->second.log_weight)) {
-    entry->second = std::move(set);
-  }
+  const WeightedSet* known = found_.Find(set.members);
+  const bool is_better =
+      known == nullptr || replaces || (settled_.count(set.members) == 0 && set.log_weight > known->log_weight);
+  if (is_better) found_.Put(std::move(set));
 }
 
 WeightedSet SetSearch::Settled(const WeightedSet& set) {
   if (settled_.emplace(set.members, true).second) Record(Evaluate(set.members, set.scales), true);
-  return found_.at(set.members);
+  return *found_.Find(set.members);
 }
 
 void SetSearch::Expand(const WeightedSet& given) {
@@ -210,14 +224,8 @@ WeightedSet SetSearch::Without(const WeightedSet& set, size_t member) const {
   std::vector<double> scales = set.scales;
   members.erase(members.begin() + static_cast<long>(member));
   scales.erase(scales.begin() + static_cast<long>(member));
-  const auto known = found_.find(members);
-  return known != found_.end() ? known->second : Evaluate(members, scales);
-}
-
-const WeightedSet& SetSearch::Best() const {
-  return std::max_element(found_.begin(), found_.end(),
-                          [](const auto& a, const auto& b) { return a.second.log_weight < b.second.log_weight; })
-      ->second;
+  const WeightedSet* known = found_.Find(members);
+  return known != nullptr ? *known : Evaluate(members, scales);
 }
 
 // Every member's place for every candidate, by one sweep with all members: each is taken out of what is left of the
@@ -281,19 +289,21 @@ WeightedSet SetSearch::Climb(WeightedSet from) {
 // What an addition says of a set keeps the others' scales: the most probable sets are evaluated by themselves, all but
 // kUnsettled of the probability, and no more than kMostSettled.
 void SetSearch::SettleAll() {
-  for (int count = 0; count < kMostSettled; ++count) {
-    const WeightedSet* next = nullptr;
-    double all = 0.0, open = 0.0;
-    const double best = BestWeight();
-    for (const auto& [key, set] : found_) {
-      const double weight = std::exp(set.log_weight - best);
-      all += weight;
-      if (settled_.count(key) > 0) continue;
-      open += weight;
-      if (next == nullptr || set.log_weight > next->log_weight) next = &set;
-    }
-    if (open <= kUnsettled * all) return;
-    Settled(WeightedSet(*next));
+  const double best = BestWeight();
+  const auto weight = [best](const WeightedSet& set) { return std::exp(set.log_weight - best); };
+  std::vector<const WeightedSet*> unsettled;  // best first: their weights stay until it is their turn
+  double all = 0.0, open = 0.0;
+  found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {
+    all += weight(set);
+    if (settled_.count(set.members) > 0) return true;
+    open += weight(set);
+    unsettled.push_back(&set);
+    return true;
+  });
+  for (size_t k = 0; k < unsettled.size() && k < kMostSettled && open > kUnsettled * all; ++k) {
+    open -= weight(*unsettled[k]);
+    all -= weight(*unsettled[k]);
+    all += weight(Settled(WeightedSet(*unsettled[k])));
   }
 }
 
@@ -301,15 +311,14 @@ std::vector<WeightedSet> SetSearch::Run(const WeightedSet& start) {
   Record(Evaluate({}), true);
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   if (!explanations_.empty()) {
-    Expand(found_.at({}));
-    Climb(start.members.empty() ? found_.at({}) : found_.at(start.members));
+    Expand(*found_.Find({}));
+    Climb(*found_.Find(start.members));
     for (int explored = 0; explored < kMostExplored; ++explored) {
-      const double best = BestWeight();
       const WeightedSet* next = nullptr;
-      for (const auto& [key, set] : found_) {
-        const bool is_open = expanded_.count(key) == 0 && set.log_weight > best - kWorthExploring;
-        if (is_open && (next == nullptr || set.log_weight > next->log_weight)) next = &set;
-      }
+      found_.BestFirst(kWorthExploring, [&](const WeightedSet& set) {
+        if (expanded_.count(set.members) == 0) next = &set;
+        return next == nullptr;
+      });
       if (next == nullptr) break;
       const WeightedSet from = Settled(*next);
       Expand(from);
@@ -318,13 +327,14 @@ std::vector<WeightedSet> SetSearch::Run(const WeightedSet& start) {
     Climb(Best());
     SettleAll();
   }
-  const double best = BestWeight();
   std::vector<WeightedSet> sets;
-  for (const auto& [key, set] : found_) {
-    if (key.empty() || set.log_weight > best - kWorthKeeping) sets.push_back(set);
-  }
-  std::stable_sort(sets.begin(), sets.end(),
-                   [](const WeightedSet& a, const WeightedSet& b) { return a.log_weight > b.log_weight; });
+  bool holds_nothing = false;
+  found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {
+    sets.push_back(set);
+    holds_nothing |= set.members.empty();
+    return true;
+  });
+  if (!holds_nothing) sets.push_back(*found_.Find({}));
   return sets;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include "estimator/diagnosis/sweep.h"
@@ -36,6 +37,33 @@ struct WeightedSet {
   std::vector<double> scales;   // the best of each
   double log_likelihood = 0.0;  // averaged over the scales (of more than three members: each beside the best)
   double log_weight = 0.0;      // prior included
+};
+
+// Sets that were met: by members, and by weight.
+class FoundSets {
+ public:
+  // In place of what was known of its members.
+  void Put(WeightedSet set);
+  const WeightedSet* Find(const std::vector<int>& members) const;
+  const WeightedSet& Best() const { return *by_weight_.begin()->set; }
+  // Best first, down to so many log units below the best; calls until `see` is false.
+  template <typename See>
+  void BestFirst(double within, const See& see) const {
+    for (const Place& place : by_weight_) {
+      if (place.set->log_weight < Best().log_weight - within || !see(*place.set)) return;
+    }
+  }
+
+ private:
+  struct Place {
+    const WeightedSet* set;
+    bool operator<(const Place& other) const {
+      if (set->log_weight != other.set->log_weight) return set->log_weight > other.set->log_weight;
+      return set->members < other.set->members;
+    }
+  };
+  std::map<std::vector<int>, WeightedSet> by_members_;
+  std::set<Place> by_weight_;
 };
 
 class SetSearch {
@@ -77,14 +105,14 @@ class SetSearch {
   bool Exchange(const WeightedSet& set);
   WeightedSet Climb(WeightedSet from);
   void SettleAll();
-  const WeightedSet& Best() const;
+  const WeightedSet& Best() const { return found_.Best(); }
   double BestWeight() const { return Best().log_weight; }
 
   const ProjectedNormal& normal_;
   const std::vector<Explanation>& explanations_;
   SetPrior prior_;
   ResidualLikelihood likelihood_;
-  std::map<Key, WeightedSet> found_;
+  FoundSets found_;
   std::map<Key, bool> expanded_;
   std::map<Key, bool> settled_;
   std::map<Key, bool> exchanged_;

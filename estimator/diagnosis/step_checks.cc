@@ -12,8 +12,10 @@
 namespace sagitta {
 namespace {
 
-constexpr double kRank = 1e-6;       // of the largest eigenvalue: directions below are rounding
-constexpr double kHardlyTold = 0.5;  // of the prior variance that is left
+constexpr double kRank = 1e-6;  // of the largest eigenvalue: directions below are rounding
+// Of the prior variance, what is left of a parameter that the data hardly tell. A direction that they do not tell at
+// all may lie along all four parameters of an effect: each keeps a quarter.
+constexpr double kHardlyTold = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
@@ -131,6 +133,22 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
         {evidence.list().start[rival.explanation], posterior.Of(rival.name), std::min(1.0, overlap)});
   }
   return alternatives;
+}
+
+double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
+  const ProjectedNormal& normal = evidence.views()[model.view].beside.normal;
+  if (model.set.members.empty()) return normal.residual;
+  const std::vector<const ColumnGroup*> groups = evidence.GroupsOf(model.set);
+  std::vector<double> scales = model.set.scales;
+  for (size_t k = 0; k < groups.size(); ++k) {
+    const bool is_spring = evidence.list().start[model.set.members[k]].effect == "gravity_compensator";
+    if (!is_spring) scales[k] = kScales[kNumScales - 1];
+  }
+  const Eigen::VectorXd values = -ValuesOf(normal, groups, scales).values;  // measured minus predicted
+  ColumnGroup all = *groups[0];
+  for (size_t k = 1; k < groups.size(); ++k) all = Joined(all, *groups[k]);
+  const Sweep sweep(normal, {}, {});
+  return normal.residual - 2.0 * values.dot(sweep.Gradient(all)) + values.dot(sweep.Information(all) * values);
 }
 
 MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member) {

@@ -26,14 +26,17 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
                                           const std::vector<NamedProbability>& in_place);
 constexpr double kWorthListing = 0.01;  // FORMATS section 6
 
-// Chi-square reduction of a member, given the others; and parameters that the data cannot tell: known no better than
-// before, to more than half of what the prior says.
+// Chi-square reduction of a member, given the others; and parameters that the data cannot tell: of the prior variance
+// a fifth or more is left.
 struct MemberFit {
   double reduction = 0.0;
   int parameters = 0;
   std::vector<std::string> vague;  // coordinates
   std::vector<std::string> loose;  // names of those that need their prior
 };
+// Square of the residual at the set's values beside the widest prior, as refits have it (refit.h), of a spring beside
+// its own; the prior's own term left out.
+double ResidualAtBest(const Evidence& evidence, const WeightedModel& model);
 MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member);
 
 // The step's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
@@ -106,9 +107,9 @@ std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
   return candidates;
 }
 
-double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests) {
+double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests) {
   const double m = std::max(1, parameters);
-  const bool is_known = scatter <= 1.0 || dof <= 0;
+  const bool is_known = (is_sigma_stated && scatter <= 1.0) || dof <= 0;
   const double p = is_known ? ChiSquareSurvival(reduction, m) : FSurvival(reduction / (m * scatter), m, dof);
   return std::min(1.0, tests * p);
 }
@@ -193,14 +194,19 @@ std::vector<StepGroup> GroupSteps(const std::vector<DiagnosisStep>& steps, const
   }
   if (baseline.estimate.validation.observations == 0) return groups;
   std::vector<int> counts;
-  const double before = HoldoutSquares(baseline, &counts).sum(), all = before - HoldoutSquares(final, &counts).sum();
-  double last = before;
+  const double floor = final.estimate.noise_floor;
+  const auto beyond_floor = [&](const DiagnosedModel& model) {
+    const double sum = HoldoutSquares(model, &counts).sum();
+    return std::max(0.0, sum - floor * floor * std::accumulate(counts.begin(), counts.end(), 0));
+  };
+  const double all = beyond_floor(baseline);
+  double last = all;
   std::vector<Candidate> added;
   for (size_t g = 0; g < groups.size() && all > 0.0; ++g) {
     for (const int k : groups[g].steps) added.push_back(steps[static_cast<size_t>(k)].candidate);
     const DiagnosedModel here = g + 1 == groups.size() ? final : Extend(lacking, added, joint);
     if (!IsUsable(here.estimate.status)) continue;
-    const double now = HoldoutSquares(here, &counts).sum();
+    const double now = beyond_floor(here);
     groups[g].share_of_gap = (last - now) / all;
     last = now;
   }

@@ -23,9 +23,9 @@ std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedMod
                                      const DiagnosedModel& lacking);
 std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
 
-// P of a reduction by chance, the best of so many tests: chi-square in the noise at hand, F in units of the scatter
-// that is left (chi-square per degree of freedom, dof of them) where that is more.
-double CorrectedP(double reduction, int parameters, double scatter, int dof, int tests);
+// P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
+// scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.
+double CorrectedP(double reduction, int parameters, double scatter, int dof, bool is_sigma_stated, int tests);
 
 // What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
 // rate does nothing, whatever its shape.

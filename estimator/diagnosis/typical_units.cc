@@ -1,5 +1,7 @@
 #include "estimator/diagnosis/typical_units.h"
 
+#include <algorithm>
+
 #include "models/effects/catalogue.h"
 #include "problems/excitation.h"
 
@@ -14,15 +16,22 @@ std::vector<double> TypicalSizes(const CalibrationProblem& problem, const Parame
   for (const EffectSpec& spec : problem.robot.effects) {
     const EffectDefinition* definition = FindEffect(problem.robot, spec.effect);
     if (definition == nullptr) continue;
-    for (const EffectParameter& parameter : definition->parameters(problem.robot, spec)) {
-      const int found = parameters.FindCoordinate(spec.Path() + "/" + parameter.name);
-      if (found < 0) continue;
-      const size_t i = static_cast<size_t>(found);
+    const std::vector<EffectParameter> own = definition->parameters(problem.robot, spec);
+    const auto find = [&](const EffectParameter& parameter) {
+      return parameters.FindCoordinate(spec.Path() + "/" + parameter.name);
+    };
+    double most = 0.0;  // of those stated as a motion: a machine of this size
+    for (const EffectParameter& parameter : own) {
+      if (parameter.of_motion && find(parameter) >= 0) most = std::max(most, motions[find(parameter)]);
+    }
+    for (const EffectParameter& parameter : own) {
+      if (find(parameter) < 0) continue;
+      const size_t i = static_cast<size_t>(find(parameter));
       const bool is_stated = parameter.typical > 0.0;
       if (is_stated && !parameter.of_motion) {
         sizes[i] = parameter.typical;
       } else if (motions[i] > 0.0) {
-        sizes[i] = (is_stated ? parameter.typical : kTypicalMotion) / motions[i];
+        sizes[i] = is_stated ? parameter.typical / most : kTypicalMotion / motions[i];
       }
     }
   }

@@ -12,8 +12,9 @@ namespace sagitta {
 constexpr double kTypicalMotion = 3e-4;
 
 // Stated by the effects' definitions (EffectParameter::typical), SI, one per coordinate of `parameters`; of those that
-// are stated as a motion, what makes this motion where the rows excite it most. 0: no parameter of an effect, or one
-// that no row excites.
+// are stated as a motion, what makes this motion where the rows excite it most; one unit for all of an effect, that of
+// the most excited (ku and kv; first moments in kg m and the mass in kg, as of links whose centre is a metre from the
+// joint). 0: no parameter of an effect, or one that no row excites.
 std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters);
 
 }  // namespace sagitta

@@ -105,14 +105,15 @@ Json SetsToJson(const Robot& robot, const ReportedPosterior& posterior) {
   return json;
 }
 
-Json PriorToJson(const ReportedPosterior& posterior) {
+Json PriorToJson(const Robot& robot, const ReportedPosterior& posterior) {
   const PriorMasses& prior = posterior.prior;
   Json json = {{"nothing", prior.nothing},
                {"catalogue", prior.catalogue},
                {"unnamed", prior.unnamed},
                {"further", prior.further},
                {"noise_wrong", kNoiseIsWrong}};
-  json["flips"] = posterior.flips;
+  json["flips"] = Json::array();
+  for (const ReportedFlip& flip : posterior.flips) json["flips"].push_back(FlipInWords(robot, flip));
   return json;
 }
 
@@ -294,7 +295,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   if (d.verdict == "unknown" || d.verdict == "partly") json["unexplained"] = UnexplainedToJson(d.unexplained);
   json["posterior"] = PosteriorToJson(robot, d.posterior);
   json["sets"] = SetsToJson(robot, d.posterior);
-  json["prior"] = PriorToJson(d.posterior);
+  json["prior"] = PriorToJson(robot, d.posterior);
   json["groups"] = GroupsToJson(d);
   json["next"] = nullptr;
   if (d.next) json["next"] = {{"words", NextInWords(*d.next)}, {"file", kNextFile}, {"decides", d.next->decides}};

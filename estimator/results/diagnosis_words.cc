@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr double kNotWorthAWord = 0.05;  // of sigma
+constexpr size_t kMostNames = 3;         // of what another prior would name
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 
 std::string SettingsInWords(const EffectSpec& spec) {
@@ -160,8 +161,23 @@ std::string HalvesInWords(const Confirmation& confirmation) {
 std::string NextInWords(const NextPoses& next) {
   return "Measure " + std::to_string(next.poses.size()) +
          " more poses, chosen where the explanations that are left say " +
-         "different things (next.csv, to be filled in): the right one is expected to have " + Percent(next.decides) +
-         " then; it is " + Percent(next.decided) + " now.";
+         "different things (next.csv, to be filled in): whichever is right is expected to have " +
+         Percent(next.decides) + " of the probability then, on average; it is " + Percent(next.decided) + " now.";
+}
+
+std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
+  const auto listed = [&](const ReportedSet& set) {
+    std::vector<std::string> names = set.unnamed;
+    for (const EffectSpec& spec : set.specs) names.push_back(Title(robot, spec));
+    return names.empty() ? "" : Enumerate(names, kMostNames);
+  };
+  const std::string more = listed(flip.more), fewer = listed(flip.fewer);
+  const std::string prior =
+      "With a prior of '" + flip.mass + "' three times as " + (flip.is_larger ? "large" : "small") + ": ";
+  if (!flip.is_something) return prior + "nothing is missing.";
+  if (more.empty() && fewer.empty()) return prior + "something without a name.";
+  if (fewer.empty()) return prior + "also " + more + ".";
+  return prior + (more.empty() ? "without " + fewer : more + " instead of " + fewer) + ".";
 }
 
 std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
@@ -269,7 +285,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
   if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d.unexplained) << "\n";
   if (d.next) text << "Next: " << NextInWords(*d.next) << "\n";
-  for (const std::string& flip : d.posterior.flips) text << "Prior: " << flip << "\n";
+  for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
   for (const std::string& warning : d.baseline.problem->data.warnings) text << "Warning: " << warning << "\n";
   return text.str();

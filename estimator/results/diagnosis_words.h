@@ -19,6 +19,7 @@ std::string NoiseInWords(const NoiseFinding& noise);
 // What a rest without a name depends on.
 std::string UnexplainedInWords(const LearntFunction& learnt);
 std::string NextInWords(const NextPoses& next);
+std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 // "periodic joint error on A1, A2 and A3".
 std::string GroupInWords(const Diagnosis& diagnosis, const StepGroup& group);
 std::string ShareInWords(const WhereShare& share);

@@ -13,7 +13,10 @@ namespace {
 
 constexpr size_t kBarsPerMap = 8;
 
-std::string Probability(double p) { return p > 0.0 ? Significant(p, 2) : "below 1e-300"; }
+std::string Probability(double p) {
+  if (std::isnan(p)) return "not known";
+  return p > 0.0 ? Significant(p, 2) : "below 1e-300";
+}
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 

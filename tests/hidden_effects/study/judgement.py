@@ -9,10 +9,10 @@ GAP_VERDICTS = {'explained', 'partly', 'unknown'}
 def parameter_judgements(step, hidden):
     """z and coverage of every parameter of a rightly named step.
 
-    Where a parameter of the effect is held (left out, or without sigma), the others are conditional on it and not
-    to be compared.
+    Where a parameter of the effect is held (left out, without sigma, or known from the prior alone), the others are
+    conditional on it and not to be compared.
     """
-    estimated = {p['name'] for p in step['parameters'] if p.get('sigma')}
+    estimated = {p['name'] for p in step['parameters'] if p.get('sigma') and p.get('identifiable', True)}
     if hidden['kind'] in NO_INTERVALS or not set(hidden['parameters']) <= estimated:
         return []
     judged = []

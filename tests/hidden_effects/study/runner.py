@@ -84,14 +84,19 @@ def line_of(record):
 
 
 def run_suite(programs, cases, folders, jobs, with_separation, quiet=False):
+    """Records of all cases; those whose effect cannot be given the size that is asked are said and left out."""
     cases = list(cases)
     records = [None] * len(cases)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         futures = {pool.submit(run_case, programs, case, folders, with_separation): i for i, case in enumerate(cases)}
         for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
             i = futures[future]
-            records[i] = future.result()
+            try:
+                records[i] = future.result()
+            except sizing.CannotSize as reason:
+                print('left out: case%04d, %s' % (cases[i]['index'], reason), flush=True)
+                continue
             if not quiet:
                 print('%s %d/%d case%04d %s' % (cases[i]['suite'], done, len(cases), cases[i]['index'],
                                                 line_of(records[i])), file=sys.stderr, flush=True)
-    return records
+    return [record for record in records if record is not None]
