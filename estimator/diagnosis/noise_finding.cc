@@ -33,6 +33,20 @@ double AppliedFactor(const Evidence& evidence, const WeightedModel& model) {
   return is_open ? evidence.LikelihoodOf(model.view).Factor(evidence.ResidualOf(model)) : 1.0;
 }
 
+// Another than stated, beside sigma as it is found: where sigma is wrong and the joints are not, what is stated may be
+// found again.
+void FindRepeatability(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
+                       const DiagnosedModel& final, NoiseFinding* noise) {
+  const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise->is_stated);
+  const double stated_size = MeanStated(stated);
+  if (stated_size > 0.0 && fit.low <= stated_size && stated_size <= fit.high) return;
+  const NoiseView& view = evidence.views()[model.view].view;
+  noise->repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
+  noise->repeatability_low = fit.low;
+  noise->repeatability_high = fit.high;
+  noise->repeatability_is_overstated = fit.high > 0.0 ? fit.high < stated_size : noise->repeatability < stated_size;
+}
+
 }  // namespace
 
 CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& model,
@@ -61,14 +75,8 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
     const bool other = evidence.views()[each.view].view.kind == NoiseView::Kind::kVisit;
     noise.probability += each.probability * (other ? 1.0 : evidence.SigmaIsWrong(each));
   }
-  const NoiseView& view = evidence.views()[model.view].view;
-  if (view.kind == NoiseView::Kind::kVisit) {
-    const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise.is_stated);
-    noise.repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
-    noise.repeatability_low = fit.low;
-    noise.repeatability_high = fit.high;
-    const double stated_size = MeanStated(stated);
-    noise.repeatability_is_overstated = fit.high > 0.0 ? fit.high < stated_size : noise.repeatability < stated_size;
+  if (evidence.views()[model.view].view.kind == NoiseView::Kind::kVisit) {
+    FindRepeatability(evidence, model, stated, final, &noise);
   }
   noise.scale_differs = noise.is_stated && evidence.SigmaIsWrong(model) > kEvenOdds;
   const double applied =
