@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kEvenOdds = 0.5;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kNearlyAll = 0.999;  // of the probability: best models first
+constexpr double kOnePercent = 1.314;  // arms of an interval of 99 % over those of 95 %
+constexpr double kNearlyAll = 0.999;   // of the probability: best models first
 
 double MeanStated(const CalibrationProblem& stated) {
   double sum = 0.0;
@@ -39,7 +40,11 @@ void FindRepeatability(const Evidence& evidence, const WeightedModel& model, con
                        const DiagnosedModel& final, NoiseFinding* noise) {
   const RepeatabilityFit fit = FitRepeatability(*final.problem, final.estimate.parameters, !noise->is_stated);
   const double stated_size = MeanStated(stated);
-  if (stated_size > 0.0 && fit.low <= stated_size && stated_size <= fit.high) return;
+  if (stated_size > 0.0 && fit.sigma > 0.0) {
+    const double off = std::log(stated_size / fit.sigma);
+    const double arm = std::log((off > 0.0 ? fit.high : fit.low) / fit.sigma);  // to the end of 95 %
+    if (off / arm < kOnePercent) return;
+  }
   const NoiseView& view = evidence.views()[model.view].view;
   noise->repeatability = fit.sigma > 0.0 ? fit.sigma : AppliedFactor(evidence, model) * view.sigma;
   noise->repeatability_low = fit.low;

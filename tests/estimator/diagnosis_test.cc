@@ -244,6 +244,28 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
   }
 }
 
+// The joints deviate as stated and the instrument scatters twice as much: sigma is wrong, the repeatability is not.
+TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
+  constexpr double kStated = 20e-6;
+  std::mt19937_64 random(81);
+  std::normal_distribution<double> rest(0.0, kStated);
+  const CalibrationProblem measured = Moved(82, [&](Eigen::VectorXd* q) {
+    for (double& joint : *q) joint += rest(random);
+  });
+  Measurements data = measured.data;
+  for (Observation& observation : data.observations) observation.sigma *= 0.5;
+  Experiment experiment = measured.experiment;
+  for (const Joint& joint : measured.robot.chain.joints) {
+    experiment.repeatability.angle.per_joint[joint.name] = kStated;
+  }
+  const Diagnosis diagnosis = Diagnose(MakeCalibrationProblem(measured.robot, data, experiment), DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, "noise");
+  EXPECT_TRUE(diagnosis.noise.scale_differs);
+  EXPECT_FALSE(diagnosis.noise.HasUndeclaredRepeatability());
+  EXPECT_LT(diagnosis.noise.low, 2.0);
+  EXPECT_GT(diagnosis.noise.high, 2.0);
+}
+
 // One marker, each pose once, no sigma stated: the scatter is the noise, first about the believed model, then about the
 // extended one.
 TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
