@@ -8,6 +8,7 @@
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/inspection/readings.h"
+#include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
 #include "problems/text.h"
 
@@ -115,7 +116,8 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
 Plausibility CheckPlausible(const CalibrationProblem& problem) {
   const ReadingLint lint = LintReadingsOfGoodRows(problem);
   if (!lint.is_suspicious) return {};
-  return {false, lint.findings.front()};
+  const std::optional<Finding> wild = lint.is_explained ? std::nullopt : FindWildRows(problem);
+  return {false, wild.value_or(lint.findings.front())};
 }
 
 }  // namespace sagitta
