@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -12,10 +13,13 @@
 #include "estimator/baselines/paper_steps.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/changes/changes.h"
+#include "estimator/diagnosis/gap.h"
+#include "estimator/least_squares/sandwich.h"
 #include "estimator/results/intervals_json.h"
 #include "estimator/results/prediction_noise.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
+#include "estimator/statistics/distributions.h"
 #include "estimator/validation/unseen.h"
 #include "tests/support/constant_orientation.h"
 #include "tests/support/loaded_kr270.h"
@@ -80,6 +84,31 @@ TEST(RecomputedResults, ErrorsAgainstTheirPrediction) {
   EXPECT_NEAR(unseen.predicted_rms, std::sqrt(2e-8 / 15.0), 1e-15);
 }
 
+// Held-out points off by 2 mm before and by 1 mm after, a floor of 0.5 mm: gaps of sqrt(4/3 - 1/4) and sqrt(1/3 - 1/4)
+// mm per coordinate; closed is 1 - (1/12) / (13/12).
+TEST(RecomputedResults, TheGapIsOneOfSquares) {
+  Measurements data = test::DesignMeasurements(test::Kr270Design());
+  test::MeasureKr270(test::Kr270Truth(), 1e-4, 4, &data);
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  const auto problem = std::make_shared<CalibrationProblem>(test::Kr270ProblemOf(data, experiment));
+  const auto off_by = [&](double distance) {
+    DiagnosedModel model{problem, {}};
+    model.estimate.predicted.resize(3, static_cast<long>(problem->data.observations.size()));
+    for (size_t k = 0; k < problem->data.observations.size(); ++k) {
+      model.estimate.predicted.col(static_cast<long>(k)) =
+          problem->data.observations[k].point_in_station + distance * Vector3<double>::Unit(static_cast<int>(k % 3));
+    }
+    model.estimate.noise_floor = 0.5e-3;
+    return model;
+  };
+  const GapReport gap = JudgeGap(off_by(2e-3), off_by(1e-3), true);
+  EXPECT_NEAR(gap.before, 1e-3 * std::sqrt(4.0 / 3 - 0.25), 1e-12);
+  EXPECT_NEAR(gap.after, 1e-3 * std::sqrt(1.0 / 3 - 0.25), 1e-12);
+  EXPECT_NEAR(gap.closed, 12.0 / 13.0, 1e-12);
+}
+
 // Whitened by the instrument and what joints of 60 urad move, by levers of another generator.
 TEST(RecomputedResults, WhitenedResiduals) {
   const test::Kr270Truth truth;
@@ -132,41 +161,60 @@ TEST(RecomputedResults, SlopesOfWhatIsHeld) {
   EXPECT_GT(unlike, 0);
 }
 
-// Where the model is right the splits of a small problem disagree at the level that is stated: six unknowns, two times
-// thirteen configurations. Without Hotelling's factor one split in five would be below 5 %.
-TEST(RecomputedResults, SplitsBySandwichDisagreeAtTheirLevel) {
-  int below = 0, splits = 0;
-  for (int seed = 0; seed < 60; ++seed) {
-    test::Kr270Design design;
-    design.configurations = 26;
-    design.stations = 1;
-    design.seed = 100 + seed;
-    const test::Kr270Truth truth;
-    Measurements data = test::DesignMeasurements(design);
-    test::MeasureKr270(truth, design.sigma, 200 + seed, &data);
-    Experiment experiment;
-    experiment.covariance = "sandwich";
-    experiment.estimate.geometry.kind = Selection::Kind::kNone;
-    experiment.estimate.markers = false;
-    Robot robot;
-    robot.chain = test::Kr270Chain();
-    std::map<std::string, double> errors;
-    for (size_t i = 0; i < 18; ++i) errors[test::Kr270Errors()[i]] = truth.errors[i];
-    robot = WithGeometricErrors(robot, errors);
-    for (int m = 0; m < 3; ++m) experiment.markers["P" + std::to_string(m + 1)].point = truth.tools[m];
-    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
-    Estimate estimate = EstimateJointly(problem);
-    ASSERT_EQ(estimate.estimated.size(), 6u);
-    CheckAgreement(problem, {1, 0}, &estimate);
-    for (const PartComparison& split : estimate.agreement.splits) {
-      if (split.key != "A1" && split.key != "A4") continue;  // nearly independent of each other
-      below += split.p_value < 0.05;
-      ++splits;
+// Two halves of thirteen configurations, six unknowns: Hotelling's T^2 of their difference by cluster-robust
+// covariances, F = T^2 (n - m + 1) / (n m) with m and n - m + 1 degrees of freedom, n the clusters of both beyond their
+// unknowns.
+TEST(RecomputedResults, HalvesAreComparedByHotelling) {
+  test::Kr270Design design;
+  design.configurations = 26;
+  design.stations = 1;
+  const test::Kr270Truth truth;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(truth, design.sigma, 7, &data);
+  Experiment experiment;
+  experiment.covariance = "sandwich";
+  experiment.estimate.geometry.kind = Selection::Kind::kNone;
+  experiment.estimate.markers = false;
+  std::map<std::string, double> errors;
+  for (size_t i = 0; i < 18; ++i) errors[test::Kr270Errors()[i]] = truth.errors[i];
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  robot = WithGeometricErrors(robot, errors);
+  for (int m = 0; m < 3; ++m) experiment.markers["P" + std::to_string(m + 1)].point = truth.tools[m];
+  const CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
+  Estimate estimate = EstimateJointly(problem);
+  ASSERT_EQ(estimate.estimated.size(), 6u);
+  CheckAgreement(problem, {1, 0}, &estimate);
+  std::vector<double> q1;
+  for (const Configuration& configuration : problem.data.configurations) q1.push_back(configuration.q[0]);
+  std::nth_element(q1.begin(), q1.begin() + 13, q1.end());
+  Eigen::VectorXd step[2];
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(6, 6);
+  for (const int half : {0, 1}) {
+    std::vector<int> rows;
+    for (const int k : problem.CalibrationObservations()) {
+      const bool is_below = problem.data.ConfigurationOf(problem.data.observations[k]).q[0] < q1[13];
+      if (is_below == (half == 0)) rows.push_back(k);
     }
+    ASSERT_EQ(rows.size(), 39u);
+    Linearization fit = Linearize(problem, estimate.parameters, rows, estimate.estimated,
+                                  NoiseRoots(rows.size(), 1e-4 * Matrix3<double>::Identity()));
+    step[half] = -fit.jacobian.colPivHouseholderQr().solve(fit.residual);
+    fit.residual += fit.jacobian * step[half];
+    covariance += SandwichCovariance(fit, ConfigurationClusters(problem.data, rows)).covariance;
   }
-  ASSERT_GE(splits, 100);
-  // Binomial at 5 %: 1e-4 beyond 15 of 120. The sandwich of few clusters makes it no better than nominal.
-  EXPECT_LE(below, 15);
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd z = (step[0] - step[1]).cwiseQuotient(scale);
+  const Eigen::MatrixXd correlation =
+      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  const double squares = z.dot(correlation.ldlt().solve(z)), n = 26 - 12, m = 6;
+  int found = 0;
+  for (const PartComparison& split : estimate.agreement.splits) {
+    if (split.key != "A1") continue;
+    EXPECT_NEAR(split.p_value, FSurvival(squares * (n - m + 1) / (n * m), m, n - m + 1), 1e-6);
+    ++found;
+  }
+  EXPECT_EQ(found, 1);
 }
 
 // The published step 1 (paper 000, eq. 9) sets I + [r]x for the base's rotation, which is none; the marker by its
