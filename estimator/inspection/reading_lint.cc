@@ -102,22 +102,24 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
 }
 
 ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
-  const ReadingLint lint = LintReadings(problem);
+  ReadingLint lint = LintReadings(problem);
   if (!lint.is_suspicious || lint.is_explained) return lint;
   std::vector<Finding> rows;
   const LinearState state = Align(problem, false, &rows);
   const size_t all = problem.CalibrationObservations().size();
   const size_t far = all - state.problem.CalibrationObservations().size();
-  if (far == 0 || far > kMostFarRows * all) return lint;
-  const ReadingLint good = LintReadings(state.problem);
-  return good.is_suspicious && !good.is_explained ? lint : good;
+  if (far > 0 && far <= kMostFarRows * all) {
+    ReadingLint good = LintReadings(state.problem);
+    if (!good.is_suspicious || good.is_explained) return good;
+  }
+  if (const std::optional<Finding> wild = FindWildRows(problem)) lint.findings.front() = *wild;
+  return lint;
 }
 
 Plausibility CheckPlausible(const CalibrationProblem& problem) {
   const ReadingLint lint = LintReadingsOfGoodRows(problem);
   if (!lint.is_suspicious) return {};
-  const std::optional<Finding> wild = lint.is_explained ? std::nullopt : FindWildRows(problem);
-  return {false, wild.value_or(lint.findings.front())};
+  return {false, lint.findings.front()};
 }
 
 }  // namespace sagitta
