@@ -188,6 +188,21 @@ bool SandwichIsLarger(const Whole& whole, double* ratio) {
   return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median({robust.dof.begin(), robust.dof.end()}));
 }
 
+// Columns of base poses along the base's own axes: what is compared does not depend on how the measurement frame lies.
+void TurnBases(const ParameterSet& parameters, Linearization* rows) {
+  std::vector<int> column_of(parameters.num_coordinates(), -1);
+  for (int c = 0; c < rows->num_columns(); ++c) column_of[rows->columns[c]] = c;
+  for (int s = 0; s < parameters.num_stations(); ++s) {
+    const Matrix3<double> rotation = parameters.BaseInStation(s).rotation;
+    for (const ParameterBlock* block : {&parameters.station_translation(s), &parameters.station_rotation(s)}) {
+      const auto first = column_of.begin() + block->first_coordinate;
+      const std::vector<int> columns(first, first + 3);
+      if (*std::min_element(columns.begin(), columns.end()) < 0) continue;
+      rows->jacobian(Eigen::all, columns) = Eigen::MatrixXd(rows->jacobian(Eigen::all, columns) * rotation);
+    }
+  }
+}
+
 }  // namespace
 
 void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
@@ -203,6 +218,7 @@ void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& o
   report.covariance = whole.by_sandwich ? "sandwich" : "model";
   report.seed = options.seed;
   if (!whole.rows.valid || whole.rows.num_columns() == 0) return;
+  TurnBases(estimate->parameters, &whole.rows);
   CompareSplits(whole, MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves), &report);
   report.repeats = TestRepeats(whole);
   const bool larger = SandwichIsLarger(whole, &report.sandwich_ratio);

@@ -222,8 +222,8 @@ void Finish(const CalibrationProblem& problem, const NormalEquations& equations,
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;
     estimate->message =
-        "the scatter is so large that every unknown had to be held; check signs and zero positions of "
-        "the joints, the kinematics and the units";
+        "the scatter is so large that every unknown had to be held: rows that are far off ('sagitta inspect' names "
+        "them); else check signs and zero positions of the joints, the kinematics and the units";
   } else if (!certificate.full_rank) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the optimum although nothing is held";

@@ -8,6 +8,7 @@
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/inspection/readings.h"
+#include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
 #include "problems/text.h"
 
@@ -101,15 +102,18 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
 }
 
 ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
-  const ReadingLint lint = LintReadings(problem);
+  ReadingLint lint = LintReadings(problem);
   if (!lint.is_suspicious || lint.is_explained) return lint;
   std::vector<Finding> rows;
   const LinearState state = Align(problem, false, &rows);
   const size_t all = problem.CalibrationObservations().size();
   const size_t far = all - state.problem.CalibrationObservations().size();
-  if (far == 0 || far > kMostFarRows * all) return lint;
-  const ReadingLint good = LintReadings(state.problem);
-  return good.is_suspicious && !good.is_explained ? lint : good;
+  if (far > 0 && far <= kMostFarRows * all) {
+    ReadingLint good = LintReadings(state.problem);
+    if (!good.is_suspicious || good.is_explained) return good;
+  }
+  if (const std::optional<Finding> wild = FindWildRows(problem)) lint.findings.front() = *wild;
+  return lint;
 }
 
 Plausibility CheckPlausible(const CalibrationProblem& problem) {

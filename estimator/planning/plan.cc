@@ -247,7 +247,7 @@ double PositionRms(const Criterion& criterion, const Eigen::MatrixXd& covariance
 
 // The least number of poses that has as many equations as unknowns.
 int LeastPoses(const Numbers& numbers) {
-  int most = 0;
+  int most = 1;
   for (int i = 0; i < numbers.set.size(); ++i) most = std::max(most, numbers.set.count(i));
   const int missing = static_cast<int>(numbers.columns.size()) - numbers.equations_known;
   return std::max(1, (missing + most - 1) / most);

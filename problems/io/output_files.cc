@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 // Names of ours that are no results: .sagitta-0123456789abcdef.
 const std::string kTemporary = ".sagitta-";
 const std::string kNote = ".sagitta-to-rename";  // what to rename once it is there
-const std::string kOfOneFile = ".sagitta-one-";  // not swept away: its run holds no lock
+const std::string kOfOneFile = ".sagitta-one-";  // the folder is not locked, but each of these files is
 
 [[noreturn]] void FailToWrite(const std::string& path, const std::string& reason) {
   throw InputError({path, 0, ""}, "the file cannot be written: " + reason);
@@ -42,6 +43,7 @@ class Descriptor {
   ~Descriptor() {
     if (value_ >= 0) close(value_);
   }
+  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int value() const { return value_; }
@@ -97,6 +99,20 @@ void WriteAll(int file, const std::string& text, const std::string& path) {
   if (!text.empty() && fsync(file) != 0) FailToWrite(path, LastError());
 }
 
+// A new file that is locked while the run lives, so that others tell it from what a killed run has left. One of them
+// may have come between opening and locking and swept it away: then another name.
+Descriptor NewLockedFile(int folder, const std::string& start, std::string* name) {
+  while (true) {
+    *name = RandomName(start);
+    Descriptor file(openat(folder, name->c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+    if (file.value() < 0) return file;
+    while (flock(file.value(), LOCK_EX) != 0 && errno == EINTR) {
+    }
+    struct stat status;
+    if (fstat(file.value(), &status) != 0 || status.st_nlink > 0) return file;
+  }
+}
+
 // Temporary files that are removed again unless they were renamed.
 class Temporaries {
  public:
@@ -108,13 +124,14 @@ class Temporaries {
   Temporaries& operator=(const Temporaries&) = delete;
 
   void Add(const std::string& start, const std::string& name, const std::string& text) {
-    const std::string path = Joined(path_, name), temporary = RandomName(start);
-    const Descriptor file(
-        openat(folder_, temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+    const std::string path = Joined(path_, name);
+    std::string temporary;
+    Descriptor file = NewLockedFile(folder_, start, &temporary);
     if (file.value() < 0) FailToWrite(path, LastError());
     to_rename_.emplace_back(temporary, name);
     TakeOver(folder_, name, file.value(), path);
     WriteAll(file.value(), text, path);
+    locked_.push_back(std::move(file));
   }
 
   // Proves that a file of that name could be written; removed with the rest.
@@ -142,6 +159,7 @@ class Temporaries {
   int folder_;
   std::string path_;
   std::vector<NamedText> to_rename_;  // temporary, name
+  std::vector<Descriptor> locked_;
 };
 
 // Ctrl-C waits for these few milliseconds.
@@ -189,14 +207,23 @@ void FinishNote(int folder, const std::string& path) {
   if (unlinkat(folder, kNote.c_str(), 0) != 0 && errno != ENOENT) FailToWrite(Joined(path, kNote), LastError());
 }
 
-// What runs that were killed have left. The folder is locked, so nobody writes a set.
-void SweepTemporaries(const std::string& folder) {
+// The lock is kept until the file is gone: its run would see that it went (NewLockedFile).
+void RemoveUnlessLocked(int folder, const std::string& name) {
+  const Descriptor file(openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (file.value() >= 0 && flock(file.value(), LOCK_EX | LOCK_NB) == 0) unlinkat(folder, name.c_str(), 0);
+}
+
+// What runs that were killed have left. `all`: the folder is locked, so nobody writes a set.
+void SweepTemporaries(int opened, const std::string& folder, bool all) {
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool is_left = name.rfind(kTemporary, 0) == 0 && name != kNote && name.rfind(kOfOneFile, 0) != 0;
-    std::error_code ignored;
-    if (is_left) fs::remove(entry.path(), ignored);
+    if (name.rfind(kTemporary, 0) != 0 || name == kNote) continue;
+    if (name.rfind(kOfOneFile, 0) == 0) {
+      RemoveUnlessLocked(opened, name);
+    } else if (all) {
+      unlinkat(opened, name.c_str(), 0);
+    }
   }
 }
 
@@ -253,6 +280,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path), folders_(fs::path
   const Descriptor opened(OpenFolder(folder));
   if (opened.value() < 0) FailToWrite(path, LastError());
   DeclareOutput(path);
+  SweepTemporaries(opened.value(), folder, false);
   Temporaries(opened.value(), folder).Probe(kOfOneFile, fs::path(path).filename().string());
 }
 
@@ -269,7 +297,7 @@ OutputFolder::OutputFolder(const std::string& path, const std::vector<std::strin
     throw InputError({path, 0, ""}, "another run is writing to this folder", "wait for it, or give another --out");
   }
   if (HasNote(folder.value())) FinishNote(folder.value(), path);
-  SweepTemporaries(path);
+  SweepTemporaries(folder.value(), path, true);
   Temporaries probes(folder.value(), path);
   for (const std::string& name : names) {
     DeclareOutput(Joined(path, name));

@@ -6,6 +6,7 @@
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
@@ -72,6 +73,41 @@ TEST(SpringTie, ExactEndsGiveTheExactSpringAndOpenTheGauge) {
   for (const std::string& name : kGeometry)
     EXPECT_TRUE(estimate.table[estimate.parameters.FindCoordinate(name)].identifiable) << name;
   EXPECT_NEAR(test::ErrorOf(estimate, truth, estimate.parameters.FindCoordinate("compensator/s0")), 0.0, 1e-7);
+}
+
+// Ends off by isotropic sigmas move (L, a_x, a_y) by their slopes: J J' of both, by differences. A lever's millimetre
+// turns the axes in which the anchor is counted: of a_x and a_y one common term.
+TEST(SpringTie, TheEndsCovarianceIsThatOfTheirMarkers) {
+  const test::LoadedTruth truth = TruthWithSpringMarkers();
+  for (const auto& [lever, anchor] :
+       {std::make_pair(1e-3, 1e-5), std::make_pair(1e-5, 1e-3), std::make_pair(3e-4, 2e-4)}) {
+    test::LoadedSetup setup = SetupWithTie(truth, lever, anchor);
+    setup.robot.gravity_compensator->L = truth.spring->L;
+    setup.robot.gravity_compensator->a_x = truth.spring->a_x;
+    setup.robot.gravity_compensator->a_y = truth.spring->a_y;
+    const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, ExactData(truth), setup.experiment);
+    ParameterSet parameters = EstimateJointly(problem).parameters;
+    ASSERT_TRUE(parameters.spring_tie());
+    const SpringTie& tie = *parameters.spring_tie();
+    Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+    for (const int marker : {tie.lever_marker, tie.anchor_marker}) {
+      const double sigma = marker == tie.lever_marker ? lever : anchor;
+      for (int axis = 0; axis < 3; ++axis) {
+        Eigen::Vector3d side[2];
+        for (const int s : {0, 1}) {
+          ParameterSet moved = parameters;
+          moved.SetMarkerPoint(marker,
+                               parameters.MarkerPoint(marker) + (s == 0 ? 1e-6 : -1e-6) * Vector3<double>::Unit(axis));
+          side[s] = SpringTieMisfit(moved);
+        }
+        const Eigen::Vector3d slope = (side[0] - side[1]) / 2e-6 * sigma;
+        expected += slope * slope.transpose();
+      }
+    }
+    // The robot's errors between anchor and joint turn it by less than a milliradian.
+    EXPECT_LT((tie.covariance - expected).norm(), 5e-3 * expected.norm()) << tie.covariance << "\n\n" << expected;
+    EXPECT_NEAR(tie.covariance(1, 2), expected(1, 2), 0.02 * std::abs(expected(1, 2)) + 1e-16);
+  }
 }
 
 TEST(SpringTie, WithoutItTheGaugeIsHeld) {

@@ -171,6 +171,17 @@ TEST(BatchRows, JointsThatSlide) {
   ExpectBatchIsTheModel(setup, 4);
 }
 
+// Axes that turn against the joint's count; and one marker stands on the foot, which does not grow with the arm.
+TEST(BatchRows, JointsThatCountBackwardsAndWhatDoesNotGrow) {
+  BatchCase setup{test::ContractArm(), {}, false};
+  for (const int joint : {1, 3}) {
+    setup.robot.chain.transforms[setup.robot.chain.JointTransform(joint)].sign = -1.0;
+  }
+  setup.robot.effects = {{"thermal_growth", "robot", {}, {1e-5}}};
+  setup.frames = {setup.robot.chain.BaseFrame(), setup.robot.chain.FlangeFrame()};
+  ExpectBatchIsTheModel(setup, 8);
+}
+
 // Nothing bends a rigid arm; without markers on the flange nothing beyond them moves.
 TEST(BatchRows, RigidArm) {
   BatchCase setup{test::ContractArm(), {}, false};

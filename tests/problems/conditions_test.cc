@@ -51,6 +51,18 @@ TEST_F(ConditionsTest, OriginsOfAnotherCampaignCount) {
   EXPECT_EQ(shots[1].station_time, 60.0);  // a station that it does not know: its own first row
 }
 
+// 20, 23 and 29 degC have the mean 24; the row without a thermometer has none.
+TEST_F(ConditionsTest, TemperatureCountsFromTheMeanOfTheData) {
+  const std::vector<ShotConditions> shots = Conditions(
+      "config,marker,q1_deg,q2_deg,x_mm,y_mm,z_mm,temperature_degC\nC1,M1,0,0,1,2,3,20\nC2,M1,10,0,1,2,4,23\n"
+      "C3,M1,20,0,1,2,5,\nC4,M1,30,0,1,2,6,29\n");
+  const double above[4] = {-4.0, -1.0, 0.0, 5.0};
+  for (int s = 0; s < 4; ++s) {
+    EXPECT_EQ(shots[s].has_temperature, s != 2);
+    EXPECT_NEAR(shots[s].temperature, above[s], 1e-12);
+  }
+}
+
 // 10 kg at (0.1, 0, 0) of the flange, the boom upright (q2 = 90 deg), gravity along -x of the frame it is stated in.
 TEST_F(ConditionsTest, GravityIsInTheFrameItIsStatedIn) {
   Robot robot = test::TwoLink();

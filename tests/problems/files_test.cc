@@ -82,6 +82,17 @@ TEST(UnitsTest, ParsesWholeFiniteNumbersOnly) {
   }
 }
 
+TEST(UnitsTest, AreThoseOfTheirNames) {
+  const std::map<std::string, double> si = {{"m", 1.0},
+                                            {"mm", 1e-3},
+                                            {"um", 1e-6},
+                                            {"rad", 1.0},
+                                            {"mrad", 1e-3},
+                                            {"urad", 1e-6},
+                                            {"deg", std::acos(-1.0) / 180.0}};
+  for (const auto& [name, value] : si) EXPECT_NEAR(UnitNamed(name).ToSi(2.0), 2.0 * value, 1e-15 * value) << name;
+}
+
 TEST(UnitsTest, ConvertsThereAndBack) {
   EXPECT_EQ(UnitNamed("mm").ToSi(89.159), 0.089159);
   EXPECT_EQ(ToUnit(0.089159, UnitNamed("mm")), 89.159);

@@ -1,13 +1,19 @@
 // Results are whole or as they were: sets of files, kills at every moment, links, permissions, locks, inputs.
 #include "problems/io/output_files.h"
 
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/file.h>
+#include <sys/mount.h>
 #include <sys/ptrace.h>
 #include <sys/stat.h>
 #include <sys/user.h>
 #include <sys/wait.h>
 
 #include <csignal>
+#include <functional>
 #include <iostream>
+#include <memory>
 #include <set>
 
 #include "problems/io/files.h"
@@ -121,24 +127,27 @@ TEST_F(OutputFilesTest, OneRunAtATime) {
 
 // Killed at its k-th stop, before or after a system call, for every second k, which leaves out none of the calls: all
 // files are those of before or all are new, and the next run neither waits nor trips.
-TEST_F(OutputFilesTest, AKillAtAnyMomentMixesNothing) {
-  int before = 0, after = 0, k = 0;
-  for (bool ended = false; !ended && k < 4000; k += 2) {
-    WriteSet("old");
+// Kills `write` at its k-th system call, entry or return, for every k until it ends by itself. False: this machine
+// allows no tracing.
+bool KillEverywhere(const std::function<void()>& prepare, const std::function<void()>& write,
+                    const std::function<void(int)>& look) {
+  for (int k = 0; k < 4000; ++k) {
+    prepare();
     const pid_t child = fork();
     if (child == 0) {
       ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
       raise(SIGSTOP);
       try {
-        WriteSet("new");
+        write();
       } catch (...) {
       }
       _exit(0);
     }
     int status = 0;
+    bool ended = false;
     waitpid(child, &status, 0);
     for (int stop = 0; stop <= k && !ended; ++stop) {
-      if (ptrace(PTRACE_SYSCALL, child, nullptr, nullptr) != 0) GTEST_SKIP() << "this machine allows no tracing";
+      if (ptrace(PTRACE_SYSCALL, child, nullptr, nullptr) != 0) return false;
       waitpid(child, &status, 0);
       ended = WIFEXITED(status);
     }
@@ -146,17 +155,156 @@ TEST_F(OutputFilesTest, AKillAtAnyMomentMixesNothing) {
       kill(child, SIGKILL);
       waitpid(child, &status, 0);
     }
+    look(k);
+    if (ended) return true;
+  }
+  ADD_FAILURE() << "it does not end";
+  return true;
+}
+
+TEST_F(OutputFilesTest, AKillAtAnyMomentMixesNothing) {
+  int before = 0, after = 0;
+  const auto look = [&](int k) {
     const std::string a = ReadTextFile(Path("out/a")), b = ReadTextFile(Path("out/b")), c = ReadTextFile(Path("out/c"));
     EXPECT_TRUE(a == b && b == c) << "killed at stop " << k << ": " << a << " " << b << " " << c;
     EXPECT_TRUE(a == "old" || a == "new") << a;
     (a == "old" ? before : after) += 1;
-  }
+  };
+  if (!KillEverywhere([this] { WriteSet("old"); }, [this] { WriteSet("new"); }, look)) GTEST_SKIP() << "no tracing";
   std::cout << before + after << " kills: " << before << " left the files of before, " << after << " the new ones\n";
-  EXPECT_GT(before + after, 50);
-  EXPECT_GT(before, 10);
-  EXPECT_GT(after, 10);
+  EXPECT_GT(before + after, 150);
+  EXPECT_GT(before, 20);
+  EXPECT_GT(after, 20);
   WriteSet("last");
   EXPECT_EQ(Names("out"), (std::set<std::string>{"a", "b", "c"}));
+}
+
+// The first results of a folder: none, or all.
+TEST_F(OutputFilesTest, AKillBeforeTheFirstResultsLeavesNoneOrAll) {
+  int none = 0, all = 0;
+  const auto prepare = [this] { fs::remove_all(Path("new")); };
+  const auto write = [this] { OutputFolder(Path("new/sub"), {"a", "b"}).Write({{"a", "1"}, {"b", "1"}}); };
+  const auto look = [&](int k) {
+    FinishInterruptedWrite(Path("new/sub"));
+    const bool has_a = fs::exists(Path("new/sub/a")), has_b = fs::exists(Path("new/sub/b"));
+    EXPECT_EQ(has_a, has_b) << "killed at stop " << k;
+    for (const char* name : {"new/sub/a", "new/sub/b"}) {
+      if (has_a && has_b) EXPECT_EQ(ReadTextFile(Path(name)), "1");
+    }
+    (has_a ? all : none) += 1;
+  };
+  if (!KillEverywhere(prepare, write, look)) GTEST_SKIP() << "no tracing";
+  std::cout << none + all << " kills: " << none << " left no result, " << all << " all of them\n";
+  EXPECT_GT(none, 20);
+  EXPECT_GT(all, 5);
+}
+
+// One file: of before or new, and what a killed run left is gone after the next.
+TEST_F(OutputFilesTest, AKillWhileOneFileIsWrittenLosesNothing) {
+  int before = 0, after = 0;
+  size_t most = 0;
+  fs::create_directory(Path("one"));
+  const std::string path = Path("one/result.csv");
+  const auto write = [&](const char* text) { OutputFile(path).Write(text); };
+  const auto look = [&](int k) {
+    most = std::max(most, Names("one").size());
+    const std::string text = ReadTextFile(path);
+    EXPECT_TRUE(text == "old" || text == "new") << "killed at stop " << k << ": " << text;
+    (text == "old" ? before : after) += 1;
+    { const OutputFile next(Path("one/another.csv")); }
+    EXPECT_EQ(Names("one"), (std::set<std::string>{"result.csv"})) << k;
+  };
+  if (!KillEverywhere([&] { write("old"); }, [&] { write("new"); }, look)) GTEST_SKIP() << "no tracing";
+  std::cout << before + after << " kills: " << before << " left the file of before, " << after << " the new one\n";
+  EXPECT_GT(before, 20);
+  EXPECT_GT(after, 1);
+  EXPECT_GT(most, 1u);  // some kill left something to sweep away
+}
+
+// Two runs may write one file each into a folder: neither sweeps away what the other has under its hands.
+TEST_F(OutputFilesTest, WhatALivingRunWritesIsNotSweptAway) {
+  fs::create_directory(Path("one"));
+  Write("one/.sagitta-one-0123456789abcdef", "left by a killed run");
+  const std::string busy = Write("one/.sagitta-one-fedcba9876543210", "being written");
+  const int held = open(busy.c_str(), O_WRONLY);
+  ASSERT_EQ(flock(held, LOCK_EX), 0);
+  { const OutputFile out(Path("one/result.csv")); }
+  EXPECT_EQ(Names("one"), (std::set<std::string>{".sagitta-one-fedcba9876543210"}));
+  { const OutputFolder out(Path("one"), {"a", "b"}); }
+  EXPECT_EQ(Names("one"), (std::set<std::string>{".sagitta-one-fedcba9876543210"}));
+  close(held);
+  { const OutputFolder out(Path("one"), {"a", "b"}); }
+  EXPECT_FALSE(fs::exists(Path("one")) && !Names("one").empty());
+}
+
+// A file system of its own of some kB, gone with the object.
+class SmallDisk {
+ public:
+  SmallDisk(std::string path, const std::string& options) : path_(std::move(path)) {
+    fs::create_directories(path_);
+    is_mounted_ = unshare(CLONE_NEWNS) == 0 && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                  mount("none", path_.c_str(), "tmpfs", 0, options.c_str()) == 0;
+  }
+  ~SmallDisk() {
+    if (is_mounted_) umount(path_.c_str());
+  }
+  bool is_mounted() const { return is_mounted_; }
+  bool MakeReadOnly() const { return mount("none", path_.c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr) == 0; }
+
+ private:
+  std::string path_;
+  bool is_mounted_ = false;
+};
+
+// Wherever the disk ends while a set is written, its files are those of before.
+TEST_F(OutputFilesTest, AFullDiskLeavesTheResultsOfBefore) {
+  const SmallDisk disk(Path("disk"), "size=128k");
+  if (!disk.is_mounted()) GTEST_SKIP() << "this machine lets nobody mount";
+  const auto write = [this](const std::string& text) {
+    OutputFolder(Path("disk"), {"a", "b", "c"}).Write({{"a", text}, {"b", text}, {"c", text}});
+  };
+  write("old");
+  int full = 0, written = 0;
+  for (int pages = 0; pages <= 32; ++pages) {
+    const std::string text(4096 * pages + 1, 'x');
+    const std::string error = ErrorOf([&] { write(text); });
+    const std::string a = ReadTextFile(Path("disk/a")), b = ReadTextFile(Path("disk/b")),
+                      c = ReadTextFile(Path("disk/c"));
+    EXPECT_TRUE(a == b && b == c) << pages;
+    EXPECT_EQ(Names("disk"), (std::set<std::string>{"a", "b", "c"})) << pages;
+    if (error.empty()) {
+      EXPECT_EQ(a, text);
+      ++written;
+    } else {
+      EXPECT_TRUE(SaysInOrder(error, {"disk/", "cannot be written", "No space left"})) << error;
+      EXPECT_LT(a.size(), text.size());
+      ++full;
+    }
+  }
+  EXPECT_GT(written, 3);
+  EXPECT_GT(full, 10);
+  write("small again");
+  EXPECT_EQ(ReadTextFile(Path("disk/c")), "small again");
+}
+
+TEST_F(OutputFilesTest, AReadOnlyDiskIsSaid) {
+  const SmallDisk disk(Path("disk"), "size=128k");
+  if (!disk.is_mounted()) GTEST_SKIP() << "this machine lets nobody mount";
+  OutputFolder(Path("disk"), {"a", "b"}).Write({{"a", "old"}, {"b", "old"}});
+  ASSERT_TRUE(disk.MakeReadOnly());
+  const std::vector<std::string> of_folder = {"disk", "Read-only"};
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { OutputFolder(Path("disk"), {"a", "b"}); }), of_folder));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { OutputFolder(Path("disk/sub"), {"a", "b"}); }), of_folder));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { OutputFile(Path("disk/a")); }), of_folder));
+  EXPECT_EQ(ReadTextFile(Path("disk/a")) + ReadTextFile(Path("disk/b")), "oldold");
+}
+
+// The folder goes while the run computes.
+TEST_F(OutputFilesTest, AFolderThatIsTakenAwayIsSaid) {
+  const auto out = std::make_unique<OutputFolder>(Path("out"), std::vector<std::string>{"a", "b"});
+  fs::remove_all(Path("out"));
+  EXPECT_NE(ErrorOf([&] { out->Write({{"a", "1"}, {"b", "1"}}); }), "");
+  EXPECT_FALSE(fs::exists(Path("out")));
 }
 
 // Another tool sees no name of ours that it could prepare.

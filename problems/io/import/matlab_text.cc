@@ -44,7 +44,7 @@ std::vector<std::vector<std::string>> MatrixRows(const std::string& body) {
 
 class MatlabReader {
  public:
-  MatlabReader(std::string text, std::string path, const RobotReadOptions& options)
+  MatlabReader(const std::string& text, std::string path, const RobotReadOptions& options)
       : text_(WithoutComments(text)), path_(std::move(path)), options_(options) {}
 
   RobotReading Read() {

@@ -1,0 +1,111 @@
+#include "estimator/inspection/wild_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "estimator/alignment/aligned_misfit.h"
+#include "estimator/alignment/starting_values.h"
+#include "estimator/inspection/reading_lint.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/median.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kMostSteps = 20;
+constexpr size_t kFewest = 3;        // rows of a marker at a station
+constexpr double kNear = 5.0;        // of the RMS distance of the better half
+constexpr double kApart = 10.0;      // of the RMS distance of the rows that fit: the median of the others
+constexpr size_t kMostShown = 1000;  // rows
+
+std::vector<double> Distances(const CalibrationProblem& problem, const std::vector<int>& points,
+                              const ParameterSet& parameters) {
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
+  std::vector<double> distances;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const double distance = (problem.data.observations[points[k]].point_in_station - predicted.col(k)).norm();
+    distances.push_back(std::isfinite(distance) ? distance : 1e300);
+  }
+  return distances;
+}
+
+// Places in the list of points of the nearer half of every marker at every station.
+std::vector<int> NearerHalf(const CalibrationProblem& problem, const std::vector<int>& points,
+                            const std::vector<double>& distances) {
+  std::map<std::pair<int, int>, std::vector<int>> groups;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const Observation& row = problem.data.observations[points[k]];
+    groups[{row.marker, problem.data.shots[row.shot].station}].push_back(static_cast<int>(k));
+  }
+  std::vector<int> half;
+  for (auto& [key, own] : groups) {
+    std::sort(own.begin(), own.end(),
+              [&](int a, int b) { return std::make_pair(distances[a], a) < std::make_pair(distances[b], b); });
+    const size_t count = std::min(own.size(), std::max(kFewest, (own.size() + 1) / 2));
+    half.insert(half.end(), own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  std::sort(half.begin(), half.end());
+  return half;
+}
+
+double RmsOf(const std::vector<double>& distances, const std::vector<int>& places) {
+  double sum = 0.0;
+  for (const int k : places) sum += distances[k] * distances[k];
+  return std::sqrt(sum / static_cast<double>(std::max<size_t>(1, places.size())));
+}
+
+Finding Describe(const CalibrationProblem& problem, const std::vector<int>& far, size_t all, double near_rms,
+                 double far_median) {
+  const auto percent =
+      static_cast<int>(std::lround(100.0 * static_cast<double>(far.size()) / static_cast<double>(all)));
+  Finding finding{Severity::kSerious,
+                  "wild_rows",
+                  std::to_string(far.size()) + " of " + std::to_string(all) + " rows (" + std::to_string(percent) +
+                      " %) are far off, half of them by more than " + WholeMillimetres(far_median) +
+                      ", while the others fit the nominal robot within " + WholeMillimetres(near_rms) +
+                      " (RMS): too many for a robust loss",
+                  "it is these rows, not the robot: find what they share (instrument, marker, time), or leave them "
+                  "out; the first: " +
+                      problem.data.SourceOf(problem.data.observations[far.front()]),
+                  {}};
+  for (size_t k = 0; k < std::min(kMostShown, far.size()); ++k) {
+    finding.rows.push_back(problem.data.SourceOf(problem.data.observations[far[k]]));
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::optional<Finding> FindWildRows(const CalibrationProblem& problem) {
+  const std::vector<int> points = problem.data.PointsAmong(problem.CalibrationObservations());
+  if (points.empty()) return std::nullopt;
+  std::vector<double> distances;
+  std::vector<int> half, listed = points;
+  for (int step = 0; step < kMostSteps; ++step) {
+    ParameterSet parameters = problem.parameters;
+    FindStartingValues(problem, listed, StartingValueOptions(), &parameters);
+    distances = Distances(problem, points, parameters);
+    const std::vector<int> next = NearerHalf(problem, points, distances);
+    if (next == half) break;
+    half = next;
+    listed.clear();
+    for (const int k : half) listed.push_back(points[k]);
+  }
+  const double limit = kNear * RmsOf(distances, half);
+  std::vector<int> near, far;
+  std::vector<double> far_distances;
+  for (size_t k = 0; k < points.size(); ++k) {
+    (distances[k] <= limit ? near : far).push_back(static_cast<int>(k));
+    if (distances[k] > limit) far_distances.push_back(distances[k]);
+  }
+  if (far.empty() || near.size() <= far.size()) return std::nullopt;
+  const double near_rms = RmsOf(distances, near), far_median = Median(far_distances);
+  if (near_rms > SuspiciousMisfit(problem.robot.chain) || far_median < kApart * near_rms) return std::nullopt;
+  for (int& k : far) k = points[k];
+  return Describe(problem, far, points.size(), near_rms, far_median);
+}
+
+}  // namespace sagitta

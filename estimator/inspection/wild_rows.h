@@ -1,0 +1,19 @@
+// Many rows that are far off while the others fit: then it is the rows, and neither signs nor zero positions.
+//
+// Base poses and markers of the nominal robot are aligned to the better half of every marker's rows at every station,
+// in turns with the choice of that half (concentration steps of least trimmed squares: Rousseeuw, Van Driessen, A fast
+// algorithm for the minimum covariance determinant estimator, Technometrics 41 (1999) 212).
+#pragma once
+
+#include <optional>
+
+#include "estimator/inspection/finding.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// Nothing where no half of the rows fits as a robot's do, or where the rows that are left go over into those that fit:
+// a wrong model misses everywhere by something.
+std::optional<Finding> FindWildRows(const CalibrationProblem& problem);
+
+}  // namespace sagitta
