@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kFewCandidates = 600;  // that many are all worked on at once
-constexpr int kJoining = 200;        // of more, so many join at a time
+constexpr int kJoining = 100;        // of more, so many join at a time
 
 bool IsLogarithm(const Criterion& criterion) {
   return criterion.kind == CriterionKind::kD || criterion.kind == CriterionKind::kO1;
@@ -23,17 +24,47 @@ Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& information) {
   return information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
 }
 
+// Two halves at once where that is worth a thread. The halves are the same on every machine, and so is their sum.
+bool IsWorthThreads(const CandidateSet& set) {
+  constexpr double kWork = 1e7;  // multiplications: some milliseconds
+  return static_cast<double>(set.rows.size()) * static_cast<double>(set.rows.cols()) > kWork;
+}
+
+void InHalves(const CandidateSet& set, const std::function<void(int, int)>& work) {
+  const int half = set.size() / 2;
+  if (!IsWorthThreads(set)) {
+    work(0, half);
+    work(half, set.size());
+    return;
+  }
+  std::thread other([&] { work(half, set.size()); });
+  work(0, half);
+  other.join();
+}
+
 Eigen::MatrixXd InformationOf(const CandidateSet& set, const Eigen::MatrixXd& known, const Eigen::VectorXd& amounts) {
-  Eigen::VectorXd per_row(set.rows.rows());
-  for (int i = 0; i < set.size(); ++i) per_row.segment(set.first[i], set.count(i)).setConstant(amounts[i]);
-  const Eigen::MatrixXd weighted = per_row.cwiseSqrt().asDiagonal() * set.rows;
-  Eigen::MatrixXd information = known;
-  information.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+  const int half = set.size() / 2;
+  const Eigen::Index n = known.rows();
+  Eigen::MatrixXd sums[2] = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
+  InHalves(set, [&](int from, int to) {
+    constexpr int kAtOnce = 64;  // candidates: what fits a cache
+    Eigen::MatrixXd& sum = sums[from < half || half == 0 ? 0 : 1];
+    Eigen::MatrixXd weighted;
+    for (int i = from; i < to; i += kAtOnce) {
+      const int end = std::min(to, i + kAtOnce);
+      weighted = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]).transpose();
+      for (int k = i; k < end; ++k) {
+        weighted.middleCols(set.first[k] - set.first[i], set.count(k)) *= std::sqrt(amounts[k]);
+      }
+      sum.selfadjointView<Eigen::Lower>().rankUpdate(weighted);
+    }
+  });
+  const Eigen::MatrixXd information = known + sums[0] + sums[1];
   return information.selfadjointView<Eigen::Lower>();
 }
 
 void AddGains(const CandidateSet& set, const Eigen::MatrixXd& slope, int from, int to, Eigen::VectorXd* gains) {
-  constexpr int kAtOnce = 512;  // candidates: what fits a cache
+  constexpr int kAtOnce = 64;  // candidates: what fits a cache
   for (int i = from; i < to; i += kAtOnce) {
     const int end = std::min(to, i + kAtOnce);
     const auto rows = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]);
@@ -59,15 +90,15 @@ class Multiplicative {
         poses_(poses),
         least_power_(IsLogarithm(criterion) ? 1.0 : 0.5) {}
 
-  // design->weights is where it starts.
-  void Run(double tolerance, int max_iterations, ApproximateDesign* design) const {
+  // design->weights is where it starts. True: no candidate of the set gains enough to go on.
+  bool Run(double tolerance, int max_iterations, ApproximateDesign* design) const {
     double power = least_power_, before = kInfinity;
     Eigen::VectorXd last;
     for (int k = 0; k < max_iterations; ++k, ++design->iterations) {
       Evaluate(design);
       const double mean = design->weights.dot(design->gain);
       const double gap = poses_ * (design->gain.maxCoeff() - mean);
-      if (gap <= tolerance * ScaleOf(criterion_, design->cost) || !(mean > 0.0)) return;
+      if (gap <= tolerance * ScaleOf(criterion_, design->cost) || !(mean > 0.0)) return true;
       if (design->cost > before && power > least_power_) {  // too far
         design->weights = last;
         Evaluate(design);
@@ -81,6 +112,7 @@ class Multiplicative {
       design->weights /= design->weights.sum();
     }
     Evaluate(design);
+    return false;
   }
 
  private:
@@ -105,6 +137,37 @@ std::vector<int> FirstActive(const CandidateSet& set, const Eigen::VectorXd& wei
     if ((is_started && weights[i] > 1e-7) || (!is_started && i % step == 0)) active.push_back(i);
   }
   return active;
+}
+
+// Solves on the active candidates alone; those that fade away leave. Then gains are those of all.
+void SolveOnActive(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, double poses,
+                   double tolerance, int max_iterations, std::vector<int>* active, ApproximateDesign* design) {
+  constexpr int kBetween = 25;    // iterations before some may leave
+  constexpr double kFaded = 0.1;  // of an even share
+  for (bool is_solved = false; !is_solved;) {
+    const CandidateSet subset = set.Subset(*active);
+    ApproximateDesign inner;
+    inner.weights = design->weights(*active) / design->weights(*active).sum();
+    const int left = max_iterations - design->iterations;
+    is_solved = Multiplicative(subset, known, criterion, poses).Run(tolerance, std::min(kBetween, left), &inner) ||
+                left <= kBetween;
+    design->iterations += inner.iterations;
+    design->cost = inner.cost;
+    design->slope = inner.slope;
+    design->weights.setZero();
+    design->weights(*active) = inner.weights;
+    if (is_solved) break;
+    // Near the end even a small weight is what the candidate is worth.
+    const double mean = inner.weights.dot(inner.gain);
+    const double gap = poses * (inner.gain.maxCoeff() - mean) / ScaleOf(criterion, inner.cost);
+    const double faded = kFaded * std::min(1.0, gap) / static_cast<double>(active->size());
+    std::vector<int> staying;
+    for (size_t k = 0; k < active->size(); ++k) {
+      if (inner.weights[k] > faded || inner.gain[k] > mean) staying.push_back((*active)[k]);
+    }
+    *active = staying;
+  }
+  design->gain = GainsOf(set, design->slope);
 }
 
 // The candidate that makes the cost least beside covariance c; its cost in *cost. The cost is convex in the
@@ -228,16 +291,8 @@ void CandidateSet::Append(const std::vector<Eigen::MatrixXd>& candidates) {
 }
 
 Eigen::VectorXd GainsOf(const CandidateSet& set, const Eigen::MatrixXd& slope) {
-  constexpr int kWorthThreads = 10000;  // candidates
   Eigen::VectorXd gains(set.size());
-  const int threads = set.size() < kWorthThreads ? 1 : std::max(1u, std::thread::hardware_concurrency());
-  std::vector<std::thread> others;
-  const auto share = [&](int t) { return static_cast<int>(static_cast<long>(set.size()) * t / threads); };
-  for (int t = 1; t < threads; ++t) {
-    others.emplace_back([&, t] { AddGains(set, slope, share(t), share(t + 1), &gains); });
-  }
-  AddGains(set, slope, 0, share(1), &gains);
-  for (std::thread& other : others) other.join();
+  InHalves(set, [&](int from, int to) { AddGains(set, slope, from, to, &gains); });
   return gains;
 }
 
@@ -300,7 +355,7 @@ std::vector<int> Foremost(const Eigen::VectorXd& values, int most) {
 
 ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
                                    double poses, double tolerance, int max_iterations, const Eigen::VectorXd* start) {
-  constexpr int kJoins = 40;
+  constexpr int kJoins = 60;
   // Without a slope of its own a criterion searches among what D favours.
   Criterion guide = criterion;
   if (!criterion.HasCertificate()) guide.kind = CriterionKind::kD;
@@ -309,33 +364,24 @@ ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixX
   design.bound = -kInfinity;
   std::vector<int> active = FirstActive(set, design.weights, start != nullptr);
   for (int join = 0; join < kJoins; ++join) {
-    const CandidateSet subset = set.Subset(active);
-    const bool all = static_cast<int>(active.size()) == set.size();
-    ApproximateDesign inner;
-    inner.weights = design.weights(active) / design.weights(active).sum();
-    Multiplicative(subset, known, guide, poses)
-        .Run((all ? 1.0 : 0.5) * tolerance, max_iterations - design.iterations, &inner);
-    design.iterations += inner.iterations;
-    design.weights.setZero();
-    design.weights(active) = inner.weights;
-    design.cost = inner.cost;
-    design.slope = inner.slope;
-    design.gain = all ? inner.gain : GainsOf(set, design.slope);
+    SolveOnActive(set, known, guide, poses, 0.5 * tolerance, max_iterations, &active, &design);
     const double mean = design.weights.dot(design.gain);
-    design.bound = std::max(design.bound, design.cost - poses * (design.gain.maxCoeff() - mean));
-    const bool is_near = design.cost - design.bound <= tolerance * ScaleOf(guide, design.cost);
-    if (all || is_near || !(mean > 0.0) || design.iterations >= max_iterations) break;
-    // Those that gain most join with a little weight; those that weigh nothing leave.
+    const double gap = poses * (design.gain.maxCoeff() - mean), scale = ScaleOf(guide, design.cost);
+    design.bound = std::max(design.bound, design.cost - gap);
+    const bool is_near = design.cost - design.bound <= tolerance * scale;
+    if (is_near || !(mean > 0.0) || design.iterations >= max_iterations) break;
+    // Those that gain most join, with the less weight the nearer the end is.
+    const double share = std::clamp(gap / scale, 1e-4, 0.2);
     std::vector<int> joining;
     for (const int i : Foremost(design.gain, kJoining)) {
-      if (design.gain[i] > mean && design.weights[i] < 0.05 / kJoining) joining.push_back(i);
+      if (design.gain[i] > mean && design.weights[i] < 0.1 * share / kJoining) joining.push_back(i);
     }
-    if (joining.empty()) break;
-    design.weights *= 0.8;
-    for (const int i : joining) design.weights[i] += 0.2 / static_cast<double>(joining.size());
+    design.weights *= 1.0 - share;
+    if (joining.empty()) design.weights /= design.weights.sum();
+    for (const int i : joining) design.weights[i] += share / static_cast<double>(joining.size());
     active.clear();
     for (int i = 0; i < set.size(); ++i) {
-      if (design.weights[i] > 1e-7) active.push_back(i);
+      if (design.weights[i] > 0.0) active.push_back(i);
     }
   }
   return design;

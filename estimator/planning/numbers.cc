@@ -1,5 +1,6 @@
 #include "estimator/planning/numbers.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -32,6 +33,33 @@ Eigen::MatrixXd RowsOf(const CalibrationProblem& problem, const std::vector<int>
   return Linearize(problem, problem.parameters, observations, columns, StatedNoise(problem, observations)).jacobian;
 }
 
+// Columns of base and markers that no candidate and no measured row changes.
+std::vector<bool> OnlyTested(const CalibrationProblem& problem, const PlanNumbers& numbers,
+                             const Eigen::MatrixXd& beside) {
+  std::vector<bool> only(numbers.columns.size(), false);
+  for (size_t i = 0; i < only.size(); ++i) {
+    const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
+    const bool of_robot = problem.parameters.blocks()[coordinate.block].kind == BlockKind::kModelParameter;
+    only[i] = !of_robot && numbers.set.rows.col(i).isZero(0.0) && beside.col(i).isZero(0.0);
+  }
+  return only;
+}
+
+// What is left of the test rows after these columns were fitted to them.
+void Register(const std::vector<bool>& registered, Eigen::MatrixXd* test_rows) {
+  std::vector<int> open;
+  for (size_t i = 0; i < registered.size(); ++i) {
+    if (registered[i]) open.push_back(static_cast<int>(i));
+  }
+  if (open.empty()) return;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr((*test_rows)(Eigen::all, open));
+  qr.setThreshold(1e-10);
+  Eigen::MatrixXd rotated = qr.householderQ().transpose() * *test_rows;
+  rotated.topRows(qr.rank()).setZero();
+  *test_rows = qr.householderQ() * rotated;
+  (*test_rows)(Eigen::all, open).setZero();
+}
+
 void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers* numbers) {
   const int n = static_cast<int>(numbers->columns.size());
   numbers->scale.resize(n);
@@ -51,7 +79,7 @@ void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers
 int PlanNumbers::LeastPoses() const {
   int most = 0;
   for (int i = 0; i < set.size(); ++i) most = std::max(most, set.count(i));
-  const int missing = static_cast<int>(columns.size()) - equations_known;
+  const int missing = unknowns() - equations_known;
   return std::max(1, (missing + most - 1) / most);
 }
 
@@ -74,6 +102,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene) {
   }
   AppendPriors(problem.parameters, &beside);
   numbers.equations_known = beside.num_rows();
+  numbers.registered = OnlyTested(problem, numbers, beside.jacobian);
   const Eigen::MatrixXd rows = beside.jacobian * numbers.scale.asDiagonal();
   numbers.known += rows.transpose() * rows;
 
@@ -82,6 +111,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene) {
   numbers.test_rows =
       Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *
       numbers.scale.asDiagonal();
+  Register(numbers.registered, &numbers.test_rows);
   return numbers;
 }
 

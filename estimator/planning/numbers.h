@@ -2,6 +2,7 @@
 // depend on.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "estimator/planning/design.h"
@@ -16,7 +17,12 @@ struct PlanNumbers {
   Eigen::MatrixXd known;      // priors, hold limits, measured rows
   Eigen::MatrixXd test_rows;  // m per unit, three per test point
   int equations_known = 0;    // measured rows and priors
+  // Of `columns`: base and markers that only test poses see. They are registered there, so test_rows do not depend on
+  // them, and what else registering takes up is no error either.
+  std::vector<bool> registered;
 
+  // Those that the plan has to determine.
+  int unknowns() const { return static_cast<int>(std::count(registered.begin(), registered.end(), false)); }
   // The least number of poses that has as many equations as unknowns.
   int LeastPoses() const;
 };

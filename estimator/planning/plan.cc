@@ -16,6 +16,7 @@ namespace {
 void FillParameters(const CalibrationProblem& problem, const PlanNumbers& numbers, const Eigen::MatrixXd& covariance,
                     Plan* plan) {
   for (size_t i = 0; i < numbers.columns.size(); ++i) {
+    if (numbers.registered[i]) continue;
     const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
     const double variance = covariance(i, i) * numbers.scale[i] * numbers.scale[i];
     // The hold limit is among the information: what the data alone would say is 1 / (1/variance - 1/limit^2).
@@ -137,6 +138,11 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   SplitConfigurations(experiment.validation, &split);
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
   PlanNumbers numbers = MakePlanNumbers(scene);
+  if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
+    scene.words.push_back(
+        "Stations and markers that only the test poses see are registered on the test poses: errors there "
+        "are what is left.");
+  }
   const Criterion criterion = CriterionFor(*scene.problem, numbers, request);
   const int drawn = numbers.set.size();
   PlanSearch search(&scene, &numbers, criterion, request);

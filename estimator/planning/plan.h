@@ -4,8 +4,9 @@
 // values, in the experiment's noise, with priors and joint repeatability (once per arrival), gives the information of
 // each candidate: all shots of one configuration (numbers.h). Directions that no data could tell count with the hold
 // limits of the estimate (FORMATS section 4). The predicted error at a test point is that of the point in its station's
-// frame, sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves. The search
-// is search.h, the order in which poses are measured route.h.
+// frame, sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves. Stations
+// and markers that only test poses see count as registered there. The search is search.h, the order in which poses are
+// measured route.h.
 #pragma once
 
 #include <functional>

@@ -119,7 +119,9 @@ PoseSequence::Drawn PoseSequence::Next() {
 ShotPatterns PatternsOf(const Measurements& data, int most) {
   std::map<std::string, std::vector<int>> alike;
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
-  for (size_t c = 0; c < data.configurations.size(); ++c) alike[PatternOf(data, shots[c])].push_back(c);
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    if (!data.configurations[c].is_validation) alike[PatternOf(data, shots[c])].push_back(static_cast<int>(c));
+  }
   std::vector<std::vector<int>> groups;
   for (const auto& [pattern, configurations] : alike) groups.push_back(configurations);
   std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {

@@ -37,8 +37,8 @@ class PoseSequence {
   int drawn_ = 0;
 };
 
-// What is measured at a configuration: station, load and markers of each of its shots. One configuration of the data
-// stands for all that are measured alike; the most frequent ones first, at most `most`.
+// What is measured at a configuration: station, load and markers of each of its shots. One calibration configuration of
+// the data stands for all that are measured alike; the most frequent ones first, at most `most`.
 struct ShotPatterns {
   std::vector<int> configurations;  // of the data
   int left_out = 0;                 // patterns beyond `most`

@@ -11,7 +11,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kTolerance = 0.005;  // of the certificate: half a per cent of the cost
+// Of the certificate, relative to the cost: of the plan that is handed out, and on the way there.
+constexpr double kTolerance = 0.01, kOnTheWay = 0.03;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kShortList = 2000;  // candidates of the curve
 constexpr int kMostStarts = 40;   // of searches for candidates beside those drawn
@@ -109,7 +110,7 @@ void PlanSearch::CheckSupply(int poses) const {
   if (poses < least) {
     throw InputError({"", 0, "--poses"},
                      "fewer readings than unknowns: " + std::to_string(poses) + " poses cannot determine " +
-                         std::to_string(numbers_->columns.size()) + " parameters",
+                         std::to_string(numbers_->unknowns()) + " parameters",
                      "at least " + std::to_string(least) +
                          " poses; or free less (estimate.geometry, --fixed), or give --augment where the rows of the "
                          "experiment are measured already");
@@ -121,7 +122,7 @@ void PlanSearch::CheckSupply(int poses) const {
                    "ask for fewer, or list more");
 }
 
-ApproximateDesign PlanSearch::Approximate(int poses) {
+ApproximateDesign PlanSearch::Approximate(int poses, double tolerance) {
   Eigen::VectorXd start;
   if (weights_.size() > 0) {  // those of another number of poses, and a little for what joined since
     start = Eigen::VectorXd::Zero(numbers_->set.size());
@@ -130,7 +131,7 @@ ApproximateDesign PlanSearch::Approximate(int poses) {
     if (joined > 0) start.tail(joined).setConstant(0.3 / joined);
     start /= start.sum();
   }
-  ApproximateDesign design = SolveApproximate(numbers_->set, numbers_->known, criterion_, poses, kTolerance, 3000,
+  ApproximateDesign design = SolveApproximate(numbers_->set, numbers_->known, criterion_, poses, tolerance, 3000,
                                               start.size() > 0 ? &start : nullptr);
   weights_ = design.weights;
   return design;
@@ -139,7 +140,7 @@ ApproximateDesign PlanSearch::Approximate(int poses) {
 void PlanSearch::FindBeside(int poses) {
   const LocalSearch search(scene_->ranges, &rows_);
   for (int round = 0; round < 2; ++round) {
-    const ApproximateDesign design = Approximate(poses);
+    const ApproximateDesign design = Approximate(poses, kOnTheWay);
     const CostOfRows loss = [&](const Eigen::MatrixXd& rows) {
       return -(rows * design.slope).cwiseProduct(rows).sum();
     };
@@ -209,7 +210,7 @@ FoundPlan PlanSearch::At(int poses) {
   if (request_.progress) request_.progress("best " + std::to_string(poses) + " poses");
   if (may_move() && criterion_.HasCertificate() && found_beside_ == 0) FindBeside(poses);
   FoundPlan found;
-  found.approximate = Approximate(poses);
+  found.approximate = Approximate(poses, may_move() ? kOnTheWay : kTolerance);
   ExactDesign exact = Exact(poses, found.approximate, request_.starts, 20);
   found.picks = exact.picks;
   found.covariance = exact.covariance;
@@ -218,7 +219,7 @@ FoundPlan PlanSearch::At(int poses) {
   if (may_move()) {
     if (request_.progress) request_.progress("moving " + std::to_string(poses) + " poses");
     MovePoses(&found);
-    found.approximate = Approximate(poses);
+    found.approximate = Approximate(poses, kTolerance);
   }
   return found;
 }
@@ -226,16 +227,20 @@ FoundPlan PlanSearch::At(int poses) {
 double PlanSearch::Quick(int poses) {
   if (request_.progress) request_.progress("accuracy of " + std::to_string(poses) + " poses");
   if (numbers_->set.size() > kShortList && short_list_.first.empty()) {
-    const ApproximateDesign design = Approximate(poses);
+    const ApproximateDesign design = Approximate(poses, kOnTheWay);
     short_list_ = numbers_->set.Subset(Foremost(design.gain, kShortList));
   }
+  // The list stays that of the first number; what joined since is left out.
   const CandidateSet& set = short_list_.first.empty() ? numbers_->set : short_list_;
   ExactOptions options;
   options.repeats = request_.candidates == nullptr;
   options.starts = 1;
   options.rounds = 3;
   options.max_trials = 150;
-  const ApproximateDesign design = SolveApproximate(set, numbers_->known, criterion_, poses, 0.02, 300);
+  const bool is_started = quick_weights_.size() == set.size();
+  const ApproximateDesign design =
+      SolveApproximate(set, numbers_->known, criterion_, poses, kOnTheWay, 300, is_started ? &quick_weights_ : nullptr);
+  quick_weights_ = design.weights;
   const ExactDesign exact = SolveExact(set, numbers_->known, criterion_, poses, design, options);
   curve_.push_back({poses, Rms(exact.covariance)});
   return curve_.back().position_rms;

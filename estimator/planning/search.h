@@ -40,7 +40,7 @@ class PlanSearch {
 
  private:
   void CheckSupply(int poses) const;
-  ApproximateDesign Approximate(int poses);
+  ApproximateDesign Approximate(int poses, double tolerance);
   // Candidates that gain more than those drawn, found from the best of them; twice, for what they change.
   void FindBeside(int poses);
   ExactDesign Exact(int poses, const ApproximateDesign& approximate, int starts, int rounds) const;
@@ -56,6 +56,7 @@ class PlanSearch {
   PoseRows rows_;
   std::vector<PlannedPose> candidates_;
   Eigen::VectorXd weights_;  // of the last approximate design
+  Eigen::VectorXd quick_weights_;
   CandidateSet short_list_;  // for the curve, where there are very many
   std::vector<PosesAndAccuracy> curve_;
   int found_beside_ = 0;

@@ -82,7 +82,9 @@ def solved(problem):
     def f(x=None, z=None):
         if x is None:
             return 0, cvxopt.matrix(1.0 / size, (size, 1))
-        if min(x) < 0:
+        try:  # on the way there weights may be negative, as long as the information is positive definite
+            np.linalg.cholesky(problem.information(np.array(x).ravel()))
+        except np.linalg.LinAlgError:
             return None
         value, gradient, hessian = problem(np.array(x).ravel())
         value, gradient, hessian = value / scale, gradient / scale, hessian / scale
