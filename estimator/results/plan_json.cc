@@ -46,7 +46,7 @@ std::string CertificateInWords(const Plan& plan) {
   const double efficiency = plan.efficiency;
   std::string words = "Within " + Significant(100.0 * (1.0 / std::max(efficiency, 1e-9) - 1.0), 2) +
                       " % of the best possible plan of as many of these candidates" +
-                      (plan.found_beside > 0 ? ", and of poses found from them," : "") + " (" +
+                      (plan.found_beside > 0 ? " and of poses found from them" : "") + " (" +
                       InWords(plan.criterion.kind) + "; equivalence theorem).";
   if (plan.best_rms > 0.0) {
     words += " No such plan predicts less than " + Significant(Millimetres(plan.best_rms), 3) +
