@@ -20,7 +20,8 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "Offline estimator for robot calibration
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libsagitta-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libceres-dev, libeigen3-dev, libyaml-cpp-dev, nlohmann-json3-dev, \
-libssl-dev, liburdfdom-dev, libexpat1-dev, libfmt-dev, libhwy-dev, libgoogle-glog-dev")
+libssl-dev, liburdfdom-dev, libexpat1-dev, libfmt-dev, libhwy-dev, libfcl-dev, \
+libgoogle-glog-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Offline estimator for robot calibration: library and headers
  What programs of your own need to link sagitta::sagitta.")
 

@@ -25,7 +25,7 @@ ROOMS = ['statistics', 'least_squares', 'alignment', 'estimate', 'noise', 'calib
 LIBRARIES = {
     'models': {'Eigen', 'hwy'},
     'problems': {'Eigen', 'yaml-cpp', 'nlohmann', 'openssl', 'fmt', 'posix', 'urdfdom', 'console_bridge', 'expat'},
-    'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'fmt', 'boost', 'hwy', 'posix'},
+    'estimator': {'Eigen', 'nlohmann', 'ceres', 'glog', 'fmt', 'boost', 'hwy', 'fcl', 'posix'},
     'tools': {'Eigen', 'nlohmann', 'ceres', 'glog', 'gflags', 'fmt', 'posix'},
     'python': {'Eigen', 'nlohmann', 'glog', 'pybind11'},
 }
@@ -33,7 +33,7 @@ LIBRARY_OF_LINK = {
     'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
     'nlohmann_json::nlohmann_json': 'nlohmann', 'OpenSSL::Crypto': 'openssl',
     'urdfdom::urdfdom_model': 'urdfdom', 'console_bridge::console_bridge': 'console_bridge', 'EXPAT::EXPAT': 'expat',
-    'Ceres::ceres': 'ceres', 'hwy': 'hwy', 'glog::glog': 'glog', 'gflags': 'gflags', 'fmt::fmt': 'fmt', 'Boost::boost': 'boost',
+    'Ceres::ceres': 'ceres', 'hwy': 'hwy', 'fcl': 'fcl', 'glog::glog': 'glog', 'gflags': 'gflags', 'fmt::fmt': 'fmt', 'Boost::boost': 'boost',
 }
 LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator',
                                                                   'sagitta_face': 'tools', 'sagitta_reproduction': 'tools'}

@@ -8,13 +8,17 @@
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/plan_json.h"
 #include "problems/input_error.h"
+#include "problems/io/cell_file.h"
 #include "problems/io/effect_names.h"
 #include "problems/io/experiment_inputs.h"
+#include "problems/io/files.h"
+#include "problems/io/json_reader.h"
 #include "problems/io/output_files.h"
 #include "problems/limits.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/plan_report.h"
 #include "tools/run_command.h"
 
 DECLARE_double(sigma_mm);
@@ -26,6 +30,9 @@ DEFINE_string(discriminate, "", "EFFECT[SETTINGS]/TARGET,…: poses that tell th
 DEFINE_string(candidates, "", "FILE.csv: choose among its configurations instead of the joint limits");
 DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint limits");
 DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
+DEFINE_string(cell, "", "CELL.yaml: floor, boxes, bodies of the arm, lines of sight that poses must keep to");
+DEFINE_string(model_error, "", "estimate.json of a former calibration: its model error widens what is predicted");
+DEFINE_bool(move, true, "drawn poses may move to where they tell more");
 
 namespace sagitta {
 namespace {
@@ -48,6 +55,13 @@ void CheckFlags() {
   if (IsGiven("sigma_mm")) CheckSigmaFlag(false);
 }
 
+// model_error.factor of an estimate.
+double ModelErrorOf(const std::string& path) {
+  const nlohmann::ordered_json json = ParseJson(ReadTextFile(path), path);
+  const double factor = JsonValue(json, path).Get("model_error").Get("factor").PositiveNumber();
+  return std::max(1.0, factor);
+}
+
 void Summarise(const Plan& plan) {
   std::cout << plan.rows.configurations.size() << " poses";
   if (plan.measured > 0) std::cout << " beside the " << plan.measured << " that are measured";
@@ -56,8 +70,12 @@ void Summarise(const Plan& plan) {
   std::cout << ": " << InWords(plan.criterion.kind) << ".\n"
             << "Predicted position error at the " << plan.tests << " test points: RMS "
             << Significant(1e3 * plan.position_rms, 3) << " mm, worst point " << Significant(1e3 * plan.position_max, 3)
-            << " mm, as far as the model is true.\n"
-            << CertificateInWords(plan) << "\n";
+            << " mm" << (plan.model_error > 1.0 ? " by noise alone" : ", as far as the model is true") << ".\n";
+  if (plan.model_error > 1.0) {
+    std::cout << "With the model error of the former estimate: RMS "
+              << Significant(1e3 * plan.model_error * plan.position_rms, 3) << " mm.\n";
+  }
+  std::cout << CertificateInWords(plan) << "\n";
   for (const PosesAndAccuracy& point : plan.curve) {
     std::cout << "  " << point.poses << " poses: " << Significant(1e3 * point.position_rms, 3) << " mm\n";
   }
@@ -67,7 +85,7 @@ void Summarise(const Plan& plan) {
 int RunPlan(const CommandLine& line) {
   ExpectArguments(line, PlanCommand(), 1, 1000);
   CheckFlags();
-  const OutputFolder out(FLAGS_out, {"plan.csv", "plan.json"});
+  const OutputFolder out(FLAGS_out, {"plan.csv", "plan.json", "report.html"});
   MeasurementReadOptions options;
   options.points_required = false;
   ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
@@ -92,15 +110,23 @@ int RunPlan(const CommandLine& line) {
   }
   request.candidates = candidates ? &*candidates : nullptr;
   request.tests = tests ? &*tests : nullptr;
+  std::optional<Cell> cell;
+  if (!FLAGS_cell.empty()) cell = ReadCellFile(FLAGS_cell, inputs.robot.chain);
+  request.cell = cell ? &*cell : nullptr;
+  if (!FLAGS_model_error.empty()) request.model_error = ModelErrorOf(FLAGS_model_error);
+  request.move = FLAGS_move;
   Progress progress(FLAGS_quiet);
   request.progress = [&progress](const std::string& what) { progress.Say(what); };
   const Plan plan = MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
   nlohmann::ordered_json json = PlanToJson(plan);
   json["version"] = SAGITTA_VERSION;
   json["command"] = line.text;
-  out.Write({{"plan.csv", PlanToCsv(inputs.robot.chain, plan)}, {"plan.json", DumpJson(json)}});
+  const Provenance provenance{line.text, "plan", inputs.files};
+  out.Write({{"plan.csv", PlanToCsv(inputs.robot.chain, plan)},
+             {"plan.json", DumpJson(json)},
+             {"report.html", PlanReportToHtml(inputs.robot, request.cell, plan, provenance)}});
   Summarise(plan);
-  std::cout << "Results in " << FLAGS_out << ": plan.csv, plan.json\n";
+  std::cout << "Results in " << FLAGS_out << ": plan.csv, plan.json, report.html\n";
   return 0;
 }
 
@@ -113,22 +139,24 @@ Command PlanCommand() {
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…; x, y, z of its rows may be absent. Its rows say how a pose is
 measured (stations, markers, loads) and where accuracy is wanted: the validation rows, else all, are the test poses.
-Written are plan.csv, a measurement file without x, y, z, and plan.json with the criterion, how near the plan is to the
+Written are plan.csv, a measurement file without x, y, z, report.html, the arm drawn in each pose, and plan.json with the criterion, how near the plan is to the
 best possible one of the candidates, the predicted accuracy, the expected sigma of every parameter and the accuracy
 over the number of poses.
 
 The criterion I is the mean squared position error at the test poses after compensation; D, A, E and O1 to O5 are
 explained in docs/PLAN.md. --discriminate names effects as results do, joint_harmonic[order=1]/A3. Poses are within the
-joint limits and in equilibrium under their load; collisions and line of sight are not checked.
+joint limits and in equilibrium under their load; floor, boxes, collisions of the arm's bodies, the tool's cone, lines
+of sight and acceptance angles of reflectors are checked where --cell states them. What is not checked is said.
 
 Examples
   sagitta plan experiment.yaml --poses=20 --out=plan
   sagitta plan experiment.yaml --accuracy_mm=0.1 --tests=welding_spots.csv --out=plan
+  sagitta plan experiment.yaml --poses=40 --cell=cell.yaml --model_error=former/estimate.json --out=plan
   sagitta plan experiment.yaml --augment --poses=6 --candidates=reachable.csv --out=plan
   sagitta plan experiment.yaml --poses=6 --discriminate='joint_harmonic[order=1]/A3,encoder_gain/A3' --out=plan
 )",
-          {"poses", "accuracy_mm", "augment", "discriminate", "criterion", "candidates", "tests", "pool", "sigma_mm",
-           "out", "seed", "threads", "quiet"},
+          {"poses", "accuracy_mm", "augment", "discriminate", "criterion", "candidates", "tests", "pool", "cell",
+           "model_error", "move", "sigma_mm", "out", "seed", "threads", "quiet"},
           RunPlan};
 }
 

@@ -1,92 +1,206 @@
 #include "estimator/planning/design.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <random>
+#include <thread>
 
 namespace sagitta {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kFewCandidates = 600;  // that many are all worked on at once
+constexpr int kJoining = 100;        // of more, so many join at a time
+
+bool IsLogarithm(const Criterion& criterion) {
+  return criterion.kind == CriterionKind::kD || criterion.kind == CriterionKind::kO1;
+}
 
 Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& information) {
   return information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
 }
 
+// Two halves at once where that is worth a thread. The halves are the same on every machine, and so is their sum.
+bool IsWorthThreads(const CandidateSet& set) {
+  constexpr double kWork = 1e7;  // multiplications: some milliseconds
+  return static_cast<double>(set.rows.size()) * static_cast<double>(set.rows.cols()) > kWork;
+}
+
+void InHalves(const CandidateSet& set, const std::function<void(int, int)>& work) {
+  const int half = set.size() / 2;
+  if (!IsWorthThreads(set)) {
+    work(0, half);
+    work(half, set.size());
+    return;
+  }
+  std::thread other([&] { work(half, set.size()); });
+  work(0, half);
+  other.join();
+}
+
 Eigen::MatrixXd InformationOf(const CandidateSet& set, const Eigen::MatrixXd& known, const Eigen::VectorXd& amounts) {
-  Eigen::VectorXd per_row(set.rows.rows());
-  for (int i = 0; i < set.size(); ++i) per_row.segment(set.first[i], set.count(i)).setConstant(amounts[i]);
-  const Eigen::MatrixXd weighted = per_row.cwiseSqrt().asDiagonal() * set.rows;
-  Eigen::MatrixXd information = known;
-  information.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+  const int half = set.size() / 2;
+  const Eigen::Index n = known.rows();
+  Eigen::MatrixXd sums[2] = {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n)};
+  InHalves(set, [&](int from, int to) {
+    constexpr int kAtOnce = 64;  // candidates: what fits a cache
+    Eigen::MatrixXd& sum = sums[from < half || half == 0 ? 0 : 1];
+    Eigen::MatrixXd weighted;
+    for (int i = from; i < to; i += kAtOnce) {
+      const int end = std::min(to, i + kAtOnce);
+      weighted = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]).transpose();
+      for (int k = i; k < end; ++k) {
+        weighted.middleCols(set.first[k] - set.first[i], set.count(k)) *= std::sqrt(amounts[k]);
+      }
+      sum.selfadjointView<Eigen::Lower>().rankUpdate(weighted);
+    }
+  });
+  const Eigen::MatrixXd information = known + sums[0] + sums[1];
   return information.selfadjointView<Eigen::Lower>();
 }
 
-// d_i = tr(A_i G A_i').
-Eigen::VectorXd GainsOf(const CandidateSet& set, const Eigen::MatrixXd& slope) {
-  const Eigen::VectorXd of_rows = (set.rows * slope).cwiseProduct(set.rows).rowwise().sum();
-  Eigen::VectorXd gains(set.size());
-  for (int i = 0; i < set.size(); ++i) gains[i] = of_rows.segment(set.first[i], set.count(i)).sum();
-  return gains.cwiseMax(0.0);
+void AddGains(const CandidateSet& set, const Eigen::MatrixXd& slope, int from, int to, Eigen::VectorXd* gains) {
+  constexpr int kAtOnce = 64;  // candidates: what fits a cache
+  for (int i = from; i < to; i += kAtOnce) {
+    const int end = std::min(to, i + kAtOnce);
+    const auto rows = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]);
+    const Eigen::VectorXd of_rows = (rows * slope).cwiseProduct(rows).rowwise().sum();
+    for (int k = i; k < end; ++k) {
+      (*gains)[k] = std::max(0.0, of_rows.segment(set.first[k] - set.first[i], set.count(k)).sum());
+    }
+  }
 }
 
 // What the gap of a certificate is measured against: a logarithm's own scale is its number of parameters.
 double ScaleOf(const Criterion& criterion, double cost) {
-  const bool is_logarithm = criterion.kind == CriterionKind::kD || criterion.kind == CriterionKind::kO1;
-  return is_logarithm ? static_cast<double>(criterion.interest.size()) : std::abs(cost);
+  return IsLogarithm(criterion) ? static_cast<double>(criterion.interest.size()) : std::abs(cost);
 }
 
-// C after A' A is added (sign 1) or taken away (-1): C -/+ C A' (I +/- A C A')^-1 A C.
-Eigen::MatrixXd Updated(const Eigen::MatrixXd& c, const Eigen::MatrixXd& a, double sign) {
-  const Eigen::MatrixXd ac = a * c;
-  const Eigen::MatrixXd k = Eigen::MatrixXd::Identity(a.rows(), a.rows()) + sign * (ac * a.transpose());
-  const Eigen::MatrixXd updated = c - sign * (ac.transpose() * k.ldlt().solve(ac));
-  return 0.5 * (updated + updated.transpose());
+// The multiplicative algorithm on all of a set. Returns its last iteration.
+class Multiplicative {
+ public:
+  Multiplicative(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, double poses)
+      : set_(set),
+        known_(known),
+        criterion_(criterion),
+        poses_(poses),
+        least_power_(IsLogarithm(criterion) ? 1.0 : 0.5) {}
+
+  // design->weights is where it starts. True: no candidate of the set gains enough to go on.
+  bool Run(double tolerance, int max_iterations, ApproximateDesign* design) const {
+    double power = least_power_, before = kInfinity;
+    Eigen::VectorXd last;
+    for (int k = 0; k < max_iterations; ++k, ++design->iterations) {
+      Evaluate(design);
+      const double mean = design->weights.dot(design->gain);
+      const double gap = poses_ * (design->gain.maxCoeff() - mean);
+      if (gap <= tolerance * ScaleOf(criterion_, design->cost) || !(mean > 0.0)) return true;
+      if (design->cost > before && power > least_power_) {  // too far
+        design->weights = last;
+        Evaluate(design);
+        power = std::max(least_power_, 0.6 * power);
+      } else {
+        power = std::min(1.1 * power, 3.0 * least_power_);
+      }
+      before = design->cost;
+      last = design->weights;
+      design->weights = last.cwiseProduct((design->gain / last.dot(design->gain)).array().pow(power).matrix());
+      design->weights /= design->weights.sum();
+    }
+    Evaluate(design);
+    return false;
+  }
+
+ private:
+  void Evaluate(ApproximateDesign* design) const {
+    const Eigen::MatrixXd covariance = InverseOf(InformationOf(set_, known_, poses_ * design->weights));
+    design->cost = criterion_.Cost(covariance);
+    design->slope = criterion_.Slope(covariance);
+    design->gain = GainsOf(set_, design->slope);
+  }
+
+  const CandidateSet& set_;
+  const Eigen::MatrixXd& known_;
+  const Criterion& criterion_;
+  const double poses_, least_power_;  // Silvey, Titterington and Torsney: 1 for D, 1/2 for A
+};
+
+// The candidates to begin with: those that weigh something, or some of all.
+std::vector<int> FirstActive(const CandidateSet& set, const Eigen::VectorXd& weights, bool is_started) {
+  std::vector<int> active;
+  const int step = std::max(1, set.size() / kFewCandidates);
+  for (int i = 0; i < set.size(); ++i) {
+    if ((is_started && weights[i] > 1e-7) || (!is_started && i % step == 0)) active.push_back(i);
+  }
+  return active;
 }
 
-// The candidate that makes the cost least beside covariance c; its cost in *cost.
+// Solves on the active candidates alone; those that fade away leave. Then gains are those of all.
+void SolveOnActive(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, double poses,
+                   double tolerance, int max_iterations, std::vector<int>* active, ApproximateDesign* design) {
+  constexpr int kBetween = 25;    // iterations before some may leave
+  constexpr double kFaded = 0.1;  // of an even share
+  for (bool is_solved = false; !is_solved;) {
+    const CandidateSet subset = set.Subset(*active);
+    ApproximateDesign inner;
+    inner.weights = design->weights(*active) / design->weights(*active).sum();
+    const int left = max_iterations - design->iterations;
+    is_solved = Multiplicative(subset, known, criterion, poses).Run(tolerance, std::min(kBetween, left), &inner) ||
+                left <= kBetween;
+    design->iterations += inner.iterations;
+    design->cost = inner.cost;
+    design->slope = inner.slope;
+    design->weights.setZero();
+    design->weights(*active) = inner.weights;
+    if (is_solved) break;
+    // Near the end even a small weight is what the candidate is worth.
+    const double mean = inner.weights.dot(inner.gain);
+    const double gap = poses * (inner.gain.maxCoeff() - mean) / ScaleOf(criterion, inner.cost);
+    const double faded = kFaded * std::min(1.0, gap) / static_cast<double>(active->size());
+    std::vector<int> staying;
+    for (size_t k = 0; k < active->size(); ++k) {
+      if (inner.weights[k] > faded || inner.gain[k] > mean) staying.push_back((*active)[k]);
+    }
+    *active = staying;
+  }
+  design->gain = GainsOf(set, design->slope);
+}
+
+// The candidate that makes the cost least beside covariance c; its cost in *cost. The cost is convex in the
+// information, so that no candidate saves more than its gain d_i: those of small gain need no look.
 class Adder {
  public:
   Adder(const CandidateSet& set, const Criterion& criterion, std::vector<int> trials)
-      : set_(set), criterion_(criterion), trials_(std::move(trials)), columns_(criterion.Columns(set.rows.cols())) {}
+      : criterion_(criterion), trials_(std::move(trials)), set_(set.Subset(trials_)) {}
 
   int Best(const Eigen::MatrixXd& c, const std::vector<bool>& barred, double* cost) const {
-    const Eigen::MatrixXd block = c(columns_, columns_);
-    const double now = criterion_.kind == CriterionKind::kI ? criterion_.CostOfBlock(block) : 0.0;
+    const CostBeside beside(criterion_, c);
+    const bool is_convex = criterion_.HasCertificate();
+    const double now = is_convex ? criterion_.Cost(c) : 0.0;
+    const Eigen::VectorXd gains =
+        is_convex ? GainsOf(set_, criterion_.Slope(c)) : Eigen::VectorXd::Constant(set_.size(), kInfinity);
     int best = -1;
     *cost = kInfinity;
-    for (const int i : trials_) {
-      if (barred[i]) continue;
-      const double trial = CostWith(c, block, now, i);
+    for (const int k : Foremost(gains, set_.size())) {
+      if (now - gains[k] >= *cost) break;
+      if (barred[trials_[k]]) continue;
+      const double trial = beside.With(set_.of(k));
       if (trial < *cost) {
         *cost = trial;
-        best = i;
+        best = trials_[k];
       }
     }
     return best;
   }
 
  private:
-  double CostWith(const Eigen::MatrixXd& c, const Eigen::MatrixXd& block, double now, int i) const {
-    const auto a = set_.of(i);
-    const Eigen::MatrixXd ac = a * c;
-    const Eigen::MatrixXd k = Eigen::MatrixXd::Identity(a.rows(), a.rows()) + ac * a.transpose();
-    const Eigen::LLT<Eigen::MatrixXd> root(k);
-    if (criterion_.kind == CriterionKind::kI) {
-      return now - root.solve(ac * criterion_.weight * ac.transpose()).trace();
-    }
-    const Eigen::MatrixXd part = root.matrixL().solve(Eigen::MatrixXd(ac(Eigen::all, columns_)));
-    return criterion_.CostOfBlock(block - part.transpose() * part);
-  }
-
-  const CandidateSet& set_;
   const Criterion& criterion_;
-  std::vector<int> trials_;
-  std::vector<int> columns_;
+  const std::vector<int> trials_;
+  const CandidateSet set_;
 };
 
 // One pose at a time, beside a little of the approximate design so that the first ones have a cost.
@@ -123,13 +237,12 @@ std::vector<int> Drawn(const Eigen::VectorXd& weights, int poses, bool repeats, 
 
 // Each pose in turn is taken out and the best one put in, until a round changes nothing.
 ExactDesign Exchanged(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
-                      const Adder& adder, std::vector<int> picks, bool repeats) {
-  constexpr int kRounds = 20;
+                      const Adder& adder, std::vector<int> picks, bool repeats, int rounds) {
   constexpr double kWorth = 1e-6;  // of the cost's scale: below is rounding
   ExactDesign design{std::move(picks), {}, 0.0};
   std::vector<bool> barred(set.size(), false);
   for (const int i : design.picks) barred[i] = !repeats;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     design.covariance = CovarianceOf(set, known, design.picks);
     design.cost = criterion.Cost(design.covariance);
     bool changed = false;
@@ -153,16 +266,35 @@ ExactDesign Exchanged(const CandidateSet& set, const Eigen::MatrixXd& known, con
   return design;
 }
 
-// Those of the largest gains.
-std::vector<int> Foremost(const Eigen::VectorXd& gains, int most) {
-  std::vector<int> order(gains.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return gains[a] > gains[b]; });
-  if (static_cast<int>(order.size()) > most) order.resize(most);
-  return order;
+}  // namespace
+
+CandidateSet CandidateSet::Subset(const std::vector<int>& candidates) const {
+  CandidateSet subset;
+  subset.first = {0};
+  for (const int i : candidates) subset.first.push_back(subset.first.back() + count(i));
+  subset.rows.resize(subset.first.back(), rows.cols());
+  for (size_t k = 0; k < candidates.size(); ++k)
+    subset.rows.middleRows(subset.first[k], count(candidates[k])) = of(candidates[k]);
+  return subset;
 }
 
-}  // namespace
+void CandidateSet::Append(const std::vector<Eigen::MatrixXd>& candidates) {
+  int more = 0;
+  for (const Eigen::MatrixXd& own : candidates) more += static_cast<int>(own.rows());
+  int next = static_cast<int>(rows.rows());
+  rows.conservativeResize(next + more, Eigen::NoChange);
+  for (const Eigen::MatrixXd& own : candidates) {
+    rows.middleRows(next, own.rows()) = own;
+    next += static_cast<int>(own.rows());
+    first.push_back(next);
+  }
+}
+
+Eigen::VectorXd GainsOf(const CandidateSet& set, const Eigen::MatrixXd& slope) {
+  Eigen::VectorXd gains(set.size());
+  InHalves(set, [&](int from, int to) { AddGains(set, slope, from, to, &gains); });
+  return gains;
+}
 
 Eigen::MatrixXd CovarianceOf(const CandidateSet& set, const Eigen::MatrixXd& known, const std::vector<int>& picks) {
   Eigen::MatrixXd information = known;
@@ -170,26 +302,87 @@ Eigen::MatrixXd CovarianceOf(const CandidateSet& set, const Eigen::MatrixXd& kno
   return InverseOf(information);
 }
 
+// C -/+ C A' (I +/- A C A')^-1 A C.
+Eigen::MatrixXd Updated(const Eigen::MatrixXd& c, const Eigen::MatrixXd& a, double sign) {
+  const Eigen::MatrixXd ac = a * c;
+  const Eigen::MatrixXd k = Eigen::MatrixXd::Identity(a.rows(), a.rows()) + sign * (ac * a.transpose());
+  const Eigen::MatrixXd updated = c - sign * (ac.transpose() * k.ldlt().solve(ac));
+  return 0.5 * (updated + updated.transpose());
+}
+
+CostBeside::CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covariance)
+    : criterion_(criterion), c_(covariance), columns_(criterion.Columns(static_cast<int>(covariance.rows()))) {
+  block_ = c_(columns_, columns_);
+  const bool is_known =
+      IsLogarithm(criterion) || criterion.kind == CriterionKind::kA || criterion.kind == CriterionKind::kI;
+  if (is_known) now_ = criterion.CostOfBlock(block_);
+  if (criterion.kind == CriterionKind::kI) middle_ = c_ * criterion.weight * c_;
+  const Eigen::MatrixXd tall = c_(Eigen::all, columns_);
+  if (criterion.kind == CriterionKind::kA) middle_ = tall * tall.transpose();
+  if (IsLogarithm(criterion)) middle_ = c_ - tall * block_.llt().solve(tall.transpose());
+}
+
+// With K = I + A C A': of I and A the loss tr(K^-1 A middle A'). Of D ln det C'_SS = ln det C_SS - ln det K
+// + ln det(I + A middle A'), the last of what would be left unknown if S were known.
+double CostBeside::With(const Eigen::MatrixXd& rows) const {
+  const Eigen::MatrixXd ac = rows * c_;
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(rows.rows(), rows.rows());
+  const Eigen::LLT<Eigen::MatrixXd> root(one + ac * rows.transpose());
+  if (middle_.size() == 0) {
+    const Eigen::MatrixXd part = root.matrixL().solve(Eigen::MatrixXd(ac(Eigen::all, columns_)));
+    return criterion_.CostOfBlock(block_ - part.transpose() * part);
+  }
+  const Eigen::MatrixXd inner = rows * middle_ * rows.transpose();
+  if (!IsLogarithm(criterion_)) return now_ - root.solve(inner).trace();
+  const auto log_det = [](const Eigen::LLT<Eigen::MatrixXd>& of) {
+    return 2.0 * of.matrixLLT().diagonal().array().log().sum();
+  };
+  return now_ - log_det(root) + log_det((one + inner).llt());
+}
+
+std::vector<int> Foremost(const Eigen::VectorXd& values, int most) {
+  std::vector<int> order(values.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto before = [&](int a, int b) { return values[a] > values[b] || (values[a] == values[b] && a < b); };
+  if (static_cast<int>(order.size()) <= most) {
+    std::sort(order.begin(), order.end(), before);
+  } else {
+    std::partial_sort(order.begin(), order.begin() + most, order.end(), before);
+    order.resize(most);
+  }
+  return order;
+}
+
 ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion,
-                                   double poses, double tolerance, int max_iterations) {
-  const bool is_logarithm = criterion.kind == CriterionKind::kD || criterion.kind == CriterionKind::kO1;
-  const double power = is_logarithm ? 1.0 : 0.5;  // Silvey, Titterington and Torsney: 1 for D, 1/2 for A
-  ApproximateDesign design;
-  design.weights.setConstant(set.size(), 1.0 / set.size());
-  design.bound = -kInfinity;
+                                   double poses, double tolerance, int max_iterations, const Eigen::VectorXd* start) {
+  constexpr int kJoins = 60;
   // Without a slope of its own a criterion searches among what D favours.
   Criterion guide = criterion;
   if (!criterion.HasCertificate()) guide.kind = CriterionKind::kD;
-  for (design.iterations = 0; design.iterations < max_iterations; ++design.iterations) {
-    const Eigen::MatrixXd covariance = InverseOf(InformationOf(set, known, poses * design.weights));
-    design.cost = guide.Cost(covariance);
-    design.gain = GainsOf(set, guide.Slope(covariance));
+  ApproximateDesign design;
+  design.weights = start != nullptr ? *start : Eigen::VectorXd::Constant(set.size(), 1.0 / set.size());
+  design.bound = -kInfinity;
+  std::vector<int> active = FirstActive(set, design.weights, start != nullptr);
+  for (int join = 0; join < kJoins; ++join) {
+    SolveOnActive(set, known, guide, poses, 0.5 * tolerance, max_iterations, &active, &design);
     const double mean = design.weights.dot(design.gain);
-    const double gap = poses * (design.gain.maxCoeff() - mean);
+    const double gap = poses * (design.gain.maxCoeff() - mean), scale = ScaleOf(guide, design.cost);
     design.bound = std::max(design.bound, design.cost - gap);
-    if (design.cost - design.bound <= tolerance * ScaleOf(guide, design.cost) || !(mean > 0.0)) break;
-    design.weights = design.weights.cwiseProduct((design.gain / mean).array().pow(power).matrix());
-    design.weights /= design.weights.sum();
+    const bool is_near = design.cost - design.bound <= tolerance * scale;
+    if (is_near || !(mean > 0.0) || design.iterations >= max_iterations) break;
+    // Those that gain most join, with the less weight the nearer the end is.
+    const double share = std::clamp(gap / scale, 1e-4, 0.2);
+    std::vector<int> joining;
+    for (const int i : Foremost(design.gain, kJoining)) {
+      if (design.gain[i] > mean && design.weights[i] < 0.1 * share / kJoining) joining.push_back(i);
+    }
+    design.weights *= 1.0 - share;
+    if (joining.empty()) design.weights /= design.weights.sum();
+    for (const int i : joining) design.weights[i] += share / static_cast<double>(joining.size());
+    active.clear();
+    for (int i = 0; i < set.size(); ++i) {
+      if (design.weights[i] > 0.0) active.push_back(i);
+    }
   }
   return design;
 }
@@ -202,7 +395,7 @@ ExactDesign SolveExact(const CandidateSet& set, const Eigen::MatrixXd& known, co
   for (int start = 0; start < options.starts; ++start) {
     const std::vector<int> picks = start == 0 ? Greedy(set, known, adder, poses, approximate, options.repeats)
                                               : Drawn(approximate.weights, poses, options.repeats, &random);
-    const ExactDesign found = Exchanged(set, known, criterion, adder, picks, options.repeats);
+    const ExactDesign found = Exchanged(set, known, criterion, adder, picks, options.repeats, options.rounds);
     if (start == 0 || found.cost < best.cost) best = found;
   }
   return best;

@@ -1,13 +1,16 @@
 // Which poses to measure, how many, and how good the calibration will be.
 //
-// One problem holds what is measured, the candidates and the test points. Its linearization at the robot's values, in
-// the experiment's noise, with priors and joint repeatability (once per arrival), gives the information of each
-// candidate: all shots of one configuration. Directions that no data could tell count with the hold limits of the
-// estimate (FORMATS section 4). The predicted error at a test point is that of the point in its station's frame,
-// sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves.
+// One problem holds what is measured, the candidates and the test points (scene.h). Its linearization at the robot's
+// values, in the experiment's noise, with priors and joint repeatability (once per arrival), gives the information of
+// each candidate: all shots of one configuration (numbers.h). Directions that no data could tell count with the hold
+// limits of the estimate (FORMATS section 4). The predicted error at a test point is that of the point in its station's
+// frame, sqrt(tr(J C J')), as far as the model is true: what a calibration with the plan's readings leaves. Stations
+// and markers that only test poses see count as registered there. The search is search.h, the order in which poses are
+// measured route.h.
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +18,7 @@
 #include "estimator/planning/design.h"
 #include "models/effects/effect_spec.h"
 #include "models/robot.h"
+#include "problems/cell.h"
 #include "problems/experiment.h"
 #include "problems/measurements.h"
 #include "problems/parameter_set.h"
@@ -30,6 +34,9 @@ struct PlanRequest {
   const Measurements* candidates = nullptr;  // null: drawn in the joint limits
   const Measurements* tests = nullptr;       // null: the validation rows of the experiment, else all rows
   bool random_tests = false;                 // drawn in the joint limits instead
+  const Cell* cell = nullptr;                // what poses must keep to besides the joint limits
+  double model_error = 1.0;                  // factor by which errors exceed those predicted (Estimate's model error)
+  bool move = true;                          // drawn poses may move to better places
   int pool = 500;                            // poses drawn
   int most_poses = 500;                      // of the search for an accuracy
   int starts = 3;
@@ -44,25 +51,34 @@ struct PlannedParameter {
   bool identifiable = true;  // false: expected worse than its hold limit
 };
 
+// Of poses where they were drawn or found, not moved one by one: a quick plan of that many.
 struct PosesAndAccuracy {
   int poses = 0;
   double position_rms = 0.0;  // m
 };
 
 struct Plan {
-  Measurements rows;  // the chosen configurations, with the points that are expected
+  Measurements rows;  // the chosen configurations in the order of their measurement, with the points that are expected
   Criterion criterion;
   double cost = 0.0;
   double bound = 0.0;                   // cost of no plan of as many candidates is below; only with a certificate
   double efficiency = 0.0;              // of the bound over the cost; 0 without a certificate
+  bool moved = false;                   // poses were moved from where they were drawn
+  int found_beside = 0;                 // candidates that were not drawn but found from those drawn
   double position_rms = 0.0;            // m, distance, at the test points
   double position_max = 0.0;            // m, of the worst test point
   double best_rms = 0.0;                // m: no plan of as many candidates is better; 0: not known
+  double model_error = 1.0;             // factor, as stated
   Eigen::Matrix<double, 5, 1> indices;  // O1 .. O5
   std::vector<PlannedParameter> parameters;
   std::vector<PosesAndAccuracy> curve;
+  int knee = 0;  // poses from which on more only average the noise; 0: not within the curve
   int candidates = 0, infeasible = 0, tests = 0, measured = 0;
-  std::vector<std::string> words;  // what was assumed and what was not checked
+  std::map<std::string, int> infeasible_because;  // how many of those tried, by reason
+  std::vector<std::string> checked, not_checked;
+  double travel = 0.0, travel_as_found = 0.0;  // ranges of the joint that moves farthest, summed; 0: order is random
+  std::string order;                           // in words
+  std::vector<std::string> words;              // what was assumed
 };
 
 // Throws InputError for what cannot be planned.

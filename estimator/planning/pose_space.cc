@@ -34,10 +34,10 @@ int IndexOf(const std::vector<std::string>& names, const std::string& name, cons
 }
 
 // What distinguishes one way to measure a configuration from another; not when it was measured.
-std::string PatternOf(const Measurements& data, int configuration) {
+std::string PatternOf(const Measurements& data, const std::vector<int>& of_configuration) {
   std::vector<std::string> shots;
-  for (const Shot& shot : data.shots) {
-    if (shot.configuration != configuration) continue;
+  for (const int s : of_configuration) {
+    const Shot& shot = data.shots[s];
     std::vector<std::string> markers;
     for (const int k : shot.observations) {
       const Observation& row = data.observations[k];
@@ -61,39 +61,67 @@ std::string PatternOf(const Measurements& data, int configuration) {
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> PosesInLimits(const Chain& chain, int count, std::uint64_t seed) {
-  for (const Joint& joint : chain.joints) {
-    if (joint.min && joint.max) continue;
+std::vector<JointRange> DrawingRanges(const Chain& chain, const Cell* cell) {
+  std::vector<JointRange> ranges(chain.num_joints());
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    const Joint& joint = chain.joints[j];
+    JointRange& range = ranges[j];
+    if (cell != nullptr) range = cell->joints[j];
+    const auto within = [&](double level) {
+      return !(joint.min && level < *joint.min) && !(joint.max && level > *joint.max);
+    };
+    range.levels.erase(std::remove_if(range.levels.begin(), range.levels.end(), [&](double l) { return !within(l); }),
+                       range.levels.end());
+    if (joint.min) range.min = std::max(*joint.min, range.min.value_or(*joint.min));
+    if (joint.max) range.max = std::min(*joint.max, range.max.value_or(*joint.max));
+    const bool had_levels = cell != nullptr && !cell->joints[j].levels.empty();
+    if ((range.min && range.max && *range.min > *range.max) || (had_levels && range.levels.empty())) {
+      throw InputError({cell != nullptr ? cell->file : "", 0, "joints." + joint.name},
+                       "the range of joint '" + joint.name + "' in the cell lies outside its limits",
+                       "check units and signs");
+    }
+    if (!range.levels.empty() || (range.min && range.max)) continue;
     throw InputError({"", 0, "joints." + joint.name}, "joint '" + joint.name + "' has no limits to draw poses in",
                      "state min_deg and max_deg (prismatic: min_mm and max_mm), or give --candidates=FILE.csv");
   }
-  std::mt19937_64 random(seed);
-  Eigen::VectorXd shift(chain.num_joints());
-  for (double& s : shift) s = static_cast<double>(random() >> 11) * 0x1.0p-53;
-  std::vector<Eigen::VectorXd> poses(count, Eigen::VectorXd(chain.num_joints()));
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j < chain.num_joints(); ++j) {
-      const double turned = RadicalInverse(i + 1, Prime(j)) + shift[j];
-      const double share = turned - std::floor(turned);
-      poses[i][j] = *chain.joints[j].min + share * (*chain.joints[j].max - *chain.joints[j].min);
-    }
-  }
-  return poses;
+  return ranges;
 }
 
-std::string OutsideLimits(const Chain& chain, const Eigen::VectorXd& q) {
-  constexpr double kRounding = 1e-9;  // rad or m: a limit written in degrees
-  for (int j = 0; j < chain.num_joints(); ++j) {
-    const Joint& joint = chain.joints[j];
-    if (joint.min && q[j] < *joint.min - kRounding) return "joint " + joint.name + " is below its limit";
-    if (joint.max && q[j] > *joint.max + kRounding) return "joint " + joint.name + " is above its limit";
+PoseSequence::PoseSequence(std::vector<JointRange> ranges, std::uint64_t seed) : ranges_(std::move(ranges)) {
+  std::mt19937_64 random(seed);
+  shift_.resize(2 * ranges_.size());
+  for (double& s : shift_) s = static_cast<double>(random() >> 11) * 0x1.0p-53;
+}
+
+double PoseSequence::Share(int dimension) const {
+  const double turned = RadicalInverse(drawn_, Prime(dimension)) + shift_[dimension];
+  return turned - std::floor(turned);
+}
+
+PoseSequence::Drawn PoseSequence::Next() {
+  ++drawn_;
+  const int n = static_cast<int>(ranges_.size());
+  Drawn pose{Eigen::VectorXd(n), std::vector<int>(n)};
+  for (int j = 0; j < n; ++j) {
+    const JointRange& range = ranges_[j];
+    const double share = Share(j);
+    if (range.levels.empty()) {
+      pose.q[j] = *range.min + share * (*range.max - *range.min);
+    } else {
+      const size_t level = static_cast<size_t>(share * static_cast<double>(range.levels.size()));
+      pose.q[j] = range.levels[std::min(level, range.levels.size() - 1)];
+    }
+    pose.approach[j] = Share(n + j) < 0.5 ? -1 : 1;
   }
-  return "";
+  return pose;
 }
 
 ShotPatterns PatternsOf(const Measurements& data, int most) {
   std::map<std::string, std::vector<int>> alike;
-  for (size_t c = 0; c < data.configurations.size(); ++c) alike[PatternOf(data, static_cast<int>(c))].push_back(c);
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    if (!data.configurations[c].is_validation) alike[PatternOf(data, shots[c])].push_back(static_cast<int>(c));
+  }
   std::vector<std::vector<int>> groups;
   for (const auto& [pattern, configurations] : alike) groups.push_back(configurations);
   std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
@@ -110,8 +138,8 @@ ShotPatterns PatternsOf(const Measurements& data, int most) {
   return patterns;
 }
 
-int AppendConfiguration(const Measurements& from, int configuration, const Eigen::VectorXd& q, const std::string& id,
-                        Measurements* to) {
+int AppendConfiguration(const Measurements& from, int configuration, const std::vector<int>& shots,
+                        const Eigen::VectorXd& q, const std::string& id, Measurements* to) {
   const int index = static_cast<int>(to->configurations.size());
   Configuration added = from.configurations[configuration];
   if (q.size() > 0) {
@@ -120,9 +148,7 @@ int AppendConfiguration(const Measurements& from, int configuration, const Eigen
   }
   to->configurations.push_back(added);
   // `from` may be what `to` grows from: by index, and copies.
-  const size_t shots = from.shots.size();
-  for (size_t s = 0; s < shots; ++s) {
-    if (from.shots[s].configuration != configuration) continue;
+  for (const int s : shots) {
     Shot shot = from.shots[s];
     const std::vector<int> observations = shot.observations;
     shot.configuration = index;
@@ -146,6 +172,12 @@ int AppendConfiguration(const Measurements& from, int configuration, const Eigen
     to->shots.push_back(shot);
   }
   return index;
+}
+
+std::vector<std::vector<int>> ShotsByConfiguration(const Measurements& data) {
+  std::vector<std::vector<int>> shots(data.configurations.size());
+  for (size_t s = 0; s < data.shots.size(); ++s) shots[data.shots[s].configuration].push_back(static_cast<int>(s));
+  return shots;
 }
 
 std::vector<std::vector<int>> ObservationsByConfiguration(const Measurements& data) {

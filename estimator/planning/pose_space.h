@@ -1,8 +1,7 @@
-// Candidates of a plan: poses in the joint limits, each with the shots that the experiment takes of a configuration.
+// Poses that a plan may choose from, each with the shots that the experiment takes of a configuration.
 //
 // Joint values are a Halton sequence in as many prime bases as joints (Halton 1960), rotated by a seeded shift: they
-// fill the limits evenly and are the same on every machine. Feasible means within the joint limits and with an
-// equilibrium under the load. Collisions, line of sight and reflector acceptance are not checked.
+// fill their ranges evenly and are the same on every machine.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +9,50 @@
 #include <vector>
 
 #include "models/chain.h"
+#include "problems/cell.h"
 #include "problems/measurements.h"
 
 namespace sagitta {
 
-// `count` joint vectors, rad or m. Throws InputError for a joint without limits.
-std::vector<Eigen::VectorXd> PosesInLimits(const Chain& chain, int count, std::uint64_t seed);
+// The ranges that poses are drawn in: the joints' limits, narrowed by the cell's (null: none).
+// Throws InputError for a joint without limits, or one whose range is empty.
+std::vector<JointRange> DrawingRanges(const Chain& chain, const Cell* cell);
 
-// Empty, or which joint of the configuration is outside its limits, in words.
-std::string OutsideLimits(const Chain& chain, const Eigen::VectorXd& q);
+// Joint vectors, rad or m, one after the other; with each a sign per joint, as often -1 as +1: from which side it is
+// approached, where that matters.
+class PoseSequence {
+ public:
+  struct Drawn {
+    Eigen::VectorXd q;
+    std::vector<int> approach;
+  };
+  PoseSequence(std::vector<JointRange> ranges, std::uint64_t seed);
+  Drawn Next();
 
-// What is measured at a configuration: station, load and markers of each of its shots. One configuration of the data
-// stands for all that are measured alike; the most frequent ones first, at most `most`.
+ private:
+  double Share(int dimension) const;  // 0 to 1
+
+  std::vector<JointRange> ranges_;
+  Eigen::VectorXd shift_;
+  int drawn_ = 0;
+};
+
+// What is measured at a configuration: station, load and markers of each of its shots. One calibration configuration of
+// the data stands for all that are measured alike; the most frequent ones first, at most `most`.
 struct ShotPatterns {
   std::vector<int> configurations;  // of the data
   int left_out = 0;                 // patterns beyond `most`
 };
 ShotPatterns PatternsOf(const Measurements& data, int most);
 
-// Appends a configuration of `from` with its shots and observations; q and id in place of its own where q is not empty.
-// Stations and markers are found by name; throws InputError for one that `to` lacks. Returns its index in `to`.
-int AppendConfiguration(const Measurements& from, int configuration, const Eigen::VectorXd& q, const std::string& id,
-                        Measurements* to);
-
-// Observations of each configuration.
+// Shots of each configuration, observations of each configuration.
+std::vector<std::vector<int>> ShotsByConfiguration(const Measurements& data);
 std::vector<std::vector<int>> ObservationsByConfiguration(const Measurements& data);
+
+// Appends a configuration of `from` with the listed shots, which are its own, and their observations; q and id in place
+// of its own where q is not empty. Stations and markers are found by name; throws InputError for one that `to` lacks.
+// Returns its index in `to`.
+int AppendConfiguration(const Measurements& from, int configuration, const std::vector<int>& shots,
+                        const Eigen::VectorXd& q, const std::string& id, Measurements* to);
 
 }  // namespace sagitta

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
@@ -32,6 +33,10 @@ bool AnyShot(const Measurements& data, bool (*is_so)(const Shot&)) {
 
 }  // namespace
 
+double HalfWidth95(const Plan& plan, const PlannedParameter& parameter) {
+  return NormalQuantile(0.975) * plan.model_error * parameter.sigma;
+}
+
 std::string CertificateInWords(const Plan& plan) {
   if (!plan.criterion.HasCertificate()) {
     return std::string("The criterion ") + NameOf(plan.criterion.kind) +
@@ -40,8 +45,9 @@ std::string CertificateInWords(const Plan& plan) {
   }
   const double efficiency = plan.efficiency;
   std::string words = "Within " + Significant(100.0 * (1.0 / std::max(efficiency, 1e-9) - 1.0), 2) +
-                      " % of the best possible plan of as many of these candidates (" + InWords(plan.criterion.kind) +
-                      "; equivalence theorem).";
+                      " % of the best possible plan of as many of these candidates" +
+                      (plan.found_beside > 0 ? " and of poses found from them" : "") + " (" +
+                      InWords(plan.criterion.kind) + "; equivalence theorem).";
   if (plan.best_rms > 0.0) {
     words += " No such plan predicts less than " + Significant(Millimetres(plan.best_rms), 3) +
              " mm at the test poses; this one predicts " + Significant(Millimetres(plan.position_rms), 3) + " mm.";
@@ -55,13 +61,19 @@ Json PlanToJson(const Plan& plan) {
                {"poses", plan.rows.configurations.size()},
                {"measured", plan.measured},
                {"candidates", plan.candidates},
+               {"found_beside", plan.found_beside},
                {"infeasible", plan.infeasible},
+               {"infeasible_because", plan.infeasible_because},
+               {"checked", plan.checked},
+               {"not_checked", plan.not_checked},
                {"test_points", plan.tests},
                {"certificate", CertificateToJson(plan)},
                {"predicted",
                 {{"position_rms_mm", Millimetres(plan.position_rms)},
                  {"position_max_mm", Millimetres(plan.position_max)},
-                 {"rms_mm", Millimetres(plan.position_rms) / std::sqrt(3.0)}}}};
+                 {"rms_mm", Millimetres(plan.position_rms) / std::sqrt(3.0)},
+                 {"model_error", plan.model_error},
+                 {"position_rms_with_model_error_mm", Millimetres(plan.model_error * plan.position_rms)}}}};
   if (plan.criterion.kind == CriterionKind::kDiscriminate) {
     json["separation"] = {{"log_likelihood", -plan.cost},
                           {"words",
@@ -75,6 +87,7 @@ Json PlanToJson(const Plan& plan) {
     const QuantityTraits& traits = TraitsOf(parameter.quantity);
     json["parameters"].push_back({{"name", parameter.name},
                                   {"sigma", parameter.sigma / traits.si_per_unit},
+                                  {"ci95_half_width", HalfWidth95(plan, parameter) / traits.si_per_unit},
                                   {"unit", traits.unit},
                                   {"identifiable", parameter.identifiable}});
   }
@@ -83,6 +96,9 @@ Json PlanToJson(const Plan& plan) {
     json["accuracy_over_poses"].push_back(
         {{"poses", point.poses}, {"position_rms_mm", Millimetres(point.position_rms)}});
   }
+  json["knee"] = plan.knee > 0 ? Json(plan.knee) : Json(nullptr);
+  json["order"] = {{"words", plan.order}};
+  if (plan.travel > 0.0) json["order"]["travel_share"] = plan.travel / std::max(plan.travel_as_found, 1e-300);
   json["words"] = plan.words;
   return json;
 }
@@ -93,10 +109,12 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const bool has_wrench = AnyShot(data, [](const Shot& shot) { return !shot.wrench.IsZero(); });
   const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
                                      [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });
+  const bool has_approach = AnyShot(data, [](const Shot& shot) { return !shot.approach.empty(); });
   std::string csv = "config,marker,station";
   for (int j = 0; j < chain.num_joints(); ++j) {
     csv += ",q" + std::to_string(j + 1) + (chain.joints[j].type == JointType::kRevolute ? "_deg" : "_mm");
   }
+  for (int j = 0; j < chain.num_joints() && has_approach; ++j) csv += ",approach" + std::to_string(j + 1);
   if (has_load) csv += ",load";
   if (has_wrench) csv += ",fx_N,fy_N,fz_N,mx_Nm,my_Nm,mz_Nm";
   if (has_sigma) csv += ",sigma_x_mm,sigma_y_mm,sigma_z_mm";
@@ -110,6 +128,10 @@ std::string PlanToCsv(const Chain& chain, const Plan& plan) {
            CsvCell(data.stations[shot.station]);
     for (int j = 0; j < chain.num_joints(); ++j) {
       add(ToUnit(configuration.q[j], UnitNamed(chain.joints[j].type == JointType::kRevolute ? "deg" : "mm")));
+    }
+    for (int j = 0; j < chain.num_joints() && has_approach; ++j) {
+      const bool is_stated = !shot.approach.empty() && shot.approach[j] != kApproachNotStated;
+      csv += "," + (is_stated ? std::to_string(shot.approach[j]) : std::string());
     }
     if (has_load) csv += "," + CsvCell(shot.load);
     for (int i = 0; i < 3 && has_wrench; ++i) add(shot.wrench.force[i]);

@@ -11,8 +11,11 @@ namespace sagitta {
 
 nlohmann::ordered_json PlanToJson(const Plan& plan);
 
-// config, marker, joint values (deg, mm), station, and load, wrench, sigma columns where a row has some.
+// config, marker, joint values (deg, mm), station, and approach, load, wrench, sigma columns where a row has some.
 std::string PlanToCsv(const Chain& chain, const Plan& plan);
+
+// Half the 95 % interval that is expected of a parameter, with model error, SI.
+double HalfWidth95(const Plan& plan, const PlannedParameter& parameter);
 
 // The certificate: how near the plan is to the best possible one of these candidates.
 std::string CertificateInWords(const Plan& plan);

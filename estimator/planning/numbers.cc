@@ -1,0 +1,209 @@
+#include "estimator/planning/numbers.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_batches.h"
+#include "estimator/planning/pose_space.h"
+#include "problems/input_error.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSizePerHold = 0.02;  // rivals are compared at a size that moves 0.1 mm or 0.1 mrad (hold limit: 5)
+
+std::vector<int> Joined(const std::vector<std::vector<int>>& observations, const std::vector<int>& configurations) {
+  std::vector<int> all;
+  for (const int c : configurations) all.insert(all.end(), observations[c].begin(), observations[c].end());
+  return all;
+}
+
+NoiseRoots StatedNoise(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  const NoiseRoots roots = ObservationNoise(problem, observations, 0.0);
+  if (std::all_of(roots.begin(), roots.end(), IsStated)) return roots;
+  throw InputError({problem.experiment.file, 0, "noise"}, "a plan weighs readings, and nothing states their noise",
+                   "give --sigma_mm, or noise: {sigma_mm: …} in the experiment file");
+}
+
+Eigen::MatrixXd RowsOf(const CalibrationProblem& problem, const std::vector<int>& observations,
+                       const std::vector<int>& columns) {
+  return Linearize(problem, problem.parameters, observations, columns, StatedNoise(problem, observations)).jacobian;
+}
+
+// Columns of base and markers that no candidate and no measured row changes.
+std::vector<bool> OnlyTested(const CalibrationProblem& problem, const PlanNumbers& numbers,
+                             const Eigen::MatrixXd& beside) {
+  std::vector<bool> only(numbers.columns.size(), false);
+  for (size_t i = 0; i < only.size(); ++i) {
+    const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
+    const bool of_robot = problem.parameters.blocks()[coordinate.block].kind == BlockKind::kModelParameter;
+    only[i] = !of_robot && numbers.set.rows.col(i).isZero(0.0) && beside.col(i).isZero(0.0);
+  }
+  return only;
+}
+
+// What is left of the test rows after these columns were fitted to them.
+void Register(const std::vector<bool>& registered, Eigen::MatrixXd* test_rows) {
+  std::vector<int> open;
+  for (size_t i = 0; i < registered.size(); ++i) {
+    if (registered[i]) open.push_back(static_cast<int>(i));
+  }
+  if (open.empty()) return;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr((*test_rows)(Eigen::all, open));
+  qr.setThreshold(1e-10);
+  Eigen::MatrixXd rotated = qr.householderQ().transpose() * *test_rows;
+  rotated.topRows(qr.rank()).setZero();
+  *test_rows = qr.householderQ() * rotated;
+  (*test_rows)(Eigen::all, open).setZero();
+}
+
+void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers* numbers) {
+  const int n = static_cast<int>(numbers->columns.size());
+  numbers->scale.resize(n);
+  Eigen::VectorXd held(n);  // 1 / hold limit
+  for (int i = 0; i < n; ++i) {
+    const double limit = problem.parameters.coordinates()[numbers->columns[i]].hold_limit;
+    const double norm = numbers->set.rows.col(i).norm() / std::sqrt(static_cast<double>(candidates));
+    numbers->scale[i] = norm * limit > 1e-6 ? 1.0 / norm : limit;
+    numbers->set.rows.col(i) *= numbers->scale[i];
+    held[i] = numbers->scale[i] / limit;
+  }
+  numbers->known = held.cwiseAbs2().asDiagonal();
+}
+
+}  // namespace
+
+int PlanNumbers::LeastPoses() const {
+  int most = 1;
+  for (int i = 0; i < set.size(); ++i) most = std::max(most, set.count(i));
+  const int missing = unknowns() - equations_known;
+  return std::max(1, (missing + most - 1) / most);
+}
+
+PlanNumbers MakePlanNumbers(const PlanScene& scene) {
+  const CalibrationProblem& problem = *scene.problem;
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data);
+  PlanNumbers numbers;
+  numbers.columns = problem.parameters.EstimatedCoordinates();
+  numbers.set.rows = RowsOf(problem, Joined(observations, scene.candidates), numbers.columns);
+  numbers.set.first = {0};
+  for (const int c : scene.candidates) {
+    numbers.set.first.push_back(numbers.set.first.back() + 3 * static_cast<int>(observations[c].size()));
+  }
+  ScaleColumns(problem, static_cast<int>(scene.candidates.size()), &numbers);
+
+  Linearization beside = Linearize(problem, problem.parameters, {}, numbers.columns, {}, LatentTreatment::kIgnore);
+  const std::vector<int> of_measured = Joined(observations, scene.measured);
+  if (!of_measured.empty()) {
+    beside = Linearize(problem, problem.parameters, of_measured, numbers.columns, StatedNoise(problem, of_measured));
+  }
+  AppendPriors(problem.parameters, &beside);
+  numbers.equations_known = beside.num_rows();
+  numbers.registered = OnlyTested(problem, numbers, beside.jacobian);
+  const Eigen::MatrixXd rows = beside.jacobian * numbers.scale.asDiagonal();
+  numbers.known += rows.transpose() * rows;
+
+  const std::vector<int> points = problem.data.PointsAmong(Joined(observations, scene.tests));
+  const NoiseRoots metres(points.size(), Matrix3<double>::Identity());
+  numbers.test_rows =
+      Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *
+      numbers.scale.asDiagonal();
+  Register(numbers.registered, &numbers.test_rows);
+  return numbers;
+}
+
+Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& numbers, const PlanRequest& request) {
+  Criterion criterion;
+  criterion.kind = request.discriminate.empty() ? request.criterion : CriterionKind::kDiscriminate;
+  criterion.weight = numbers.test_rows.transpose() * numbers.test_rows / (numbers.test_rows.rows() / 3.0);
+  std::vector<double> sizes;
+  for (size_t i = 0; i < numbers.columns.size(); ++i) {
+    const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
+    if (criterion.kind != CriterionKind::kDiscriminate) {
+      if (problem.parameters.blocks()[coordinate.block].kind == BlockKind::kModelParameter) {
+        criterion.interest.push_back(static_cast<int>(i));
+      }
+      continue;
+    }
+    for (size_t k = 0; k < request.discriminate.size(); ++k) {
+      if (coordinate.name.rfind(request.discriminate[k].Path() + "/", 0) != 0) continue;
+      criterion.interest.push_back(static_cast<int>(i));
+      criterion.rival_of.push_back(static_cast<int>(k));
+      sizes.push_back(kSizePerHold * coordinate.hold_limit / numbers.scale[i]);
+    }
+  }
+  criterion.size = Eigen::Map<Eigen::VectorXd>(sizes.data(), sizes.size());
+  if (criterion.interest.empty() && criterion.kind != CriterionKind::kI) {
+    throw InputError({problem.experiment.file, 0, "estimate"}, "no parameter of the robot is free",
+                     "the criteria D, A, E and O1 to O5 need some; use I");
+  }
+  return criterion;
+}
+
+PoseRows::PoseRows(PlanScene* scene, const PlanNumbers& numbers) : scene_(scene), numbers_(numbers) {
+  const Measurements& data = scene->problem->data;
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(data);
+  for (const int c : scene->movable) {
+    shots_.push_back(shots[c]);
+    observations_.push_back(observations[c]);
+    sights_.push_back(SightsOf(data, shots[c]));
+  }
+}
+
+bool PoseRows::IsFeasible(const PlannedPose& pose) const {
+  return scene_->feasible->WhyNot(pose.q, sights_[pose.way]).empty();
+}
+
+void PoseRows::Move(const PlannedPose& pose) {
+  CalibrationProblem& problem = *scene_->problem;
+  for (const int s : shots_[pose.way]) {
+    ShotConditions& conditions = problem.shot_inputs[s].conditions;
+    conditions.q = pose.q;
+    if (!pose.approach.empty()) {
+      conditions.approach = pose.approach;
+      problem.data.shots[s].approach = pose.approach;
+    }
+    problem.model.Prepare(&problem.shot_inputs[s]);
+  }
+}
+
+bool PoseRows::Expect(int way) {
+  CalibrationProblem& problem = *scene_->problem;
+  const std::vector<int>& observations = observations_[way];
+  const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, observations);
+  if (!points.allFinite()) return false;
+  for (size_t k = 0; k < observations.size(); ++k) {
+    problem.data.observations[observations[k]].Read(points.col(k), Vector3<double>::Zero());
+  }
+  return true;
+}
+
+int PoseRows::MoveTo(const PlannedPose& pose) {
+  Move(pose);
+  Expect(pose.way);
+  return scene_->movable[pose.way];
+}
+
+Eigen::MatrixXd PoseRows::At(const PlannedPose& pose) {
+  Move(pose);
+  CalibrationProblem& problem = *scene_->problem;
+  const std::vector<int>& observations = observations_[pose.way];
+  if (problem.experiment.noise.from == NoiseSpec::From::kInstrument) {  // depends on where the point is
+    if (!Expect(pose.way)) return Eigen::MatrixXd();
+  } else {  // not measured: derivatives are those of the prediction
+    for (const int k : observations) {
+      problem.data.observations[k].point_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+      problem.data.observations[k].rotation_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  const Linearization rows = LinearizeByModel(problem, problem.parameters, observations, numbers_.columns,
+                                              ObservationNoise(problem, observations, 0.0));
+  if (!rows.valid) return Eigen::MatrixXd();
+  return rows.jacobian * numbers_.scale.asDiagonal();
+}
+
+}  // namespace sagitta

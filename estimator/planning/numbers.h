@@ -1,0 +1,66 @@
+// A plan's scene as numbers: what each candidate tells of the scaled unknowns, what is known before, what test points
+// depend on.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "estimator/planning/design.h"
+#include "estimator/planning/scene.h"
+
+namespace sagitta {
+
+struct PlanNumbers {
+  std::vector<int> columns;  // coordinates
+  Eigen::VectorXd scale;     // SI value of one unit of each column
+  CandidateSet set;
+  Eigen::MatrixXd known;      // priors, hold limits, measured rows
+  Eigen::MatrixXd test_rows;  // m per unit, three per test point
+  int equations_known = 0;    // measured rows and priors
+  // Of `columns`: base and markers that only test poses see. They are registered there, so test_rows do not depend on
+  // them, and what else registering takes up is no error either.
+  std::vector<bool> registered;
+
+  // Those that the plan has to determine.
+  int unknowns() const { return static_cast<int>(std::count(registered.begin(), registered.end(), false)); }
+  // The least number of poses that has as many equations as unknowns.
+  int LeastPoses() const;
+};
+
+// Throws InputError where nothing states the noise.
+PlanNumbers MakePlanNumbers(const PlanScene& scene);
+
+// Throws InputError where no parameter of the robot is free and the criterion asks for one.
+Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& numbers, const PlanRequest& request);
+
+// A pose that may be anywhere: one way to measure, joint values, sides of approach where they matter.
+struct PlannedPose {
+  int candidate = -1;  // of the list, where it stays there
+  int way = -1;
+  Eigen::VectorXd q;
+  std::vector<int> approach;
+};
+
+// Rows of poses that are no candidates.
+class PoseRows {
+ public:
+  // Moves the movable configurations of the scene's problem; both must outlive this.
+  PoseRows(PlanScene* scene, const PlanNumbers& numbers);
+
+  // As in PlanNumbers::set; no rows where the load folds the arm.
+  Eigen::MatrixXd At(const PlannedPose& pose);
+  bool IsFeasible(const PlannedPose& pose) const;
+  // The configuration that stands at the pose now, with the readings that are expected there.
+  int MoveTo(const PlannedPose& pose);
+
+ private:
+  void Move(const PlannedPose& pose);
+  bool Expect(int way);  // false: the load folds the arm
+
+  PlanScene* scene_;
+  const PlanNumbers& numbers_;
+  std::vector<std::vector<int>> shots_, observations_;  // of each way
+  std::vector<std::vector<Sight>> sights_;
+};
+
+}  // namespace sagitta

@@ -1,0 +1,329 @@
+#include "estimator/planning/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/alignment/starting_values.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/planning/pose_space.h"
+#include "problems/excitation.h"
+#include "problems/input_error.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kMostPatterns = 8;   // ways to measure a configuration that are offered for every pose
+constexpr int kRandomTests = 100;  // poses; their mean square is known to about a tenth
+constexpr int kPlacing = 100;      // candidates beside the rows in the problem that base and markers are found with
+constexpr int kTriesPerPose = 200;
+
+bool NeedsApproach(const Robot& robot) {
+  return std::any_of(robot.effects.begin(), robot.effects.end(), [](const EffectSpec& effect) {
+    return effect.effect == "backlash" && effect.TextSetting("by", "approach") == "approach";
+  });
+}
+
+Robot WithRivals(const Robot& robot, const std::vector<EffectSpec>& rivals) {
+  Robot extended = robot;
+  for (const EffectSpec& rival : rivals) {
+    const bool is_there = std::any_of(robot.effects.begin(), robot.effects.end(),
+                                      [&](const EffectSpec& own) { return own.Path() == rival.Path(); });
+    if (!is_there) extended.effects.push_back(rival);
+  }
+  return extended;
+}
+
+std::unique_ptr<CalibrationProblem> ProblemOf(const Robot& robot, const Measurements& rows,
+                                              const Experiment& experiment, const std::vector<EffectSpec>& rivals) {
+  Experiment whole = experiment;
+  whole.validation = ValidationSpec();
+  whole.validation.kind = ValidationSpec::Kind::kNone;
+  auto problem =
+      std::make_unique<CalibrationProblem>(MakeCalibrationProblem(WithRivals(robot, rivals), rows, std::move(whole)));
+  for (const EffectSpec& rival : rivals) {
+    for (const int i : problem->parameters.Match(rival.Path())) problem->parameters.coordinate(i).free = true;
+  }
+  return problem;
+}
+
+// Base and markers: registered to the readings where there are any, else as the experiment states them.
+void Place(const Measurements& data, CalibrationProblem* problem, std::vector<std::string>* words) {
+  std::vector<int> read;
+  for (size_t k = 0; k < data.observations.size(); ++k) {
+    if (data.observations[k].point_in_station.allFinite()) read.push_back(static_cast<int>(k));
+  }
+  if (!read.empty()) {
+    FindStartingValues(*problem, read, {}, &problem->parameters);
+    words->push_back("Base and markers are those that fit the readings best with the robot as its file states it.");
+    return;
+  }
+  for (const std::string& marker : problem->data.markers) {
+    const auto spec = problem->experiment.markers.find(marker);
+    if (spec != problem->experiment.markers.end() && spec->second.point) continue;
+    throw InputError({problem->experiment.file, 0, "markers"},
+                     "nothing says where marker '" + marker + "' is: no row has a reading",
+                     "state markers: {" + marker + ": {xyz_mm: …}} in the experiment file");
+  }
+  words->push_back("Base, markers and robot are taken as the files state them: no row has a reading.");
+}
+
+void CopyPlaces(const CalibrationProblem& from, CalibrationProblem* to) {
+  for (size_t s = 0; s < to->data.stations.size(); ++s) {
+    to->parameters.SetBaseInStation(static_cast<int>(s), from.parameters.BaseInStation(static_cast<int>(s)));
+  }
+  for (int m = 0; m < static_cast<int>(to->data.markers.size()); ++m) {
+    to->parameters.SetMarkerPoint(m, from.parameters.MarkerPoint(m));
+    if (to->parameters.is_oriented(m)) to->parameters.SetMarkerRotation(m, from.parameters.MarkerRotation(m));
+  }
+}
+
+// Grows the rows of a plan's problem.
+class Rows {
+ public:
+  explicit Rows(const Measurements& data) : rows(data) {}
+
+  int Add(const Measurements& from, int configuration, const std::vector<int>& shots, const Eigen::VectorXd& q,
+          const std::string& id, const std::vector<int>& approach) {
+    const size_t first = rows.shots.size();
+    const int added = AppendConfiguration(from, configuration, shots, q, id, &rows);
+    if (!approach.empty()) {
+      for (size_t s = first; s < rows.shots.size(); ++s) rows.shots[s].approach = approach;
+    }
+    return added;
+  }
+
+  // All of a list, the files of its rows too.
+  std::vector<int> AddAll(const Measurements& from, const std::vector<int>& configurations) {
+    const int files = static_cast<int>(rows.files.size());
+    const size_t first = rows.observations.size();
+    rows.files.insert(rows.files.end(), from.files.begin(), from.files.end());
+    const std::vector<std::vector<int>> shots = ShotsByConfiguration(from);
+    std::vector<int> added;
+    for (const int c : configurations) added.push_back(Add(from, c, shots[c], {}, "", {}));
+    for (size_t k = first; k < rows.observations.size(); ++k) rows.observations[k].file += files;
+    return added;
+  }
+
+  Measurements rows;
+};
+
+std::vector<int> All(size_t count) {
+  std::vector<int> all(count);
+  for (size_t i = 0; i < count; ++i) all[i] = static_cast<int>(i);
+  return all;
+}
+
+// Draws poses, each with every way that the rows show.
+class Drawing {
+ public:
+  Drawing(const Measurements& data, const std::vector<JointRange>& ranges, bool with_approach)
+      : data_(data),
+        ranges_(ranges),
+        with_approach_(with_approach),
+        patterns_(PatternsOf(data, kMostPatterns)),
+        shots_(ShotsByConfiguration(data)) {
+    for (const int pattern : patterns_.configurations) sights_.push_back(SightsOf(data, shots_[pattern]));
+  }
+
+  const ShotPatterns& patterns() const { return patterns_; }
+
+  // Until `count` poses can be measured in some way. feasible: null: all can. reasons: of those that cannot, null: not
+  // counted.
+  void Draw(int count, std::uint64_t seed, const std::string& prefix, const FeasiblePoses* feasible, Rows* rows,
+            std::vector<int>* list, std::vector<int>* ways, std::map<std::string, int>* reasons) const {
+    PoseSequence poses(ranges_, seed);
+    const long most = feasible == nullptr ? count : std::max(20000L, static_cast<long>(kTriesPerPose) * count);
+    int found = 0;
+    for (long tried = 0; tried < most && found < count; ++tried) {
+      const PoseSequence::Drawn pose = poses.Next();
+      bool any = false;
+      for (size_t way = 0; way < patterns_.configurations.size(); ++way) {
+        const std::string why = feasible == nullptr ? "" : feasible->WhyNot(pose.q, sights_[way]);
+        if (!why.empty()) {
+          if (reasons != nullptr) ++(*reasons)[why];
+          continue;
+        }
+        any = true;
+        const int pattern = patterns_.configurations[way];
+        list->push_back(rows->Add(data_, pattern, shots_[pattern], pose.q, prefix + std::to_string(found + 1),
+                                  with_approach_ ? pose.approach : std::vector<int>()));
+        if (ways != nullptr) ways->push_back(static_cast<int>(way));
+      }
+      found += any ? 1 : 0;
+    }
+  }
+
+  // One configuration of each way, to be moved.
+  std::vector<int> Movable(Rows* rows) const {
+    std::vector<int> movable;
+    for (const int pattern : patterns_.configurations) {
+      const Eigen::VectorXd q = data_.configurations[pattern].q;
+      movable.push_back(rows->Add(data_, pattern, shots_[pattern], q, "movable" + std::to_string(movable.size()),
+                                  with_approach_ ? std::vector<int>(q.size(), 1) : std::vector<int>()));
+    }
+    return movable;
+  }
+
+ private:
+  const Measurements& data_;
+  const std::vector<JointRange>& ranges_;
+  const bool with_approach_;
+  const ShotPatterns patterns_;
+  const std::vector<std::vector<int>> shots_;
+  std::vector<std::vector<Sight>> sights_;
+};
+
+// The reasons, most frequent first.
+std::vector<std::string> ReasonsInWords(const std::map<std::string, int>& reasons) {
+  std::vector<std::pair<int, std::string>> sorted;
+  for (const auto& [why, count] : reasons) sorted.emplace_back(-count, why);
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::string> words;
+  for (const auto& [count, why] : sorted) words.push_back(why + " (" + std::to_string(-count) + ")");
+  return words;
+}
+
+[[noreturn]] void FailInfeasible(const PlanScene& scene, const PlanRequest& request) {
+  const bool is_listed = request.candidates != nullptr;
+  const std::string file = request.cell != nullptr ? request.cell->file : "";
+  const std::string what =
+      is_listed ? "none of the listed candidates can be measured" : "no pose that was drawn can be measured";
+  throw InputError({file, 0, request.cell != nullptr ? "--cell" : "--candidates"},
+                   what + ": " + Enumerate(ReasonsInWords(scene.infeasible), 4),
+                   request.cell != nullptr
+                       ? "widen what forbids most of them; frames and units of the cell are those of "
+                         "the robot's base, mm and deg"
+                       : "check the units of the list and the limits of the robot file");
+}
+
+std::vector<int> FeasibleOf(const Measurements& list, const FeasiblePoses& feasible,
+                            std::map<std::string, int>* reasons) {
+  const std::vector<std::vector<int>> shots = ShotsByConfiguration(list);
+  std::vector<int> kept;
+  for (size_t c = 0; c < list.configurations.size(); ++c) {
+    const std::string why = feasible.WhyNot(list.configurations[c].q, SightsOf(list, shots[c]));
+    if (why.empty()) {
+      kept.push_back(static_cast<int>(c));
+    } else {
+      ++(*reasons)[why];
+    }
+  }
+  return kept;
+}
+
+// Puts the readings that are expected into these configurations; drops those whose load folds the arm.
+void ExpectReadings(PlanScene* scene) {
+  CalibrationProblem& problem = *scene->problem;
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data);
+  const auto expect = [&](const std::vector<int>& rows) {
+    const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, rows);
+    if (!points.allFinite()) return false;
+    for (size_t k = 0; k < rows.size(); ++k)
+      problem.data.observations[rows[k]].Read(points.col(k), Vector3<double>::Zero());
+    return true;
+  };
+  std::vector<int> together;
+  for (const std::vector<int>* list : {&scene->candidates, &scene->tests}) {
+    for (const int c : *list) together.insert(together.end(), observations[c].begin(), observations[c].end());
+  }
+  if (expect(together)) return;
+  const auto holds = [&](int c) { return expect(observations[c]); };
+  std::vector<int> kept, ways;
+  for (size_t i = 0; i < scene->candidates.size(); ++i) {
+    if (!holds(scene->candidates[i])) {
+      ++scene->infeasible["the load folds the arm: no equilibrium"];
+      continue;
+    }
+    kept.push_back(scene->candidates[i]);
+    if (!scene->way_of.empty()) ways.push_back(scene->way_of[i]);
+  }
+  scene->candidates = kept;
+  scene->way_of = ways;
+  const long folded = std::count_if(scene->tests.begin(), scene->tests.end(), [&](int c) { return !holds(c); });
+  if (folded > 0) {
+    throw InputError({problem.experiment.file, 0, "loads"},
+                     "at " + std::to_string(folded) + " test poses the load folds the arm: no equilibrium",
+                     "check the load and the compliances, or take these poses out");
+  }
+}
+
+void AddTests(const Measurements& data, const PlanRequest& request, const Drawing* drawing, Rows* rows,
+              PlanScene* scene) {
+  if (request.tests != nullptr) {
+    scene->tests = rows->AddAll(*request.tests, All(request.tests->configurations.size()));
+  } else if (request.random_tests) {
+    drawing->Draw(kRandomTests, request.seed + 1, "T", scene->feasible.get(), rows, &scene->tests, nullptr, nullptr);
+  } else {
+    const bool has_validation =
+        std::any_of(data.configurations.begin(), data.configurations.end(),
+                    [](const Configuration& configuration) { return configuration.is_validation; });
+    for (size_t c = 0; c < data.configurations.size(); ++c) {
+      if (!has_validation || data.configurations[c].is_validation) scene->tests.push_back(static_cast<int>(c));
+    }
+  }
+  if (scene->tests.empty()) {
+    throw InputError({"", 0, "--tests"}, "there is no test pose to be accurate at", "give --tests=FILE.csv");
+  }
+}
+
+// Base and markers, found with the rows and some poses beside them, so that there are more equations than unknowns.
+void FindPlaces(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request,
+                const Drawing* drawing, PlanScene* scene) {
+  Rows rows(data);
+  std::vector<int> ignored;
+  if (drawing != nullptr) {
+    drawing->Draw(kPlacing, request.seed, "P", nullptr, &rows, &ignored, nullptr, nullptr);
+  } else {
+    rows.AddAll(*request.candidates, All(std::min<size_t>(kPlacing, request.candidates->configurations.size())));
+  }
+  scene->placed = ProblemOf(robot, rows.rows, experiment, request.discriminate);
+  Place(data, scene->placed.get(), &scene->words);
+  scene->feasible = std::make_unique<FeasiblePoses>(*scene->placed, request.cell);
+}
+
+}  // namespace
+
+PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Experiment& experiment,
+                        const PlanRequest& request) {
+  PlanScene scene;
+  std::unique_ptr<Drawing> drawing;
+  if (request.candidates == nullptr || request.random_tests) {
+    scene.ranges = DrawingRanges(robot.chain, request.cell);
+    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithRivals(robot, request.discriminate)));
+    if (drawing->patterns().left_out > 0) {
+      scene.words.push_back("The rows show " + std::to_string(drawing->patterns().left_out) +
+                            " more ways to measure a pose than the " + std::to_string(kMostPatterns) +
+                            " most frequent ones that are offered.");
+    }
+  }
+  if (request.candidates != nullptr && request.candidates->configurations.empty()) {
+    throw InputError({"", 0, "--candidates"}, "the list of candidates is empty");
+  }
+  FindPlaces(robot, data, experiment, request, request.candidates == nullptr ? drawing.get() : nullptr, &scene);
+  Rows rows(data);
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    if (request.augment && !data.configurations[c].is_validation) scene.measured.push_back(static_cast<int>(c));
+  }
+  if (request.candidates != nullptr) {
+    scene.candidates =
+        rows.AddAll(*request.candidates, FeasibleOf(*request.candidates, *scene.feasible, &scene.infeasible));
+  } else {
+    drawing->Draw(request.pool, request.seed, "P", scene.feasible.get(), &rows, &scene.candidates, &scene.way_of,
+                  &scene.infeasible);
+    scene.movable = drawing->Movable(&rows);
+  }
+  if (scene.candidates.empty()) FailInfeasible(scene, request);
+  AddTests(data, request, drawing.get(), &rows, &scene);
+  scene.problem = ProblemOf(robot, rows.rows, experiment, request.discriminate);
+  CopyPlaces(*scene.placed, scene.problem.get());
+  SetHoldLimits(*scene.problem, &scene.problem->parameters);
+  ExpectReadings(&scene);
+  if (scene.candidates.empty()) {
+    throw InputError({experiment.file, 0, "loads"}, "at no candidate does the arm hold its load: no equilibrium",
+                     "check the load and the compliances");
+  }
+  return scene;
+}
+
+}  // namespace sagitta

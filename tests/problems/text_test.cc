@@ -1,0 +1,15 @@
+#include "problems/text.h"
+
+#include <gtest/gtest.h>
+
+namespace sagitta {
+namespace {
+
+TEST(TextTest, NumbersBelowTheNormalRangeAreNumbers) {
+  EXPECT_EQ(Significant(1.25e-310, 2), "1.2e-310");
+  EXPECT_EQ(Significant(0.0, 3), "0");
+  EXPECT_EQ(Significant(1664.0, 3), "1660");
+}
+
+}  // namespace
+}  // namespace sagitta

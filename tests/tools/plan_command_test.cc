@@ -1,0 +1,137 @@
+// sagitta plan as a user runs it: what is written reads back, and what cannot be planned ends with 2 and its reason.
+#include "tests/tools/program.h"
+
+namespace sagitta::test {
+namespace {
+
+class PlanCommandTest : public ProgramTest {
+ protected:
+  const std::string experiment_ = Published("kr270/experiment.yaml");
+
+  std::string Cell(const std::string& text) const { return Write("cell.yaml", "schema: sagitta/cell/1\n" + text); }
+  Outcome Plan(std::vector<std::string> more) const { return PlanOf(experiment_, std::move(more)); }
+  Outcome PlanOf(const std::string& experiment, std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"plan", experiment, "--out=" + Path("plan"), "--pool=60", "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Run(arguments);
+  }
+  void ExpectRefused(const std::vector<std::string>& arguments, const std::string& words) const {
+    const Outcome outcome = Plan(arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+    EXPECT_FALSE(Exists("plan/plan.csv"));
+  }
+};
+
+TEST_F(PlanCommandTest, WritesRowsToMeasureAndSaysWhatIsNotChecked) {
+  const std::string cell = Cell("floor_mm: 900\njoints: {A2: {levels_deg: [-100, -50]}}\n");
+  const Outcome outcome = Plan({"--poses=16", "--cell=" + cell});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json plan = ReadJson("plan/plan.json");
+  EXPECT_EQ(plan.at("poses"), 16);
+  EXPECT_NE(plan.at("infeasible_because").dump().find("is below the floor"), std::string::npos);
+  EXPECT_NE(plan.at("not_checked").dump().find("lines of sight of station S1"), std::string::npos);
+  EXPECT_NE(plan.at("checked").dump().find("the floor"), std::string::npos);
+  for (const auto& parameter : plan.at("parameters")) {
+    EXPECT_NEAR(parameter.at("ci95_half_width"), 1.959964 * parameter.at("sigma").get<double>(),
+                1e-6 * parameter.at("sigma").get<double>());
+  }
+  const auto rows = Cells(Read("plan/plan.csv"));
+  ASSERT_EQ(rows.size(), 1u + 16 * 3);
+  const int q2 = Column(rows, "q2_deg");
+  for (size_t r = 1; r < rows.size(); ++r) {
+    const double level = std::stod(rows[r][q2]);
+    EXPECT_LT(std::min(std::abs(level + 100), std::abs(level + 50)), 1e-9);
+  }
+  // The arm is drawn once per pose.
+  const std::string page = Read("plan/report.html");
+  size_t drawn = 0;
+  for (size_t at = page.find("arm in pose"); at != std::string::npos; at = page.find("arm in pose", at + 1)) ++drawn;
+  EXPECT_EQ(drawn, 16u);
+  // Its own rows are candidates like any others.
+  const Outcome again =
+      Plan({"--poses=16", "--candidates=" + Write("own.csv", Read("plan/plan.csv")), "--cell=" + cell});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_NEAR(ReadJson("plan/plan.json").at("predicted").at("position_rms_mm"),
+              plan.at("predicted").at("position_rms_mm"), 1e-5);
+}
+
+TEST_F(PlanCommandTest, ModelErrorOfAFormerEstimateWidensWhatIsPredicted) {
+  const std::string former =
+      Write("estimate.json", R"({"schema": "sagitta/estimate/1", "model_error": {"factor": 2.5}})");
+  ASSERT_EQ(Plan({"--poses=16", "--model_error=" + former}).status, 0);
+  const nlohmann::json predicted = ReadJson("plan/plan.json").at("predicted");
+  EXPECT_DOUBLE_EQ(predicted.at("position_rms_with_model_error_mm"),
+                   2.5 * predicted.at("position_rms_mm").get<double>());
+  const Outcome refused = Plan({"--poses=16", "--model_error=" + Write("bare.json", "{}")});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("model_error"), std::string::npos) << refused.err;
+}
+
+TEST_F(PlanCommandTest, WhatCannotBePlannedIsNamed) {
+  ExpectRefused({"--poses=2"}, "fewer readings than unknowns: 2 poses cannot determine 39 parameters");
+  ExpectRefused({"--poses=16", "--cell=" + Cell("floor_mm: 9000\n")}, "the flange is below the floor");
+  ExpectRefused({"--poses=16", "--cell=" + Cell("joints: {A2: {min_deg: 10}}\n")}, "joint 'A2'");
+  ExpectRefused({"--poses=16", "--cell=" + Cell("flor_mm: 0\n")}, "floor_mm");
+  ExpectRefused({"--poses=16", "--cell=" + Cell("sight: {S7: {}}\n")}, "S7");
+  ExpectRefused(
+      {"--poses=16", "--cell=" + Cell("tool_cone: {axis: [0, 0, 0], direction: [0, 0, 1], half_angle_deg: 9}\n")},
+      "no length");
+  const std::string head = "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
+  ExpectRefused({"--poses=16", "--candidates=" + Write("empty.csv", head)}, "");
+  ExpectRefused({"--poses=16", "--candidates=" + Write("far.csv", head + "c1,P1,S1,0,90,0,0,0,0\n")},
+                "joint A2 is above its limit (1)");
+  ExpectRefused({"--poses=16", "--candidates=" + Write("few.csv", head + "c1,P1,S1,0,-90,0,0,0,0\n")},
+                "16 poses are asked for and there are 1 feasible candidates");
+}
+
+// Rows of S2 are test poses and nothing else: base S2 is registered on them, so that neither its six unknowns nor what
+// base S1 errs by count. Of 39 unknowns 33 are left: four poses of nine readings.
+TEST_F(PlanCommandTest, AStationThatOnlyTestPosesSeeIsRegisteredThere) {
+  auto rows = Cells(ReadAll(Published("kr270/geometric.csv")));
+  const int station = Column(rows, "station");
+  const auto with_tests_at = [&](const std::string& where) {
+    auto table = rows;
+    table[0].push_back("set");
+    for (size_t r = 1; r < table.size(); ++r) {
+      const bool is_test = table[r][station] == "S2";
+      if (is_test) table[r][station] = where;
+      table[r].push_back(is_test ? "validation" : "calibration");
+    }
+    Write("rows.csv", Csv(table));
+    return Write("experiment.yaml", "schema: sagitta/experiment/1\nrobot: " + Published("kr270/robot.yaml") +
+                                        "\nmeasurements: [rows.csv]\nnoise: {sigma_mm: 0.1}\n");
+  };
+  const auto predicted = [&] { return ReadJson("plan/plan.json").at("predicted").at("position_rms_mm").get<double>(); };
+  ASSERT_EQ(PlanOf(with_tests_at("S1"), {"--poses=10", "--nomove"}).status, 0);
+  const double at_s1 = predicted();
+  const std::string apart = with_tests_at("S2");
+  const Outcome outcome = PlanOf(apart, {"--poses=10", "--nomove"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_LT(predicted(), at_s1);
+  EXPECT_GT(predicted(), 0.2 * at_s1);
+  EXPECT_EQ(Read("plan/plan.json").find("base/S2"), std::string::npos);
+  const Outcome refused = PlanOf(apart, {"--poses=3"});
+  EXPECT_NE(refused.err.find("3 poses cannot determine 33 parameters"), std::string::npos) << refused.err;
+}
+
+TEST_F(PlanCommandTest, ALoadThatFoldsTheArmIsNamed) {
+  std::string text = ReadAll(Published("kr270/robot.yaml")) + "compliance:\n  A2: {k_urad_per_Nm: 4000}\n";
+  Write("robot.yaml", text);
+  Write("rows.csv",
+        "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,load\n"
+        "c1,P1,S1,0,-60,60,0,30,0,heavy\nc1,P2,S1,0,-60,60,0,30,0,heavy\nc1,P3,S1,0,-60,60,0,30,0,heavy\n");
+  const std::string experiment =
+      Write("experiment.yaml",
+            "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [rows.csv]\nload_point_mm: [280, 0, 0]\n"
+            "loads: {heavy: {mass_kg: 250}}\nnoise: {sigma_mm: 0.1}\n"
+            "markers: {P1: {xyz_mm: [277, -46, -94]}, P2: {xyz_mm: [276, -48, 94]}, P3: {xyz_mm: [278, 104, -2]}}\n"
+            "stations: {S1: {xyz_mm: [0, 0, 0]}}\nestimate: {compliance: [A2]}\n");
+  const Outcome outcome = Run({"plan", experiment, "--poses=20", "--pool=40", "--out=" + Path("plan"), "--quiet"});
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("fold"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(Exists("plan/plan.csv"));
+}
+
+}  // namespace
+}  // namespace sagitta::test
