@@ -137,6 +137,14 @@ class Session {
     if (options_.progress) options_.progress(words);
   }
 
+  void SayFound() const {
+    if (!options_.found) return;
+    FoundSoFar found;
+    for (const ChosenStep& step : steps_)
+      found.emplace_back(step.candidate.spec, posterior_.Of(evidence_->list().name[step.explanation]));
+    options_.found(found);
+  }
+
   // Weighs everything, takes the most probable set and refits it.
   void Search() {
     const bool is_stated = IsSigmaStated(problem_);
@@ -159,6 +167,7 @@ class Session {
       if (IsUsable(refit.estimate.status)) lacking_ = refit;
     }
     steps_ = StepsOf(*evidence_, leading_, lacking_);
+    SayFound();
     d_.has_unexplained = named_ && posterior_.sets[0].has_unnamed;
     d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     if (!IsUsable(d_.final.estimate.status)) TryOtherSprings();
@@ -168,6 +177,7 @@ class Session {
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     }
     RefineMoments();
+    SayFound();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
   }
 
@@ -241,6 +251,7 @@ class Session {
       if (usable && idle == steps_.end() && worse < 0) break;
       const auto out = !usable ? steps_.end() - 1 : idle != steps_.end() ? idle : steps_.begin() + worse;
       steps_.erase(out);
+      SayFound();
       d_.has_unexplained = true;
     }
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
