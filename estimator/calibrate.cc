@@ -87,6 +87,12 @@ Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions&
   return result;
 }
 
+Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) {
+  Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
+  extended.trust = JudgeTrust(extended.problem, seed, &extended.estimate);
+  return extended;
+}
+
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance) {
   nlohmann::ordered_json json = EstimateToJson(calibration.problem, calibration.estimate, provenance);
   AddTrustTo(calibration.estimate, calibration.trust, &json);

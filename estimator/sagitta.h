@@ -66,6 +66,10 @@ struct Calibration {
 // method cannot honour what the problem states.
 Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
 
+// The extended model of a usable diagnosis, judged as Calibrate judges: verdict, cross-validation, suspect rows, model
+// error in the intervals.
+Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed = 1);
+
 // estimate.json as written: the estimate, its verdict, cross-validation and suspect rows.
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);
 

@@ -119,8 +119,10 @@ int RunCompare(const CommandLine& line) {
 
   std::vector<MethodResult> results;
   {
-    Progress progress(FLAGS_quiet);
-    progress.Say("running joint");
+    std::vector<ProgressStep> steps = {{"fitting jointly", 1.0}};
+    for (const std::string& method : methods) steps.push_back({"running " + method, 1.0});
+    Progress progress(FLAGS_quiet, steps);
+    progress.Say("fitting jointly, to compare with");
     JointOptions options;
     options.num_threads = FLAGS_threads;
     const ResolvedEstimate resolved = EstimateWithNoise(problem, options);

@@ -71,7 +71,7 @@ Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& proble
 std::string BarOf(int done, int trials, double seconds_per_trial) {
   std::string bar = "[";
   for (int i = 0; i < kBar; ++i) bar += i < kBar * static_cast<long>(done) / trials ? '#' : '.';
-  return bar + "] " + std::to_string(done) + " of " + std::to_string(trials) + " trials, seed " +
+  return bar + "] " + std::to_string(done) + "/" + std::to_string(trials) + " trials, seed " +
          std::to_string(FLAGS_seed) + ", " + Fixed(seconds_per_trial * (trials - done), 0) + " s left";
 }
 

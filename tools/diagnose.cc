@@ -81,24 +81,44 @@ constexpr const char* kNotACalibratedRobot =
     "# The nominal robot with the effects that explain the gap to another simulation (--simulation=columns):\n"
     "# corrections to that simulation, no calibrated robot.\n";
 
+// What an interrupted run knows.
+std::string InWords(const Robot& robot, const FoundSoFar& found) {
+  if (found.empty()) return "sagitta: nothing was found so far\n";
+  std::string words = "sagitta: found so far, not confirmed yet:\n";
+  for (const auto& [spec, probability] : found)
+    words += "  " + Title(robot, spec) + ", " + Significant(100.0 * probability, 3) + " %\n";
+  return words;
+}
+
 // What comes out does not depend on how many there are.
 int Threads() {
   if (!gflags::GetCommandLineFlagInfoOrDie("threads").is_default) return FLAGS_threads;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+// Against another simulation it is no calibrated robot, however well it fits.
+Calibration Extended(const Diagnosis& diagnosis) {
+  Calibration extended = ExtendedCalibration(diagnosis, FLAGS_seed);
+  if (!IsAgainstColumns()) return extended;
+  const std::string reason = "points are measured against another simulation: these are corrections to it";
+  Verdict& verdict = extended.trust.verdict;
+  verdict.trusted = false;
+  verdict.reasons.push_back(reason);
+  verdict.words += " Its " + reason + ".";
+  return extended;
+}
+
 // Everything is text before the first file is written.
 void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const SimulationBaseline& baseline,
                   const Diagnosis& diagnosis, const nlohmann::ordered_json& json, const OutputFolder& out) {
-  CalibrationProblem extended = *diagnosis.final.problem;
-  Estimate estimate = diagnosis.final.estimate;
+  Calibration extended = Extended(diagnosis);
   const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
   const std::string robot =
       RunComment(provenance) + (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(ExtendedRobot(diagnosis));
-  const std::string report = DiagnosisToHtml(diagnosis, provenance);
-  const std::string estimate_json = DumpJson(EstimateToJson(extended, estimate, provenance));
-  if (IsAgainstColumns()) baseline.Unshift(&extended, &estimate);
-  const std::string residuals = ResidualsToCsv(extended, estimate);
+  const std::string report = DiagnosisToHtml(diagnosis, extended, provenance);
+  const std::string estimate_json = DumpJson(CalibrationToJson(extended, provenance));
+  if (IsAgainstColumns()) baseline.Unshift(&extended.problem, &extended.estimate);
+  const std::string residuals = ResidualsToCsv(extended.problem, extended.estimate);
   nlohmann::ordered_json with_run = json;
   with_run["run"] = RunId(provenance);
   std::vector<NamedText> files = {{"robot.extended.yaml", robot},
@@ -125,14 +145,26 @@ int RunDiagnose(const CommandLine& line) {
   const CalibrationProblem& problem = baseline.problem;
   Diagnosis diagnosis;
   {
-    Progress progress(FLAGS_quiet);
+    // Shares as measured on UR5 and UR10 series.
+    Progress progress(FLAGS_quiet, {{"fitting the believed model", 1.0},
+                                    {"weighing", 4.0},
+                                    {"fitting the extended model", 2.0},
+                                    {"alternatives and halves", 2.0}});
+    FoundSoFar found;
     DiagnosisOptions options;
     options.significance = problem.experiment.significance;
     options.prior = ReadDiagnosisPrior(problem.experiment.file);
     options.points_are_measured = !IsAgainstColumns();
     options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
-    diagnosis = Diagnose(problem, options);
+    options.found = [&found](const FoundSoFar& now) { found = now; };
+    try {
+      diagnosis = Diagnose(problem, options);
+      CheckInterruption();
+    } catch (const Interruption&) {
+      std::cerr << InWords(problem.robot, found);
+      throw;
+    }
   }
   if (!IsUsable(diagnosis.status)) {
     std::cerr << "sagitta: no diagnosis: the believed model does not fit: " << StatusName(diagnosis.status) << ": "

@@ -2,12 +2,68 @@
 
 #include <unistd.h>
 
-#include <chrono>
+#include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <regex>
+#include <utility>
 
 namespace sagitta {
+namespace {
 
-Progress::Progress(bool quiet) {
+constexpr double kTooEarly = 0.05;    // share of the work: what it took says little of the rest
+constexpr double kWorthSaying = 2.0;  // s
+constexpr double kSilence = 10.0;     // s, after which the same is said again
+
+std::string InWords(double seconds) {
+  if (seconds < 90.0) return std::to_string(std::lround(seconds)) + " s";
+  return std::to_string(std::lround(seconds / 60.0)) + " min";
+}
+
+// "bootstrap: 12 of 400": 0.03; nothing of the kind: 0.
+double ShareIn(const std::string& what) {
+  static const std::regex kCount("([0-9]+) of ([0-9]+)");
+  std::smatch found;
+  if (!std::regex_search(what, found, kCount)) return 0.0;
+  const double all = std::stod(found[2]);
+  return all > 0.0 ? std::min(1.0, std::stod(found[1]) / all) : 0.0;
+}
+
+}  // namespace
+
+ProgressMeter::ProgressMeter(std::vector<ProgressStep> steps) : steps_(std::move(steps)) {}
+
+double ProgressMeter::ShareDone(double of_step) const {
+  double before = 0.0, all = 0.0;
+  for (int i = 0; i < static_cast<int>(steps_.size()); ++i) {
+    all += steps_[i].share;
+    if (i < step_) before += steps_[i].share;
+    if (i == step_) before += of_step * steps_[i].share;
+  }
+  return all > 0.0 ? before / all : of_step;
+}
+
+void ProgressMeter::Say(const std::string& what, double seconds) {
+  const auto first = steps_.begin() + std::max(0, step_);
+  const auto own =
+      std::find_if(first, steps_.end(), [&](const ProgressStep& step) { return what.rfind(step.begins, 0) == 0; });
+  if (own != steps_.end()) step_ = static_cast<int>(own - steps_.begin());
+  what_ = what;
+  const double share = ShareIn(what);
+  const double done = ShareDone(share);
+  // Within a step that does not say how far it is, what was expected at its beginning stands.
+  if ((own != steps_.end() || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
+}
+
+std::string ProgressMeter::Line(double seconds) const {
+  if (what_.empty()) return "";
+  std::string line = what_;
+  if (step_ >= 0) line = "step " + std::to_string(step_ + 1) + " of " + std::to_string(steps_.size()) + ": " + what_;
+  const double left = expected_ - seconds;
+  return left >= kWorthSaying ? line + " (about " + InWords(left) + " left)" : line + " ...";
+}
+
+Progress::Progress(bool quiet, std::vector<ProgressStep> steps) : meter_(std::move(steps)) {
   if (!quiet) printer_ = std::thread(&Progress::PrintUntilDone, this);
 }
 
@@ -20,17 +76,28 @@ Progress::~Progress() {
   if (printer_.joinable()) printer_.join();
 }
 
+double Progress::Seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
 void Progress::Say(const std::string& what) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  pending_ = what;
+  meter_.Say(what, Seconds());
+  has_news_ = true;
 }
 
 void Progress::PrintUntilDone() {
   std::unique_lock<std::mutex> lock(mutex_);
   std::chrono::milliseconds wait(isatty(STDERR_FILENO) != 0 ? 50 : 1000);
+  double printed = 0.0;
   while (!ended_.wait_for(lock, wait, [this] { return done_; })) {
-    if (!pending_.empty()) std::cerr << "sagitta: " << pending_ << " ..." << std::endl;
-    pending_.clear();
+    const double now = Seconds();
+    const std::string line = meter_.Line(now);
+    if (!line.empty() && (has_news_ || now - printed >= kSilence)) {
+      std::cerr << "sagitta: " << line << std::endl;
+      printed = now;
+      has_news_ = false;
+    }
     wait = std::chrono::milliseconds(500);
   }
 }

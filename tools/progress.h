@@ -1,17 +1,44 @@
-// Progress lines on stderr, twice a second at most: from the start on a terminal,
-// elsewhere only when the work takes longer than a second.
+// Progress lines on stderr, twice a second at most: from the start on a terminal, elsewhere only when the work takes
+// longer than a second. They say which step of how many it is, and about how long the rest will take.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace sagitta {
 
+struct ProgressStep {
+  std::string begins;  // how what is said of it begins
+  double share;        // of the time that all steps take; only their ratios count
+};
+
+// What was said, in words with step and time left. What fits the beginning of no later step belongs to the present one.
+class ProgressMeter {
+ public:
+  explicit ProgressMeter(std::vector<ProgressStep> steps);
+
+  // "12 of 400" in the words is how far the step is. seconds: since the start.
+  void Say(const std::string& what, double seconds);
+  // "step 2 of 5: solving (about 20 s left)"; empty: nothing was said yet.
+  std::string Line(double seconds) const;
+
+ private:
+  double ShareDone(double of_step) const;
+
+  std::vector<ProgressStep> steps_;
+  int step_ = -1;
+  std::string what_;
+  double expected_ = 0.0;  // s, all together; 0: not known yet
+};
+
 class Progress {
  public:
-  explicit Progress(bool quiet);
+  // No steps: what is said stands alone.
+  explicit Progress(bool quiet, std::vector<ProgressStep> steps = {});
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -19,10 +46,12 @@ class Progress {
   void Say(const std::string& what);
 
  private:
+  double Seconds() const;
   void PrintUntilDone();
 
-  bool done_ = false;
-  std::string pending_;
+  bool done_ = false, has_news_ = false;
+  ProgressMeter meter_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
   std::condition_variable ended_;
   std::thread printer_;

@@ -4,11 +4,14 @@
 #include <glog/logging.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <new>
 
+#include "estimator/least_squares/interruption.h"
 #include "problems/failure.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -29,6 +32,26 @@ void Print(const InputError& error) {
 
 namespace {
 
+std::atomic<bool> g_interrupted{false};
+
+extern "C" void NoteInterrupt(int) { g_interrupted = true; }
+
+// The first Ctrl-C asks the work to end at its next step, a second one ends the program at once.
+void ListenForInterrupts() {
+  struct sigaction action = {};
+  action.sa_handler = NoteInterrupt;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+// As the signal would have done: shells and scripts see that it was one.
+void EndByInterrupt() {
+  std::cout.flush();
+  std::cerr.flush();
+  std::signal(SIGINT, SIG_DFL);
+  std::raise(SIGINT);
+}
+
 // The program's status; an exception becomes words. Texts of libraries' exceptions help nobody.
 int StatusOf(const std::function<int()>& program) {
   try {
@@ -36,6 +59,9 @@ int StatusOf(const std::function<int()>& program) {
   } catch (const InputError& error) {
     Print(error);
     return kUsageError;
+  } catch (const Interruption&) {
+    std::cerr << "sagitta: interrupted; no result is written\n";
+    EndByInterrupt();
   } catch (const Failure& error) {
     std::cerr << "sagitta: error: " << error.what() << "\n";
   } catch (const std::bad_alloc&) {
@@ -54,6 +80,8 @@ int RunGuarded(const char* program_path, const std::function<int()>& program) {
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_FATAL;  // what matters is said in the summary; Ceres' own words help nobody
   const PrintableStream out(&std::cout), err(&std::cerr);
+  ListenForInterrupts();
+  const Interruptible scope(&g_interrupted);
   const int status = StatusOf(program);
   std::cout.flush();
   if (std::cout) return status;

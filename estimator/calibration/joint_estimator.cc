@@ -5,9 +5,11 @@
 #include <optional>
 
 #include "estimator/alignment/starting_values.h"
+#include "estimator/calibration/held_rest.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/condensed_cost.h"
+#include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/refit.h"
@@ -37,39 +39,6 @@ double NoiseScale(const CalibrationProblem& problem, const Linearization& rows, 
   const double dof = equations - rows.num_columns();
   const double scale = dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
   return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
-}
-
-// Coordinates held go back to where nominal robot and alignment put them.
-void ResetHeld(const ParameterSet& aligned, ParameterSet* parameters) {
-  for (const ParameterBlock& block : aligned.blocks()) {
-    for (int i = 0; i < block.tangent_size; ++i) {
-      const Coordinate& coordinate = parameters->coordinates()[block.first_coordinate + i];
-      if (!coordinate.held) continue;
-      ParameterBlock* own = nullptr;
-      switch (block.kind) {
-        case BlockKind::kMarker:
-          own = &parameters->marker(block.owner);
-          break;
-        case BlockKind::kMarkerRotation:
-          own = &parameters->marker_rotation(block.owner);
-          break;
-        case BlockKind::kModelParameter:
-          own = &parameters->model_parameter(block.owner);
-          break;
-        case BlockKind::kStationTranslation:
-          own = &parameters->station_translation(block.owner);
-          break;
-        case BlockKind::kStationRotation:
-          own = &parameters->station_rotation(block.owner);
-          break;
-      }
-      if (IsRotation(block.kind)) {
-        own->values = block.values;  // single axes of a rotation have no value of their own
-      } else {
-        own->values[i] = block.values[i];
-      }
-    }
-  }
 }
 
 // All coordinates that were asked for, held or not.
@@ -279,6 +248,27 @@ MinimizeSummary Solve(const CalibrationProblem& problem, const ResidualSelection
   return bundled;
 }
 
+// The same with what is held at rest. Where that does not converge, what is held stays where it is.
+MinimizeSummary SolveAtRest(const CalibrationProblem& problem, const ResidualSelection& residuals,
+                            const NormalEquations& equations, const NormalEquations& exact_joints,
+                            const JointOptions& options, const ParameterSet& aligned, ParameterSet* parameters) {
+  const auto solve = [&](ParameterSet* values) {
+    return Solve(problem, residuals, equations, exact_joints, options, values);
+  };
+  if (HeldCoordinates(*parameters).empty()) return solve(parameters);
+  const FittedRows here = RowsOf(equations, *parameters, RequestedCoordinates(*parameters));
+  if (!here.rows.valid) return solve(parameters);
+  const double scale = NoiseScale(problem, here.rows, here.equations);
+  ParameterSet released = ReleaseHeld(problem, *parameters, aligned, here.rows, scale);
+  const MinimizeSummary summary = solve(&released);
+  if (!summary.usable) return solve(parameters);
+  ParameterSet polished = released;  // along what is hardly measured Ceres stops early
+  const Certificate certificate = Polish(problem, equations, kWarmReach, kMaxPolishSteps, &polished);
+  const bool arrived = certificate.valid && certificate.full_rank && certificate.step < kConvergedSteps;
+  *parameters = HoldAgain(*parameters, arrived ? polished : released);
+  return summary;
+}
+
 }  // namespace
 
 double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters) {
@@ -318,9 +308,8 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   for (int round = 0; round < kMaxHoldRounds; ++round) {
     Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
                         " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
-    ResetHeld(estimate.aligned, &estimate.parameters);
-    minimized =
-        Solve(problem, residuals, equations, exact_joints ? *exact_joints : equations, options, &estimate.parameters);
+    minimized = SolveAtRest(problem, residuals, equations, exact_joints ? *exact_joints : equations, options,
+                            estimate.aligned, &estimate.parameters);
     estimate.iterations += minimized.iterations;
     if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, &estimate)) break;
   }

@@ -10,6 +10,7 @@
 #include "estimator/noise/outliers.h"
 #include "estimator/noise/repeatability.h"
 #include "estimator/noise/residual_noise.h"
+#include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/robust.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
@@ -226,6 +227,28 @@ ParameterSet Align(const JointOptions& options, Loop* loop) {
 
 }  // namespace
 
+namespace {
+
+constexpr int kScatterRounds = 3;  // residuals that hardly change: of unequal weights first, then of nearly equal ones
+
+// As the noise is stated; where the robot scatters by far more than the instrument, weighed by both.
+ResolvedEstimate EstimatePlainly(const CalibrationProblem& problem, const JointOptions& options) {
+  ResolvedEstimate plain{problem, EstimateJointly(problem, options)};
+  if (!options.judge || !ScattersByRobot(problem, plain.estimate)) return plain;
+  for (int round = 0; round < kScatterRounds; ++round) {
+    const RobotScatter scatter = FindRobotScatter(problem, plain.estimate);
+    CalibrationProblem weighed = problem;
+    weighed.resolved_noise = scatter.roots;
+    Estimate estimate = EstimateJointly(weighed, options);
+    if (!IsUsable(estimate.status)) break;
+    plain = {std::move(weighed), std::move(estimate)};
+    plain.estimate.noise_report.words = {RobotScatterInWords(scatter.tau)};
+  }
+  return plain;
+}
+
+}  // namespace
+
 bool FindsNoise(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
   return EstimatesComponents(experiment) || UsesResiduals(experiment) || WeighsOtherwise(problem) ||
@@ -234,7 +257,7 @@ bool FindsNoise(const CalibrationProblem& problem) {
 
 ResolvedEstimate EstimateWithNoise(const CalibrationProblem& problem, const JointOptions& options) {
   if (!FindsNoise(problem)) {
-    ResolvedEstimate plain{problem, EstimateJointly(problem, options)};
+    ResolvedEstimate plain = EstimatePlainly(problem, options);
     DescribeNoise(plain.problem, &plain.estimate);
     return plain;
   }

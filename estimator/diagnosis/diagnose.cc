@@ -150,6 +150,14 @@ class Session {
     if (options_.progress) options_.progress(words);
   }
 
+  void SayFound() const {
+    if (!options_.found) return;
+    FoundSoFar found;
+    for (const ChosenStep& step : steps_)
+      found.emplace_back(step.candidate.spec, posterior_.Of(evidence_->list().name[step.explanation]));
+    options_.found(found);
+  }
+
   // Weighs everything, refits the most probable sets and assumes the leading one.
   void Search() {
     const bool is_stated = IsSigmaStated(problem_);
@@ -171,6 +179,7 @@ class Session {
     leading_ = leading.model;
     lacking_ = leading.lacking;
     steps_ = leading.steps;
+    SayFound();
     d_.final = leading.with_steps;
     d_.has_unexplained = named_ && (posterior_.sets[0].has_unnamed || posterior_.unnamed > kEvenOdds);
     while (!steps_.empty() && !IsUsable(d_.final.estimate.status)) {
@@ -178,6 +187,7 @@ class Session {
       d_.has_unexplained = true;
       d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
     }
+    SayFound();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
   }
 
@@ -215,6 +225,7 @@ class Session {
       if (usable && idle == steps_.end() && worse < 0) break;
       const auto out = !usable ? steps_.end() - 1 : idle != steps_.end() ? idle : steps_.begin() + worse;
       steps_.erase(out);
+      SayFound();
       d_.has_unexplained = true;
     }
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);

@@ -105,6 +105,9 @@ struct Diagnosis {
   std::vector<std::string> cautions;  // what limits the verdict, in words
 };
 
+// Steps with their probability while the work goes on: refitted, not yet judged by the full estimator.
+using FoundSoFar = std::vector<std::pair<EffectSpec, double>>;
+
 struct DiagnosisOptions {
   double significance = 0.01;
   PriorMasses prior;
@@ -112,6 +115,7 @@ struct DiagnosisOptions {
   bool points_are_measured = true;  // not shifted by a simulation: readings can be judged
   int num_threads = 1;              // of the search
   std::function<void(const std::string&)> progress;
+  std::function<void(const FoundSoFar&)> found;  // whenever the steps change; may be empty
 };
 
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);

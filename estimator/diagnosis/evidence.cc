@@ -47,8 +47,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   stated.beside = columns_.Project(columns_.Sum(stated.scatter));
   DropInvisible(stated.beside.normal, masses, &list_);
   if (progress) {
-    progress("weighing " + std::to_string(list_.math.size()) + " explanations, " +
-             std::to_string(columns_.num_columns()) + " columns");
+    progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   }
   Search(std::move(stated));
   const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);

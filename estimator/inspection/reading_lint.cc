@@ -8,6 +8,7 @@
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/inspection/readings.h"
+#include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
 #include "problems/text.h"
@@ -78,10 +79,12 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
     return lint;
   }
   std::vector<Reading> readings = AllReadings(problem);
+  const CalibrationProblem sampled = SampledProblem(problem);
+  const std::vector<int> some = SampleOfRows(sampled);
   for (Reading& reading : readings) {
-    const CalibrationProblem reread = Reread(problem, reading);
+    const CalibrationProblem reread = Reread(sampled, reading);
     std::vector<int> rows;
-    for (const int i : sample) {
+    for (const int i : some) {
       if (!reread.data.observations[i].excluded) rows.push_back(i);
     }
     reading.misfit = AlignedMisfit(reread, rows);
@@ -105,8 +108,9 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   ReadingLint lint = LintReadings(problem);
   if (!lint.is_suspicious || lint.is_explained) return lint;
   std::vector<Finding> rows;
-  const LinearState state = Align(problem, false, &rows);
-  const size_t all = problem.CalibrationObservations().size();
+  const CalibrationProblem sampled = SampledProblem(problem);
+  const LinearState state = Align(sampled, false, &rows);
+  const size_t all = sampled.CalibrationObservations().size();
   const size_t far = all - state.problem.CalibrationObservations().size();
   if (far > 0 && far <= kMostFarRows * all) {
     ReadingLint good = LintReadings(state.problem);

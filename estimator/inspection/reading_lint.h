@@ -1,7 +1,7 @@
 // Data and robot read in another way: wrong units, the other DH convention, joints counted the other way round, from
 // another zero or in another order, a mirrored frame (readings.h). Where the aligned nominal robot misses by far and no
-// errors of a size that robots have explain it (explained_errors.h), every reading is tried; one that fits far better
-// is what was meant.
+// errors of a size that robots have explain it (explained_errors.h), every reading is tried on some hundred
+// configurations (sampled_problem.h); one that fits far better is what was meant.
 #pragma once
 
 #include <string>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "models/constants.h"
 #include "problems/text.h"
@@ -220,20 +221,29 @@ void AddUnits(const CalibrationProblem& problem, Readings* readings) {
   }
 }
 
+// Joint values of the configuration `shift` places on; those at the ends have none.
+std::map<std::string, Eigen::VectorXd> NeighboursById(const Measurements& data, int shift) {
+  std::map<std::string, Eigen::VectorXd> neighbours;
+  const int n = static_cast<int>(data.configurations.size());
+  for (int c = 0; c < n; ++c) {
+    if (c + shift >= 0 && c + shift < n) neighbours[data.configurations[c].id] = data.configurations[c + shift].q;
+  }
+  return neighbours;
+}
+
 // Points of one configuration written beside the joint values of its neighbour.
-void AddRowShifts(Readings* readings) {
+void AddRowShifts(const CalibrationProblem& problem, Readings* readings) {
   for (const int shift : {1, -1}) {
     readings->push_back(
         {"row_shift",
          std::string("every point taken for the configuration ") + (shift > 0 ? "after" : "before") + " its own",
          "joint values and points are one row apart: shift one of them",
-         [shift](Measurements* data) {
-           const std::vector<Configuration> stated = data->configurations;
-           const int n = static_cast<int>(stated.size());
-           std::vector<bool> lost(n, false);
-           for (int c = 0; c < n; ++c) {
-             lost[c] = c + shift < 0 || c + shift >= n;
-             if (!lost[c]) data->configurations[c].q = stated[c + shift].q;
+         [shift, neighbours = NeighboursById(problem.data, shift)](Measurements* data) {
+           std::vector<bool> lost;
+           for (Configuration& configuration : data->configurations) {
+             const auto neighbour = neighbours.find(configuration.id);
+             lost.push_back(neighbour == neighbours.end());
+             if (!lost.back()) configuration.q = neighbour->second;
            }
            for (Observation& row : data->observations) row.excluded |= lost[data->shots[row.shot].configuration];
          },
@@ -255,7 +265,7 @@ std::vector<Reading> AllReadings(const CalibrationProblem& problem) {
   AddOrders(chain, &readings);
   AddFrames(&readings);  // of an arm that is its own mirror image: the same as flips of three joints
   AddFlips(chain, 3, &readings);
-  AddRowShifts(&readings);
+  AddRowShifts(problem, &readings);
   return readings;
 }
 

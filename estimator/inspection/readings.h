@@ -21,7 +21,8 @@ struct Reading {
   double misfit = 0.0;  // distance RMS, aligned, m
 };
 
-// Simple ones first: the first of those that fit alike is what is named.
+// Simple ones first: the first of those that fit alike is what is named. They can be tried on a part of the problem's
+// configurations.
 std::vector<Reading> AllReadings(const CalibrationProblem& problem);
 
 // The problem as read that way. Nothing is held out; rows without a counterpart are excluded.

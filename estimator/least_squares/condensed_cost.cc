@@ -48,9 +48,9 @@ class CondensedCost : public ceres::CostFunction {
     const int n = static_cast<int>(columns_.size());
     Eigen::Map<Eigen::VectorXd> residual(residuals, n + 1);
     if (jacobians == nullptr) {
-      const NormalSums sums = equations_.Sum(here, {});
+      const NormalSums sums = equations_.Sum(here, {}, {}, /*with_priors=*/false);
       residual.setZero();
-      if (sums.valid) residual[n] = std::sqrt(sums.squared_residual());
+      if (sums.valid) residual[n] = std::sqrt(sums.squared_residual() + SquaredPriors(here));
       return sums.valid;
     }
     const Linearization rows = Condense(equations_.Sum(here, columns_));
@@ -78,6 +78,15 @@ class CondensedCost : public ceres::CostFunction {
   }
 
  private:
+  // Without columns the sums know of no priors: the cost alone has the same as the cost with its derivatives.
+  double SquaredPriors(const ParameterSet& here) const {
+    Linearization priors;
+    priors.columns = columns_;
+    priors.jacobian.resize(0, static_cast<Eigen::Index>(columns_.size()));
+    AppendPriors(here, &priors);
+    return priors.residual.squaredNorm();
+  }
+
   const NormalEquations& equations_;
   const ParameterSet start_;
   const std::vector<int> columns_;

@@ -15,6 +15,9 @@ constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
 constexpr double kNotWorthAWord = 0.05;  // of sigma
 constexpr size_t kMostNames = 3;         // of what another prior would name
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
+constexpr size_t kMostCauses = 4;        // of a verdict: with its first line five
+constexpr size_t kMostTargets = 6;       // named of one cause
+constexpr size_t kMostSteps = 5;         // told one by one on a terminal
 
 std::string SettingsInWords(const EffectSpec& spec) {
   std::string words;
@@ -82,6 +85,59 @@ std::string Percent(double probability) {
   return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
 }
 
+// Of the squared gap on untouched rows: groups share what is closed of it.
+std::string ShareOfGap(const Diagnosis& d, double share) {
+  const double closed = std::isnan(d.gap.closed) ? 1.0 : d.gap.closed;
+  return std::isfinite(share) && closed > 0.0 ? Significant(100.0 * share * closed, 2) + " % of the gap" : "";
+}
+
+double LeastProbability(const Diagnosis& d, const StepGroup& group) {
+  double least = 1.0;
+  for (const int k : group.steps) least = std::min(least, d.steps[static_cast<size_t>(k)].probability);
+  return least;
+}
+
+// "gear ripple on j1, j2 and j3, each 98 % or more: 60 % of the gap"; one step by its full name.
+std::string CauseInWords(const Diagnosis& d, const StepGroup& group) {
+  const bool is_one = group.steps.size() == 1;
+  const DiagnosisStep& first = d.steps[static_cast<size_t>(group.steps.front())];
+  std::string words = is_one ? Title(d.final.problem->robot, first.candidate.spec) : GroupInWords(d, group);
+  words +=
+      ", " + (is_one ? "" : std::string("each ")) + Percent(LeastProbability(d, group)) + (is_one ? "" : " or more");
+  const std::string share = ShareOfGap(d, group.share_of_gap);
+  return d.steps.size() > 1 && !share.empty() ? words + ": " + share : words;
+}
+
+std::vector<StepGroup> GroupsOf(const Diagnosis& d) {
+  if (!d.groups.empty()) return d.groups;
+  std::vector<StepGroup> groups;  // not grouped yet: each step by itself
+  for (size_t k = 0; k < d.steps.size(); ++k)
+    groups.push_back({d.steps[k].candidate.spec.effect, {static_cast<int>(k)}, kNotKnown});
+  return groups;
+}
+
+// At most kMostCauses; the last takes what is left.
+std::vector<std::string> CausesInWords(const Diagnosis& d) {
+  std::vector<StepGroup> groups = GroupsOf(d);
+  while (groups.size() > kMostCauses) {
+    const StepGroup last = groups.back();
+    groups.pop_back();
+    StepGroup& rest = groups.back();
+    rest.effect = "others";
+    rest.steps.insert(rest.steps.end(), last.steps.begin(), last.steps.end());
+    rest.share_of_gap += last.share_of_gap;
+  }
+  std::vector<std::string> causes;
+  for (const StepGroup& group : groups) causes.push_back(CauseInWords(d, group));
+  return causes;
+}
+
+std::string RestInWords(const Diagnosis& d) {
+  if (d.verdict == "explained") return "Nothing significant is left.";
+  const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 / d.gap.closed - 1.0);
+  return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -97,13 +153,19 @@ std::string VerdictInWords(const Diagnosis& d) {
                : "Nothing is missing at this significance, as far as these data can tell: see the cautions.";
   }
   if (d.verdict == "noise") return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
+  if (d.verdict != "explained" && d.verdict != "partly")
+    return "There is a significant gap that no effect of the catalogue explains well.";
   std::string names;
-  for (const DiagnosisStep& step : d.steps)
-    names += (names.empty() ? "" : "; ") + Title(d.final.problem->robot, step.candidate.spec) + ", " +
-             Percent(step.probability);
-  if (d.verdict == "explained") return "Found: " + names + ". Nothing significant is left.";
-  if (d.verdict == "partly") return "Found: " + names + ". A significant rest has no name in the catalogue.";
-  return "There is a significant gap that no effect of the catalogue explains well.";
+  for (const std::string& cause : CausesInWords(d)) names += (names.empty() ? "" : "; ") + cause;
+  return "Found: " + names + ". " + RestInWords(d);
+}
+
+std::vector<std::string> VerdictLines(const Diagnosis& d) {
+  const std::vector<std::string> causes = d.steps.empty() ? std::vector<std::string>() : CausesInWords(d);
+  if (causes.size() < 2) return {VerdictInWords(d)};
+  std::vector<std::string> lines = {"Found " + std::to_string(d.steps.size()) + " effects. " + RestInWords(d)};
+  for (const std::string& cause : causes) lines.push_back("- " + cause);
+  return lines;
 }
 
 bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row) {
@@ -190,7 +252,7 @@ std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
   const std::string title = definition != nullptr                   ? definition->title
                             : group.effect == "gravity_compensator" ? "gravity compensator"
                                                                     : "other effects";
-  return title + " on " + Enumerate(targets);
+  return title + " on " + Enumerate(targets, kMostTargets);
 }
 
 std::string UnexplainedInWords(const LearntFunction& learnt) {
@@ -265,10 +327,12 @@ std::string DiagnosisToText(const Diagnosis& d) {
   const Robot& robot = d.final.problem->robot;
   const Estimate& before = d.baseline.estimate;
   const Estimate& after = d.final.estimate;
-  text << "Verdict: " << d.verdict << ". " << VerdictInWords(d) << "\n\n";
+  text << "Verdict: " << d.verdict << ".";
+  for (const std::string& line : VerdictLines(d)) text << " " << line << "\n";
+  text << "\n";
   text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", "
        << HoldoutInWords(before) << "\n";
-  for (size_t i = 0; i < d.steps.size(); ++i) {
+  for (size_t i = 0; i < std::min(kMostSteps, d.steps.size()); ++i) {
     text << "Step " << i + 1 << ": " << StepInWords(robot, d.steps[i]) << "\n";
     text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
     if (!IsPlausible(robot, d.steps[i])) text << "    " << PhysicalInWords(robot, d.steps[i]) << "\n";
@@ -277,6 +341,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
            << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
     }
   }
+  if (d.steps.size() > kMostSteps)
+    text << d.steps.size() - kMostSteps << " more steps: in report.html and diagnosis.json\n";
   text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
        << HoldoutInWords(after);
   if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * after.noise_floor, 3) << " mm";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "estimator/diagnosis/diagnose.h"
 
@@ -9,7 +10,10 @@ namespace sagitta {
 
 // "periodic joint error (joint_harmonic, A3, order 1)"; effects of the robot file included.
 std::string Title(const Robot& robot, const EffectSpec& spec);
+// The verdict as one sentence or two; as lines, five at most: the first, then causes, strongest first, each with its
+// share of the gap on untouched rows.
 std::string VerdictInWords(const Diagnosis& diagnosis);
+std::vector<std::string> VerdictLines(const Diagnosis& diagnosis);
 std::string StepInWords(const Robot& robot, const DiagnosisStep& step);
 std::string AlternativeInWords(const Robot& robot, const Alternative& alternative);
 // Poses, loads or columns that would tell this effect from another.

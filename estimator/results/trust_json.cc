@@ -32,6 +32,22 @@ Json CrossValidationToJson(const CrossValidation& cross_validation) {
   return json;
 }
 
+// ISO 9283:1998, 7.2.1 and 7.2.2.
+Json Iso9283ToJson(const Trust& trust) {
+  const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
+  const PoseRepeatability& repeatability = trust.repeatability;
+  Json json = {{"ap_mm", nullptr}, {"rp_mm", nullptr}};
+  if (accuracy.poses > 0)
+    json["ap_mm"] = {{"poses", accuracy.poses}, {"mean", 1e3 * accuracy.mean}, {"max", 1e3 * accuracy.largest}};
+  if (repeatability.poses > 0) {
+    json["rp_mm"] = {{"poses", repeatability.poses},
+                     {"mean", 1e3 * repeatability.mean},
+                     {"max", 1e3 * repeatability.largest},
+                     {"arrivals", Json::array({repeatability.fewest, repeatability.most})}};
+  }
+  return json;
+}
+
 Json PairOf(const Interval& interval, double unit) { return Json::array({interval.low / unit, interval.high / unit}); }
 
 }  // namespace
@@ -41,6 +57,7 @@ void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
       {"words", trust.verdict.words}, {"trusted", trust.verdict.trusted}, {"reasons", trust.verdict.reasons}};
   (*json)["cross_validation"] = CrossValidationToJson(trust.cross_validation);
   if (trust.holdout.points > 0) AddUnseen(trust.holdout, &(*json)["validation"]);
+  (*json)["iso9283"] = Iso9283ToJson(trust);
   (*json)["suspects"] = Json::array();
   for (const Suspect& suspect : trust.suspects)
     (*json)["suspects"].push_back({{"row", suspect.row}, {"words", suspect.words}});

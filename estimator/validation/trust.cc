@@ -6,6 +6,7 @@
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/row_sums.h"
+#include "estimator/statistics/distributions.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -41,6 +42,15 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   return holdout;
 }
 
+// What parts of the data ask for, as the spread of a model error of which each split is one draw: Student's t with as
+// many degrees of freedom as there are splits, instead of the normal quantile.
+double FactorBetweenParts(const AgreementReport& agreement) {
+  const auto splits = std::count_if(agreement.splits.begin(), agreement.splits.end(),
+                                    [](const PartComparison& split) { return split.by != "random"; });
+  const auto draws = std::max(1.0, static_cast<double>(splits));
+  return agreement.inflation * StudentQuantile(0.975, draws) / NormalQuantile(0.975);
+}
+
 // The largest of what was found; its reason in one line.
 void JudgeModelError(const Estimate& estimate, double significance, Trust* trust) {
   const auto take = [trust](double factor, const std::string& words) {
@@ -48,7 +58,8 @@ void JudgeModelError(const Estimate& estimate, double significance, Trust* trust
     trust->model_error = factor;
     trust->model_error_words = words;
   };
-  if (estimate.agreement.disagrees) take(estimate.agreement.inflation, "parts of the data contradict each other");
+  if (estimate.agreement.disagrees)
+    take(FactorBetweenParts(estimate.agreement), "parts of the data contradict each other");
   const auto excess = [&](const UnseenPoints& unseen, const char* name) {
     if (unseen.points > 0 && unseen.p_value < significance)
       take(unseen.Excess(), std::string(name) + " larger than predicted");
@@ -138,6 +149,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
   trust.suspects = FindSuspects(problem, *estimate);
   trust.cross_validation = CrossValidate(problem, *estimate, seed);
   trust.holdout = JudgeHoldout(problem, *estimate);
+  trust.repeatability = MeasurePoseRepeatability(problem);
   const std::vector<int> quoted = problem.data.PointsAmong(
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
   if (estimate->aligned.num_coordinates() > 0)

@@ -22,6 +22,7 @@ struct Trust {
   CrossValidation cross_validation;  // on calibration rows
   UnseenPoints holdout;              // on validation rows; no points: nothing is held out
   UnseenPoints nominal;              // of the aligned nominal robot, on the points that are quoted
+  PoseRepeatability repeatability;   // RP of ISO 9283, of all points
   std::vector<Suspect> suspects;
   double model_error = 1.0;               // factor by which model error widens the intervals; 1: none was found
   std::string model_error_words;          // empty: none

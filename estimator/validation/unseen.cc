@@ -32,6 +32,7 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
     double& own = farthest[problem.data.shots[problem.data.observations[observations[k]].shot].configuration];
     own = std::max(own, distance);
   }
+  unseen.pose_accuracy = MeasurePoseAccuracy(problem, observations, errors);
   unseen.distance_rms = std::sqrt(errors.squaredNorm() / unseen.points);
   unseen.rms = unseen.distance_rms / std::sqrt(3.0);
   std::vector<double> sorted = unseen.distances;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "estimator/estimate/estimate.h"
+#include "estimator/validation/pose_accuracy.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -20,6 +21,7 @@ struct UnseenPoints {
   double distance_rms = 0.0, distance_p50 = 0.0, distance_p95 = 0.0, distance_max = 0.0;  // m
   std::vector<FarPose> worst;     // farthest first, five at most
   std::vector<double> distances;  // m, in row order
+  PoseAccuracy pose_accuracy;     // AP of ISO 9283
 
   // m, per coordinate: noise and parameters; 0: the noise is not known. p_value: that errors as large as these come
   // about although the prediction is right.

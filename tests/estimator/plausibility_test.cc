@@ -3,84 +3,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "estimator/inspection/reading_lint.h"
-#include "tests/support/arms.h"
+#include "estimator/inspection/sampled_problem.h"
+#include "tests/support/measured_arms.h"
 #include "tests/support/real_data.h"
 
 namespace sagitta {
 namespace {
 
 using test::DhRow;
+using test::Measure;
+using test::ProblemOf;
 using ::testing::HasSubstr;
-
-std::vector<DhRow> Ur10Rows() {
-  return {{0, 90, 0.1273, 0},   {-0.612, 0, 0, 0},   {-0.5723, 0, 0, 0},
-          {0, 90, 0.163941, 0}, {0, -90, 0.1157, 0}, {0, 0, 0.0922, 0}};
-}
-
-// Rz(theta + q) Tz(d) Tx(a) Rx(alpha), written out (Denavit and Hartenberg 1955).
-Eigen::Matrix4d Link(const DhRow& row, double q) {
-  const double t = row.theta_deg * kDegree + q, al = row.alpha_deg * kDegree;
-  Eigen::Matrix4d link;
-  link << std::cos(t), -std::sin(t) * std::cos(al), std::sin(t) * std::sin(al), row.a * std::cos(t),  //
-      std::sin(t), std::cos(t) * std::cos(al), -std::cos(t) * std::sin(al), row.a * std::sin(t),      //
-      0, std::sin(al), std::cos(al), row.d, 0, 0, 0, 1;
-  return link;
-}
-
-// One marker at 30 configurations of the arm `rows`.
-Measurements Measure(const std::vector<DhRow>& rows, std::uint64_t seed) {
-  test::RandomNumbers random(seed);
-  Measurements data;
-  data.files.resize(1);
-  data.files[0].path = "arm.csv";
-  data.stations = {"S1"};
-  data.markers = {"P1"};
-  for (int c = 0; c < 30; ++c) {
-    Eigen::VectorXd q(rows.size());
-    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
-    for (size_t j = 0; j < rows.size(); ++j) {
-      q[j] = random.Uniform(-120, 120) * kDegree;
-      pose = pose * Link(rows[j], q[j]);
-    }
-    data.configurations.push_back({"C" + std::to_string(c), q, false});
-    Shot shot;
-    shot.configuration = c;
-    shot.station = 0;
-    shot.observations = {c};
-    data.shots.push_back(shot);
-    Observation observation;
-    observation.shot = c;
-    observation.marker = 0;
-    observation.file = 0;
-    observation.row = c;
-    observation.point_in_station = (pose * Eigen::Vector4d(0.03, -0.02, 0.06, 1)).head<3>();
-    for (int axis = 0; axis < 3; ++axis) observation.point_in_station[axis] += random.Uniform(-1e-4, 1e-4);
-    data.files[0].rows.push_back({c + 2, {}});
-    data.observations.push_back(observation);
-  }
-  return data;
-}
-
-CalibrationProblem ProblemOf(const std::vector<DhRow>& rows, Measurements data,
-                             DhConvention convention = DhConvention::kStandard) {
-  Robot robot;
-  DhTable table;
-  table.convention = convention;
-  for (size_t j = 0; j < rows.size(); ++j) {
-    const DhRow& row = rows[j];
-    table.links.push_back({static_cast<int>(j), row.a, row.alpha_deg * kDegree, row.d, row.theta_deg * kDegree, 0.0});
-  }
-  robot.chain = ChainFromDhTable(test::Revolutes(static_cast<int>(rows.size())), {}, table);
-  robot.dh = table;
-  return MakeCalibrationProblem(robot, std::move(data), Experiment());
-}
 
 struct Arm {
   const char* name;
   std::vector<DhRow> rows;
 };
-std::vector<Arm> Arms() { return {{"UR5", test::Ur5Rows()}, {"UR10", Ur10Rows()}}; }
+std::vector<Arm> Arms() { return {{"UR5", test::Ur5Rows()}, {"UR10", test::Ur10Rows()}}; }
 
 struct WrongInput {
   const char* code;
@@ -142,28 +84,43 @@ TEST(Plausibility, WrongTablesAreRefusedWithTheirCure) {
 
 // Each error of an arm drawn up to 5 mm and 1 deg; alone, and with rows that are far off beside.
 TEST(Plausibility, RobotsWithLargeErrorsAreNotRefused) {
-  const std::vector<std::vector<DhRow>> arms = {test::Ur5Rows(), Ur10Rows(), test::PumaStandardRows(),
-                                                test::IiwaRows()};
   for (int seed = 0; seed < 40; ++seed) {
-    const std::vector<DhRow>& nominal = arms[seed % arms.size()];
-    test::RandomNumbers random(1000 + seed);
-    std::vector<DhRow> real = nominal;
-    const bool extreme = seed % 3 == 0;
-    const auto error = [&](double most) {
-      const double drawn = random.Uniform(-most, most);
-      return extreme ? std::copysign(most, drawn) : drawn;
-    };
-    for (DhRow& row : real) {
-      row.a += error(5e-3);
-      row.d += error(5e-3);
-      row.alpha_deg += error(1);
-      row.theta_deg += error(1);
-    }
-    Measurements data = Measure(real, seed);
-    if (seed % 4 == 1) data.observations[7].point_in_station.x() += 0.5;
-    const Plausibility found = CheckPlausible(ProblemOf(nominal, data));
+    const Plausibility found = CheckPlausible(test::ArmWithLargeErrors(seed));
     EXPECT_TRUE(found.plausible) << seed << ": " << found.finding.words;
   }
+}
+
+// A refusal of many rows goes by some hundred configurations: the same cure, and every marker in it.
+TEST(Plausibility, ManyRowsAreJudgedByAFewHundredConfigurations) {
+  Measurements data = Measure(test::Ur5Rows(), 6, 2000);
+  data.markers.push_back("P2");  // seen once
+  data.observations[1234].marker = 1;
+  for (Configuration& configuration : data.configurations) configuration.q[1] *= -1.0;
+  const CalibrationProblem problem = ProblemOf(test::Ur5Rows(), data);
+  const CalibrationProblem sampled = SampledProblem(problem);
+  EXPECT_EQ(sampled.data.configurations.size(), 300u);
+  std::set<int> markers;
+  for (size_t i = 0; i < sampled.data.observations.size(); ++i) {
+    const Observation& row = sampled.data.observations[i];
+    markers.insert(row.marker);
+    const int whole = std::stoi(sampled.data.ConfigurationOf(row).id.substr(1));
+    EXPECT_EQ(row.point_in_station, data.observations[whole].point_in_station);
+    EXPECT_EQ(sampled.data.SourceOf(row), data.SourceOf(data.observations[whole]));
+  }
+  EXPECT_EQ(markers.size(), 2u);
+  const Plausibility found = CheckPlausible(problem);
+  ASSERT_FALSE(found.plausible);
+  EXPECT_THAT(found.finding.words, HasSubstr("joint j2 counted the other way"));
+}
+
+// Points written one configuration too late: neighbours are those of all rows, not of the sample.
+TEST(Plausibility, ManyRowsShiftedByOneAreRefusedWithTheirCure) {
+  Measurements data = Measure(test::Ur5Rows(), 8, 900);
+  for (size_t i = data.observations.size() - 1; i > 0; --i)
+    data.observations[i].point_in_station = data.observations[i - 1].point_in_station;
+  const Plausibility found = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
+  ASSERT_FALSE(found.plausible);
+  EXPECT_EQ(found.finding.code, "row_shift") << found.finding.words;
 }
 
 TEST(Plausibility, RealRobotsAreNotRefused) {

@@ -37,9 +37,7 @@ struct Agreement {
   }
 };
 
-// Fits only the observations of configurations for which `use` is true, from
-// `start`: what cannot be told is held where the start has it, so that two parts
-// hold it at the same value.
+// Fits only the observations of configurations for which `use` is true, from `start`.
 inline Estimate EstimatePart(CalibrationProblem problem, const ParameterSet& start,
                              const std::function<bool(const Observation&)>& use) {
   for (Observation& observation : problem.data.observations) observation.excluded = !use(observation);
@@ -49,7 +47,8 @@ inline Estimate EstimatePart(CalibrationProblem problem, const ParameterSet& sta
 // Parameters (by prefix of the name) that both know, on the same condition: those
 // tied to held ones count where both hold the same.
 inline void Compare(const Estimate& a, const Estimate& b, const std::string& prefix, Agreement* agreement) {
-  const bool same = a.held.coordinates == b.held.coordinates;
+  bool same = a.held.coordinates == b.held.coordinates;
+  for (const int i : a.held.coordinates) same = same && a.table[i].value == b.table[i].value;
   for (const int i : a.estimated) {
     const ParameterEstimate& p = a.table[i];
     const ParameterEstimate& q = b.table[i];

@@ -1,5 +1,9 @@
 // What the commands write: complete, consistent, and readable by the next one.
+#include <gmock/gmock.h>
+
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include "tests/tools/program.h"
 
@@ -36,6 +40,71 @@ TEST_F(ResultsTest, CalibrateWritesFourFilesThatAgree) {
   EXPECT_EQ(coordinates, 3 * estimate["fit"]["observations"].get<int>());
   EXPECT_NEAR(std::sqrt(squares / coordinates), estimate["fit"]["rms_mm"].get<double>(), 1e-9);
   EXPECT_NE(Read("out/report.html").find("</html>"), std::string::npos);
+}
+
+// The table as people read it: nominal + correction = calibrated, against the robot file and estimate.json.
+TEST_F(ResultsTest, TheParameterTableShowsNominalCorrectionAndCalibratedValue) {
+  const Outcome outcome = Run({"calibrate", experiment_, "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const size_t start = outcome.out.find("\nParameters\n");
+  ASSERT_NE(start, std::string::npos);
+  std::istringstream lines(outcome.out.substr(start + 12));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_THAT(line, ::testing::MatchesRegex(" *name +nominal +correction +calibrated +± +unit"));
+  const auto estimate = ReadJson("out/estimate.json");
+  std::map<std::string, nlohmann::json> stated;
+  for (const auto& parameter : estimate["parameters"]) stated[parameter["name"]] = parameter;
+  // Lengths of the robot file (paper 002, Table II), mm: where the errors sit.
+  const std::map<std::string, double> nominal = {
+      {"geometry/p_x1", 350.0}, {"geometry/p_x2", 1250.0}, {"geometry/dq2", 0.0}};
+  int seen = 0;
+  while (std::getline(lines, line) && line.find("±:") == std::string::npos) {
+    std::istringstream cells(line);
+    std::string name, half, unit;
+    double before = 0.0, correction = 0.0, after = 0.0;
+    cells >> name >> before >> correction >> after >> half >> unit;
+    ASSERT_EQ(stated.count(name), 1u) << line;
+    const double value = stated[name]["value"], rounding = 2e-3 * std::stod(half) + 1e-9;
+    const double digits = 0.06 * std::stod(half);  // two digits of ± are shown
+    EXPECT_NEAR(before + correction, after, 2 * digits) << line;
+    EXPECT_NEAR(correction, value - stated[name]["nominal"].get<double>(), digits) << line;
+    EXPECT_NEAR(2.0 * std::stod(half), stated[name]["ci95"][1].get<double>() - stated[name]["ci95"][0].get<double>(),
+                2 * digits + rounding);
+    EXPECT_EQ(unit, stated[name]["unit"]) << line;
+    if (nominal.count(name) == 0) continue;
+    EXPECT_NEAR(before, nominal.at(name), digits) << line;
+    ++seen;
+  }
+  EXPECT_EQ(seen, 3);
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr("coverage factor k = 2"));
+}
+
+// Where a pose was visited again its repeatability has the name that the standard gives it.
+TEST_F(ResultsTest, AccuracyAndRepeatabilityHaveTheNamesOfIso9283) {
+  auto rows = Cells(ReadAll(data_));
+  const size_t n = rows.size();
+  rows[0].push_back("visit");
+  for (size_t i = 1; i < n; ++i) rows[i].push_back("1");
+  for (size_t i = 1; i < n; ++i) {
+    std::vector<std::string> again = rows[i];
+    again.back() = "2";
+    again[Column(rows, "z_mm")] = std::to_string(std::stod(again[Column(rows, "z_mm")]) + 0.2);
+    rows.push_back(again);
+  }
+  const Outcome outcome =
+      Run({"calibrate", robot_, Write("twice.csv", Csv(rows)), "--sigma_mm=0.1", "--out=" + Path("out")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto iso = ReadJson("out/estimate.json")["iso9283"];
+  // Two arrivals 0.2 mm apart: both 0.1 mm from their barycentre, no spread of that.
+  EXPECT_EQ(iso["rp_mm"]["poses"], n - 1);
+  EXPECT_NEAR(iso["rp_mm"]["max"].get<double>(), 0.1, 1e-5);
+  EXPECT_NEAR(iso["rp_mm"]["mean"].get<double>(), 0.1, 1e-5);
+  EXPECT_EQ(iso["ap_mm"]["poses"], n - 1);
+  EXPECT_GT(iso["ap_mm"]["max"].get<double>(), iso["ap_mm"]["mean"].get<double>());
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr("pose repeatability RP 0.100 mm in the mean"));
+  ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("once")}).status, 0);
+  EXPECT_TRUE(ReadJson("once/estimate.json")["iso9283"]["rp_mm"].is_null());
 }
 
 TEST_F(ResultsTest, TheCalibratedRobotLoadsAgainAndHasNothingLeftToFind) {

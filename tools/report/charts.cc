@@ -12,6 +12,7 @@ namespace {
 constexpr double kWidth = 300, kWide = 400, kTop = 24, kFloor = 130, kHeight = 150;
 constexpr double kTickRoom = 52, kDotRoom = 3;  // left of a scatter for its figures, around its dots
 constexpr int kBins = 12;
+constexpr double kMostOfThem = 0.95, kFarBeyond = 3.0;  // the axis ends at so many times what that share keeps within
 
 std::string Canvas(const std::string& title, const std::string& body, double width, double height) {
   return svg::Picture(width, height, title, svg::Text(0, 12, "start", title) + body);
@@ -55,32 +56,53 @@ std::string HistogramChart(const std::string& title, const std::vector<double>& 
                           svg::Text(kWidth, kHeight - 6, "end", Fixed(high, decimals)));
 }
 
+namespace {
+
+// Where the axis of a scatter ends: at the largest size, unless few values lie so far out that the others would be a
+// line.
+double ReachOf(const std::vector<double>& blue, const std::vector<double>& red) {
+  std::vector<double> sizes;
+  for (const std::vector<double>* values : {&blue, &red}) {
+    for (const double value : *values) sizes.push_back(std::abs(value));
+  }
+  if (sizes.empty()) return 0.0;
+  std::sort(sizes.begin(), sizes.end());
+  const auto rank = static_cast<size_t>(std::ceil(kMostOfThem * sizes.size()));
+  const double most = sizes[std::max<size_t>(rank, 1) - 1];
+  return most > 0.0 ? std::min(sizes.back(), kFarBeyond * most) : sizes.back();
+}
+
+}  // namespace
+
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
                          const std::vector<double>& blue, const std::vector<double>& red) {
   if (x.empty()) return "";
   const auto ends = std::minmax_element(x.begin(), x.end());
   const double left = *ends.first, right = *ends.second;  // C++17 lambdas capture no structured bindings
-  double reach = 0.0;
-  for (const std::vector<double>* values : {&blue, &red}) {
-    for (const double value : *values) reach = std::max(reach, std::abs(value));
-  }
+  const double reach = ReachOf(blue, red);
   const double middle = 0.5 * (kTop + kFloor);
   const double origin = kTickRoom + kDotRoom, width = kWide - origin - kDotRoom;
   const double across = right > left ? width / (right - left) : 0.0;
   const double up = reach > 0.0 ? (0.5 * (kFloor - kTop) - kDotRoom) / reach : 0.0;
   std::string body = svg::LevelLine(middle, kWide, "axis");
+  int beyond = 0;
   const auto dots = [&](const std::vector<double>& values, const char* style) {
-    std::vector<std::pair<double, double>> points;
+    std::vector<std::pair<double, double>> points, far;
     for (size_t i = 0; i < values.size(); ++i) {
-      points.emplace_back(origin + across * (x[i] - left), middle - up * values[i]);
+      const bool is_far = std::abs(values[i]) > reach;
+      (is_far ? far : points)
+          .emplace_back(origin + across * (x[i] - left), middle - up * std::clamp(values[i], -reach, reach));
     }
     body += svg::Dots(points, style);
+    if (!far.empty()) body += svg::Dots(far, "beyond");
+    beyond += static_cast<int>(far.size());
   };
   dots(blue, "dot");
   dots(red, "model");
   body += svg::Text(0, kTop + 8, "start", Significant(reach, 3)) + svg::Text(0, middle - 3, "start", "0") +
           svg::Text(0, kFloor - 3, "start", Significant(-reach, 3));
-  return Frame(title,
+  const std::string left_out = beyond > 0 ? " (" + std::to_string(beyond) + " beyond the axis, in orange)" : "";
+  return Frame(title + left_out,
                body + svg::Text(origin, kHeight - 6, "start", Significant(left, 3)) +
                    svg::Text(origin + 0.5 * width, kHeight - 6, "middle", x_label) +
                    svg::Text(kWide, kHeight - 6, "end", Significant(right, 3)),

@@ -4,7 +4,9 @@
 #include <map>
 
 #include "estimator/results/diagnosis_words.h"
+#include "estimator/statistics/median.h"
 #include "tools/report/charts.h"
+#include "tools/report/first_screen.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
 
@@ -12,6 +14,7 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kBarsPerMap = 8;
+constexpr double kMeaningless = 5e-3;  // rad, m: more than any joint deviates; such a joint hardly moves a marker
 
 std::string Probability(double p) {
   if (std::isnan(p)) return "not known";
@@ -109,6 +112,12 @@ Section CandidateSection(const Diagnosis& d) {
   return section;
 }
 
+bool IsMeaningless(const JointGap& gap) {
+  std::vector<double> sizes;
+  for (const double deviation : gap.before) sizes.push_back(std::abs(deviation));
+  return Median(sizes) * 1e-6 > kMeaningless;  // urad or um
+}
+
 // The deviation of each joint that would explain the gap, over what may drive it.
 Section GapMapSection(const Diagnosis& d) {
   Section section;
@@ -118,7 +127,12 @@ Section GapMapSection(const Diagnosis& d) {
       "that joint's angle, the torque of the known loads on it, the direction of its approach and the time, where "
       "these vary. Blue: beside the believed model" +
       std::string(d.steps.empty() ? "." : "; red: beside the extended one.")};
+  std::vector<std::string> not_drawn;
   for (const JointGap& gap : d.gap_map) {
+    if (IsMeaningless(gap)) {
+      not_drawn.push_back(gap.joint);
+      continue;
+    }
     const std::vector<double> red = d.steps.empty() ? std::vector<double>() : gap.after;
     for (const Driver& driver : gap.over) {
       const Eigen::VectorXd x = driver.of_shot(gap.shots);
@@ -126,6 +140,10 @@ Section GapMapSection(const Diagnosis& d) {
       section.figure += ScatterChart("deviation of " + Labelled(gap.joint, gap.unit),
                                      Labelled(driver.name, driver.unit), {x.begin(), x.end()}, gap.before, red);
     }
+  }
+  if (!not_drawn.empty()) {
+    section.paragraphs.push_back("Not drawn: " + Enumerate(not_drawn) +
+                                 ", which moves the markers too little for its deviation to mean anything.");
   }
   return section;
 }
@@ -146,16 +164,22 @@ Section WhereSection(const Diagnosis& d) {
   return section;
 }
 
-// The verdict, and the steps in a table.
+// What stands on the first screen: at most five lines of what was found, the noise, what limits it.
 Section VerdictSection(const Diagnosis& d) {
   Section section;
   section.title = "Diagnosis: " + d.verdict;
-  section.paragraphs = {VerdictInWords(d), "Noise: " + NoiseInWords(d.noise)};
+  section.paragraphs = VerdictLines(d);
+  section.paragraphs.push_back("Noise: " + NoiseInWords(d.noise));
   if (d.has_unexplained) {
     section.paragraphs.push_back("Without a name: " + UnexplainedInWords(d.unexplained) + ".");
   }
   for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
-  if (d.steps.empty()) return section;
+  return section;
+}
+
+Section StepTable(const Diagnosis& d) {
+  Section section;
+  section.title = "All " + std::to_string(d.steps.size()) + " steps";
   section.header = {"step", "named", "hold-out RMS, mm", "probability", "a machine shows that"};
   for (size_t i = 0; i < d.steps.size(); ++i) {
     const DiagnosisStep& step = d.steps[i];
@@ -168,18 +192,21 @@ Section VerdictSection(const Diagnosis& d) {
 
 }  // namespace
 
-std::string DiagnosisToHtml(const Diagnosis& d, const Provenance& provenance) {
+std::string DiagnosisToHtml(const Diagnosis& d, const Calibration& extended, const Provenance& provenance) {
   std::vector<Section> sections = {VerdictSection(d), GapSection(d)};
+  const auto appendix = [&sections](Section section) {
+    section.folded = true;
+    sections.push_back(std::move(section));
+  };
+  if (d.steps.size() > 1) appendix(StepTable(d));
   if (d.verdict != "consistent") {
-    sections.push_back(WhereSection(d));
-    sections.push_back(GapMapSection(d));
+    appendix(WhereSection(d));
+    appendix(GapMapSection(d));
   }
-  for (size_t i = 0; i < d.steps.size(); ++i) {
-    sections.push_back(StepSection(d.final.problem->robot, d.steps[i], i + 1));
-  }
-  sections.push_back(CandidateSection(d));
-  for (Section& section : Summarise(*d.final.problem, d.final.estimate)) sections.push_back(std::move(section));
-  return SectionsToPage(sections, ResidualCharts(*d.final.problem, d.final.estimate), provenance);
+  for (size_t i = 0; i < d.steps.size(); ++i) appendix(StepSection(d.final.problem->robot, d.steps[i], i + 1));
+  appendix(CandidateSection(d));
+  for (Section& section : CalibrationSections(extended)) appendix(std::move(section));
+  return SectionsToPage(sections, ResidualCharts(extended.problem, extended.estimate), provenance);
 }
 
 }  // namespace sagitta

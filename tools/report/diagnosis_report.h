@@ -3,11 +3,12 @@
 
 #include <string>
 
-#include "estimator/diagnosis/diagnose.h"
 #include "estimator/results/estimate_json.h"
+#include "estimator/sagitta.h"
 
 namespace sagitta {
 
-std::string DiagnosisToHtml(const Diagnosis& diagnosis, const Provenance& provenance);
+// extended: its extended model, judged (ExtendedCalibration).
+std::string DiagnosisToHtml(const Diagnosis& diagnosis, const Calibration& extended, const Provenance& provenance);
 
 }  // namespace sagitta

@@ -45,6 +45,21 @@ std::string Histograms(const UnseenPoints& before, const UnseenPoints& after) {
          Histogram("after", after.distances, after.distance_max, "bar");
 }
 
+// In the words of ISO 9283:1998.
+std::string IsoInWords(const Trust& trust) {
+  const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
+  const PoseRepeatability& repeatability = trust.repeatability;
+  std::string words = "ISO 9283: pose accuracy AP " + Millimetres(accuracy.mean) + " mm in the mean, " +
+                      Millimetres(accuracy.largest) + " mm at most, of " + std::to_string(accuracy.poses) +
+                      " poses that were not fitted; ";
+  if (repeatability.poses == 0) return words + "pose repeatability RP: no pose was visited again.";
+  const std::string fewest = std::to_string(repeatability.fewest), most = std::to_string(repeatability.most);
+  return words + "pose repeatability RP " + Millimetres(repeatability.mean) + " mm in the mean, " +
+         Millimetres(repeatability.largest) + " mm at most, of " + std::to_string(repeatability.poses) +
+         " poses with " + fewest + (fewest == most ? "" : " to " + most) +
+         " arrivals (the standard asks for 30), the instrument's noise included.";
+}
+
 Section Unseen(const Trust& trust) {
   const UnseenPoints& quoted = trust.Quoted();
   Section section;
@@ -70,6 +85,7 @@ Section Unseen(const Trust& trust) {
                                  Millimetres(quoted.predicted_rms) + " mm (p = " + Significant(quoted.p_value, 2) +
                                  ").");
   }
+  section.paragraphs.push_back(IsoInWords(trust));
   section.figure = Histograms(trust.nominal, quoted);
   return section;
 }
@@ -132,7 +148,7 @@ std::vector<Section> CorrectedTable(const Calibration& calibration) {
 std::vector<Section> CalibrationSections(const Calibration& calibration) {
   std::vector<Section> sections = FirstScreen(calibration);
   for (Section& section : CorrectedTable(calibration)) sections.push_back(std::move(section));
-  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate);
+  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate, calibration.trust.model_error);
   rest.front().title = "Estimate";
   for (Section& section : rest) sections.push_back(std::move(section));
   return sections;

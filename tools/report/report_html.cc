@@ -12,15 +12,16 @@ namespace {
 
 constexpr int kBins = 30;
 constexpr double kRange = 4.0;     // standard deviations shown
-constexpr size_t kMostBars = 400;  // configurations drawn one by one
+constexpr size_t kMostBars = 400;  // configurations drawn one by one; more: groups of neighbours
 
 constexpr const char* kStyle = R"(body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em;border-bottom:1px solid #ccc}
 table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:right;font-variant-numeric:tabular-nums}
 th:first-child,td:first-child,.unit{text-align:left}td:first-child{white-space:pre}tr:nth-child(even) td{background:#f5f5f5}
 svg{margin:.5em 1em .5em 0;max-width:100%;height:auto}svg text{font:11px sans-serif;fill:#444}code{background:#f5f5f5;word-break:break-all}
+summary{cursor:pointer}summary h2{display:inline-block;margin:.4em 0}
 .bar{fill:#4a78b0}.held-out{fill:#d9822b}.line{stroke:#b33;fill:none;stroke-width:1.5}.axis{stroke:#888}
-.dot,.model{fill:none;stroke-width:4;stroke-linecap:round}.dot{stroke:#4a78b0;stroke-opacity:.55}.model{stroke:#b33}.taken{fill:#4a78b0;fill-opacity:.2}
+.dot,.model,.beyond{fill:none;stroke-width:4;stroke-linecap:round}.beyond{stroke:#d9822b}.dot{stroke:#4a78b0;stroke-opacity:.55}.model{stroke:#b33}.taken{fill:#4a78b0;fill-opacity:.2}
 @media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr,svg{break-inside:avoid}}
 )";
 
@@ -84,8 +85,7 @@ struct Bar {
   double rms() const { return std::sqrt(squared / std::max(1, observations)); }
 };
 
-// One per configuration in order of the rows; neighbours merge where there are too many.
-std::vector<Bar> BarsOf(const CalibrationProblem& problem, const Estimate& estimate) {
+std::vector<Bar> BarPerConfiguration(const CalibrationProblem& problem, const Estimate& estimate) {
   const Measurements& data = problem.data;
   std::vector<Bar> bars(data.configurations.size());
   for (size_t i = 0; i < data.observations.size(); ++i) {
@@ -98,13 +98,27 @@ std::vector<Bar> BarsOf(const CalibrationProblem& problem, const Estimate& estim
     bars[c].name = data.configurations[c].id;
     bars[c].is_validation = data.configurations[c].is_validation;
   }
+  return bars;
+}
+
+// In order of the rows; neighbours merge where there are too many, those held out apart from those fitted.
+std::vector<Bar> BarsOf(const CalibrationProblem& problem, const Estimate& estimate) {
+  const std::vector<Bar> bars = BarPerConfiguration(problem, estimate);
   if (bars.size() <= kMostBars) return bars;
-  std::vector<Bar> merged(kMostBars);
-  for (size_t c = 0; c < bars.size(); ++c) {
-    Bar& bar = merged[c * kMostBars / bars.size()];
-    if (bar.name.empty()) bar.name = "from " + bars[c].name;
-    bar.squared += bars[c].squared;
-    bar.observations += bars[c].observations;
+  std::vector<Bar> merged;
+  for (size_t group = 0; group < kMostBars; ++group) {
+    const size_t first = group * bars.size() / kMostBars, last = (group + 1) * bars.size() / kMostBars;
+    for (const bool is_validation : {false, true}) {
+      Bar sum;
+      sum.is_validation = is_validation;
+      for (size_t c = first; c < last; ++c) {
+        if (bars[c].is_validation != is_validation) continue;
+        if (sum.name.empty()) sum.name = (is_validation ? "held out, from " : "from ") + bars[c].name;
+        sum.squared += bars[c].squared;
+        sum.observations += bars[c].observations;
+      }
+      if (sum.observations > 0) merged.push_back(sum);
+    }
   }
   return merged;
 }
@@ -130,7 +144,8 @@ std::string ConfigurationSvg(const std::vector<Bar>& bars) {
 }
 
 std::string SectionToHtml(const Section& section, const char* heading) {
-  std::string html = std::string("<") + heading + ">" + EscapeHtml(section.title) + "</" + heading + ">\n";
+  const std::string title = std::string("<") + heading + ">" + EscapeHtml(section.title) + "</" + heading + ">";
+  std::string html = section.folded ? "<details><summary>" + title + "</summary>\n" : title + "\n";
   if (!section.header.empty()) {
     html += "<table><thead><tr>";
     for (const std::string& cell : section.header) html += "<th>" + EscapeHtml(cell) + "</th>";
@@ -146,7 +161,7 @@ std::string SectionToHtml(const Section& section, const char* heading) {
     html += "</tbody></table>\n";
   }
   for (const std::string& paragraph : section.paragraphs) html += "<p>" + EscapeHtml(paragraph) + "</p>\n";
-  return html + section.figure;
+  return html + section.figure + (section.folded ? "</details>\n" : "");
 }
 
 std::string ProvenanceToHtml(const Provenance& provenance) {

@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
+#include <string_view>
+
+#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -158,7 +161,7 @@ bool IsTied(const ParameterEstimate& row, const Identifiability& identifiability
 }
 
 std::string StateOf(const ParameterEstimate& row, const Identifiability& identifiability) {
-  if (!row.identifiable) return "held";
+  if (!row.identifiable) return "not measured";
   if (!row.free) return "fixed";
   if (IsTied(row, identifiability)) return "tied";
   if (row.at_bound) return "at bound";
@@ -172,33 +175,65 @@ std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
   return "-" + (row.open_low ? "open" : Fixed(down, decimals)) + "/+" + (row.open_high ? "open" : Fixed(up, decimals));
 }
 
-Section ParameterSection(const Estimate& estimate) {
+// SI: what the correction is added to. A geometric error's is the robot file's value of the length or angle that it is
+// an error of; base and markers have none but where the alignment of the nominal robot puts them.
+double NominalOf(const CalibrationProblem& problem, const ParameterEstimate& row) {
+  constexpr std::string_view kGeometry = "geometry/";
+  if (row.name.rfind(kGeometry, 0) != 0) return row.nominal;
+  const int transform = problem.robot.chain.FindError(row.name.substr(kGeometry.size()));
+  return transform < 0 ? row.nominal : problem.robot.chain.transforms[transform].nominal;
+}
+
+// Half the 95 % intervals over the standard deviations: its median over what is estimated.
+double CoverageFactor(const Estimate& estimate, double model_error) {
+  std::vector<double> factors;
+  for (const ParameterEstimate& row : estimate.table) {
+    const double half = 0.5 * (row.ci95.high - row.ci95.low), sigma = model_error * row.sigma;
+    if (row.free && sigma > 0.0 && std::isfinite(half) && IsEven(row)) factors.push_back(half / sigma);
+  }
+  return Median(factors);
+}
+
+// What the column ± is, in the words of ISO/IEC Guide 98-3 (GUM).
+std::string UncertaintyInWords(const Estimate& estimate, double model_error) {
+  const double factor = CoverageFactor(estimate, model_error);
+  std::string words = "±: expanded uncertainty, coverage probability 95 %";
+  if (factor > 0.0) words += ", coverage factor k = " + Significant(factor, 2);
+  if (model_error > 1.0) words += "; model error makes it " + Significant(model_error, 2) + " times as wide";
+  return words + ".";
+}
+
+Section ParameterSection(const CalibrationProblem& problem, const Estimate& estimate, double model_error) {
   Section section;
-  section.title = "Parameters, with 95 % intervals";
-  section.header = {"name", "value", "±", "unit", ""};
+  section.title = "Parameters";
+  section.header = {"name", "nominal", "correction", "calibrated", "±", "unit", ""};
   bool any_at_bound = false;
   for (const ParameterEstimate& row : estimate.table) {
-    if (!row.free && row.identifiable && row.value == 0.0) continue;
+    const double correction = row.value - row.nominal, nominal = NominalOf(problem, row);
+    if (!row.free && row.identifiable && correction == 0.0) continue;
     const QuantityTraits& traits = TraitsOf(row.quantity);
     const double half = 0.5 * (row.ci95.high - row.ci95.low) / traits.si_per_unit;
     const bool known = row.free && half > 0.0 && std::isfinite(half);
     const int decimals = DecimalsFor(known ? half : 0.0);
-    section.rows.push_back({row.name, Fixed(row.value / traits.si_per_unit, decimals),
-                            known ? Arms(row, traits.si_per_unit, decimals) : "-", traits.unit,
+    const auto shown = [&](double value) { return Fixed(value / traits.si_per_unit, decimals); };
+    section.rows.push_back({row.name, shown(nominal), shown(correction), shown(nominal + correction),
+                            known ? Arms(row, traits.si_per_unit, decimals) : "-", ShownUnit(traits.unit),
                             StateOf(row, estimate.identifiability)});
     any_at_bound |= row.at_bound;
+  }
+  section.paragraphs = {UncertaintyInWords(estimate, model_error),
+                        "nominal: of the robot file; of base poses and markers, which have none, where the nominal "
+                        "robot fits best. calibrated: nominal + correction."};
+  if (!estimate.identifiability.unidentifiable.empty()) {
+    section.paragraphs.push_back(
+        "not measured: held where the data fit best; the value means nothing by itself. tied: moves with such a one; "
+        "its ± takes that one as exact; with what that one may be: `unconditional` in estimate.json.");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
         "at bound: the interval meets a physical bound (a compliance is not below 0) and ends there; such a value "
         "is known as \"at most\". Its interval holds the truth more often than 95 %: what it would have beyond the "
         "bound is cut off.");
-  }
-  if (!estimate.identifiability.unidentifiable.empty()) {
-    section.paragraphs.insert(
-        section.paragraphs.begin(),
-        "held: stays where nominal robot and alignment put it. tied: moves with a held one; the "
-        "interval takes that one as exact; with what that one may be: `unconditional` in estimate.json.");
   }
   return section;
 }
@@ -216,12 +251,12 @@ std::string List(const std::vector<std::string>& names, const std::string& prefi
 void AddIdentifiability(const CalibrationProblem& problem, const Estimate& estimate, std::vector<Section>* sections) {
   const Identifiability& found = estimate.identifiability;
   Section held, weak;
-  held.title = "What the data cannot tell (held)";
+  held.title = "What the data do not determine (held)";
   for (const Direction& direction : found.unidentifiable) {
     held.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
   }
   if (!held.paragraphs.empty()) sections->push_back(held);
-  weak.title = "What the data tell poorly (worse than 1 mm, 1 mrad or half its value)";
+  weak.title = "What the data determine poorly (worse than 1 mm, 1 mrad or half its value)";
   for (const Direction& direction : found.weak) {
     weak.paragraphs.push_back("- " + direction.words + " (" + Significant(direction.sigma, 2) +
                               " of that limit). Remedy: " + direction.remedy + ".");
@@ -281,7 +316,9 @@ std::string Wrapped(const std::string& paragraph) {
 
 }  // namespace
 
-std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate) {
+std::string ShownUnit(const std::string& unit) { return unit.rfind('u', 0) == 0 ? "µ" + unit.substr(1) : unit; }
+
+std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate, double model_error) {
   std::vector<Section> sections = {ResultSection(problem, estimate)};
   sections.push_back(ResidualSection("Residuals on calibration observations", estimate.fit_before, estimate.fit));
   if (estimate.validation.observations > 0) sections.push_back(ValidationSection(estimate));
@@ -294,7 +331,7 @@ std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate
   sections.push_back(NoiseSection(problem, estimate));
   const Section intervals = IntervalSection(estimate);
   if (!intervals.paragraphs.empty()) sections.push_back(intervals);
-  sections.push_back(ParameterSection(estimate));
+  sections.push_back(ParameterSection(problem, estimate, model_error));
   AddIdentifiability(problem, estimate, &sections);
   Section warnings;
   warnings.title = "Warnings";

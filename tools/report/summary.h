@@ -18,9 +18,13 @@ struct Section {
   std::vector<std::string> header;             // of the table; empty: none
   std::vector<std::vector<std::string>> rows;  // the first cell of a row is text, the others numbers
   std::string figure;                          // SVG, for pages only
+  bool folded = false;                         // on a page it opens when asked to
 };
 
-std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate);
+// model_error: factor by which it has widened the intervals of the estimate's table (Trust); 1: not at all.
+std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate, double model_error = 1.0);
+// A unit of results as people write it: "urad" as "µrad".
+std::string ShownUnit(const std::string& unit);
 // As paper 002, Tables IV and XI.
 Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after);
 

@@ -1,0 +1,103 @@
+#include "estimator/noise/robot_scatter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/least_squares/linearization.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kInstrumentIsNotTheNoise = 10.0;  // reduced chi-square
+constexpr double kAlike = 1.5;                     // largest over smallest sigma: weights hardly differ
+constexpr int kMostSteps = 200;
+constexpr double kSettled = 1e-10;  // relative, of tau^2
+
+// Residuals along the axes of each row's stated covariance: there it is diagonal, and stays so with tau^2 added.
+struct AlongAxes {
+  std::vector<double> variance, square;  // m^2
+};
+
+AlongAxes Residuals(const CalibrationProblem& problem, const Estimate& estimate) {
+  AlongAxes along;
+  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
+    const Matrix3<double> root = problem.NoiseRoot(i);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(root * root.transpose()));
+    const Eigen::Vector3d residual = problem.data.observations[i].point_in_station - estimate.predicted.col(i);
+    const Eigen::Vector3d turned = axes.eigenvectors().transpose() * residual;
+    for (int axis = 0; axis < 3; ++axis) {
+      along.variance.push_back(std::max(0.0, axes.eigenvalues()[axis]));
+      along.square.push_back(turned[axis] * turned[axis]);
+    }
+  }
+  return along;
+}
+
+// Fixed point of the likelihood's zero: t = sum w^2 (r^2 - s) / sum w^2, w = 1 / (s + t), damped by staying positive.
+double VarianceOfRobot(const AlongAxes& along) {
+  double t = 0.0;
+  for (const double square : along.square) t += square / along.square.size();
+  for (int step = 0; step < kMostSteps; ++step) {
+    double sum = 0.0, weights = 0.0;
+    for (size_t k = 0; k < along.square.size(); ++k) {
+      const double w = 1.0 / (along.variance[k] + t);
+      sum += w * w * (along.square[k] - along.variance[k]);
+      weights += w * w;
+    }
+    const double next = std::max(0.0, sum / weights);
+    const bool settled = std::abs(next - t) <= kSettled * t;
+    t = next;
+    if (settled || t == 0.0) break;
+  }
+  return t;
+}
+
+}  // namespace
+
+bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate) {
+  const Experiment& experiment = problem.experiment;
+  const bool is_free = experiment.noise.from == NoiseSpec::From::kDefault && experiment.weights == "sigma" &&
+                       experiment.loss == "none" && problem.latent.empty() && problem.resolved_noise.empty();
+  const SigmaReport& sigma = estimate.sigma;
+  if (!is_free || !IsUsable(estimate.status) || !sigma.stated || !sigma.scaled) return false;
+  if (sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return false;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
+    const Matrix3<double> root = problem.NoiseRoot(i);
+    if (!IsStated(root)) return false;
+    const double size = root.norm();
+    least = std::min(least, size);
+    most = std::max(most, size);
+  }
+  return most > kAlike * least;
+}
+
+std::string RobotScatterInWords(double tau) {
+  return "Beside the stated sigmas every coordinate scatters by " + Significant(1e3 * tau, 3) +
+         " mm (maximum likelihood), and rows are weighed by both; noise: {from: rows} weighs by the stated sigmas "
+         "alone.";
+}
+
+RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate& estimate) {
+  const double variance = VarianceOfRobot(Residuals(problem, estimate));
+  RobotScatter scatter{std::sqrt(variance), {}};
+  double stated = 0.0, both = 0.0;  // of the calibration points
+  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
+    stated += problem.NoiseRoot(i).squaredNorm();
+    both += problem.NoiseRoot(i).squaredNorm() + 3.0 * variance;
+  }
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    Matrix3<double> root = problem.NoiseRoot(static_cast<int>(i));
+    if (problem.data.observations[i].is_point() && IsStated(root)) {
+      const Matrix3<double> covariance = root * root.transpose() + variance * Matrix3<double>::Identity();
+      root = std::sqrt(stated / both) * Matrix3<double>(covariance.llt().matrixL());
+    }
+    scatter.roots.push_back(root);
+  }
+  return scatter;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,28 @@
+// Where the stated sigmas are an instrument's and the robot scatters by far more, weights 1 / sigma^2 count what hardly
+// matters: rows that the instrument saw a little better outvote the others. Beside its stated covariance S_i every
+// point then scatters by tau on each axis, found from the residuals r_i by maximum likelihood,
+//
+//   max over tau of  - sum_i ( ln det(S_i + tau^2 I) + r_i' (S_i + tau^2 I)^-1 r_i )
+//
+// and is weighed by both. Scaled to the mean of the stated variances: what is stated stays the unit of chi-square.
+#pragma once
+
+#include <string>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// The robot is the noise: nothing else says how to weigh, the stated sigmas differ between rows, and the residuals of
+// the judged estimate are several times as large.
+bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate);
+
+struct RobotScatter {
+  double tau = 0.0;  // m, per coordinate
+  NoiseRoots roots;  // of all observations of the data, m; rotations as stated
+};
+RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate& estimate);
+std::string RobotScatterInWords(double tau);
+
+}  // namespace sagitta

@@ -1,0 +1,35 @@
+// Positioning in the terms of ISO 9283:1998, "Manipulating industrial robots - Performance criteria and related test
+// methods". A commanded pose is what the model says of one configuration, marker, station, load and approach; its
+// attained positions are those of the n arrivals (visits) there, repeated readings of one arrival averaged.
+//
+//   7.2.1  AP_p = | barycentre of the attained positions - commanded position |
+//   7.2.2  RP_l = mean(l) + 3 S_l,   l_j = | position j - barycentre |,   S_l^2 = sum_j (l_j - mean(l))^2 / (n - 1)
+//
+// The standard asks for n = 30 arrivals; how many there were is stated beside the figures.
+#pragma once
+
+#include <vector>
+
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct PoseAccuracy {
+  int poses = 0;
+  double mean = 0.0, largest = 0.0;  // AP_p over the poses, m
+};
+
+struct PoseRepeatability {
+  int poses = 0;                     // with two arrivals or more
+  int fewest = 0, most = 0;          // arrivals at one of them
+  double mean = 0.0, largest = 0.0;  // RP_l over the poses, m
+};
+
+// errors: measured - commanded (3 x N, m), one column per observation, of points.
+PoseAccuracy MeasurePoseAccuracy(const CalibrationProblem& problem, const std::vector<int>& observations,
+                                 const Eigen::Matrix3Xd& errors);
+
+// Of all points that are no outliers; the instrument's noise is in it.
+PoseRepeatability MeasurePoseRepeatability(const CalibrationProblem& problem);
+
+}  // namespace sagitta

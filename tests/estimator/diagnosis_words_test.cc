@@ -1,0 +1,85 @@
+// What a diagnosis says first: five lines at most, causes by group with their share of the gap.
+#include "estimator/results/diagnosis_words.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+DiagnosisStep Step(const std::string& effect, const std::string& target, double probability) {
+  DiagnosisStep step;
+  step.candidate.spec = {effect, target, {}, {}};
+  if (effect == "joint_harmonic") step.candidate.spec.settings["order"] = "1";
+  step.probability = probability;
+  return step;
+}
+
+// 41 steps of six effects on a robot whose gap is closed by 90 %.
+Diagnosis Large() {
+  Diagnosis d;
+  d.verdict = "partly";
+  d.status = Status::kConverged;
+  const test::Kr270Design design;
+  d.final.problem = std::make_shared<CalibrationProblem>(test::Kr270Problem(design, test::Kr270Truth(), 1));
+  d.baseline.problem = d.final.problem;
+  d.has_unexplained = true;
+  const std::vector<std::string> effects = {"joint_harmonic", "encoder_gain",   "link_gravity",
+                                            "axis_wobble",    "thermal_growth", "station_scale"};
+  for (int k = 0; k < 41; ++k) {
+    const size_t g = std::min<size_t>(k / 8, effects.size() - 1);
+    if (g == d.groups.size()) d.groups.push_back({effects[g], {}, 0.5 / (1 << g)});
+    d.groups[g].steps.push_back(k);
+    d.steps.push_back(Step(effects[g], "A" + std::to_string(k % 6 + 1), 0.99 - 0.001 * k));
+  }
+  d.gap.before = 2e-4;
+  d.gap.after = 6e-5;
+  d.gap.closed = 0.9;
+  return d;
+}
+
+TEST(DiagnosisWords, AVerdictOfFortyOneStepsHasFiveLines) {
+  const Diagnosis d = Large();
+  const std::vector<std::string> lines = VerdictLines(d);
+  ASSERT_EQ(lines.size(), 5u);
+  EXPECT_EQ(lines[0], "Found 41 effects. A significant rest has no name in the catalogue (10 % of the gap).");
+  // Half of what is closed.
+  EXPECT_THAT(lines[1], AllOf(StartsWith("- "), HasSubstr("on A1, A2, A3, A4, A5 and A6"), HasSubstr("each 98.3 %"),
+                              EndsWith(": 45 % of the gap")));
+  // The fourth stands for three: 1/8 + 1/16 + 1/32 of 0.5 twice over.
+  EXPECT_THAT(lines[4], AllOf(HasSubstr("other effects"), HasSubstr(": 9.8 % of the gap")));
+  EXPECT_LT(VerdictInWords(d).size(), 700u);
+  const std::string text = DiagnosisToText(d);
+  EXPECT_THAT(text, HasSubstr("Verdict: partly. Found 41 effects."));
+  EXPECT_THAT(text, HasSubstr("36 more steps: in report.html and diagnosis.json"));
+}
+
+TEST(DiagnosisWords, OneStepIsOneSentence) {
+  Diagnosis d = Large();
+  d.verdict = "explained";
+  d.steps.resize(1);
+  d.groups = {{"joint_harmonic", {0}, 1.0}};
+  EXPECT_EQ(VerdictLines(d).size(), 1u);
+  EXPECT_THAT(VerdictInWords(d), AllOf(StartsWith("Found: "), HasSubstr("(joint_harmonic, A1, order 1), 99 %"),
+                                       EndsWith(". Nothing significant is left.")));
+}
+
+TEST(DiagnosisWords, WithoutAHoldOutNoShareIsSaid) {
+  Diagnosis d = Large();
+  d.gap = GapReport();
+  d.gap.closed = kNotKnown;
+  for (StepGroup& group : d.groups) group.share_of_gap = kNotKnown;
+  for (const std::string& line : VerdictLines(d)) EXPECT_EQ(line.find("of the gap"), std::string::npos) << line;
+}
+
+}  // namespace
+}  // namespace sagitta
