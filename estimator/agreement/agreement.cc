@@ -12,9 +12,7 @@
 #include "estimator/agreement/part_fits.h"
 #include "estimator/agreement/splits.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/sandwich.h"
-#include "estimator/noise/weighting.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
 
@@ -49,7 +47,7 @@ double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool s
   if (!sandwich && !whole.is_scaled) return ChiSquareSurvival(squares, m);
   if (!sandwich) return FSurvival(squares / m, m, a.freedom + b.freedom);
   // Hotelling: clusters are the sample.
-  const double n = a.clusters + b.clusters - static_cast<double>(a.columns.size() + b.columns.size());
+  const double n = a.sandwich.clusters + b.sandwich.clusters - static_cast<double>(a.columns.size() + b.columns.size());
   if (n - m + 1.0 < 1.0) return 1.0;
   return FSurvival(squares * (n - m + 1.0) / (n * m), m, n - m + 1.0);
 }
@@ -64,11 +62,11 @@ Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool
     in_b.push_back(static_cast<int>(same - b.columns.begin()));
   }
   if (in_a.empty()) return found;
-  const Eigen::MatrixXd& ca = sandwich ? a.sandwich : a.model;
-  const Eigen::MatrixXd& cb = sandwich ? b.sandwich : b.model;
-  const Eigen::VectorXd& dof_a = sandwich ? a.sandwich_dof : a.model_dof;
-  const Eigen::VectorXd& dof_b = sandwich ? b.sandwich_dof : b.model_dof;
-  found.value = a.step(in_a) - b.step(in_b);
+  const Eigen::MatrixXd& ca = sandwich ? a.sandwich.covariance : a.model;
+  const Eigen::MatrixXd& cb = sandwich ? b.sandwich.covariance : b.model;
+  const Eigen::VectorXd& dof_a = sandwich ? a.sandwich.dof : a.model_dof;
+  const Eigen::VectorXd& dof_b = sandwich ? b.sandwich.dof : b.model_dof;
+  found.value = a.step()(in_a) - b.step()(in_b);
   found.covariance = ca(in_a, in_a) + cb(in_b, in_b);
   for (size_t i = 0; i < in_a.size(); ++i) {
     const int ia = in_a[i], ib = in_b[i];
@@ -102,15 +100,24 @@ struct Pool {
   }
 };
 
-void CompareSplits(const Whole& whole, const std::vector<Split>& splits, AgreementReport* report) {
+// Returns the sandwich of the whole.
+RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, AgreementReport* report) {
   std::map<std::string, Pool> kinds;
   Pool random[2];  // by the model's covariance, by the sandwich
-  const SumsOfParts sums = SumParts(whole.rows, splits);
+  const SumsOfParts sums = SumParts(splits, given);
+  if (!given->valid) return {};
+  const Whole& whole = *given;
+  std::vector<std::array<PartFit, 2>> fits;
+  std::vector<int> with_sandwich;
+  for (size_t s = 0; s < splits.size(); ++s) {
+    fits.push_back(FitParts(whole, splits[s], sums.empty() ? nullptr : &sums[s]));
+    if (splits[s].by == "random" || whole.by_sandwich) with_sandwich.push_back(static_cast<int>(s));
+  }
+  const RobustCovariance robust = AddSandwiches(whole, splits, with_sandwich, &fits);
   for (size_t s = 0; s < splits.size(); ++s) {
     const Split& split = splits[s];
     const bool is_random = split.by == "random";
-    const auto [first, second] =
-        FitParts(whole, split, sums.empty() ? nullptr : &sums[s], is_random || whole.by_sandwich);
+    const auto& [first, second] = fits[s];
     if (!first.usable || !second.usable) continue;
     const Differences found = Compare(whole, first, second, whole.by_sandwich);
     if (is_random) {
@@ -129,6 +136,7 @@ void CompareSplits(const Whole& whole, const std::vector<Split>& splits, Agreeme
   }
   report->random_share_model = random[false].Result("", "").share();
   report->random_share_sandwich = random[true].Result("", "").share();
+  return robust;
 }
 
 // With one value per group of repeated shots that no model can explain apart:
@@ -140,15 +148,15 @@ RepeatFit TestRepeats(const Whole& whole) {
     double squares = 0.0;
   };
   const Measurements& data = whole.problem.data;
-  const NoiseRoots noise = ObservationNoise(whole.problem, whole.rows.observations, kFallbackSigma);
+  const NoiseRoots noise = ObservationNoise(whole.problem, whole.observations, kFallbackSigma);
   std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
-  for (size_t k = 0; k < whole.rows.observations.size(); ++k) {
-    const Observation& row = data.observations[whole.rows.observations[k]];
+  for (size_t k = 0; k < whole.observations.size(); ++k) {
+    const Observation& row = data.observations[whole.observations[k]];
     const Shot& shot = data.shots[row.shot];
     Group& group = groups[{shot.configuration, shot.visit, row.marker, shot.load, shot.station, row.kind}];
     const Matrix3<double> weight = (noise[k] * noise[k].transpose()).inverse();
     const Vector3<double> error =
-        MeasuredMinusPredicted(row.reading(), whole.estimate.predicted.col(whole.rows.observations[k]));
+        MeasuredMinusPredicted(row.reading(), whole.estimate.predicted.col(whole.observations[k]));
     group.weight += weight;
     group.sum += weight * error;
     group.squares += error.dot(weight * error);
@@ -156,12 +164,12 @@ RepeatFit TestRepeats(const Whole& whole) {
   double within = 0.0;
   for (const auto& [key, group] : groups) within += group.squares - group.sum.dot(group.weight.inverse() * group.sum);
   RepeatFit fit;
-  const int rows = whole.rows.num_rows(), means = 3 * static_cast<int>(groups.size());
+  const int rows = whole.num_rows(), means = 3 * static_cast<int>(groups.size());
   fit.within_dof = rows - means;
-  fit.between_dof = means - whole.rows.num_columns();
+  fit.between_dof = means - whole.num_columns();
   fit.known = fit.within_dof > 0 && fit.between_dof > 0 && within > 0.0;
   if (!fit.known) return fit;
-  const double between = std::max(0.0, whole.rows.residual.squaredNorm() - within);
+  const double between = std::max(0.0, whole.squared_residual - within);
   fit.ratio = (between / fit.between_dof) / (within / fit.within_dof);
   fit.p_value = FSurvival(fit.ratio, fit.between_dof, fit.within_dof);
   return fit;
@@ -169,59 +177,27 @@ RepeatFit TestRepeats(const Whole& whole) {
 
 // True where the sandwich is larger than chance makes it: a variance with nu degrees of freedom scatters by
 // sqrt(1 / (2 nu)) of its root.
-bool SandwichIsLarger(const Whole& whole, double* ratio) {
-  Linearization priors;
-  priors.columns = whole.rows.columns;
-  priors.jacobian.resize(0, whole.rows.num_columns());
-  AppendPriors(whole.estimate.parameters, &priors);
-  const auto with_priors = [&] {
-    Linearization fit = whole.rows;
-    AppendPriors(whole.estimate.parameters, &fit);
-    return SandwichCovariance(fit, whole.clusters);
-  };
-  const RobustCovariance robust =
-      priors.num_rows() == 0 ? SandwichCovariance(whole.rows, whole.clusters) : with_priors();
+bool SandwichIsLarger(const Whole& whole, const RobustCovariance& robust, double* ratio) {
   if (robust.covariance.rows() == 0) return false;
   const Eigen::VectorXd ratios =
-      robust.covariance.diagonal().cwiseQuotient(whole.estimate.model_covariance.diagonal()).cwiseSqrt();
+      robust.covariance.diagonal().cwiseQuotient(whole.turns.VariancesOf(whole.estimate.model_covariance)).cwiseSqrt();
   *ratio = Median({ratios.begin(), ratios.end()});
   return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median({robust.dof.begin(), robust.dof.end()}));
-}
-
-// Columns of base poses along the base's own axes: what is compared does not depend on how the measurement frame lies.
-void TurnBases(const ParameterSet& parameters, Linearization* rows) {
-  std::vector<int> column_of(parameters.num_coordinates(), -1);
-  for (int c = 0; c < rows->num_columns(); ++c) column_of[rows->columns[c]] = c;
-  for (int s = 0; s < parameters.num_stations(); ++s) {
-    const Matrix3<double> rotation = parameters.BaseInStation(s).rotation;
-    for (const ParameterBlock* block : {&parameters.station_translation(s), &parameters.station_rotation(s)}) {
-      const auto first = column_of.begin() + block->first_coordinate;
-      const std::vector<int> columns(first, first + 3);
-      if (*std::min_element(columns.begin(), columns.end()) < 0) continue;
-      rows->jacobian(Eigen::all, columns) = Eigen::MatrixXd(rows->jacobian(Eigen::all, columns) * rotation);
-    }
-  }
 }
 
 }  // namespace
 
 void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
-  Whole whole{problem, *estimate, {}, {}, false, false};
-  const std::vector<int> observations = problem.CalibrationObservations();
-  whole.rows = Linearize(problem, estimate->parameters, observations, estimate->estimated,
-                         ObservationNoise(problem, observations, kFallbackSigma));
-  whole.clusters = ConfigurationClusters(problem.data, observations);
-  whole.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled || WeighsByEq14(problem.experiment);
-  whole.by_sandwich = estimate->intervals.is_empirical();
+  Whole whole(problem, *estimate);
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();
   report.covariance = whole.by_sandwich ? "sandwich" : "model";
   report.seed = options.seed;
-  if (!whole.rows.valid || whole.rows.num_columns() == 0) return;
-  TurnBases(estimate->parameters, &whole.rows);
-  CompareSplits(whole, MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves), &report);
+  if (!whole.valid || whole.num_columns() == 0) return;
+  const std::vector<Split> splits = MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves);
+  const RobustCovariance robust = CompareSplits(splits, &whole, &report);
   report.repeats = TestRepeats(whole);
-  const bool larger = SandwichIsLarger(whole, &report.sandwich_ratio);
+  const bool larger = SandwichIsLarger(whole, robust, &report.sandwich_ratio);
   report.known = !report.kinds.empty();
   const double level = problem.experiment.significance;
   for (const PartComparison& kind : report.kinds) {

@@ -1,12 +1,15 @@
 #include "estimator/agreement/part_fits.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
-#include <string>
+#include <utility>
 
+#include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/identifiability.h"
-#include "estimator/least_squares/sandwich.h"
+#include "estimator/least_squares/normal_equations.h"
+#include "estimator/noise/weighting.h"
 
 namespace sagitta {
 namespace {
@@ -37,7 +40,7 @@ struct Part {
   }
   // Columns that it sees at all.
   std::vector<int> Seen() const {
-    const int n = whole.rows.num_columns();
+    const int n = whole.num_columns();
     Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
     if (sums != nullptr) squares = sums->matrix.diagonal().head(n);
     for (size_t i = 0; i < observations.size() && sums == nullptr; ++i) {
@@ -62,35 +65,118 @@ std::vector<int> HeldColumns(const Part& part, const std::vector<int>& seen) {
   return held;
 }
 
-PartFit FitPart(const Part& part, const std::vector<int>& columns, bool with_sandwich) {
+PartFit FitPart(const Part& part, const std::vector<int>& columns) {
   const Whole& whole = part.whole;
   PartFit fit;
   fit.columns = columns;
   fit.freedom = static_cast<int>(3 * part.observations.size()) - static_cast<int>(columns.size());
   if (columns.empty() || fit.freedom < kFewestFree) return fit;
-  const LinearSolution solution = SolveLinearization(part.Of(columns));
-  if (!solution.full_rank) return fit;
-  fit.step = solution.step;
-  fit.model = (whole.is_scaled ? solution.residual_norm_squared / fit.freedom : 1.0) * solution.covariance;
+  fit.solution = SolveLinearization(part.Of(columns));
+  if (!fit.solution.full_rank) return fit;
+  fit.model = (whole.is_scaled ? fit.solution.residual_norm_squared / fit.freedom : 1.0) * fit.solution.covariance;
   fit.model_dof = Eigen::VectorXd::Constant(
-      fit.step.size(), whole.is_scaled ? static_cast<double>(fit.freedom) : std::numeric_limits<double>::infinity());
+      static_cast<Eigen::Index>(columns.size()),
+      whole.is_scaled ? static_cast<double>(fit.freedom) : std::numeric_limits<double>::infinity());
   fit.usable = true;
-  if (!with_sandwich) return fit;
-  std::vector<int> clusters;
-  for (const int k : part.observations) clusters.push_back(whole.clusters[k]);
-  Linearization at_its_optimum = Rows(whole.rows, part.observations, columns);
-  at_its_optimum.residual += at_its_optimum.jacobian * solution.step;
-  const RobustCovariance robust = SandwichCovariance(at_its_optimum, clusters);
-  fit.sandwich = robust.covariance;
-  fit.sandwich_dof = robust.dof;
-  fit.clusters = robust.clusters;
   return fit;
 }
 
+RobustCovariance SandwichOf(const Whole& whole, const std::vector<int>& observations, const PartFit& fit) {
+  std::vector<int> clusters;
+  for (const int k : observations) clusters.push_back(whole.clusters[k]);
+  Linearization at_its_optimum = Rows(whole.rows, observations, fit.columns);
+  at_its_optimum.residual += at_its_optimum.jacobian * fit.solution.step;
+  return SandwichCovariance(at_its_optimum, clusters);
+}
+
+// Calls add(position, three rows of [J r]) for each observation.
+bool ForEachRow(const Whole& whole, const std::function<void(int, const double*)>& add) {
+  if (!whole.are_held) {
+    return whole.stream.ForEach(whole.estimate.parameters, whole.columns, [&](const RowPiece& piece) {
+      for (int i = 0; i < piece.num_observations(); ++i) add(piece.positions[i], &piece.rows(3 * i, 0));
+    });
+  }
+  RowMajorMatrix rows(3, whole.num_columns() + 1);
+  for (int k = 0; k < static_cast<int>(whole.observations.size()); ++k) {
+    rows << whole.rows.jacobian.middleRows<3>(3 * k), whole.rows.residual.segment<3>(3 * k);
+    add(k, rows.data());
+  }
+  return true;
+}
+
+// Sums of a few splits: observations that go together in all of them are summed once.
+class Cells {
+ public:
+  static constexpr size_t kMost = 5;  // splits: at most 3^5 cells, 2^5 where every observation has its side
+
+  Cells(const std::vector<Split>& splits, size_t first, size_t last, size_t observations, int numbers)
+      : first_(first), last_(last), numbers_(numbers), cell_of_(observations, 0) {
+    for (size_t s = first, place = 1; s < last; ++s, place *= 3) {
+      for (const int k : splits[s].first) cell_of_[k] += static_cast<int>(place);
+      for (const int k : splits[s].second) cell_of_[k] += static_cast<int>(2 * place);
+    }
+  }
+  void Add(int position, const double* rows) {
+    const auto found = sums_.try_emplace(cell_of_[position], numbers_).first;
+    for (int axis = 0; axis < 3; ++axis) found->second.sum.Add(rows + axis * numbers_);
+    found->second.rows += 3;
+  }
+  // Of all rows.
+  Eigen::MatrixXd AddTo(SumsOfParts* parts) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(numbers_, numbers_);
+    for (auto& [cell, own] : sums_) {
+      const Eigen::MatrixXd total = own.sum.Total();
+      all += total;
+      int sides = cell;
+      for (size_t s = first_; s < last_; ++s, sides /= 3) {
+        if (sides % 3 == 0) continue;
+        NormalSums& part = (*parts)[s][sides % 3 - 1];
+        part.matrix += total;
+        part.rows += own.rows;
+      }
+    }
+    return all;
+  }
+
+ private:
+  struct Cell {
+    explicit Cell(int numbers) : sum(numbers) {}
+    SumOfRows sum;
+    int rows = 0;
+  };
+  size_t first_, last_;
+  int numbers_;
+  std::vector<int> cell_of_;
+  std::map<int, Cell> sums_;
+};
+
 }  // namespace
 
-std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums,
-                                bool with_sandwich) {
+Whole::Whole(const CalibrationProblem& given, const Estimate& at)
+    : problem(given),
+      estimate(at),
+      observations(given.CalibrationObservations()),
+      columns(at.estimated),
+      turns(at.parameters, columns),
+      clusters(ConfigurationClusters(given.data, observations)),
+      is_scaled(!at.sigma.stated || at.sigma.scaled || WeighsByEq14(given.experiment)),
+      by_sandwich(at.intervals.is_empirical()),
+      stream(
+          given, observations,
+          [&given](const std::vector<int>& listed) { return ObservationNoise(given, listed, kFallbackSigma); },
+          LatentTreatment::kMarginalise, clusters) {
+  stream.ChangeRows([this](RowMajorMatrix* piece) { turns.TurnColumns(piece); });
+  are_held = AreHeld(num_rows(), num_columns());
+  valid = !are_held;
+  if (!are_held) return;
+  rows = Linearize(problem, estimate.parameters, observations, columns,
+                   ObservationNoise(problem, observations, kFallbackSigma));
+  valid = rows.valid;
+  if (valid) turns.TurnColumns(&rows.jacobian);
+  squared_residual = rows.residual.squaredNorm();
+}
+
+std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums) {
   const Part parts[2] = {{whole, split.first, sums != nullptr ? &(*sums)[0] : nullptr},
                          {whole, split.second, sums != nullptr ? &(*sums)[1] : nullptr}};
   std::vector<int> columns[2];
@@ -104,39 +190,68 @@ std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const st
   for (int p = 0; p < 2; ++p) {
     const auto is_held = [&](int c) { return std::find(held.begin(), held.end(), c) != held.end(); };
     columns[p].erase(std::remove_if(columns[p].begin(), columns[p].end(), is_held), columns[p].end());
-    fits[p] = FitPart(parts[p], columns[p], with_sandwich);
+    fits[p] = FitPart(parts[p], columns[p]);
   }
   return fits;
 }
 
-// Sums of the parts of all splits from one pass: observations that go together in every split are summed once.
-SumsOfParts SumParts(const Linearization& rows, const std::vector<Split>& splits) {
-  if (!AreMany(rows)) return {};
-  std::vector<std::string> sides(rows.observations.size(), std::string(splits.size(), '-'));
-  for (size_t s = 0; s < splits.size(); ++s) {
-    for (const int k : splits[s].first) sides[k][s] = '0';
-    for (const int k : splits[s].second) sides[k][s] = '1';
-  }
-  std::map<std::string, std::vector<int>> groups;
-  for (size_t k = 0; k < sides.size(); ++k) groups[sides[k]].push_back(static_cast<int>(k));
-  const int n = rows.num_columns() + 1;
-  const NormalSums none{rows.valid, rows.columns, Eigen::MatrixXd::Zero(n, n), 0};
+SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole) {
+  if (whole->are_held && !AreMany(whole->rows)) return {};
+  const int numbers = whole->num_columns() + 1;
+  const NormalSums none{true, whole->columns, Eigen::MatrixXd::Zero(numbers, numbers), 0};
   SumsOfParts sums(splits.size(), {none, none});
-  RowSums group(rows);
-  for (const auto& [side, observations] : groups) {
-    group.Clear();
-    for (const int k : observations) {
-      for (int axis = 0; axis < 3; ++axis) group.Add(3 * k + axis);
+  std::vector<Cells> cells;
+  for (size_t first = 0; first == 0 || first < splits.size(); first += Cells::kMost) {
+    cells.emplace_back(splits, first, std::min(splits.size(), first + Cells::kMost), whole->observations.size(),
+                       numbers);
+  }
+  whole->valid = ForEachRow(*whole, [&](int position, const double* rows) {
+    for (Cells& own : cells) own.Add(position, rows);
+  });
+  whole->sums = none;
+  for (Cells& own : cells) whole->sums.matrix = own.AddTo(&sums);
+  whole->squared_residual = whole->sums.squared_residual();
+  return sums;
+}
+
+RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& splits, const std::vector<int>& listed,
+                               std::vector<std::array<PartFit, 2>>* fits) {
+  const Linearization priors = PriorsOf(whole.estimate.parameters, whole.columns);
+  const auto parts = [&](int s) {
+    return std::array<std::pair<const std::vector<int>*, PartFit*>, 2>{
+        {{&splits[s].first, &(*fits)[s][0]}, {&splits[s].second, &(*fits)[s][1]}}};
+  };
+  if (whole.are_held) {
+    for (const int s : listed) {
+      for (const auto& [observations, fit] : parts(s)) {
+        if (fit->usable) fit->sandwich = SandwichOf(whole, *observations, *fit);
+      }
     }
-    const Eigen::MatrixXd total = group.Total();
-    for (size_t s = 0; s < splits.size(); ++s) {
-      if (side[s] == '-') continue;
-      NormalSums& part = sums[s][side[s] - '0'];
-      part.matrix += total;
-      part.rows += 3 * static_cast<int>(observations.size());
+    Linearization fit = whole.rows;
+    if (priors.num_rows() > 0) AppendPriors(whole.estimate.parameters, &fit);
+    return SandwichCovariance(fit, whole.clusters);
+  }
+  NormalSums all = whole.sums;
+  all.matrix += SumRows(priors).matrix;
+  const int num_clusters = 1 + *std::max_element(whole.clusters.begin(), whole.clusters.end());
+  ClusterFit of_all;
+  of_all.solution = SolveLinearization(Condense(all));
+  if (!of_all.solution.full_rank) return {};
+  std::vector<ClusterFit> asked = {of_all};
+  std::vector<PartFit*> answers;
+  for (const int s : listed) {
+    for (const auto& [observations, fit] : parts(s)) {
+      if (!fit->usable) continue;
+      ClusterFit own{fit->solution, fit->columns, fit->solution.step, std::vector<char>(num_clusters, 0)};
+      for (const int k : *observations) own.has[whole.clusters[k]] = 1;
+      asked.push_back(std::move(own));
+      answers.push_back(fit);
     }
   }
-  return sums;
+  ClusterSandwich sandwich(whole.num_columns(), num_clusters, of_all.solution.covariance_root, std::move(asked));
+  sandwich.Add(whole.stream, whole.estimate.parameters, whole.columns, whole.clusters);
+  for (size_t i = 0; i < answers.size(); ++i) answers[i]->sandwich = sandwich.Result(static_cast<int>(i) + 1);
+  return sandwich.Result(0, priors.jacobian);
 }
 
 }  // namespace sagitta

@@ -4,38 +4,65 @@
 #include <array>
 #include <vector>
 
+#include "estimator/agreement/base_turns.h"
 #include "estimator/agreement/splits.h"
 #include "estimator/estimate/estimate.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
+#include "estimator/least_squares/sandwich.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
 
-// Everything that is compared, at the estimate.
+// Everything that is compared, at the estimate; without priors.
 struct Whole {
+  Whole(const CalibrationProblem& problem, const Estimate& estimate);
+  Whole(const Whole&) = delete;  // the stream's rows are turned by this one's turns
+
   const CalibrationProblem& problem;
   const Estimate& estimate;
-  Linearization rows;         // without priors
-  std::vector<int> clusters;  // of each observation
+  std::vector<int> observations;
+  std::vector<int> columns;   // coordinates
+  BaseTurns turns;            // which the columns of rows have taken
+  std::vector<int> clusters;  // of each observation, from 0 in the order in which they appear
   bool is_scaled = false;     // the model's covariance takes its scale from residuals
   bool by_sandwich = false;   // the estimate's own intervals do
+
+  bool valid = false;     // false: an equilibrium diverges
+  bool are_held = false;  // rows are few enough to be kept; else they come by pieces
+  Linearization rows;     // where they are held
+  RowStream stream;       // where they are not
+  NormalSums sums;        // of all, where they are many
+  double squared_residual = 0.0;
+
+  int num_columns() const { return static_cast<int>(columns.size()); }
+  int num_rows() const { return 3 * static_cast<int>(observations.size()); }
 };
 
 struct PartFit {
-  std::vector<int> columns;  // of `Whole::rows`
-  Eigen::VectorXd step;      // SI
-  Eigen::MatrixXd model, sandwich;
-  Eigen::VectorXd model_dof, sandwich_dof;
-  int freedom = 0, clusters = 0;
+  std::vector<int> columns;  // of the whole's
+  LinearSolution solution;   // of this part
+  Eigen::MatrixXd model;
+  Eigen::VectorXd model_dof;
+  RobustCovariance sandwich;  // where it is asked for
+  int freedom = 0;
   bool usable = false;
+
+  const Eigen::VectorXd& step() const { return solution.step; }  // SI
 };
 
-// Of both parts of every split; empty where rows are few: then they are taken as they are.
+// Sums of both parts of every split from one pass, and those of the whole; empty where rows are few: then
+// they are taken as they are.
 using SumsOfParts = std::vector<std::array<NormalSums, 2>>;
-SumsOfParts SumParts(const Linearization& rows, const std::vector<Split>& splits);
+SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole);
 
 // Both with what either cannot tell held. sums: of this split, or null.
-std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums,
-                                bool with_sandwich);
+std::array<PartFit, 2> FitParts(const Whole& whole, const Split& split, const std::array<NormalSums, 2>* sums);
+
+// Fills `sandwich` of the fits of the listed splits, and returns that of the whole with its priors (no covariance: it
+// cannot be solved).
+RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& splits, const std::vector<int>& listed,
+                               std::vector<std::array<PartFit, 2>>* fits);
 
 }  // namespace sagitta

@@ -1,6 +1,7 @@
 // JudgeEstimate: covariance, intervals, leverage and hold-out of an estimate,
 // all from one Linearization at its parameters.
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -11,8 +12,9 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/estimate/parameter_table.h"
+#include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/least_squares/row_sums.h"
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/noise/weighting.h"
@@ -37,12 +39,13 @@ double SquaredMisfit(const CalibrationProblem& problem, const Linearization& lin
   return SolveLinearization(linearization).residual_norm_squared;
 }
 
-void JudgeNoise(const CalibrationProblem& problem, const Linearization& linearization, Estimate* estimate) {
+void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Estimate* estimate) {
+  const Linearization& linearization = fitted.rows;
   SigmaReport& sigma = estimate->sigma;
   sigma.stated = problem.sigma_is_stated();
   const double sum = SquaredMisfit(problem, linearization);
-  estimate->rows = linearization.num_rows();
-  estimate->dof = linearization.num_rows() - linearization.num_columns();
+  estimate->rows = fitted.equations;
+  estimate->dof = fitted.equations - linearization.num_columns();
   if (!sigma.stated) {
     // What is held was fitted first: rows that are no more than all unknowns show no noise.
     const auto held = static_cast<int>(HeldCoordinates(estimate->parameters).size());
@@ -68,23 +71,25 @@ double CovarianceScale(const SigmaReport& sigma) {
 
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
 // one visit share; C = (J' V^-1 J)^-1.
-Eigen::VectorXd LeverageBesideDeviations(const CalibrationProblem& problem, const Linearization& all,
-                                         const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& inverse_normal) {
+void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece& piece, const Eigen::MatrixXd& jacobian,
+                              const Eigen::MatrixXd& inverse_normal, Eigen::VectorXd* leverage) {
   std::map<std::pair<int, int>, std::vector<int>> rows_of;  // by visit; an outlier is alone
-  for (int k = 0; k < static_cast<int>(all.observations.size()); ++k) {
+  for (int i = 0; i < piece.num_observations(); ++i) {
+    const int k = piece.positions[i];
     const Observation& observation = problem.data.observations[k];
     std::vector<int>& rows =
         rows_of[{problem.latent.visit_of_shot[observation.shot], observation.excluded ? 1 + k : 0}];
-    for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * k + axis);
+    for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * i + axis);
+    (*leverage)[k] = 0.0;
   }
-  Eigen::VectorXd leverage = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.observations.size()));
   for (const auto& [visit, rows] : rows_of) {
-    const Eigen::MatrixXd own = jacobian(rows, Eigen::all), latent = all.latent(rows, Eigen::all);
+    const Eigen::MatrixXd own = jacobian(rows, Eigen::all), latent = piece.latent(rows, Eigen::all);
     const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + latent * latent.transpose();
     const Eigen::VectorXd diagonal = (own * inverse_normal).cwiseProduct(v.llt().solve(own)).rowwise().sum();
-    for (size_t i = 0; i < rows.size(); ++i) leverage[rows[i] / 3] += diagonal[static_cast<Eigen::Index>(i)] / 3.0;
+    for (size_t i = 0; i < rows.size(); ++i) {
+      (*leverage)[piece.positions[rows[i] / 3]] += diagonal[static_cast<Eigen::Index>(i)] / 3.0;
+    }
   }
-  return leverage;
 }
 
 // Leverage of every row and the parameters' share of the predicted hold-out error, some observations at a time.
@@ -103,31 +108,32 @@ class RowJudge {
   }
 
   void Judge() {
-    const auto n = static_cast<int>(problem_.data.observations.size());
-    const bool alone = problem_.latent.empty();  // else rows of one visit go together
-    for (int first = 0; first < n; first += alone ? kAtOnce : n) {
-      std::vector<int> observations(alone ? std::min(kAtOnce, n - first) : n);
-      std::iota(observations.begin(), observations.end(), first);
-      Judge(observations);
+    std::vector<int> columns = estimate_->estimated;
+    columns.insert(columns.end(), estimate_->held.coordinates.begin(), estimate_->held.coordinates.end());
+    std::vector<int> all(problem_.data.observations.size()), visits;
+    std::iota(all.begin(), all.end(), 0);
+    for (const Observation& observation : problem_.data.observations) {  // rows of one visit go together
+      if (!problem_.latent.empty()) visits.push_back(problem_.latent.visit_of_shot[observation.shot]);
     }
+    const auto noise = [this](const std::vector<int>& listed) {
+      NoiseRoots roots;
+      for (const int k : listed) roots.push_back(estimate_->noise[k]);
+      return roots;
+    };
+    const RowStream stream(problem_, all, noise, LatentTreatment::kIgnore, visits);
+    stream.ForEach(estimate_->parameters, columns, [this](const RowPiece& piece) { Judge(piece); });
     estimate_->noise_floor = coordinates_ > 0 ? std::sqrt(floor_ / coordinates_) : 0.0;
     estimate_->validation_predicted_rms = coordinates_ > 0 ? std::sqrt(sum_ / coordinates_) : 0.0;
   }
 
  private:
-  static constexpr int kAtOnce = 8192;
-
-  void Judge(const std::vector<int>& observations) {
+  void Judge(const RowPiece& piece) {
     Estimate& estimate = *estimate_;
-    std::vector<int> columns = estimate.estimated;
-    columns.insert(columns.end(), estimate.held.coordinates.begin(), estimate.held.coordinates.end());
-    NoiseRoots noise;
-    for (const int k : observations) noise.push_back(estimate.noise[k]);
-    const Linearization all =
-        Linearize(problem_, estimate.parameters, observations, columns, noise, LatentTreatment::kIgnore);
-    const Eigen::MatrixXd jacobian = all.jacobian.leftCols(estimate.estimated.size());
-    const Eigen::MatrixXd open =
-        all.jacobian.rightCols(estimate.held.coordinates.size()) + jacobian * estimate.held.slopes;
+    const std::vector<int>& observations = piece.positions;
+    const auto estimated = static_cast<Eigen::Index>(estimate.estimated.size());
+    const auto held = static_cast<Eigen::Index>(estimate.held.coordinates.size());
+    const Eigen::MatrixXd jacobian = piece.rows.leftCols(estimated);
+    const Eigen::MatrixXd open = piece.rows.middleCols(estimated, held) + jacobian * estimate.held.slopes;
     const NoiseRoots weights = FitRoots(problem_, observations, kFallbackSigma);
     const Eigen::MatrixXd by_normal = TallProduct(jacobian, normal_root_);
     const bool any_held_out = by_covariance_.size() > 0;
@@ -142,7 +148,7 @@ class RowJudge {
       const Matrix3<double>& own = estimate.noise[k];
       const Matrix3<double> weight = weights[i].inverse() * own;
       estimate.leverage[k] = (weight * RowBlock(by_normal, row, 3)).squaredNorm() / 3.0;
-      const Eigen::MatrixXd latent = RowBlock(all.latent, row, 3);  // in units of the instrument's noise
+      const Eigen::MatrixXd latent = RowBlock(piece.latent, row, 3);  // in units of the instrument's noise
       const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
       estimate.scatter[k] = own * Matrix3<double>(relative.llt().matrixL());
       const Observation& observation = problem_.data.observations[k];
@@ -157,7 +163,7 @@ class RowJudge {
       coordinates_ += 3;
     }
     if (!problem_.latent.empty() && problem_.weight_roots.empty()) {
-      estimate.leverage = LeverageBesideDeviations(problem_, all, jacobian, normal_root_ * normal_root_.transpose());
+      LeverageBesideDeviations(problem_, piece, jacobian, normal_root_ * normal_root_.transpose(), &estimate.leverage);
     }
   }
 
@@ -180,18 +186,38 @@ Linearization Known(const CalibrationProblem& problem, const Linearization& fit,
   return known;
 }
 
+RowStream::Noise Weights(const CalibrationProblem& problem) {
+  return [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
+}
+
+// linearization: of the fit, or as few rows with the same sums where it is not kept.
+RobustCovariance SandwichOfFit(const CalibrationProblem& problem, const Linearization& linearization,
+                               const LinearSolution& solution, const Estimate& estimate) {
+  const std::vector<int> observations = problem.CalibrationObservations();
+  const std::vector<int> clusters = ConfigurationClusters(problem.data, observations);
+  if (!linearization.observations.empty()) return SandwichCovariance(linearization, clusters);
+  const auto columns = static_cast<int>(estimate.estimated.size());
+  ClusterFit fit;
+  fit.solution = solution;
+  ClusterSandwich sandwich(columns, 1 + *std::max_element(clusters.begin(), clusters.end()), solution.covariance_root,
+                           {fit});
+  const RowStream stream(problem, observations, Weights(problem), LatentTreatment::kMarginalise, clusters);
+  sandwich.Add(stream, estimate.parameters, estimate.estimated, clusters);
+  return sandwich.Result(0, PriorsOf(estimate.parameters, estimate.estimated).jacobian);
+}
+
 // Covariance of the estimated parameters, and what the held ones add. `linearization`
-// is whitened by the weights of the fit, `noise` is what its rows scatter by. False
+// is whitened by the weights of the fit. False
 // where the Jacobian is singular.
 bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& linearization, double scale,
-                     const NoiseRoots& noise, Eigen::MatrixXd* normal_root, Estimate* estimate) {
+                     Eigen::MatrixXd* normal_root, Estimate* estimate) {
+  const std::vector<int> observations = problem.CalibrationObservations();
   const LinearSolution solution = SolveLinearization(linearization);
   if (!solution.full_rank) return false;
   *normal_root = solution.covariance_root;
   estimate->model_covariance = scale * scale * solution.covariance;
-  const NoiseRoots weights = FitRoots(problem, linearization.observations, kFallbackSigma);
   if (!problem.weight_roots.empty()) {
-    estimate->model_covariance = scale * scale * CovarianceOfWeighted(linearization, solution, noise, weights);
+    estimate->model_covariance = scale * scale * CovarianceOfWeighted(problem, estimate->parameters, solution);
   }
   estimate->covariance = estimate->model_covariance;
   estimate->identifiability.rank = linearization.num_columns();
@@ -207,9 +233,8 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   if (held.empty()) {
     estimate->held = influence_in(linearization);
   } else {
-    Linearization both = Linearize(problem, estimate->parameters, linearization.observations, columns, weights);
-    AppendPriors(estimate->parameters, &both);
-    estimate->held = influence_in(both);
+    estimate->held =
+        influence_in(FittedOnce(problem, estimate->parameters, observations, columns, Weights(problem)).rows);
   }
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
@@ -217,8 +242,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
     estimate->interval_dof.setConstant(SigmaDof(problem.repeat_scatter));
   }
   if (problem.experiment.covariance != "sandwich" || scale == 0.0) return true;
-  const RobustCovariance robust =
-      SandwichCovariance(linearization, ConfigurationClusters(problem.data, linearization.observations));
+  const RobustCovariance robust = SandwichOfFit(problem, linearization, solution, *estimate);
   estimate->covariance = robust.covariance;
   estimate->interval_dof = robust.dof;
   estimate->intervals.method = "sandwich";
@@ -297,30 +321,31 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const std::vector<int> validation = problem.ValidationObservations();
   const ParameterSet& parameters = estimate->parameters;
   estimate->estimated = parameters.EstimatedCoordinates();
-  const NoiseRoots noise = ObservationNoise(problem, calibration, kFallbackSigma);
-  const auto linearize = [&](const NoiseRoots& roots) {
-    Linearization whitened = Linearize(problem, parameters, calibration, estimate->estimated, roots);
-    AppendPriors(parameters, &whitened);
-    return whitened;
+  const auto noise = [&problem](const std::vector<int>& listed) {
+    return ObservationNoise(problem, listed, kFallbackSigma);
   };
-  Linearization fit = linearize(FitRoots(problem, calibration, kFallbackSigma));
+  const auto fitted_by = [&](const RowStream::Noise& roots) {
+    return FittedOnce(problem, parameters, calibration, estimate->estimated, roots);
+  };
+  FittedRows fitted = fitted_by(Weights(problem));
+  const Linearization& fit = fitted.rows;
   if (!fit.valid) {  // the last step to the optimum folded the arm
     estimate->status = Status::kEquilibriumDiverged;
     estimate->message = FoldedInWords(problem, parameters);
     return;
   }
   estimate->cost = 0.5 * fit.residual.squaredNorm();
-  JudgeNoise(problem, problem.weight_roots.empty() ? fit : linearize(noise), estimate);
+  JudgeNoise(problem, problem.weight_roots.empty() ? fitted : fitted_by(noise), estimate);
   const double scale = CovarianceScale(estimate->sigma);
   Eigen::MatrixXd normal_root;
-  if (!JudgeCovariance(problem, fit, scale, noise, &normal_root, estimate)) {
+  if (!JudgeCovariance(problem, fit, scale, &normal_root, estimate)) {
     estimate->status = Status::kSingular;
     estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
     return;
   }
   FillTable(problem, estimate);
   WarnOfBounds(fit, scale, estimate);
-  fit = Linearization();  // its memory
+  fitted = FittedRows();  // its memory
 
   std::vector<int> all(problem.data.observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);

@@ -74,7 +74,8 @@ Eigen::VectorXd WeightedStep(const Linearization& rows, const Eigen::VectorXd& r
 
 }  // namespace
 
-Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise) {
+Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise,
+                                       Eigen::VectorXd* step) {
   const int n = static_cast<int>(linearization.observations.size());
   const auto residuals_of = [&](const Eigen::VectorXd& whitened) {
     Eigen::Matrix3Xd metres(3, n);  // rotations: rad, that is m over 1 m
@@ -82,12 +83,14 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
     return metres;
   };
   Eigen::Matrix3Xd residuals = residuals_of(linearization.residual);
+  if (step != nullptr) step->setZero(linearization.num_columns());
   if (linearization.num_columns() == 0) return residuals;
   Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(linearization.num_rows());
   for (int i = 0; i < kReweightings; ++i) {
-    const Eigen::VectorXd step = WeightedStep(linearization, root_weights);
+    const Eigen::VectorXd moved = WeightedStep(linearization, root_weights);
+    if (step != nullptr) *step = moved;
     const Eigen::Matrix3Xd before = residuals;
-    residuals = residuals_of(linearization.residual + linearization.jacobian * step);
+    residuals = residuals_of(linearization.residual + linearization.jacobian * moved);
     const std::vector<double> distances = Distances(residuals);
     const double scale = kCauchy * std::max(1e-12, Median(distances));
     if (i > 0 && (residuals - before).cwiseAbs().maxCoeff() < kStands * scale) break;

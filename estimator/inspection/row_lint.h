@@ -11,8 +11,9 @@
 namespace sagitta {
 
 // 3 x N residuals (predicted - measured), m, of the linearization's observations after the robust fit. noise: one
-// root per observation, m, as the linearization was whitened with.
-Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise);
+// root per observation, m, as the linearization was whitened with. step: the fit's, SI, where it is asked for.
+Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const NoiseRoots& noise,
+                                       Eigen::VectorXd* step = nullptr);
 
 // Observations (positions in linearization.observations) far off the rest.
 std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals);

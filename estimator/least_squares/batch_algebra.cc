@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cstdint>
 
 #include "models/batch/shot_program.h"
 // clang-format on
@@ -99,6 +100,130 @@ std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows,
   return whole;
 }
 
+constexpr int kMostTerms = 12;
+// Of the residuals: what later terms would add. A score moves by as much at most, a standard deviation by half of it.
+constexpr double kNegligible = 1e-7;
+
+// From a cell of one lane on.
+struct Lanes {
+  const ClusterLanes& own;
+  std::size_t lane;
+  const double* At(std::size_t row, std::size_t column) const {
+    return own.cells + (row * own.stride + column) * kBatchLanes + lane;
+  }
+};
+
+// by_column = J' by_row
+HWY_INLINE void TransposeTimes(const Lanes& j, const double* by_row, double* by_column) {
+  const Tag d;
+  for (std::size_t c = 0; c < j.own.columns; c += kGramBlock) {
+    V sum[kGramBlock];
+    for (V& s : sum) s = hn::Zero(d);
+    for (std::size_t r = 0; r < j.own.rows; ++r) {
+      const V value = hn::Load(d, by_row + r * kBatchLanes);
+      const double* const cells = j.At(r, c);
+      for (int k = 0; k < kGramBlock; ++k) sum[k] = hn::MulAdd(hn::Load(d, cells + k * kBatchLanes), value, sum[k]);
+    }
+    for (int k = 0; k < kGramBlock; ++k) hn::Store(sum[k], d, by_column + (c + k) * kBatchLanes);
+  }
+}
+
+// A row of J times numbers by column.
+HWY_INLINE V RowTimes(const Lanes& j, std::size_t row, const double* by_column) {
+  const Tag d;
+  V sum[kGramBlock];
+  for (V& s : sum) s = hn::Zero(d);
+  for (std::size_t c = 0; c < j.own.columns; c += kGramBlock) {
+    const double* const cells = j.At(row, c);
+    for (int k = 0; k < kGramBlock; ++k) {
+      sum[k] = hn::MulAdd(hn::Load(d, cells + k * kBatchLanes), hn::Load(d, by_column + (c + k) * kBatchLanes), sum[k]);
+    }
+  }
+  return hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3]));
+}
+
+// product = matrix numbers, matrix symmetric and the same in all lanes.
+HWY_INLINE void SymmetricTimes(const double* matrix, std::size_t n, const double* numbers, double* product) {
+  const Tag d;
+  for (std::size_t a = 0; a < n; a += kGramBlock) {
+    V sum[kGramBlock];
+    for (V& s : sum) s = hn::Zero(d);
+    for (std::size_t c = 0; c < n; ++c) {
+      const V value = hn::Load(d, numbers + c * kBatchLanes);
+      for (int k = 0; k < kGramBlock; ++k) sum[k] = hn::MulAdd(hn::Set(d, matrix[c * n + a + k]), value, sum[k]);
+    }
+    for (int k = 0; k < kGramBlock; ++k) hn::Store(sum[k], d, product + (a + k) * kBatchLanes);
+  }
+}
+
+unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double* work, double* scores) {
+  const Tag d;
+  unsigned too_long = 0;
+  double* const rest_memory = work;
+  double* const sum_memory = rest_memory + clusters.rows * kBatchLanes;
+  double* const by_column_memory = sum_memory + clusters.rows * kBatchLanes;
+  double* const moved_memory = by_column_memory + clusters.columns * kBatchLanes;
+  for (std::size_t lane = 0; lane < kBatchLanes; lane += hn::Lanes(d)) {
+    const Lanes j = {clusters, lane};
+    double *const rest = rest_memory + lane, *const sum = sum_memory + lane;
+    double *const by_column = by_column_memory + lane, *const moved = moved_memory + lane;
+    const V counts = hn::LoadU(d, fit.counts + lane);
+    for (std::size_t c = 0; c < clusters.columns; ++c) {
+      hn::Store(hn::Set(d, fit.step[c]), d, moved + c * kBatchLanes);
+    }
+    V size = hn::Zero(d);
+    for (std::size_t r = 0; r < clusters.rows; ++r) {
+      const V own = hn::Mul(counts, hn::Add(hn::Load(d, j.At(r, clusters.columns)), RowTimes(j, r, moved)));
+      hn::Store(own, d, rest + r * kBatchLanes);
+      hn::Store(own, d, sum + r * kBatchLanes);
+      size = hn::MulAdd(own, own, size);
+    }
+    const V limit = hn::Mul(hn::Set(d, kNegligible * kNegligible), size);
+    double coefficient = 1.0;
+    auto settled = hn::Lt(hn::Zero(d), hn::Zero(d));
+    for (int k = 1; k <= kMostTerms && !hn::AllTrue(d, settled); ++k) {
+      coefficient *= (2.0 * k - 1.0) / (2.0 * k);
+      TransposeTimes(j, rest, by_column);
+      SymmetricTimes(fit.inverse_normal, clusters.columns, by_column, moved);
+      size = hn::Zero(d);
+      for (std::size_t r = 0; r < clusters.rows; ++r) {
+        const V own = RowTimes(j, r, moved);
+        hn::Store(own, d, rest + r * kBatchLanes);
+        hn::Store(hn::MulAdd(hn::Set(d, coefficient), own, hn::Load(d, sum + r * kBatchLanes)), d,
+                  sum + r * kBatchLanes);
+        size = hn::MulAdd(own, own, size);
+      }
+      settled = hn::Le(size, limit);
+    }
+    TransposeTimes(j, sum, scores + lane);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Not(settled), bits);
+    too_long |= static_cast<unsigned>(bits[0]) << lane;
+  }
+  return too_long;
+}
+
+void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* leverages) {
+  const Tag d;
+  const std::size_t n = clusters.columns;
+  for (std::size_t lane = 0; lane < kBatchLanes; lane += hn::Lanes(d)) {
+    const Lanes j = {clusters, lane};
+    V total = hn::Zero(d);
+    for (std::size_t r = 0; r < clusters.rows; ++r) {
+      for (std::size_t a = 0; a < n; a += kGramBlock) {
+        V sum[kGramBlock];
+        for (V& s : sum) s = hn::Zero(d);
+        for (std::size_t c = 0; c < a + kGramBlock; ++c) {
+          const V value = hn::Load(d, j.At(r, c));
+          for (int k = 0; k < kGramBlock; ++k) sum[k] = hn::MulAdd(hn::Set(d, root[c * n + a + k]), value, sum[k]);
+        }
+        for (const V& s : sum) total = hn::MulAdd(s, s, total);
+      }
+    }
+    hn::StoreU(total, d, leverages + lane);
+  }
+}
+
 // Row by row: the new row of the factor, then that row of all columns.
 void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
   const Tag d;
@@ -150,6 +275,8 @@ namespace sagitta {
 HWY_EXPORT(AddGramBlock);
 HWY_EXPORT(MarginaliseRows);
 HWY_EXPORT(MultiplyLanes);
+HWY_EXPORT(ScoresOfLanes);
+HWY_EXPORT(LeveragesOfLanes);
 
 GramSums::GramSums(int blocks_a, int blocks_b, bool symmetric)
     : blocks_a_(blocks_a), blocks_b_(blocks_b), symmetric_(symmetric) {
@@ -187,6 +314,14 @@ double GramSums::At(int a, int b) const {
 std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
                             std::size_t k, double* product) {
   return HWY_DYNAMIC_DISPATCH(MultiplyLanes)(x, stride, rows, n, w, k, product);
+}
+
+unsigned ScoreClusters(const ClusterLanes& clusters, const ScoreFit& fit, double* work, double* scores) {
+  return HWY_DYNAMIC_DISPATCH(ScoresOfLanes)(clusters, fit, work, scores);
+}
+
+void LeveragesOf(const ClusterLanes& clusters, const double* root, double* leverages) {
+  HWY_DYNAMIC_DISPATCH(LeveragesOfLanes)(clusters, root, leverages);
 }
 
 void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows) {

@@ -36,6 +36,27 @@ class GramSums {
 std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
                             std::size_t k, double* product);
 
+// kBatchLanes clusters side by side, zeros where one has fewer rows than another: rows of `stride` numbers per lane, of
+// which the first `columns` (a multiple of kGramBlock) are J_g and the next is the residual.
+struct ClusterLanes {
+  std::size_t rows = 0, stride = 0, columns = 0;
+  const double* cells = nullptr;  // aligned
+};
+
+// What a cluster is worth in one fit: J_g' (I - J_g M J_g')^-1/2 (r_g + J_g step), by the binomial series. Both
+// matrices have columns x columns numbers.
+struct ScoreFit {
+  const double* inverse_normal = nullptr;  // M
+  const double* step = nullptr;            // one number per column
+  const double* counts = nullptr;          // of each lane: 1, or 0 where it is no part of the fit
+};
+// scores: columns x kBatchLanes, aligned. work: (2 rows + 2 columns) x kBatchLanes numbers, aligned. Returns the lanes
+// whose series is too long, one bit each; their scores are not to be used.
+unsigned ScoreClusters(const ClusterLanes& clusters, const ScoreFit& fit, double* work, double* scores);
+
+// tr(J_g W W' J_g') of each lane; W upper triangular, row by row.
+void LeveragesOf(const ClusterLanes& clusters, const double* root, double* leverages);
+
 // Whitens rows that share deviations L (columns latent .. latent + count of each row, times their sigmas):
 // rows <- chol(I + L L')^-1 rows, all columns. num_rows rows of `columns` columns.
 void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows);

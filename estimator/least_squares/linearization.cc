@@ -248,21 +248,29 @@ void AppendPriors(const ParameterSet& parameters, Linearization* linearization) 
 
 Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                const std::vector<int>& observations) {
-  const NoiseRoots metres(observations.size(), Matrix3<double>::Identity());
-  const RowBatches batches(problem, observations, metres, LatentTreatment::kIgnore, RowsAgainst::kOrigin);
-  const RowBatches::Request request(batches, parameters, {});
+  constexpr size_t kAtOnce = 4096;  // observations, each of a shot that may continue: a shot is not what batches share
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, observations.size(), std::nan(""));
   BatchScratch scratch;
   BatchBuffer buffer;
-  for (int g = 0; g < batches.num_groups(); ++g) {
-    const BatchColumns& columns = request.columns(g);
-    for (int b = 0; b < batches.num_batches(g); ++b) {
-      double* const rows = buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
-      if (!batches.Evaluate(request, g, b, &scratch, rows)) return PointsByModel(problem, parameters, observations);
-      for (int lane = 0; lane < kBatchLanes; ++lane) {
-        const std::vector<int> unit = batches.UnitOf(g, b, lane);
-        for (size_t k = 0; k < 3 * unit.size(); ++k) {
-          points(k % 3, unit[k / 3]) = rows[(k * columns.columns + columns.residual) * kBatchLanes + lane];
+  for (size_t first = 0; first < observations.size(); first += kAtOnce) {
+    const size_t last = std::min(observations.size(), first + kAtOnce);
+    const std::vector<int> own(observations.begin() + static_cast<long>(first),
+                               observations.begin() + static_cast<long>(last));
+    const NoiseRoots metres(own.size(), Matrix3<double>::Identity());
+    const RowBatches batches(problem, own, metres, LatentTreatment::kIgnore, RowsAgainst::kOrigin);
+    const RowBatches::Request request(batches, parameters, {});
+    for (int g = 0; g < batches.num_groups(); ++g) {
+      const BatchColumns& columns = request.columns(g);
+      for (int b = 0; b < batches.num_batches(g); ++b) {
+        double* const rows =
+            buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
+        if (!batches.Evaluate(request, g, b, &scratch, rows)) return PointsByModel(problem, parameters, observations);
+        for (int lane = 0; lane < kBatchLanes; ++lane) {
+          const std::vector<int> unit = batches.UnitOf(g, b, lane);
+          for (size_t k = 0; k < 3 * unit.size(); ++k) {
+            points(static_cast<Eigen::Index>(k % 3), static_cast<Eigen::Index>(first) + unit[k / 3]) =
+                rows[(k * columns.columns + columns.residual) * kBatchLanes + lane];
+          }
         }
       }
     }

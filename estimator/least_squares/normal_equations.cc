@@ -132,10 +132,7 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
   if (!result.valid) return result;
   for (const Eigen::MatrixXd& part : parts) result.matrix += part;
   if (!with_priors) return result;
-  Linearization priors;
-  priors.columns = columns;
-  priors.jacobian.resize(0, n);
-  AppendPriors(parameters, &priors);
+  const Linearization priors = PriorsOf(parameters, columns);
   Eigen::MatrixXd both(priors.num_rows(), n + 1);
   both << priors.jacobian, priors.residual;
   result.matrix += both.transpose() * both;
@@ -155,6 +152,41 @@ FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& paramete
   if (result.rows.valid) AppendPriors(parameters, &result.rows);
   result.equations = result.rows.num_rows();
   return result;
+}
+
+FittedRows FittedOnce(const CalibrationProblem& problem, const ParameterSet& parameters,
+                      const std::vector<int>& observations, const std::vector<int>& columns,
+                      const RowStream::Noise& noise) {
+  FittedRows result;
+  if (AreHeld(3.0 * static_cast<double>(observations.size()), static_cast<double>(columns.size()))) {
+    result.rows = Linearize(problem, parameters, observations, columns, noise(observations));
+    if (result.rows.valid) AppendPriors(parameters, &result.rows);
+    result.equations = result.rows.num_rows();
+    return result;
+  }
+  NormalSums sums =
+      SumRows(RowStream(problem, observations, noise, LatentTreatment::kMarginalise), parameters, columns);
+  const NormalSums priors = SumRows(PriorsOf(parameters, columns));
+  sums.matrix += priors.matrix;
+  result.rows = Condense(sums);
+  result.equations = sums.rows + priors.rows;
+  return result;
+}
+
+NormalSums SumRows(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns) {
+  SumOfRows sums(static_cast<int>(columns.size()) + 1);
+  const bool valid = stream.ForEach(parameters, columns, [&](const RowPiece& piece) {
+    for (Eigen::Index i = 0; i < piece.rows.rows(); ++i) sums.Add(&piece.rows(i, 0));
+  });
+  return {valid, columns, sums.Total(), 3 * static_cast<int>(stream.observations().size())};
+}
+
+Linearization PriorsOf(const ParameterSet& parameters, const std::vector<int>& columns) {
+  Linearization priors;
+  priors.columns = columns;
+  priors.jacobian.resize(0, static_cast<Eigen::Index>(columns.size()));
+  AppendPriors(parameters, &priors);
+  return priors;
 }
 
 }  // namespace sagitta

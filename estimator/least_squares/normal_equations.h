@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
@@ -41,5 +42,14 @@ struct FittedRows {
   int equations = 0;  // that the rows stand for
 };
 FittedRows RowsOf(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns);
+
+// The same where rows are asked for once. Those that are kept, AreHeld, are in the order of their observations.
+FittedRows FittedOnce(const CalibrationProblem& problem, const ParameterSet& parameters,
+                      const std::vector<int>& observations, const std::vector<int>& columns,
+                      const RowStream::Noise& noise);
+// Of rows without priors.
+NormalSums SumRows(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns);
+// Rows of priors and ties.
+Linearization PriorsOf(const ParameterSet& parameters, const std::vector<int>& columns);
 
 }  // namespace sagitta

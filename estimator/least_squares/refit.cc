@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "estimator/least_squares/bounded_step.h"
-#include "estimator/least_squares/row_batches.h"
+#include "estimator/least_squares/normal_equations.h"
 
 namespace sagitta {
 namespace {
@@ -18,6 +18,22 @@ void Weigh(const std::vector<double>& weights, Linearization* linearization) {
     linearization->jacobian.middleRows(3 * k, 3) *= std::sqrt(weights[k]);
     linearization->residual.segment<3>(3 * k) *= std::sqrt(weights[k]);
   }
+}
+
+// With priors; count: of equations.
+Linearization RowsAt(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns,
+                     const std::vector<double>& weights, int* count) {
+  const RowBatches& batches = equations.batches();
+  if (!AreHeld(3.0 * batches.num_observations(), static_cast<double>(columns.size()))) {
+    const NormalSums sums = equations.Sum(parameters, columns, weights);
+    *count = sums.rows;
+    return Condense(sums);
+  }
+  Linearization here = Linearize(batches, parameters, columns);
+  if (here.valid) AppendPriors(parameters, &here);
+  if (here.valid) Weigh(weights, &here);
+  *count = here.num_rows();
+  return here;
 }
 
 // Of the coordinate that is kept: no column, but part of the fit.
@@ -48,12 +64,11 @@ Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, co
   Eigen::VectorXd delta;
   double share = 1.0;
   const std::vector<int> observations = problem.CalibrationObservations();
-  const RowBatches batches(problem, observations, FitRoots(problem, observations, kFallbackSigma),
-                           LatentTreatment::kMarginalise);
+  const NormalEquations equations(problem, observations, FitRoots(problem, observations, kFallbackSigma),
+                                  LatentTreatment::kMarginalise, 1);
   for (int i = 0, halvings = 0; i < options.max_steps; ++i) {
-    Linearization here = Linearize(batches, next, columns);
-    if (here.valid) AppendPriors(next, &here);
-    if (here.valid) Weigh(options.weights, &here);
+    int count = 0;
+    Linearization here = RowsAt(equations, next, columns, options.weights, &count);
     const double chi2 = here.valid ? here.residual.squaredNorm() + PriorPenalty(next, options.kept)
                                    : std::numeric_limits<double>::infinity();
     const bool first = delta.size() == 0;
@@ -72,7 +87,7 @@ Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, co
     const BoundedStep step = SolveBounded(refit.linearization, refit.parameters);
     if (!step.valid) return refit;
     refit.root = step.root;
-    const double noise = std::sqrt(chi2 / std::max(1, refit.linearization.num_rows()));
+    const double noise = std::sqrt(chi2 / std::max(1, count));
     if (step.size < options.tolerance * std::max(1e-9, noise)) {
       refit.converged = true;
       return refit;

@@ -19,9 +19,11 @@ struct RefitOptions {
 struct Refit {
   bool converged = false;
   ParameterSet parameters;
-  Linearization linearization;  // at the optimum, rows times the root of their weight
-  Eigen::MatrixXd root;         // W W' = (J'J)^-1
-  double chi2 = 0.0;            // at the optimum
+  // At the optimum, rows times the root of their weight; where they are too many to be kept (AreHeld, row_sums.h) as
+  // few as there are columns with the same sums.
+  Linearization linearization;
+  Eigen::MatrixXd root;  // W W' = (J'J)^-1
+  double chi2 = 0.0;     // at the optimum
 };
 
 // Estimates what `start` estimates, beginning there.

@@ -25,29 +25,37 @@ double* Aligned(double* p) {
 
 }  // namespace
 
-RowSums::RowSums(const Linearization& from)
-    : from_(from),
-      columns_(BlocksOf(from.num_columns() + 1) * kGramBlock),
-      memory_(static_cast<std::size_t>(columns_) * kHeldRows + kBatchLanes, 0.0),
+SumOfRows::SumOfRows(int numbers)
+    : numbers_(numbers),
+      columns_(BlocksOf(numbers) * kGramBlock),
+      memory_(static_cast<std::size_t>(kHeldRows) * columns_ + kBatchLanes, 0.0),
       rows_(Aligned(memory_.data())),
       sums_(columns_ / kGramBlock, columns_ / kGramBlock, true) {}
 
-void RowSums::Clear() {
+void SumOfRows::Clear() {
   held_ = 0;
   sums_.Clear();
 }
 
-void RowSums::Add(int row, const Eigen::VectorXd* root_weights) {
-  const double weight = root_weights == nullptr ? 1.0 : (*root_weights)[row];
-  double* const lane =
-      rows_ + static_cast<std::size_t>(held_ / kBatchLanes) * columns_ * kBatchLanes + held_ % kBatchLanes;
-  const int n = from_.num_columns();
-  for (int c = 0; c < n; ++c) lane[c * kBatchLanes] = weight * from_.jacobian(row, c);
-  lane[n * kBatchLanes] = weight * from_.residual[row];
-  if (++held_ == kHeldRows) Flush();
+double* SumOfRows::NextLane() {
+  if (held_ == kHeldRows) Flush();
+  const int held = held_++;
+  return rows_ + static_cast<std::size_t>(held / kBatchLanes) * columns_ * kBatchLanes + held % kBatchLanes;
 }
 
-void RowSums::Flush() {
+void SumOfRows::Add(const double* row) {
+  double* const lane = NextLane();
+  for (int c = 0; c < numbers_; ++c) lane[c * kBatchLanes] = row[c];
+}
+
+void SumOfRows::Add(const Linearization& from, int row, double weight) {
+  double* const lane = NextLane();
+  const int n = from.num_columns();
+  for (int c = 0; c < n; ++c) lane[c * kBatchLanes] = weight * from.jacobian(row, c);
+  lane[n * kBatchLanes] = weight * from.residual[row];
+}
+
+void SumOfRows::Flush() {
   const int last = (held_ + kBatchLanes - 1) / kBatchLanes;
   for (int i = held_; i < last * kBatchLanes; ++i) {  // lanes that are left over
     for (int c = 0; c < columns_; ++c) {
@@ -60,9 +68,9 @@ void RowSums::Flush() {
   held_ = 0;
 }
 
-Eigen::MatrixXd RowSums::Total() {
+Eigen::MatrixXd SumOfRows::Total() {
   if (held_ > 0) Flush();
-  const int n = from_.num_columns() + 1;
+  const int n = numbers_;
   Eigen::MatrixXd total(n, n);
   for (int a = 0; a < n; ++a) {
     for (int b = a; b < n; ++b) total(a, b) = total(b, a) = sums_.At(a, b);
@@ -71,8 +79,8 @@ Eigen::MatrixXd RowSums::Total() {
 }
 
 NormalSums SumRows(const Linearization& rows, const Eigen::VectorXd* root_weights) {
-  RowSums sums(rows);
-  for (int i = 0; i < rows.num_rows(); ++i) sums.Add(i, root_weights);
+  SumOfRows sums(rows.num_columns() + 1);
+  for (int i = 0; i < rows.num_rows(); ++i) sums.Add(rows, i, root_weights == nullptr ? 1.0 : (*root_weights)[i]);
   std::vector<int> columns = rows.columns;
   columns.resize(rows.num_columns(), -1);
   return {rows.valid, columns, sums.Total(), rows.num_rows()};

@@ -20,22 +20,26 @@ struct NormalSums {
   double squared_residual() const { return matrix(num_columns(), num_columns()); }
 };
 
-// Sums rows of one linearization, eight at a time in vector registers.
-class RowSums {
+// Sums products of rows [J r], eight rows at a time in vector registers.
+class SumOfRows {
  public:
-  explicit RowSums(const Linearization& from);
+  // numbers: of a row, residual included.
+  explicit SumOfRows(int numbers);
+  SumOfRows(SumOfRows&&) = default;  // not copied: it has memory of its own
 
   void Clear();
-  // root_weights: of each row of the linearization; null: 1.
-  void Add(int row, const Eigen::VectorXd* root_weights = nullptr);
+  // A row's numbers one after the other.
+  void Add(const double* row);
+  // A row of a linearization, times `weight`.
+  void Add(const Linearization& from, int row, double weight = 1.0);
   // Of the rows added since the last Clear.
   Eigen::MatrixXd Total();
 
  private:
+  double* NextLane();
   void Flush();
 
-  const Linearization& from_;
-  int columns_;  // residual included, a multiple of kGramBlock
+  int numbers_, columns_;  // the latter a multiple of kGramBlock
   int held_ = 0;
   std::vector<double> memory_;
   double* rows_;
@@ -52,6 +56,9 @@ Linearization Condense(const NormalSums& sums);
 // A hundred configurations of three markers and 56 unknowns: below, the rows' own factors cost a few milliseconds, and
 // keep the digits that squaring the condition number takes.
 bool AreMany(double rows, double columns);
+// Rows that are kept: 16 MB. More are looked at piece by piece (row_stream.h).
+constexpr double kMostHeld = 2e6;
+inline bool AreHeld(double rows, double columns) { return rows * columns <= kMostHeld; }
 inline bool AreMany(const Linearization& rows) { return AreMany(rows.num_rows(), rows.num_columns()); }
 
 // R with R R' = covariance; what is negative by round-off counts as zero.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/noise/residual_noise.h"
 
 namespace sagitta {
@@ -52,14 +53,28 @@ NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise)
   return Eq14Roots(noise, experiment.noise.sigma0, experiment.noise.lambda);
 }
 
-Eigen::MatrixXd CovarianceOfWeighted(const Linearization& fit, const LinearSolution& solution, const NoiseRoots& noise,
-                                     const NoiseRoots& weights) {
-  Eigen::MatrixXd half = fit.jacobian * solution.covariance;  // W J N^-1
-  for (size_t k = 0; k < noise.size(); ++k) {
-    const Matrix3<double> ratio = weights[k].inverse() * noise[k];  // W S
-    half.middleRows<3>(3 * k) = (ratio.transpose() * half.middleRows<3>(3 * k)).eval();
-  }
-  return half.transpose() * half;
+// N^-1 (sum J'W S S'W J) N^-1, rows W J whitened by the weights, S the root of the noise.
+Eigen::MatrixXd CovarianceOfWeighted(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                     const LinearSolution& solution) {
+  const std::vector<int> columns = parameters.EstimatedCoordinates();
+  const std::vector<int> observations = problem.CalibrationObservations();
+  const auto weights = [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  SumOfRows sums(static_cast<int>(n));
+  RowMajorMatrix scattered(3, n);
+  const RowStream stream(problem, observations, weights, LatentTreatment::kMarginalise);
+  stream.ForEach(parameters, columns, [&](const RowPiece& piece) {
+    std::vector<int> listed;
+    for (const int k : piece.positions) listed.push_back(observations[k]);
+    const NoiseRoots weight = weights(listed), noise = ObservationNoise(problem, listed, kFallbackSigma);
+    for (int i = 0; i < piece.num_observations(); ++i) {
+      const Matrix3<double> ratio = weight[i].inverse() * noise[i];  // W S
+      scattered = ratio.transpose() * piece.rows.block(3 * i, 0, 3, n);
+      for (int axis = 0; axis < 3; ++axis) sums.Add(&scattered(axis, 0));
+    }
+  });
+  const Eigen::MatrixXd priors = PriorsOf(parameters, columns).jacobian;
+  return solution.covariance * (sums.Total() + priors.transpose() * priors) * solution.covariance;
 }
 
 }  // namespace sagitta

@@ -26,9 +26,9 @@ bool WeighsByEq14(const Experiment& experiment);
 // One root per observation of the data. `noise`: what it scatters by.
 NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise);
 
-// The estimate's covariance, SI. `fit` is whitened by the roots of the weights and `solution` its own; `noise` and
-// `weights`: roots of its observations. Rows behind them (priors) have unit variance.
-Eigen::MatrixXd CovarianceOfWeighted(const Linearization& fit, const LinearSolution& solution, const NoiseRoots& noise,
-                                     const NoiseRoots& weights);
+// The covariance of what is estimated at `parameters`, SI, where weights are not the inverse of the noise: `solution`
+// is that of the fit. Priors have unit variance.
+Eigen::MatrixXd CovarianceOfWeighted(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                     const LinearSolution& solution);
 
 }  // namespace sagitta

@@ -2,27 +2,15 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <map>
 
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/row_sums.h"
 #include "problems/io/files.h"
 #include "problems/split.h"
 
 namespace sagitta {
 namespace {
-
-// Everything that a fold is taken out of, columns scaled to unit norm.
-struct Fit {
-  std::vector<int> observations;
-  Linearization rows;     // as fitted, without priors
-  NoiseRoots roots;       // of the observations
-  Eigen::MatrixXd apart;  // J, one observation apart from the other, where joints deviate: else that of `rows`
-  Eigen::VectorXd scale;  // SI of one unit of each column
-  Eigen::MatrixXd sums;   // [J r]'[J r], priors included, SI
-  double noise = 1.0;     // of the whitened residuals
-  bool valid = false;
-};
 
 // Coordinates that rest on their bound do not move with the data.
 std::vector<int> MovingColumns(const Estimate& estimate) {
@@ -33,28 +21,34 @@ std::vector<int> MovingColumns(const Estimate& estimate) {
   return columns;
 }
 
-Fit FitOf(const CalibrationProblem& problem, const Estimate& estimate) {
-  Fit fit;
-  fit.observations = problem.CalibrationObservations();
-  const std::vector<int> columns = MovingColumns(estimate);
-  if (columns.empty()) return fit;
-  fit.roots = FitRoots(problem, fit.observations, kFallbackSigma);
-  const auto linearize = [&](LatentTreatment treatment) {
-    return Linearize(problem, estimate.parameters, fit.observations, columns, fit.roots, treatment);
-  };
-  fit.rows = linearize(LatentTreatment::kMarginalise);
-  if (!fit.rows.valid) return fit;
-  if (!problem.latent.empty()) fit.apart = linearize(LatentTreatment::kIgnore).jacobian;
-  Linearization priors;
-  priors.columns = columns;
-  priors.jacobian.resize(0, columns.size());
-  AppendPriors(estimate.parameters, &priors);
-  fit.sums = SumRows(fit.rows).matrix + SumRows(priors).matrix;
-  fit.scale = fit.sums.diagonal().head(fit.rows.num_columns()).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-  const SigmaReport& sigma = estimate.sigma;
-  fit.noise = !sigma.stated ? sigma.estimated / kFallbackSigma : sigma.scaled ? sigma.a_posteriori : 1.0;
-  fit.valid = true;
-  return fit;
+// What is summed of the observations of one fold.
+struct Fold {
+  explicit Fold(int columns) : rows(columns + 1), predicted(columns) {}
+  SumOfRows rows;           // [J r] as fitted, without priors
+  PredictedSums predicted;  // of its points
+  Eigen::MatrixXd total;    // of `rows`
+  Eigen::VectorXd step;     // of the fit without it, SI
+};
+
+// The fit without one fold, by one Gauss-Newton step: its step, and R with R R' = (J'J)^-1. What only this fold
+// measures is left where the whole has it: the step that is least. sums: [J r]'[J r] of all, SI; scale: of a unit of
+// each column.
+Eigen::MatrixXd Leave(const Eigen::MatrixXd& sums, const Eigen::VectorXd& scale, Fold* fold) {
+  const Eigen::MatrixXd left = sums - fold->total;
+  const auto n = scale.size();
+  const Eigen::MatrixXd normal = scale.asDiagonal() * left.topLeftCorner(n, n) * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
+  const double least = 1e-12 * eigen.eigenvalues().tail(1)[0];
+  const Eigen::VectorXd inverse =
+      eigen.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
+  const Eigen::MatrixXd root = scale.asDiagonal() * eigen.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
+  fold->step = -(root * (root.transpose() * left.col(n).head(n)));
+  return root;
+}
+
+double NoiseOf(const SigmaReport& sigma) {
+  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
+  return sigma.scaled ? sigma.a_posteriori : 1.0;
 }
 
 }  // namespace
@@ -84,55 +78,58 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
 
 CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed) {
   CrossValidation result;
-  const Fit fit = FitOf(problem, estimate);
-  if (!fit.valid) return result;
+  const std::vector<int> columns = MovingColumns(estimate);
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  if (columns.empty()) return result;
   const std::vector<int> fold_of = FoldsOf(problem, seed);
-  const int folds = 1 + *std::max_element(fold_of.begin(), fold_of.end());
-  if (folds < 2) return result;
-  const std::vector<int> quoted = problem.data.PointsAmong(fit.observations);
+  const int count = 1 + *std::max_element(fold_of.begin(), fold_of.end());
+  if (count < 2) return result;
+  std::vector<Fold> folds;
+  for (int f = 0; f < count; ++f) folds.emplace_back(static_cast<int>(n));
+  const std::vector<int> observations = problem.CalibrationObservations();
+  const auto fold_at = [&](int i) -> Fold& {
+    return folds[fold_of[problem.data.shots[problem.data.observations[i].shot].configuration]];
+  };
+  const auto roots = [&](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
+  const RowStream fitted(problem, observations, roots, LatentTreatment::kMarginalise);
+  const bool valid = fitted.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
+    for (int k = 0; k < 3 * piece.num_observations(); ++k) {
+      fold_at(observations[piece.positions[k / 3]]).rows.Add(&piece.rows(k, 0));
+    }
+  });
+  if (!valid) return result;
+  Eigen::MatrixXd sums = SumRows(PriorsOf(estimate.parameters, columns)).matrix;
+  for (Fold& fold : folds) sums += fold.total = fold.rows.Total();
+  const Eigen::VectorXd scale = sums.diagonal().head(n).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  std::vector<Eigen::MatrixXd> of_fits;
+  for (Fold& fold : folds) of_fits.push_back(Leave(sums, scale, &fold));
+
+  const std::vector<int> quoted = problem.data.PointsAmong(observations);
   Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
-  std::map<int, Eigen::Index> column_of;  // of each quoted point
-  for (size_t k = 0; k < quoted.size(); ++k) column_of[quoted[k]] = static_cast<Eigen::Index>(k);
+  // Observation by observation, in m: joints that deviate have no part in what a step moves.
+  const auto metres = [](const std::vector<int>& listed) {
+    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
+  };
+  const RowStream points(problem, quoted, metres, LatentTreatment::kIgnore);
+  points.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
+    std::vector<int> listed;
+    for (const int k : piece.positions) listed.push_back(quoted[k]);
+    const NoiseRoots scatter = ScatterOf(estimate, listed);
+    for (int i = 0; i < piece.num_observations(); ++i) {
+      const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> own = piece.rows.block(3 * i, 0, 3, n);
+      Fold& fold = fold_at(listed[i]);
+      errors.col(piece.positions[i]) =
+          problem.data.observations[listed[i]].point_in_station - estimate.predicted.col(listed[i]) - own * fold.step;
+      fold.predicted.Add(scatter[i], own);
+    }
+  });
   PredictedSquares predicted;
-  for (int f = 0; f < folds; ++f) {
-    std::vector<int> rows, points, point_rows;  // all that leaves the fit; of it what is quoted
-    for (size_t k = 0; k < fit.observations.size(); ++k) {
-      const int i = fit.observations[k];
-      if (fold_of[problem.data.shots[problem.data.observations[i].shot].configuration] != f) continue;
-      const bool is_point = problem.data.observations[i].is_point();
-      if (is_point) points.push_back(i);
-      for (int axis = 0; axis < 3; ++axis) {
-        rows.push_back(3 * static_cast<int>(k) + axis);
-        if (is_point) point_rows.push_back(rows.back());
-      }
-    }
-    RowSums own_sums(fit.rows);
-    for (const int row : rows) own_sums.Add(row);
-    const Eigen::MatrixXd left = fit.sums - own_sums.Total();
-    const auto n = fit.scale.size();
-    const Eigen::MatrixXd normal = fit.scale.asDiagonal() * left.topLeftCorner(n, n) * fit.scale.asDiagonal();
-    const Eigen::VectorXd gradient = fit.scale.cwiseProduct(left.col(n).head(n));
-    // What only this fold measures is left where the whole has it: the step that is least.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
-    const double least = 1e-12 * eigen.eigenvalues().tail(1)[0];
-    const Eigen::VectorXd inverse =
-        eigen.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
-    const Eigen::MatrixXd root = fit.scale.asDiagonal() * eigen.eigenvectors() * inverse.cwiseSqrt().asDiagonal();
-    Eigen::MatrixXd own = (problem.latent.empty() ? fit.rows.jacobian : fit.apart)(point_rows, Eigen::all);  // in m
-    for (size_t m = 0; m < points.size(); ++m) {
-      auto rows_of_point = own.middleRows<3>(3 * static_cast<Eigen::Index>(m));
-      rows_of_point = (fit.roots[point_rows[3 * m] / 3] * rows_of_point).eval();
-    }
-    // Of the predicted points, m.
-    const Eigen::VectorXd moved = own * (-(root * (root.transpose() * gradient.cwiseQuotient(fit.scale)))).eval();
-    for (size_t m = 0; m < points.size(); ++m) {
-      const int i = points[m];
-      errors.col(column_of[i]) = problem.data.observations[i].point_in_station - estimate.predicted.col(i) -
-                                 moved.segment<3>(3 * static_cast<Eigen::Index>(m));
-    }
-    predicted.Add(ScatterOf(estimate, points), own, fit.noise * root);
+  for (int f = 0; f < count; ++f) {
+    const PredictedSquares own = folds[f].predicted.Squares(NoiseOf(estimate.sigma) * of_fits[f]);
+    predicted.trace += own.trace;
+    predicted.trace_of_square += own.trace_of_square;
   }
-  result.folds = folds;
+  result.folds = count;
   result.unseen = MeasureUnseen(problem, quoted, errors);
   ComparePrediction(predicted, estimate, &result.unseen);
   return result;

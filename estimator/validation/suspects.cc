@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "estimator/inspection/row_lint.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/median.h"
 #include "problems/text.h"
 
@@ -119,25 +122,53 @@ ParameterSet Unheld(ParameterSet parameters) {
   return parameters;
 }
 
+// Residuals of one robust linear fit (row_lint.h) at `parameters`. False: there is none. Where rows are too many to be
+// kept, the step is that of a sample of them, configuration by configuration: it moves no point by more than a small
+// part of the noise.
+bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
+  const std::vector<int> columns = parameters.EstimatedCoordinates();
+  const auto numbers = 3.0 * static_cast<double>(rows->observations.size()) * static_cast<double>(columns.size());
+  const auto every = static_cast<std::uint32_t>(std::max(1.0, std::ceil(numbers / kMostHeld)));
+  std::vector<int> looked_at;
+  for (const int i : rows->observations) {
+    // Scattered by Knuth's multiplicative hash: stations or loads may alternate.
+    const auto c =
+        static_cast<std::uint32_t>(rows->problem.data.shots[rows->problem.data.observations[i].shot].configuration);
+    if ((c * 2654435761u >> 16) % every == 0) looked_at.push_back(i);
+  }
+  const NoiseRoots noise = ObservationNoise(rows->problem, looked_at, kFallbackSigma);
+  Linearization here = Linearize(rows->problem, parameters, looked_at, columns, noise, LatentTreatment::kIgnore);
+  std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
+  for (int c = 0; c < here.num_columns(); ++c) {
+    if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);
+  }
+  here.jacobian = here.jacobian(Eigen::all, seen).eval();
+  if (!here.valid || here.num_rows() <= here.num_columns()) return false;
+  Eigen::VectorXd step;
+  const Eigen::Matrix3Xd residuals = RobustLinearResiduals(here, noise, &step);
+  if (every == 1) {
+    rows->residuals = residuals;
+    return true;
+  }
+  std::vector<int> moved;
+  for (const int c : seen) moved.push_back(columns[c]);
+  ParameterSet there = parameters;
+  Move(moved, step, 1.0, &there);
+  rows->residuals =
+      -ResidualsOf(rows->problem.data, rows->observations, PredictPoints(rows->problem, there, rows->observations));
+  return rows->residuals.allFinite();
+}
+
 // Residuals of a fit that resists what it finds: gross readings leave it, and the rest is looked at again until no more
 // are found. One reading in metres moves everything by so much that no other would be seen.
 bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outliers) {
   constexpr int kRounds = 6;
-  const NoiseRoots noise = ObservationNoise(rows->problem, rows->observations, kFallbackSigma);
   const std::vector<int> fitted = rows->problem.CalibrationObservations();
   // Where a blunder spoiled the estimate so far that nothing is left of it, begin at the aligned nominal robot.
   ParameterSet parameters = IsUsable(estimate.status) ? estimate.parameters : Unheld(estimate.aligned);
   bool is_restarted = !IsUsable(estimate.status);
   for (int round = 0; round < kRounds; ++round) {
-    Linearization here = Linearize(rows->problem, parameters, rows->observations, parameters.EstimatedCoordinates(),
-                                   noise, LatentTreatment::kIgnore);
-    std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
-    for (int c = 0; c < here.num_columns(); ++c) {
-      if (here.jacobian.col(c).squaredNorm() > 0.0) seen.push_back(c);
-    }
-    here.jacobian = here.jacobian(Eigen::all, seen).eval();
-    if (!here.valid || here.num_rows() <= here.num_columns()) return round > 0;
-    rows->residuals = RobustLinearResiduals(here, noise);
+    if (!FitLinearly(parameters, rows)) return round > 0;
     const std::vector<int> found = GrossOutliers(rows->residuals);
     if (found == *outliers) return true;
     *outliers = found;

@@ -5,6 +5,7 @@
 
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/text.h"
@@ -32,12 +33,20 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   const std::vector<int> observations = problem.data.PointsAmong(problem.ValidationObservations());
   UnseenPoints holdout = MeasureUnseen(problem, observations, Errors(problem, estimate.parameters, observations));
   if (observations.empty()) return holdout;
-  const NoiseRoots metres(observations.size(), Matrix3<double>::Identity());
-  const Linearization rows =
-      Linearize(problem, estimate.parameters, observations, estimate.estimated, metres, LatentTreatment::kIgnore);
-  if (!rows.valid) return holdout;
-  PredictedSquares predicted;
-  predicted.Add(ScatterOf(estimate, observations), rows.jacobian, RootOf(estimate.covariance));
+  const auto metres = [](const std::vector<int>& listed) {
+    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
+  };
+  const auto columns = static_cast<int>(estimate.estimated.size());
+  PredictedSums sums(columns);
+  const RowStream stream(problem, observations, metres, LatentTreatment::kIgnore);
+  const bool valid = stream.ForEach(estimate.parameters, estimate.estimated, [&](const RowPiece& piece) {
+    std::vector<int> listed;
+    for (const int k : piece.positions) listed.push_back(observations[k]);
+    const NoiseRoots scatter = ScatterOf(estimate, listed);
+    for (int i = 0; i < piece.num_observations(); ++i) sums.Add(scatter[i], piece.rows.block(3 * i, 0, 3, columns));
+  });
+  if (!valid) return holdout;
+  const PredictedSquares predicted = sums.Squares(RootOf(estimate.covariance));
   ComparePrediction(predicted, estimate, &holdout);
   return holdout;
 }

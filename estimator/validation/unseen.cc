@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -48,19 +47,23 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   return unseen;
 }
 
-void PredictedSquares::Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& root) {
-  Linearization moved;  // J R
-  moved.jacobian = TallProduct(jacobian, root);
-  moved.residual.setZero(moved.jacobian.rows());
-  for (size_t k = 0; k < noise.size(); ++k) {
-    const Matrix3<double> own = noise[k] * noise[k].transpose();
-    const auto rows = moved.jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(k));
-    const Matrix3<double> by_parameters = rows * rows.transpose();
-    trace += own.trace() + by_parameters.trace();
-    trace_of_square += own.squaredNorm() + 2.0 * own.cwiseProduct(by_parameters).sum();
+void PredictedSums::Add(const Matrix3<double>& noise,
+                        const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian) {
+  const Matrix3<double> own = noise * noise.transpose();
+  trace_ += own.trace();
+  square_ += own.squaredNorm();
+  const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> scaled = noise.transpose() * jacobian;
+  for (int axis = 0; axis < 3; ++axis) {
+    points_.Add(jacobian.data() + axis * columns_);
+    by_noise_.Add(scaled.data() + axis * columns_);
   }
-  // tr (J C J')^2 = |(J R)' J R|^2
-  trace_of_square += SumRows(moved).matrix.squaredNorm();
+}
+
+// tr V = tr N + tr R'SR, tr V^2 = tr N^2 + 2 tr R'QR + |R'SR|^2 with S = J'J, Q = J'NJ, N = diag(noise).
+PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root) {
+  const Eigen::MatrixXd moved = root.transpose() * points_.Total() * root;
+  const Eigen::MatrixXd mixed = root.transpose() * by_noise_.Total() * root;
+  return {trace_ + moved.trace(), square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
 }
 
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "estimator/estimate/estimate.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/validation/pose_accuracy.h"
 #include "problems/calibration_problem.h"
 
@@ -40,9 +41,24 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
 struct PredictedSquares {
   double trace = 0.0;            // tr V, m^2
   double trace_of_square = 0.0;  // tr V^2, m^4
-  // Adds V = diag(noise) + J R R' J'; noise: root per point, m; jacobian: m/SI, 3 rows per point; root: R.
-  void Add(const NoiseRoots& noise, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& root);
 };
+
+// V = diag(noise) + J C J' of points, of which none is kept: both traces follow from J'J and from J' diag(noise) J.
+class PredictedSums {
+ public:
+  explicit PredictedSums(int columns) : columns_(columns), points_(columns), by_noise_(columns) {}
+
+  // jacobian: three rows, m/SI, of one point; noise: its root, m.
+  void Add(const Matrix3<double>& noise, const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian);
+  // Of the points so far; root: R of C = R R'. To be asked once.
+  PredictedSquares Squares(const Eigen::MatrixXd& root);
+
+ private:
+  int columns_;
+  SumOfRows points_, by_noise_;
+  double trace_ = 0.0, square_ = 0.0;  // of the noise
+};
+
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen);
 
 // Root of what a reading scatters by, m: instrument and joints' deviations, at the noise that the estimate goes by.
