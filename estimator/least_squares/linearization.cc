@@ -156,7 +156,8 @@ Linearization LinearizeByModel(const CalibrationProblem& problem, const Paramete
         result.residual.segment<3>(3 * k) = root_inverse * misfit;
         Matrix3<double> whitener = root_inverse;  // of what was not measured (NaN): the prediction's own derivative
         if (misfit.allFinite()) whitener *= MisfitByPrediction(observation.kind, misfit);
-        auto rows = result.jacobian.middleRows(3 * k, 3);
+        const Eigen::Index first_row = columns.empty() ? 0 : 3 * static_cast<Eigen::Index>(k);
+        auto rows = result.jacobian.middleRows(first_row, columns.empty() ? 0 : 3);
         const auto write = [&](int first_coordinate, const auto& derivative) {
           for (int i = 0; i < 3; ++i) {
             const int column = column_of[first_coordinate + i];
@@ -235,7 +236,8 @@ void AppendPriors(const ParameterSet& parameters, Linearization* linearization) 
   const int priors = static_cast<int>(held_softly.size());
   linearization->residual.conservativeResize(rows + priors);
   linearization->jacobian.conservativeResize(rows + priors, Eigen::NoChange);
-  linearization->jacobian.bottomRows(priors).setZero();
+  // Without columns there is no memory to point into.
+  if (priors > 0) linearization->jacobian.bottomRows(priors).setZero();
   for (int k = 0; k < priors; ++k) {
     const int c = held_softly[k];
     const Coordinate& coordinate = parameters.coordinates()[linearization->columns[c]];

@@ -15,7 +15,7 @@ constexpr int kMaxHalvings = 8;
 void Weigh(const std::vector<double>& weights, Linearization* linearization) {
   for (size_t k = 0; k < weights.size(); ++k) {
     if (weights[k] == 1.0) continue;
-    linearization->jacobian.middleRows(3 * k, 3) *= std::sqrt(weights[k]);
+    if (linearization->num_columns() > 0) linearization->jacobian.middleRows(3 * k, 3) *= std::sqrt(weights[k]);
     linearization->residual.segment<3>(3 * k) *= std::sqrt(weights[k]);
   }
 }
