@@ -99,8 +99,8 @@ Command CalibrateCommand() {
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…: then base poses, markers and the default geometric errors
 are estimated, with the standard deviations of the rows, else an estimated one. Where the rows' are the instrument's
-and the robot scatters by far more, rows are weighed by both together ({from: rows}: by the rows' alone). No starting values are needed.
-Writes estimate.json, robot.calibrated.yaml, residuals.csv and report.html to DIR.
+and the robot scatters by far more, rows are weighed by both together ({from: rows}: by the rows' alone). No starting
+values are needed. Writes estimate.json, robot.calibrated.yaml, residuals.csv and report.html to DIR.
 
 Keys of an experiment file that state the noise and ask for intervals (docs/NOISE_AND_INTERVALS.md):
   noise:   {sigma_mm: 0.05} | {from: rows} | {from: repeats} | {from: variance-components}
