@@ -98,8 +98,9 @@ Command CalibrateCommand() {
           R"(sagitta calibrate EXP --out=DIR
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…: then base poses, markers and the default geometric errors
-are estimated, with the standard deviations of the rows, else an estimated one. No starting values are needed.
-Writes estimate.json, robot.calibrated.yaml, residuals.csv and report.html to DIR.
+are estimated, with the standard deviations of the rows, else an estimated one. Where the rows' are the instrument's
+and the robot scatters by far more, rows are weighed by both together ({from: rows}: by the rows' alone). No starting
+values are needed. Writes estimate.json, robot.calibrated.yaml, residuals.csv and report.html to DIR.
 
 Keys of an experiment file that state the noise and ask for intervals (docs/NOISE_AND_INTERVALS.md):
   noise:   {sigma_mm: 0.05} | {from: rows} | {from: repeats} | {from: variance-components}
@@ -115,6 +116,7 @@ Keys of an experiment file that state the noise and ask for intervals (docs/NOIS
 The report compares parts of the data (halves of the workspace, stations) and says by how much model error widens
 the intervals; random halves are drawn with --seed. Where the nominal robot cannot have made the readings (wrong
 signs, zeros, joint order, units, DH convention, another robot) it says so and ends with status 2; --force goes on.
+Ctrl-C writes nothing.
 
 Examples
   sagitta calibrate robot.yaml measurements.csv --out=results

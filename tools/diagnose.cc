@@ -147,9 +147,9 @@ int RunDiagnose(const CommandLine& line) {
   {
     // Shares as measured on UR5 and UR10 series.
     Progress progress(FLAGS_quiet, {{"fitting the believed model", 1.0},
-                                    {"weighing", 4.0},
-                                    {"fitting the extended model", 2.0},
-                                    {"alternatives and halves", 2.0}});
+                                    {"weighing", 10.0},
+                                    {"fitting the extended model", 1.0},
+                                    {"alternatives and halves", 3.0}});
     FoundSoFar found;
     DiagnosisOptions options;
     options.significance = problem.experiment.significance;
@@ -194,7 +194,7 @@ Fits the believed model, asks whether simulation and measurement disagree, weigh
 and what has no name against each other, says what is missing with its probability, adds it and shows the gap on
 configurations that nothing was fitted to; next.csv holds poses that would decide what is still open. Without a
 validation of its own the experiment holds out 30 % of the configurations. Verdicts: consistent, noise,
-explained, partly, unknown.
+explained, partly, unknown. Ctrl-C writes nothing and says what was found so far.
 
 Examples
   sagitta diagnose experiment.yaml --out=results

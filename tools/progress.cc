@@ -60,7 +60,8 @@ std::string ProgressMeter::Line(double seconds) const {
   std::string line = what_;
   if (step_ >= 0) line = "step " + std::to_string(step_ + 1) + " of " + std::to_string(steps_.size()) + ": " + what_;
   const double left = expected_ - seconds;
-  return left >= kWorthSaying ? line + " (about " + InWords(left) + " left)" : line + " ...";
+  if (left >= kWorthSaying) return line + " (about " + InWords(left) + " left)";
+  return seconds >= kWorthSaying ? line + " (" + InWords(seconds) + " so far)" : line + " ...";
 }
 
 Progress::Progress(bool quiet, std::vector<ProgressStep> steps) : meter_(std::move(steps)) {

@@ -15,8 +15,8 @@ constexpr int kUsageError = 2;
 constexpr int kNumericalFailure = 3;
 
 // Runs `program` with logging set up; an InputError becomes words on stderr and exit status 2, any other
-// exception 3. At Ctrl-C what iterates ends with an Interruption, which says so and ends the program as the signal would
-// have. What the output streams show holds no control characters; a standard output that cannot be written is an
+// exception 3. At Ctrl-C what iterates ends with an Interruption, which says so and ends the program as the signal
+// would have. What the output streams show holds no control characters; a standard output that cannot be written is an
 // error.
 int RunGuarded(const char* program_path, const std::function<int()>& program);
 

@@ -102,8 +102,9 @@ std::string CauseInWords(const Diagnosis& d, const StepGroup& group) {
   const bool is_one = group.steps.size() == 1;
   const DiagnosisStep& first = d.steps[static_cast<size_t>(group.steps.front())];
   std::string words = is_one ? Title(d.final.problem->robot, first.candidate.spec) : GroupInWords(d, group);
-  words +=
-      ", " + (is_one ? "" : std::string("each ")) + Percent(LeastProbability(d, group)) + (is_one ? "" : " or more");
+  const std::string probability = Percent(LeastProbability(d, group));
+  const bool is_bound = probability.rfind("above", 0) == 0;
+  words += is_one ? ", " + probability : ", each " + probability + (is_bound ? "" : " or more");
   const std::string share = ShareOfGap(d, group.share_of_gap);
   return d.steps.size() > 1 && !share.empty() ? words + ": " + share : words;
 }

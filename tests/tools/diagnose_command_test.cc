@@ -88,5 +88,29 @@ TEST_F(SimulationColumnsTest, InMetresAreRefused) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("sim_x_m ")));  // no such column is read
 }
 
+class DiagnoseCommandTest : public ProgramTest {};
+
+// The extended model is judged as calibrate judges: a diagnosis that found nothing says the same of it.
+TEST_F(DiagnoseCommandTest, TheEstimateHasTheVerdictThatCalibrateWrites) {
+  const std::string experiment = Published("kr270/experiment.yaml");
+  const std::vector<std::string> split = {"--holdout=0.3", "--seed=1"};
+  ASSERT_EQ(Run({"diagnose", experiment, split[0], split[1], "--out=" + Path("diagnosed")}).status, 0);
+  ASSERT_EQ(Run({"calibrate", experiment, split[0], split[1], "--out=" + Path("calibrated")}).status, 0);
+  ASSERT_EQ(ReadJson("diagnosed/diagnosis.json")["verdict"], "consistent");
+  const auto diagnosed = ReadJson("diagnosed/estimate.json"), calibrated = ReadJson("calibrated/estimate.json");
+  for (const auto& [key, value] : calibrated.items()) EXPECT_TRUE(diagnosed.contains(key) || key == "agreement") << key;
+  for (const char* key : {"distance_rms_mm", "distance_p95_mm", "predicted_rms_mm"}) {
+    EXPECT_NEAR(diagnosed["cross_validation"][key].get<double>(), calibrated["cross_validation"][key].get<double>(),
+                1e-6);
+  }
+  EXPECT_EQ(diagnosed["suspects"], calibrated["suspects"]);
+  EXPECT_EQ(diagnosed["verdict"]["trusted"], calibrated["verdict"]["trusted"]);
+  for (const auto& parameter : diagnosed["parameters"]) EXPECT_TRUE(parameter.contains("ci95_noise_only"));
+  // Details open when asked to.
+  const std::string report = Read("diagnosed/report.html");
+  EXPECT_THAT(report, HasSubstr("<details><summary><h2>What was screened</h2></summary>"));
+  EXPECT_LT(report.find("<h1>Diagnosis: consistent</h1>"), report.find("<details>"));
+}
+
 }  // namespace
 }  // namespace sagitta::test

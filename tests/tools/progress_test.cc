@@ -14,8 +14,9 @@ TEST(ProgressMeter, SaysTheStepAndTheTimeLeft) {
   meter.Say("solving for 30 unknowns", 5.0);  // an eighth of all took 5 s: 40 s together
   EXPECT_EQ(meter.Line(5.0), "step 2 of 3: solving for 30 unknowns (about 35 s left)");
   EXPECT_EQ(meter.Line(30.0), "step 2 of 3: solving for 30 unknowns (about 10 s left)");
-  EXPECT_EQ(meter.Line(60.0), "step 2 of 3: solving for 30 unknowns ...");  // longer than expected: nobody knows
-  meter.Say("comparing parts", 100.0);                                      // half
+  EXPECT_EQ(meter.Line(60.0),
+            "step 2 of 3: solving for 30 unknowns (60 s so far)");  // longer than expected: nobody knows
+  meter.Say("comparing parts", 100.0);                              // half
   EXPECT_EQ(meter.Line(100.0), "step 3 of 3: comparing parts (about 2 min left)");
 }
 
@@ -30,7 +31,7 @@ TEST(ProgressMeter, WhatBelongsToNoStepBelongsToThePresentOne) {
   ProgressMeter meter({{"weighing", 1.0}, {"fitting", 1.0}});
   meter.Say("weighing 20 explanations", 0.0);
   meter.Say("once more with joints that deviate", 3.0);
-  EXPECT_EQ(meter.Line(3.0), "step 1 of 2: once more with joints that deviate ...");
+  EXPECT_EQ(meter.Line(3.0), "step 1 of 2: once more with joints that deviate (3 s so far)");
   meter.Say("fitting", 4.0);
   meter.Say("weighing 20 explanations", 5.0);  // no step is taken back
   EXPECT_EQ(meter.Line(6.0), "step 2 of 2: weighing 20 explanations (about 2 s left)");

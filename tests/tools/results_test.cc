@@ -102,7 +102,7 @@ TEST_F(ResultsTest, AccuracyAndRepeatabilityHaveTheNamesOfIso9283) {
   EXPECT_NEAR(iso["rp_mm"]["mean"].get<double>(), 0.1, 1e-5);
   EXPECT_EQ(iso["ap_mm"]["poses"], n - 1);
   EXPECT_GT(iso["ap_mm"]["max"].get<double>(), iso["ap_mm"]["mean"].get<double>());
-  EXPECT_THAT(outcome.out, ::testing::HasSubstr("pose repeatability RP 0.100 mm in the mean"));
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr("repeatability RP 0.100 mm in the mean"));
   ASSERT_EQ(Run({"calibrate", experiment_, "--out=" + Path("once")}).status, 0);
   EXPECT_TRUE(ReadJson("once/estimate.json")["iso9283"]["rp_mm"].is_null());
 }

@@ -24,7 +24,7 @@ std::string Probability(double p) {
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 
 std::string Labelled(const std::string& name, const std::string& unit) {
-  return unit.empty() ? name : name + ", " + unit;
+  return unit.empty() ? name : name + ", " + ShownUnit(unit);
 }
 
 std::string Waterfall(const Diagnosis& d) {
@@ -78,7 +78,7 @@ Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number
     const QuantityTraits& traits = TraitsOf(row.quantity);
     section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
                             Significant(row.ci95.low / traits.si_per_unit, 4),
-                            Significant(row.ci95.high / traits.si_per_unit, 4), traits.unit,
+                            Significant(row.ci95.high / traits.si_per_unit, 4), ShownUnit(traits.unit),
                             IsTold(step, row) ? "" : "not told by these data"});
   }
   section.paragraphs = {StepInWords(robot, step), HalvesInWords(step.confirmation),

@@ -67,7 +67,7 @@ Section Unseen(const Trust& trust) {
   section.title = "On points that were not fitted (" + std::to_string(quoted.points) + ", " +
                   (is_holdout ? "held out" : std::to_string(trust.cross_validation.folds) + "-fold cross-validation") +
                   "), distances in mm";
-  section.header = {"", "RMS", "P50", "P95", "max"};
+  section.header = {"mm", "RMS", "P50", "P95", "max"};
   const auto add = [&](const std::string& name, const UnseenPoints& points) {
     if (points.points == 0) return;
     section.rows.push_back({name, Millimetres(points.distance_rms), Millimetres(points.distance_p50),
@@ -131,8 +131,9 @@ std::vector<Section> CorrectedTable(const Calibration& calibration) {
   if (!nominal.dh || !robot.dh) return {};
   Section section;
   const bool standard = robot.dh->convention == DhConvention::kStandard;
-  section.title = std::string("Corrected table, ") + (standard ? "standard" : "modified") + " DH, mm and deg";
-  section.header = {"joint", "a", "alpha", "d", "theta", "beta", "Δa", "Δalpha", "Δd", "Δtheta"};
+  section.title = std::string("Corrected table, ") + (standard ? "standard" : "modified") + " DH";
+  section.header = {"joint",     "a, mm",  "alpha, deg",  "d, mm",  "theta, deg",
+                    "beta, deg", "Δa, mm", "Δalpha, deg", "Δd, mm", "Δtheta, deg"};
   for (size_t i = 0; i < robot.dh->links.size(); ++i) {
     const DhLink &now = robot.dh->links[i], &before = nominal.dh->links[i];
     const auto length = [](double metres) { return Fixed(1e3 * metres, 4); };
