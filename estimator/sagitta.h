@@ -64,7 +64,7 @@ struct Calibration {
 // Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, the agreement
 // between parts of the data, and the verdict. Judge it by estimate.status (IsUsable). Throws InputError where the
 // method cannot honour what the problem states.
-Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
+Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options = {});
 
 // estimate.json as written: the estimate, its verdict, cross-validation and suspect rows.
 nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const Provenance& provenance);

@@ -57,10 +57,10 @@ struct ResultFiles {
   }
 };
 
-Calibration CalibrateWithProgress(const CalibrationProblem& problem) {
+Calibration CalibrateWithProgress(CalibrationProblem problem) {
   Progress progress(FLAGS_quiet);
-  return Calibrate(
-      problem, {FLAGS_method, FLAGS_threads, FLAGS_seed, [&progress](const std::string& what) { progress.Say(what); }});
+  return Calibrate(std::move(problem), {FLAGS_method, FLAGS_threads, FLAGS_seed,
+                                        [&progress](const std::string& what) { progress.Say(what); }});
 }
 
 int RunCalibrate(const CommandLine& line) {
@@ -69,12 +69,13 @@ int RunCalibrate(const CommandLine& line) {
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) out.emplace(FLAGS_out, ResultFiles::Names());
 
-  const ExperimentInputs inputs = ReadInputs(line.arguments);
-  const Calibration result = CalibrateWithProgress(PlausibleProblem(inputs));
+  ExperimentInputs inputs = ReadInputs(line.arguments);
+  const std::vector<InputFile> input_files = inputs.files;
+  const Calibration result = CalibrateWithProgress(PlausibleProblem(std::move(inputs)));
   if (!IsUsable(result.estimate.status)) return ReportFailure(result.estimate);
 
   const std::vector<Section> sections = CalibrationSections(result);
-  const ResultFiles files(result, sections, {line.text, FLAGS_method, inputs.files});
+  const ResultFiles files(result, sections, {line.text, FLAGS_method, input_files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {

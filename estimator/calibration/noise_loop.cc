@@ -232,16 +232,17 @@ bool FindsNoise(const CalibrationProblem& problem) {
          LossNamed(experiment.loss) != LossKind::kNone;
 }
 
-ResolvedEstimate EstimateWithNoise(const CalibrationProblem& problem, const JointOptions& options) {
+ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
   if (!FindsNoise(problem)) {
-    ResolvedEstimate plain{problem, EstimateJointly(problem, options)};
+    ResolvedEstimate plain{std::move(problem), {}};
+    plain.estimate = EstimateJointly(plain.problem, options);
     DescribeNoise(plain.problem, &plain.estimate);
     return plain;
   }
   if (WeighsOtherwise(problem)) {
-    CalibrationProblem weighted = problem;
-    weighted.weight_roots = RootsOfWeights(problem.experiment, AllRoots(problem));
-    ResolvedEstimate result{weighted, EstimateJointly(weighted, options)};
+    ResolvedEstimate result{std::move(problem), {}};
+    result.problem.weight_roots = RootsOfWeights(result.problem.experiment, AllRoots(result.problem));
+    result.estimate = EstimateJointly(result.problem, options);
     DescribeNoise(result.problem, &result.estimate);
     return result;
   }
