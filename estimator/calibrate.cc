@@ -59,7 +59,7 @@ void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment) {
   validation.fraction = kFraction;
 }
 
-Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options) {
+Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options) {
   CheckMethod(problem, options.method);
   const auto say = [&](const std::string& what) {
     if (options.progress) options.progress(what);
@@ -67,7 +67,7 @@ Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions&
   JointOptions joint;
   joint.num_threads = options.num_threads;
   joint.progress = options.progress;
-  ResolvedEstimate resolved = EstimateWithNoise(problem, joint);
+  ResolvedEstimate resolved = EstimateWithNoise(std::move(problem), joint);
   Calibration result{std::move(resolved.problem), std::move(resolved.estimate), {}};
   Estimate& estimate = result.estimate;
   if (options.method != "joint" && IsUsable(estimate.status)) {

@@ -64,7 +64,7 @@ struct Calibration {
 // Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, the agreement
 // between parts of the data, and the verdict. Judge it by estimate.status (IsUsable). Throws InputError where the
 // method cannot honour what the problem states.
-Calibration Calibrate(const CalibrationProblem& problem, const CalibrateOptions& options = {});
+Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options = {});
 
 // The extended model of a usable diagnosis, judged as Calibrate judges: verdict, cross-validation, suspect rows, model
 // error in the intervals.

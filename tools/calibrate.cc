@@ -57,13 +57,13 @@ struct ResultFiles {
   }
 };
 
-Calibration CalibrateWithProgress(const CalibrationProblem& problem) {
+Calibration CalibrateWithProgress(CalibrationProblem problem) {
   // Shares as measured on UR5 and UR10 series; solving and alignment grow with the rows alike.
   Progress progress(
       FLAGS_quiet,
       {{"aligning", 2.0}, {"solving", 3.0}, {"intervals", 1.0}, {"comparing parts", 4.0}, {"cross-validating", 2.0}});
   return Calibrate(
-      problem, {FLAGS_method, FLAGS_threads, FLAGS_seed, [&progress](const std::string& what) { progress.Say(what); }});
+      std::move(problem), {FLAGS_method, FLAGS_threads, FLAGS_seed, [&progress](const std::string& what) { progress.Say(what); }});
 }
 
 int RunCalibrate(const CommandLine& line) {
@@ -72,13 +72,14 @@ int RunCalibrate(const CommandLine& line) {
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) out.emplace(FLAGS_out, ResultFiles::Names());
 
-  const ExperimentInputs inputs = ReadInputs(line.arguments);
-  const Calibration result = CalibrateWithProgress(PlausibleProblem(inputs));
+  ExperimentInputs inputs = ReadInputs(line.arguments);
+  const std::vector<InputFile> input_files = inputs.files;
+  const Calibration result = CalibrateWithProgress(PlausibleProblem(std::move(inputs)));
   if (!IsUsable(result.estimate.status)) return ReportFailure(result.estimate);
 
   CheckInterruption();
   const std::vector<Section> sections = CalibrationSections(result);
-  const ResultFiles files(result, sections, {line.text, FLAGS_method, inputs.files});
+  const ResultFiles files(result, sections, {line.text, FLAGS_method, input_files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {

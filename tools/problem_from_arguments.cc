@@ -108,23 +108,22 @@ ExperimentInputs ReadInputs(const std::vector<std::string>& paths) {
   return ReadExperimentInputs(paths, options);
 }
 
-CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs) {
-  Experiment experiment = inputs.experiment;
-  ApplyNoiseFlags(&experiment);
-  ApplyValidationFlags(&experiment);
-  ApplyEstimateFlags(&experiment);
-  return MakeCalibrationProblem(inputs.robot, inputs.data, std::move(experiment));
+CalibrationProblem ProblemAsStated(ExperimentInputs inputs) {
+  ApplyNoiseFlags(&inputs.experiment);
+  ApplyValidationFlags(&inputs.experiment);
+  ApplyEstimateFlags(&inputs.experiment);
+  return MakeCalibrationProblem(std::move(inputs.robot), std::move(inputs.data), std::move(inputs.experiment));
 }
 
-CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs) {
-  CalibrationProblem problem = ProblemAsStated(inputs);
+CalibrationProblem ProblemFromInputs(ExperimentInputs inputs) {
+  CalibrationProblem problem = ProblemAsStated(std::move(inputs));
   CheckUnits(problem);
   return problem;
 }
 
-CalibrationProblem PlausibleProblem(const ExperimentInputs& inputs) {
-  if (FLAGS_force) return ProblemAsStated(inputs);
-  CalibrationProblem problem = ProblemAsStated(inputs);
+CalibrationProblem PlausibleProblem(ExperimentInputs inputs) {
+  if (FLAGS_force) return ProblemAsStated(std::move(inputs));
+  CalibrationProblem problem = ProblemAsStated(std::move(inputs));
   CheckReadings(problem, "--force goes on as stated");
   return problem;
 }

@@ -22,10 +22,10 @@ std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 // EXP of a command with these flags: what a flag replaces is not checked in the rows. Throws InputError.
 ExperimentInputs ReadInputs(const std::vector<std::string>& paths);
 // Applies the flags. Throws InputError.
-CalibrationProblem ProblemAsStated(const ExperimentInputs& inputs);
+CalibrationProblem ProblemAsStated(ExperimentInputs inputs);
 // The same, and refuses data in a wrong unit.
-CalibrationProblem ProblemFromInputs(const ExperimentInputs& inputs);
+CalibrationProblem ProblemFromInputs(ExperimentInputs inputs);
 // The same, and refuses readings that the nominal robot cannot have made. --force: as stated, whatever it is.
-CalibrationProblem PlausibleProblem(const ExperimentInputs& inputs);
+CalibrationProblem PlausibleProblem(ExperimentInputs inputs);
 
 }  // namespace sagitta

@@ -232,12 +232,14 @@ namespace {
 constexpr int kScatterRounds = 3;  // residuals that hardly change: of unequal weights first, then of nearly equal ones
 
 // As the noise is stated; where the robot scatters by far more than the instrument, weighed by both.
-ResolvedEstimate EstimatePlainly(const CalibrationProblem& problem, const JointOptions& options) {
-  ResolvedEstimate plain{problem, EstimateJointly(problem, options)};
-  if (!options.judge || !ScattersByRobot(problem, plain.estimate)) return plain;
+ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions& options) {
+  ResolvedEstimate plain{std::move(problem), {}};
+  plain.estimate = EstimateJointly(plain.problem, options);
+  if (!options.judge || !ScattersByRobot(plain.problem, plain.estimate)) return plain;
+  const CalibrationProblem stated = plain.problem;
   for (int round = 0; round < kScatterRounds; ++round) {
-    const RobotScatter scatter = FindRobotScatter(problem, plain.estimate);
-    CalibrationProblem weighed = problem;
+    const RobotScatter scatter = FindRobotScatter(stated, plain.estimate);
+    CalibrationProblem weighed = stated;
     weighed.resolved_noise = scatter.roots;
     Estimate estimate = EstimateJointly(weighed, options);
     if (!IsUsable(estimate.status)) break;
@@ -255,16 +257,16 @@ bool FindsNoise(const CalibrationProblem& problem) {
          LossNamed(experiment.loss) != LossKind::kNone;
 }
 
-ResolvedEstimate EstimateWithNoise(const CalibrationProblem& problem, const JointOptions& options) {
+ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
   if (!FindsNoise(problem)) {
-    ResolvedEstimate plain = EstimatePlainly(problem, options);
+    ResolvedEstimate plain = EstimatePlainly(std::move(problem), options);
     DescribeNoise(plain.problem, &plain.estimate);
     return plain;
   }
   if (WeighsOtherwise(problem)) {
-    CalibrationProblem weighted = problem;
-    weighted.weight_roots = RootsOfWeights(problem.experiment, AllRoots(problem));
-    ResolvedEstimate result{weighted, EstimateJointly(weighted, options)};
+    ResolvedEstimate result{std::move(problem), {}};
+    result.problem.weight_roots = RootsOfWeights(result.problem.experiment, AllRoots(result.problem));
+    result.estimate = EstimateJointly(result.problem, options);
     DescribeNoise(result.problem, &result.estimate);
     return result;
   }

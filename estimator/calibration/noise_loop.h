@@ -23,6 +23,6 @@ struct ResolvedEstimate {
 };
 
 // As EstimateJointly where the noise is stated.
-ResolvedEstimate EstimateWithNoise(const CalibrationProblem& problem, const JointOptions& options = {});
+ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options = {});
 
 }  // namespace sagitta

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "estimator/least_squares/row_sums.h"
+
 namespace sagitta {
 namespace {
 
@@ -98,9 +100,16 @@ Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*
     : normal_(normal), members_(normal, given), residual_(normal.residual) {
   if (given.empty()) return;
   members_.Condition(scales);
-  root_ = RowsOf(given, scales, normal.information);
   const auto lower = members_.factor_.triangularView<Eigen::Lower>();
-  lower.solveInPlace(root_);
+  const Eigen::Index count = members_.num_columns();
+  Eigen::MatrixXd columns(normal.information.rows(), count);
+  Eigen::Index at = 0;
+  for (size_t k = 0; k < given.size(); ++k) {
+    columns.middleCols(at, given[k]->size()) = scales[k] * ColumnsOf(*given[k], normal.information);
+    at += given[k]->size();
+  }
+  const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(count, count));
+  root_ = TallProduct(columns, inverse.transpose()).transpose();  // L^-1 of the rows: the information is symmetric
   along_ = lower.solve(RowsOf(given, scales, normal.gradient)).col(0);
   residual_ -= along_.squaredNorm();
   log_det_ = members_.log_det_;

@@ -59,41 +59,43 @@ void AddGramBlock(const double* const* rows, std::size_t n, std::size_t a, std::
 }
 
 // A strip of rows stays in the cache while all columns of W go by.
-constexpr std::size_t kStrip = 256;
-constexpr int kTwo = 2, kFour = 4;
+constexpr std::size_t kStrip = 192;
+// Sums that stay in registers: of 24 vectors by 32 registers, of 8 by 16.
+constexpr int kDeep = hn::MaxLanes(Tag()) >= 8 ? 3 : 2, kAcross = hn::MaxLanes(Tag()) >= 8 ? 8 : 4;
 
 template <int kColumns>
 HWY_INLINE void MultiplyStrip(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
                               double* product) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  for (std::size_t r = 0; r < rows; r += kTwo * lanes) {
-    V s[kTwo][kColumns];
-    for (int j = 0; j < kColumns; ++j) s[0][j] = s[1][j] = hn::Zero(d);
+  for (std::size_t r = 0; r < rows; r += kDeep * lanes) {
+    V s[kDeep][kColumns];
+    for (int i = 0; i < kDeep; ++i) {
+      for (int j = 0; j < kColumns; ++j) s[i][j] = hn::Zero(d);
+    }
     for (std::size_t c = 0; c < n; ++c) {
-      const V first = hn::LoadU(d, x + c * stride + r), second = hn::LoadU(d, x + c * stride + r + lanes);
+      V own[kDeep];
+      for (int i = 0; i < kDeep; ++i) own[i] = hn::LoadU(d, x + c * stride + r + i * lanes);
       for (int j = 0; j < kColumns; ++j) {
         const V factor = hn::Set(d, w[j * n + c]);
-        s[0][j] = hn::MulAdd(first, factor, s[0][j]);
-        s[1][j] = hn::MulAdd(second, factor, s[1][j]);
+        for (int i = 0; i < kDeep; ++i) s[i][j] = hn::MulAdd(own[i], factor, s[i][j]);
       }
     }
     for (int j = 0; j < kColumns; ++j) {
-      hn::StoreU(s[0][j], d, product + j * stride + r);
-      hn::StoreU(s[1][j], d, product + j * stride + r + lanes);
+      for (int i = 0; i < kDeep; ++i) hn::StoreU(s[i][j], d, product + j * stride + r + i * lanes);
     }
   }
 }
 
 std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
                           std::size_t k, double* product) {
-  const std::size_t step = kTwo * hn::Lanes(Tag());
+  const std::size_t step = kDeep * hn::Lanes(Tag());
   const std::size_t whole = rows / step * step;
   for (std::size_t first = 0; first < whole; first += kStrip) {
     const std::size_t own = std::min(kStrip, whole - first);
     std::size_t j = 0;
-    for (; j + kFour <= k; j += kFour) {
-      MultiplyStrip<kFour>(x + first, stride, own, n, w + j * n, product + j * stride + first);
+    for (; j + kAcross <= k; j += kAcross) {
+      MultiplyStrip<kAcross>(x + first, stride, own, n, w + j * n, product + j * stride + first);
     }
     for (; j < k; ++j) MultiplyStrip<1>(x + first, stride, own, n, w + j * n, product + j * stride + first);
   }

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/interruption.h"
@@ -87,20 +89,51 @@ MinimizeSummary Run(ceres::Solver::Options solver, ceres::Problem* problem, Para
   return result;
 }
 
+// From the solution without bounds: what lies beyond one is put on it, and bounded Gauss-Newton steps go on from there.
+// False: they do not settle within a few.
+bool StepOntoBounds(const NormalEquations& equations, ParameterSet* parameters, MinimizeSummary* summary) {
+  constexpr int kMostSteps = 8;
+  constexpr double kSettled = 1e-3;  // standard deviations at the noise seen; what is left is polished
+  const std::vector<int> columns = parameters->EstimatedCoordinates();
+  ParameterSet here = *parameters;
+  Eigen::VectorXd onto = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  for (size_t c = 0; c < columns.size(); ++c) {
+    const double below = here.coordinates()[columns[c]].lower - here.Value(columns[c]);
+    if (below > 0.0) onto[static_cast<Eigen::Index>(c)] = below;
+  }
+  Move(columns, onto, 1.0, &here);
+  for (int i = 0; i < kMostSteps; ++i) {
+    const NormalSums sums = equations.Sum(here, columns);
+    const double squares = sums.valid ? sums.squared_residual() : std::numeric_limits<double>::infinity();
+    if (!std::isfinite(squares)) return false;
+    const BoundedStep step = SolveBounded(Condense(sums), here);
+    if (!step.valid) return false;
+    Move(columns, step.delta, 1.0, &here);
+    ++summary->iterations;
+    if (step.size > kSettled * std::max(1e-9, std::sqrt(squares / std::max(1, sums.rows)))) continue;
+    summary->final_cost = 0.5 * squares;
+    *parameters = here;
+    return true;
+  }
+  return false;
+}
+
 // Ceres searches along every step of a problem with bounds, which costs as many evaluations again: the bounds come in
-// only where the solution without them lies beyond one.
+// only where the solution without them lies beyond one, and there by `step_onto` first, where it is given.
 MinimizeSummary WithBoundsWhereMet(const MinimizeOptions& options,
                                    const std::function<MinimizeSummary(bool bounded)>& minimize,
+                                   const std::function<bool(ParameterSet*, MinimizeSummary*)>& step_onto,
                                    ParameterSet* parameters) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
   const ParameterSet start = *parameters;
-  const MinimizeSummary free = minimize(false);
+  MinimizeSummary free = minimize(false);
   if (free.usable && free.converged && IsInside(*parameters)) return free;
   const std::vector<int> estimated = start.EstimatedCoordinates();
   const bool any_bound = std::any_of(estimated.begin(), estimated.end(),
                                      [&](int i) { return std::isfinite(start.coordinates()[i].lower); });
   if (!any_bound) return free;
+  if (step_onto && free.usable && free.converged && step_onto(parameters, &free)) return free;
   *parameters = start;
   MinimizeSummary bounded = minimize(true);
   bounded.iterations += free.iterations;
@@ -134,7 +167,7 @@ MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const Residua
     }
     return Run(solver, &ceres_problem, parameters);
   };
-  return WithBoundsWhereMet(options, minimize, parameters);
+  return WithBoundsWhereMet(options, minimize, {}, parameters);
 }
 
 MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOptions& options,
@@ -147,7 +180,10 @@ MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOpt
     own.num_threads = 1;  // the one cost has threads of its own
     return Run(SolverOptions(own), &ceres_problem, parameters);
   };
-  return WithBoundsWhereMet(options, minimize, parameters);
+  const auto step_onto = [&equations](ParameterSet* from, MinimizeSummary* summary) {
+    return StepOntoBounds(equations, from, summary);
+  };
+  return WithBoundsWhereMet(options, minimize, step_onto, parameters);
 }
 
 }  // namespace sagitta

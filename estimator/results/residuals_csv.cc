@@ -91,9 +91,9 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
       if (c > 0) csv += ",";
       const int source = index[observation.file][c];
       if (replaced[c] != nullptr) {
-        csv += CsvCell(replaced[c]->cells[i]);
+        AddCsvCell(replaced[c]->cells[i], &csv);
       } else if (source >= 0) {
-        csv += CsvCell(cells[source]);
+        AddCsvCell(cells[source], &csv);
       }
     }
     csv += "\n";

@@ -1,5 +1,6 @@
 #include "problems/io/csv_table.h"
 
+#include <algorithm>
 #include <set>
 #include <string_view>
 
@@ -68,6 +69,16 @@ bool TakeQuotedCell(std::string_view* rest, std::string* cell) {
   return true;
 }
 
+// False: no byte of the text begins a control character but ends of lines, and tabs.
+bool MayHoldControl(std::string_view text) {
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if ((byte >= 0x20 && byte != 0x7F && byte != 0xC2) || byte == '\n' || byte == '\t') continue;
+    if (byte != '\r' || i + 1 == text.size() || text[i + 1] != '\n') return true;
+  }
+  return false;
+}
+
 // A tab may stand between cells; whatever else moves a cursor or rings a bell may not.
 void CheckControl(const std::string& path, const Line& line) {
   size_t from = 0;
@@ -84,31 +95,47 @@ void CheckControl(const std::string& path, const Line& line) {
   }
 }
 
-std::vector<std::string> SplitCells(const std::string& path, const Line& line, size_t expected) {
-  CheckControl(path, line);
-  std::vector<std::string> cells;
-  cells.reserve(expected);
+// Calls take(cell) for each cell, `quoted` being memory for those in quotes. At most limits::kColumns.
+template <typename Take>
+void ForEachCell(const std::string& path, const Line& line, std::string* quoted, const Take& take) {
+  size_t cells = 0;
   std::string_view rest = line.text;
   while (true) {
+    ++cells;
     const size_t first = rest.find_first_not_of(kBlanks);
+    std::string_view cell;
     if (first != std::string_view::npos && rest[first] == '"') {
       rest.remove_prefix(first);
-      if (!TakeQuotedCell(&rest, &cells.emplace_back())) {
+      quoted->clear();
+      if (!TakeQuotedCell(&rest, quoted)) {
         throw InputError({path, line.number, ""},
-                         "the quotes of cell " + std::to_string(cells.size()) + " are not closed before the comma");
+                         "the quotes of cell " + std::to_string(cells) + " are not closed before the comma");
       }
+      cell = *quoted;
     } else {
       const size_t comma = rest.find(',');
-      cells.emplace_back(Trimmed(rest.substr(0, comma)));
+      cell = Trimmed(rest.substr(0, comma));
       rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma);
     }
-    cells.back() = UnguardedCell(std::move(cells.back()));
-    if (rest.empty()) return cells;
-    if (cells.size() == limits::kColumns) {
+    if (!cell.empty() && cell.front() == '\'') {
+      *quoted = UnguardedCell(std::string(cell));
+      cell = *quoted;
+    }
+    take(cell);
+    if (rest.empty()) return;
+    if (cells == limits::kColumns) {
       throw InputError({path, line.number, ""}, "the row has more than " + std::to_string(limits::kColumns) + " cells");
     }
     rest.remove_prefix(1);  // the comma; what follows is one more cell, even if empty
   }
+}
+
+std::vector<std::string> SplitCells(const std::string& path, const Line& line) {
+  CheckControl(path, line);
+  std::vector<std::string> cells;
+  std::string quoted;
+  ForEachCell(path, line, &quoted, [&](std::string_view cell) { cells.emplace_back(cell); });
+  return cells;
 }
 
 void CheckHeader(const std::string& path, const Line& line, const std::vector<std::string>& header) {
@@ -141,27 +168,37 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   std::string_view content = text;
   if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
 
+  const bool has_control = MayHoldControl(content);
   LineReader reader(content);
   Line line;
   if (!reader.Next(&line)) throw InputError({path, 0, ""}, "the file is empty", "a header row is expected");
   table.header_line = line.number;
-  table.file.header = SplitCells(path, line, 0);
+  table.file.header = SplitCells(path, line);
   CheckHeader(path, line, table.file.header);
 
   const size_t columns = table.file.header.size();
+  std::vector<MeasurementFile::Row>& rows = table.file.rows;
+  rows.reserve(static_cast<size_t>(std::count(content.begin(), content.end(), '\n')) + 1);
+  std::string quoted;
   while (reader.Next(&line)) {
-    MeasurementFile::Row row{line.number, SplitCells(path, line, columns)};
-    if (row.cells.size() != columns) {
-      throw InputError(
-          {path, line.number, ""},
-          "the row has " + std::to_string(row.cells.size()) + " cells, the header has " + std::to_string(columns),
-          row.cells.size() > columns ? "a decimal comma? numbers have a point" : "a comma is missing?");
+    if (has_control) CheckControl(path, line);
+    size_t count = 0;
+    MeasurementFile::Row& row = rows.emplace_back();
+    row.line = line.number;
+    row.cells.reserve(columns);
+    ForEachCell(path, line, &quoted, [&](std::string_view cell) {
+      row.cells.emplace_back(cell);
+      ++count;
+    });
+    if (count != columns) {
+      throw InputError({path, line.number, ""},
+                       "the row has " + std::to_string(count) + " cells, the header has " + std::to_string(columns),
+                       count > columns ? "a decimal comma? numbers have a point" : "a comma is missing?");
     }
-    if ((table.file.rows.size() + 1) * columns > limits::kCells) {
+    if (rows.size() * columns > limits::kCells) {
       throw InputError({path, line.number, ""}, "the table has more than " + std::to_string(limits::kCells) + " cells",
                        "split the file, or leave out columns that nothing needs");
     }
-    table.file.rows.push_back(std::move(row));
   }
   if (table.file.rows.empty()) throw InputError({path, table.header_line, ""}, "there are no rows below the header");
   return table;

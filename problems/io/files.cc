@@ -137,9 +137,12 @@ std::string ReadTextFile(const std::string& path) {
 int LineOfInvalidUtf8(const std::string& bytes) {
   int line = 1;
   for (size_t i = 0; i < bytes.size();) {
+    if (static_cast<unsigned char>(bytes[i]) < 0x80) {
+      line += bytes[i++] == '\n';
+      continue;
+    }
     const size_t length = CharacterLength(bytes, i);
     if (length == 0) return line;
-    line += bytes[i] == '\n';
     i += length;
   }
   return 0;

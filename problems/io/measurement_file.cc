@@ -1,6 +1,7 @@
 #include "problems/io/measurement_file.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <unordered_map>
 
@@ -16,25 +17,34 @@ namespace {
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
 
-// Ids joined into one key; the separator cannot stand in a cell by accident.
-std::string Key(std::initializer_list<std::string> ids) {
-  std::string key;
-  for (const std::string& id : ids) (key += id) += '\x1f';
-  return key;
-}
-
 int IndexOf(const std::string& name, std::unordered_map<std::string, int>* indices, std::vector<std::string>* names) {
   const auto [entry, is_new] = indices->try_emplace(name, static_cast<int>(names->size()));
   if (is_new) names->push_back(name);
   return entry->second;
 }
 
-// The same for rows that say the same in another order of columns.
-size_t RowHash(const MeasurementFile& file, const MeasurementFile::Row& row) {
+// Numbers of ids that go together.
+using Ids = std::array<int, 6>;
+struct IdsHash {
+  size_t operator()(const Ids& ids) const {
+    size_t sum = 0;
+    for (const int id : ids) sum = (sum ^ static_cast<size_t>(id)) * 0x9E3779B97F4A7C15ULL + (sum >> 29);
+    return sum;
+  }
+};
+
+std::vector<size_t> HashesOf(const std::vector<std::string>& names) {
+  std::vector<size_t> hashes;
+  for (const std::string& name : names) hashes.push_back(std::hash<std::string>()(name) * 0x9E3779B97F4A7C15ULL);
+  return hashes;
+}
+
+// The same for rows that say the same in another order of columns. header: hashes of its names.
+size_t RowHash(const MeasurementFile::Row& row, const std::vector<size_t>& header) {
   const std::hash<std::string> hash;
   size_t sum = 0;
-  for (size_t c = 0; c < row.cells.size(); ++c) {
-    size_t h = hash(row.cells[c]) ^ (hash(file.header[c]) * 0x9E3779B97F4A7C15ULL);
+  for (size_t c = 0; c < header.size(); ++c) {
+    size_t h = hash(row.cells[c]) ^ header[c];
     h ^= h >> 29;
     sum += h * 0xBF58476D1CE4E5B9ULL;
   }
@@ -89,16 +99,20 @@ class MeasurementsBuilder {
 
   void RefuseCopy();
   int ConfigurationIndex(const MeasurementRow& row);
-  int Occurrence(const MeasurementRow& row);
-  int ShotIndex(const MeasurementRow& row, int configuration, int station);
+  int Occurrence(const Ids& ids);
+  int ShotIndex(const MeasurementRow& row, int configuration, int station, int marker);
+  int WordIndex(const std::string& word) {
+    return words_.try_emplace(word, static_cast<int>(words_.size())).first->second;
+  }
   void CheckShot(const MeasurementRow& row, const Shot& shot) const;
   void CheckApproach(const MeasurementRow& row, const Shot& shot, const std::string& first) const;
 
   Measurements data_;
   int current_ = 0;  // the observation that is being added
-  std::unordered_map<std::string, int> stations_, markers_, configurations_, shots_;
-  std::unordered_map<std::string, int> occurrences_;
+  std::unordered_map<std::string, int> stations_, markers_, configurations_, words_;  // words: visits, repeats, loads
+  std::unordered_map<Ids, int, IdsHash> shots_, occurrences_;
   std::unordered_map<size_t, int> rows_;
+  std::vector<size_t> header_;  // hashes of the current file's names
   std::vector<int> first_of_configuration_;
   std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;
@@ -112,7 +126,7 @@ void MeasurementsBuilder::Fail(const std::string& key, const std::string& what, 
 }
 
 void MeasurementsBuilder::RefuseCopy() {
-  const auto [entry, is_new] = rows_.try_emplace(RowHash(FileOf(current_), RowOf(current_)), current_);
+  const auto [entry, is_new] = rows_.try_emplace(RowHash(RowOf(current_), header_), current_);
   if (is_new) return;
   const int first = entry->second;
   if (!SameCells(FileOf(current_), RowOf(current_), FileOf(first), RowOf(first))) return;
@@ -139,16 +153,17 @@ int MeasurementsBuilder::ConfigurationIndex(const MeasurementRow& row) {
 }
 
 // How many earlier rows have the same ids.
-int MeasurementsBuilder::Occurrence(const MeasurementRow& row) {
-  const int occurrence = occurrences_[Key({row.config, row.visit, row.marker, row.load, row.station, row.repeat})]++;
+int MeasurementsBuilder::Occurrence(const Ids& ids) {
+  const int occurrence = occurrences_[ids]++;
   if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
   return occurrence;
 }
 
-int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration, int station) {
-  const std::string key =
-      Key({row.config, row.visit, row.repeat, row.station, row.load, std::to_string(Occurrence(row))});
-  const auto [entry, is_new] = shots_.try_emplace(key, static_cast<int>(data_.shots.size()));
+int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration, int station, int marker) {
+  const int visit = WordIndex(row.visit), repeat = WordIndex(row.repeat), load = WordIndex(row.load);
+  const int occurrence = Occurrence({configuration, visit, repeat, station, load, marker});
+  const auto [entry, is_new] = shots_.try_emplace(Ids{configuration, visit, repeat, station, load, occurrence},
+                                                  static_cast<int>(data_.shots.size()));
   if (!is_new) {
     CheckShot(row, data_.shots[entry->second]);
     return entry->second;
@@ -199,6 +214,9 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
                               const MeasurementReadOptions& options) {
   data_.files.push_back(std::move(table.file));
   const MeasurementFile& file = data_.files.back();
+  header_ = HashesOf(file.header);
+  rows_.reserve(rows_.size() + file.rows.size());
+  data_.observations.reserve(data_.observations.size() + file.rows.size());
   MeasurementRow row;
   for (size_t r = 0; r < file.rows.size(); ++r) {
     ReadMeasurementRow(file, file.rows[r], columns, options, &row);
@@ -217,7 +235,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     observation.marker = IndexOf(row.marker, &markers_, &data_.markers);
     const int configuration = ConfigurationIndex(row);
     const int station = IndexOf(row.station, &stations_, &data_.stations);
-    observation.shot = ShotIndex(row, configuration, station);
+    observation.shot = ShotIndex(row, configuration, station, observation.marker);
     Shot& shot = data_.shots[observation.shot];
     shot.observations.push_back(current_);
     moments_[observation.shot].Take(row, &shot);

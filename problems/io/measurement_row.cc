@@ -162,6 +162,7 @@ void ReadTorques(const RowReader& reader, const MeasurementColumns& columns, Mea
 }
 
 void CheckSet(const RowReader& reader, const MeasurementColumns& columns) {
+  if (columns.set < 0) return;
   const std::string set = reader.Text(columns.set, "calibration");
   const std::vector<std::string> sets = {"calibration", "validation"};
   if (set != sets[0] && set != sets[1]) reader.Fail("set", "'" + set + "' is no set", SpellingHint(set, sets));

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "problems/io/files.h"
 #include "problems/io/units.h"
 
@@ -72,6 +74,19 @@ std::string CsvCell(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
+}
+
+void AddCsvCell(std::string_view text, std::string* line) {
+  // Of letters, digits and points alone, as most cells are, or a negative number.
+  const std::string_view body = !text.empty() && text.front() == '-' ? text.substr(1) : text;
+  const auto is_plain = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_';
+  };
+  if (std::all_of(body.begin(), body.end(), is_plain) && (body.size() == text.size() || ParseNumber(text))) {
+    *line += text;
+  } else {
+    *line += CsvCell(std::string(text));
+  }
 }
 
 std::string UnguardedCell(std::string cell) {

@@ -23,6 +23,8 @@ std::string ValidUtf8(const std::string& text);
 // A cell of a CSV file: quoted where it has to be, and, where it is a text that a spreadsheet would compute (=1+1,
 // +cmd, -x, @f), with an apostrophe before it, which UnguardedCell takes away. Numbers stay numbers.
 std::string CsvCell(const std::string& text);
+// Appends the same to a line.
+void AddCsvCell(std::string_view text, std::string* line);
 // The cell as it was before CsvCell guarded it.
 std::string UnguardedCell(std::string cell);
 

@@ -159,7 +159,7 @@ BENCHMARK(NormalEquationsPass)
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
 
-enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate };
+enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate, kTwoSteps };
 
 void Solve(benchmark::State& state) {
   const auto way = static_cast<Way>(state.range(1));
@@ -172,6 +172,12 @@ void Solve(benchmark::State& state) {
       JointOptions options;
       options.judge = false;
       iterations = EstimateFrom(setup.problem, parameters, options).iterations;
+      continue;
+    }
+    if (way == kTwoSteps) {
+      CalibrationProblem problem = setup.problem;
+      problem.parameters = setup.start;
+      iterations = static_cast<int>(EstimateInTwoSteps(problem).steps.size());
       continue;
     }
     ceres::Problem::Options problem_options;
@@ -219,10 +225,12 @@ BENCHMARK(Solve)
     ->Args({18, kAnalytic, 0})
     ->Args({18, kCondensedWay, 0})
     ->Args({18, kWholeEstimate, 0})
+    ->Args({18, kTwoSteps, 0})
     ->Args({1000, kJets, 0})
     ->Args({1000, kAnalytic, 0})
     ->Args({1000, kCondensedWay, 0})
     ->Args({1000, kWholeEstimate, 0})
+    ->Args({1000, kTwoSteps, 0})
     ->Args({10000, kJets, 0})
     ->Args({10000, kAnalytic, 0})
     ->Args({10000, kCondensedWay, 0})

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/condensed_cost.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/kr270_poses.h"
@@ -174,6 +175,60 @@ TEST_P(NormalEquationsOf, SumsAreThoseOfTheModelsRows) {
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-7);
 }
 
+// Pieces: the same rows, each once, deviations of joints with their visit.
+TEST_P(NormalEquationsOf, PiecesAreTheRows) {
+  const std::vector<int> clusters = ConfigurationClusters(problem_.data, rows_.observations);
+  const auto noise = [this](const std::vector<int>& listed) {
+    return ObservationNoise(problem_, listed, kFallbackSigma);
+  };
+  const RowStream stream(problem_, rows_.observations, noise, LatentTreatment::kMarginalise, clusters);
+  const Linearization model = LinearizeByModel(problem_, parameters_, rows_.observations, columns_,
+                                               noise(rows_.observations), LatentTreatment::kMarginalise);
+  std::vector<int> seen(rows_.observations.size(), 0), piece_of(rows_.observations.size(), -1);
+  int pieces = 0;
+  const double size = 1e-7 * (1.0 + model.residual.norm());
+  ASSERT_TRUE(stream.ForEach(parameters_, columns_, [&](const RowPiece& piece) {
+    for (int i = 0; i < piece.num_observations(); ++i) {
+      const int k = piece.positions[i];
+      ++seen[k];
+      piece_of[k] = pieces;
+      EXPECT_LT((piece.rows.col(columns_.size()).segment<3>(3 * i) - model.residual.segment<3>(3 * k)).norm(), size);
+      for (size_t c = 0; c < columns_.size(); ++c) {
+        EXPECT_LT((piece.rows.col(c).segment<3>(3 * i) - model.jacobian.col(c).segment<3>(3 * k)).norm(),
+                  1e-7 * model.jacobian.col(c).norm());
+      }
+    }
+    ++pieces;
+  }));
+  for (size_t k = 0; k < seen.size(); ++k) {
+    EXPECT_EQ(seen[k], 1);
+    for (size_t other = 0; other < k; ++other) {
+      if (clusters[k] == clusters[other]) EXPECT_EQ(piece_of[k], piece_of[other]);
+    }
+  }
+}
+
+// Both ways to the sandwich, to 1e-6 standard deviations.
+TEST_P(NormalEquationsOf, ClustersSideBySideAreThoseOneByOne) {
+  const std::vector<int> clusters = ConfigurationClusters(problem_.data, rows_.observations);
+  const auto noise = [this](const std::vector<int>& listed) {
+    return ObservationNoise(problem_, listed, kFallbackSigma);
+  };
+  const Linearization rows = Linearize(problem_, parameters_, rows_.observations, columns_, noise(rows_.observations));
+  ClusterFit fit;
+  fit.solution = SolveLinearization(rows);
+  if (!fit.solution.full_rank) GTEST_SKIP() << "nothing to compare";
+  const RobustCovariance alone = SandwichCovariance(rows, clusters);
+  ClusterSandwich together(static_cast<int>(columns_.size()), alone.clusters, fit.solution.covariance_root, {fit});
+  const RowStream stream(problem_, rows_.observations, noise, LatentTreatment::kMarginalise, clusters);
+  together.Add(stream, parameters_, columns_, clusters);
+  const RobustCovariance side_by_side = together.Result(0);
+  for (size_t c = 0; c < columns_.size(); ++c) {
+    EXPECT_NEAR(std::sqrt(side_by_side.covariance(c, c) / alone.covariance(c, c)), 1.0, 1e-6);
+    EXPECT_NEAR(side_by_side.dof[c] / alone.dof[c], 1.0, 1e-5);
+  }
+}
+
 TEST_P(NormalEquationsOf, CondensedRowsHaveTheSameSums) {
   const NormalEquations equations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
   const NormalSums sums = equations.Sum(parameters_, columns_);
@@ -255,6 +310,32 @@ TEST(JointEstimate, TakesAtMostFiveIterationsFromNominal) {
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
     EXPECT_LE(estimate.iterations, 5);
   }
+}
+
+// A joint that does not yield: half of the estimates without bounds are negative. The bound costs no more steps.
+TEST(JointEstimate, TakesAtMostFiveIterationsOntoABound) {
+  int on_bound = 0;
+  for (const int seed : {5, 6, 7, 8}) {
+    test::LoadedTruth truth = test::Everything();
+    test::LoadedDesign design;
+    design.configurations = 100;
+    truth.spring.reset();
+    truth.k[5] = 0.0;
+    Measurements data = test::LoadedRows(design, truth);
+    test::Measure(test::ExactPoints(truth, data), design.sigma, seed, &data);
+    const test::LoadedSetup setup = test::SetupFor(truth);
+    const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+    const Estimate estimate = EstimateJointly(problem);
+    ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+    EXPECT_LE(estimate.iterations, 5);
+    const int k6 = problem.parameters.FindCoordinate("compliance/A6");
+    ASSERT_GE(k6, 0);
+    on_bound += estimate.parameters.Value(k6) == 0.0;
+    JointOptions by_marker;
+    by_marker.granularity = CostGranularity::kMarker;
+    EXPECT_NEAR(estimate.cost, EstimateJointly(problem, by_marker).cost, 1e-9 * estimate.cost);
+  }
+  EXPECT_GT(on_bound, 0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/simulation.h"
 
@@ -41,6 +42,73 @@ TEST(Sandwich, OfAMeanIsTheVarianceOfClusterMeans) {
   EXPECT_EQ(robust.clusters, clusters);
   EXPECT_NEAR(robust.covariance(0, 0), expected, 1e-12 * expected);
   EXPECT_NEAR(robust.dof[0], clusters - 1.0, 1e-9);
+}
+
+// Eight side by side: clusters of different length, one longer than its columns are many, one that alone sees a column;
+// all of them, and half of them in fewer columns one step away.
+TEST(Sandwich, OfManyIsTheSameSideBySide) {
+  constexpr int kClusters = 203, kColumns = 6;
+  NormalNumbers normal(5);
+  std::vector<int> cluster_of;
+  for (int g = 0; g < kClusters; ++g) cluster_of.insert(cluster_of.end(), g == 17 ? 30 : 1 + g % 3, g);
+  const auto observations = static_cast<int>(cluster_of.size());
+  Eigen::MatrixXd jacobian(3 * observations, kColumns);
+  Eigen::VectorXd y(3 * observations);
+  for (double& value : jacobian.reshaped()) value = normal();
+  for (double& value : y) value = normal();
+  for (int k = 0; k < observations; ++k) {
+    if (cluster_of[k] != 40) jacobian.block<3, 1>(3 * k, 5).setZero();
+  }
+  const Linearization all = Rows(jacobian, AfterFit(jacobian, y));
+  RowMajorMatrix rows(all.num_rows(), kColumns + 1);
+  rows << all.jacobian, all.residual;
+  // The half: even clusters in the first five columns, from a point one step away.
+  ClusterFit whole, half;
+  whole.solution = SolveLinearization(all);
+  half.columns = {0, 1, 2, 3, 4};
+  half.has.assign(kClusters, 0);
+  std::vector<int> own, own_rows;
+  for (int k = 0; k < observations; ++k) {
+    if (cluster_of[k] % 2 != 0) continue;
+    half.has[cluster_of[k]] = 1;
+    own.push_back(cluster_of[k]);
+    for (int axis = 0; axis < 3; ++axis) own_rows.push_back(3 * k + axis);
+  }
+  Linearization part = Rows(all.jacobian(own_rows, half.columns), all.residual(own_rows));
+  half.solution = SolveLinearization(part);
+  half.step = half.solution.step;
+  part.residual += part.jacobian * half.step;
+  ClusterSandwich together(kColumns, kClusters, whole.solution.covariance_root, {whole, half});
+  together.Add(rows, cluster_of);
+  const auto expect_same = [](const RobustCovariance& a, const RobustCovariance& b) {
+    ASSERT_EQ(a.covariance.rows(), b.covariance.rows());
+    EXPECT_EQ(a.clusters, b.clusters);
+    const double size = b.covariance.norm();
+    EXPECT_LT((a.covariance - b.covariance).norm(), 1e-6 * size);
+    for (Eigen::Index c = 0; c < a.dof.size(); ++c) EXPECT_NEAR(a.dof[c], b.dof[c], 1e-6 * b.dof[c]);
+  };
+  expect_same(together.Result(0), SandwichCovariance(all, cluster_of));
+  expect_same(together.Result(1), SandwichCovariance(part, own));
+}
+
+// Of 12,000 clusters some 2,000 say how many degrees of freedom there are: G - 1 of a mean, within four standard
+// deviations of a count of 2,000.
+TEST(Sandwich, OfTheManyASampleSaysTheDegreesOfFreedom) {
+  constexpr int kClusters = 12000;
+  NormalNumbers normal(9);
+  Eigen::VectorXd y(3 * kClusters);
+  for (double& value : y) value = normal();
+  const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(y.size(), 1);
+  std::vector<int> cluster_of(kClusters);
+  Eigen::VectorXd means(kClusters);
+  for (int g = 0; g < kClusters; ++g) {
+    cluster_of[g] = g;
+    means[g] = y.segment(3 * g, 3).mean();
+  }
+  const double expected = (means.array() - means.mean()).square().sum() / (kClusters * (kClusters - 1.0));
+  const RobustCovariance robust = SandwichCovariance(Rows(ones, AfterFit(ones, y)), cluster_of);
+  EXPECT_NEAR(robust.covariance(0, 0), expected, 1e-6 * expected);
+  EXPECT_NEAR(robust.dof[0] / kClusters, 1.0, 4.0 / std::sqrt(2000.0));
 }
 
 TEST(Sandwich, APriorKeepsItsStatedVariance) {

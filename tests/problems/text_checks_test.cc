@@ -68,6 +68,8 @@ TEST(CsvControlTest, IdsHoldNoControlCharacters) {
   EXPECT_TRUE(SaysInOrder(error("a,b\n1,x\x1b[2J\n"), {"t.csv:2", "U+001B"}));
   EXPECT_TRUE(SaysInOrder(error("a,b\n1,2\n" + std::string("M\0,3\n", 5)), {"t.csv:3", "U+0000"}));
   EXPECT_TRUE(SaysInOrder(error("a,\xC2\x9Bz\n1,2\n"), {"t.csv:1", "U+009B"}));
+  EXPECT_TRUE(SaysInOrder(error("a,b\n1\r1,2\n"), {"t.csv:2", "U+000D"}));
+  EXPECT_TRUE(SaysInOrder(error("a,b\n1,\x7F\n"), {"t.csv:2", "U+007F"}));
   EXPECT_EQ(error("a,b\r\n1,\t2\r\n"), "");
 }
 
