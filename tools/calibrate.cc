@@ -62,8 +62,8 @@ Calibration CalibrateWithProgress(CalibrationProblem problem) {
   Progress progress(
       FLAGS_quiet,
       {{"aligning", 2.0}, {"solving", 3.0}, {"intervals", 1.0}, {"comparing parts", 4.0}, {"cross-validating", 2.0}});
-  return Calibrate(
-      std::move(problem), {FLAGS_method, FLAGS_threads, FLAGS_seed, [&progress](const std::string& what) { progress.Say(what); }});
+  return Calibrate(std::move(problem), {FLAGS_method, FLAGS_threads, FLAGS_seed,
+                                        [&progress](const std::string& what) { progress.Say(what); }});
 }
 
 int RunCalibrate(const CommandLine& line) {
