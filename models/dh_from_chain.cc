@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kParallel = 3.0 * kPi / 180.0;
-constexpr double kZero = 1e-12;  // m, rad: rounding of a chain of poses
+constexpr double kExactlyParallel = 1e-10;  // rad: nearer, the common normal is rounding
+constexpr double kZero = 1e-12;             // m, rad: rounding of a chain of poses
 constexpr double kLengthPrior = 5e-3, kAnglePrior = 5e-3;
 constexpr double kToolReach = 0.1;  // m
 constexpr int kPoses = 400;
@@ -52,11 +53,11 @@ void KeepThetaSmall(DhLink* link) {
 }
 
 // Onto the line `next`, given in the frame whose z is the joint's axis.
-DhLink LinkOnto(const Line& next) {
+DhLink LinkOnto(const Line& next, double parallel) {
   DhLink link;
   const Vector3<double>& v = next.direction;
   const double sine = v.head<2>().norm();
-  if (std::abs(v.z()) < std::cos(kParallel)) {
+  if (sine > std::sin(parallel)) {
     // The common normal x: d where it leaves z, a its length.
     const Vector3<double> x = Vector3<double>::UnitZ().cross(v) / sine;
     const double along = -next.point.head<2>().dot(v.head<2>()) / (sine * sine);
@@ -119,7 +120,8 @@ void CloseTable(const Pose<double>& flange, int joint, DhTable* table) {
   if ((turn - Matrix3<double>::Identity()).norm() > kZero) table->flange_rpy = Rpy(turn).unaryExpr(&Clean);
 }
 
-std::optional<DhTable> StandardTable(const Chain& chain, std::string* why_not) {
+// `parallel`: rad, within which axes count as parallel and take beta.
+std::optional<DhTable> StandardTable(const Chain& chain, double parallel, std::string* why_not) {
   const std::vector<Pose<double>> frames = Frames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
   const Line first = AxisLine(chain, frames, 0);
   const bool slides = chain.joints[0].type == JointType::kPrismatic;
@@ -135,7 +137,7 @@ std::optional<DhTable> StandardTable(const Chain& chain, std::string* why_not) {
   for (int j = 0; j + 1 < chain.num_joints(); ++j) {
     Line next = AxisLine(chain, frames, j + 1);
     if (chain.joints[j + 1].type == JointType::kPrismatic) next.point = here.translation;  // a slide has no place
-    DhLink link = LinkOnto(Seen(here, next));
+    DhLink link = LinkOnto(Seen(here, next), parallel);
     link.joint = j;
     table.links.push_back(link);
     here = Multiply(here, LinkPose(link));
@@ -224,9 +226,13 @@ Eigen::VectorXd Points(const Chain& chain, const std::vector<Eigen::VectorXd>& p
 }  // namespace
 
 std::optional<DhTable> DhTableFromChain(const Chain& chain, DhConvention convention, std::string* why_not) {
-  const std::optional<DhTable> standard = StandardTable(chain, why_not);
+  const std::optional<DhTable> standard = StandardTable(chain, kParallel, why_not);
   if (!standard || convention == DhConvention::kStandard) return standard;
   return ModifiedFromStandard(*standard);
+}
+
+std::optional<DhTable> ExactPlainTable(const Chain& chain, std::string* why_not) {
+  return StandardTable(chain, kExactlyParallel, why_not);
 }
 
 std::optional<DhTable> InConvention(const DhTable& table, DhConvention convention, std::string* why_not) {

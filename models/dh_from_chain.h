@@ -20,6 +20,10 @@ namespace sagitta {
 // to *why_not, in words: the first axis has to be the base's z axis.
 std::optional<DhTable> DhTableFromChain(const Chain& chain, DhConvention convention, std::string* why_not);
 
+// A standard table without beta that holds the chain exactly, as controllers without beta have it after a calibration:
+// d runs along two nearly parallel axes to where they are nearest to each other, metres away (100 m and more).
+std::optional<DhTable> ExactPlainTable(const Chain& chain, std::string* why_not);
+
 // The same table in the other convention; nothing where the first row of a
 // modified table is not zero before its joint.
 std::optional<DhTable> InConvention(const DhTable& table, DhConvention convention, std::string* why_not);

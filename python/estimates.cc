@@ -3,11 +3,16 @@
 
 #include <memory>
 
+#include "estimator/changes/changes.h"
+#include "estimator/results/program_compensation.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
 #include "problems/io/files.h"
+#include "problems/io/output_files.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
+#include "tools/report/first_screen.h"
+#include "tools/report/report_html.h"
 
 namespace sagitta::python {
 
@@ -20,6 +25,21 @@ struct CalibratedExperiment {
   Provenance provenance;
 
   std::string Json() const { return DumpJson(CalibrationToJson(calibration, provenance)); }
+  std::string ReportHtml() const {
+    return SectionsToPage(CalibrationSections(calibration), ResidualCharts(calibration.problem, calibration.estimate),
+                          provenance);
+  }
+  std::string RobotYaml() const {
+    return RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()));
+  }
+  // The files of `sagitta calibrate`, all or none.
+  void Write(const std::string& folder) const {
+    const std::vector<NamedText> files = {{"robot.calibrated.yaml", RunComment(provenance) + RobotYaml()},
+                                          {"residuals.csv", ResidualsToCsv(calibration.problem, calibration.estimate)},
+                                          {"report.html", ReportHtml()},
+                                          {"estimate.json", Json()}};
+    OutputFolder(folder, {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"}).Write(files);
+  }
 };
 
 struct PredictedRows {
@@ -86,13 +106,9 @@ void BindEstimate(py::module_& module) {
       .def("json", &CalibratedExperiment::Json)
       .def("residuals_csv",
            [](const CalibratedExperiment& e) { return ResidualsToCsv(e.calibration.problem, e.calibration.estimate); })
-      .def("robot_yaml",
-           [](const CalibratedExperiment& e) {
-             const Calibration& c = e.calibration;
-             return RobotToYaml(c.problem.model.WithValues(c.estimate.parameters.ModelValues()));
-           })
-      .def("write", [](const CalibratedExperiment& e,
-                       const std::string& folder) { WriteCalibration(e.calibration, folder, e.provenance); })
+      .def("robot_yaml", &CalibratedExperiment::RobotYaml)
+      .def("report_html", &CalibratedExperiment::ReportHtml)
+      .def("write", &CalibratedExperiment::Write)
       .def("known", [](const CalibratedExperiment& e) {
         return std::make_shared<KnownRobot>(ReadEstimateText(e.Json(), "estimate"));
       });
@@ -197,6 +213,54 @@ void BindCompensation(py::module_& module) {
       .def("csv", [](const CompensatedRows& rows) { return CompensationToCsv(rows.targets, rows.results); });
 }
 
+CompensatedProgram CompensateProgramOf(const KnownRobot& known, const std::string& program, const std::string& tools,
+                                       const std::string& frames, const std::vector<double>& start_deg,
+                                       const std::string& load, int threads) {
+  const Chain& chain = known.robot.chain;
+  if (!start_deg.empty() && static_cast<int>(start_deg.size()) != chain.num_joints()) {
+    throw InputError({"", 0, "start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
+  }
+  CheckProgramLoad(known, load, "load");
+  ProgramScene scene;
+  scene.tools = FramesFromText(tools, "tools_mm_deg");
+  scene.frames = FramesFromText(frames, "frames_mm_deg");
+  scene.start.resize(static_cast<Eigen::Index>(start_deg.size()));
+  for (size_t j = 0; j < start_deg.size(); ++j) {
+    const bool turns = chain.joints[j].type == JointType::kRevolute;
+    scene.start[static_cast<Eigen::Index>(j)] = start_deg[j] * (turns ? kDegree : 1e-3);
+  }
+  scene.load = load;
+  return ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
+    return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
+  });
+}
+
+void BindPrograms(py::module_& module) {
+  py::class_<CompensatedProgram>(module, "Program")
+      .def_property_readonly("text", [](const CompensatedProgram& p) { return py::bytes(p.text); })
+      .def_property_readonly("summary", [](const CompensatedProgram& p) { return SummaryOf(p); })
+      .def_property_readonly("points",
+                             [](const CompensatedProgram& p) {
+                               py::list points;
+                               for (const ProgramPointResult& result : p.results) {
+                                 const ProgramPoint& point = p.program.points[static_cast<size_t>(result.point)];
+                                 points.append(py::make_tuple(point.name, point.line, result.untouched));
+                               }
+                               return points;
+                             })
+      .def("csv",
+           [](const CompensatedProgram& p) {
+             return p.solved.empty() ? std::string() : CompensationToCsv(p.targets, p.solved);
+           })
+      .def("write", [](const CompensatedProgram& p, const std::string& path) { OutputFile(path).Write(p.text); });
+  module.def("compensate_program", &CompensateProgramOf);
+  py::class_<Changes>(module, "Changes").def("json", [](const Changes& c) { return DumpJson(ChangesToJson(c)); });
+  module.def("changed", [](const KnownRobot& before, const KnownRobot& after) {
+    const py::gil_scoped_release others_may_run;
+    return FindChanges(before, after);
+  });
+}
+
 }  // namespace
 
 void BindEstimates(py::module_& module) {
@@ -207,6 +271,7 @@ void BindEstimates(py::module_& module) {
   BindEstimate(module);
   BindPrediction(module);
   BindCompensation(module);
+  BindPrograms(module);
   module.def("calibrate", &CalibrateInputs);
   module.def("load", [](const std::string& path) { return std::make_shared<KnownRobot>(ReadEstimateFile(path)); });
   // The truth that an experiment states; the loads of rows are those of the experiment.

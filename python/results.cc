@@ -1,13 +1,17 @@
-// diagnose and plan.
+// diagnose, plan and inspect.
 #include <pybind11/stl.h>
 
 #include <memory>
 
+#include "estimator/inspection/inspect.h"
 #include "estimator/results/diagnosis_json.h"
+#include "estimator/results/inspection_json.h"
 #include "estimator/results/plan_json.h"
 #include "problems/io/effect_names.h"
+#include "problems/io/output_files.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
+#include "tools/report/inspection_report.h"
 
 namespace sagitta::python {
 
@@ -25,6 +29,23 @@ struct PlannedExperiment {
   Plan plan;
   Chain chain;
 };
+
+struct InspectedExperiment {
+  CalibrationProblem problem;
+  Inspection inspection;
+  Provenance provenance;
+
+  std::string Json() const { return DumpJson(InspectionToJson(problem, inspection, provenance)); }
+  std::string ReportHtml() const { return InspectionToHtml(problem, inspection, provenance); }
+};
+
+std::shared_ptr<InspectedExperiment> InspectInputs(const ExperimentInputs& inputs, const std::string& command,
+                                                   const py::object& progress) {
+  CalibrationProblem problem = MakeCalibrationProblem(inputs.robot, inputs.data, inputs.experiment);
+  Inspection inspection = ResultOf<Inspection>(progress, [&](const Say& say) { return Inspect(problem, say); });
+  return std::make_shared<InspectedExperiment>(
+      InspectedExperiment{std::move(problem), std::move(inspection), {command, "inspection", inputs.files}});
+}
 
 std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int threads, bool force,
                                                     const std::string& command, const py::object& progress) {
@@ -88,6 +109,14 @@ void BindResults(py::module_& module) {
       .def_property_readonly("rows", [](const PlannedExperiment& p) { return Rows{p.plan.rows}; })
       .def("json", [](const PlannedExperiment& p) { return DumpJson(PlanToJson(p.plan)); })
       .def("csv", [](const PlannedExperiment& p) { return PlanToCsv(p.chain, p.plan); });
+  py::class_<InspectedExperiment, std::shared_ptr<InspectedExperiment>>(module, "Inspection")
+      .def("json", &InspectedExperiment::Json)
+      .def("report_html", &InspectedExperiment::ReportHtml)
+      .def("write", [](const InspectedExperiment& i, const std::string& folder) {
+        OutputFolder(folder, {"report.html", "inspect.json"})
+            .Write({{"report.html", i.ReportHtml()}, {"inspect.json", i.Json()}});
+      });
+  module.def("inspect", &InspectInputs);
   module.def("diagnose", &DiagnoseInputs);
   module.def("plan", &PlanInputs);
 }

@@ -277,6 +277,8 @@ class Hostile(unittest.TestCase):
         second = json.loads((folder / 'second' / 'estimate.json').read_text())
         if second['fit']['dof'] != first['fit']['dof'] or 'priors' in case.experiment:
             return  # other directions are held, or priors count from another nominal
+        if any('rows are weighed by both' in words for words in first.get('noise', {}).get('words', [])):
+            return  # rows weigh by a scatter that each run finds for itself: their chi-squares are not of one sum
         gained = first['fit']['chi2'] - second['fit']['chi2']
         self.assertLess(gained, 1e-4 * first['fit']['chi2'] + 1e-2, told + told_again)
 

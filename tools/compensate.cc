@@ -61,21 +61,6 @@ Eigen::VectorXd StartJoints(const Chain& chain) {
   return start;
 }
 
-// A program states no forces: the weight of its load is that of the estimate.
-void CheckLoad(const KnownRobot& known) {
-  if (FLAGS_load == Shot().load) return;
-  std::vector<std::string> weighed;
-  for (const auto& [name, load] : known.loading.loads) {
-    if (load.mass) weighed.push_back(name);
-  }
-  if (std::find(weighed.begin(), weighed.end(), FLAGS_load) != weighed.end()) return;
-  throw InputError({known.file, 0, "--load"}, "the estimate does not say what load '" + FLAGS_load + "' weighs",
-                   (weighed.empty() ? "" : "it says so of " + Enumerate(weighed) + "; ") + "state loads: {" +
-                       FLAGS_load +
-                       ": {mass_kg: …}} in the experiment and calibrate again, or correct a table of targets with "
-                       "columns fx_N, fy_N, fz_N");
-}
-
 int RunProgram(const CommandLine& line) {
   ExpectArguments(line, CompensateCommand(), 1, 1);
   if (FLAGS_program_out.empty()) {
@@ -90,7 +75,7 @@ int RunProgram(const CommandLine& line) {
   std::optional<OutputFile> table_out;
   if (!FLAGS_out.empty()) table_out.emplace(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
-  CheckLoad(known);
+  CheckProgramLoad(known, FLAGS_load, "--load");
   ProgramScene scene;
   scene.tools = FramesFromText(FLAGS_tools_mm_deg, "--tools_mm_deg");
   scene.frames = FramesFromText(FLAGS_frames_mm_deg, "--frames_mm_deg");

@@ -23,12 +23,13 @@
 DEFINE_string(
     as, "",
     "how OUT describes the robot: chain, dh (standard), mdh (modified), ur (calibration.yaml); default: as IN does");
-DEFINE_string(template, "", "URDF whose origins take the robot; everything else of it is kept byte for byte");
+DEFINE_string(template, "",
+              "URDF whose origins, or .conf whose lists, take the robot; everything else of it is kept byte for byte");
 DEFINE_bool(plain, false, "DH without Hayati's beta: the best such table, refitted, with what it costs");
 DEFINE_string(convention, "", "standard or modified: of a DH table that does not say");
 DEFINE_string(base_link, "", "link of a URDF where the chain begins; default: the root");
 DEFINE_string(tip_link, "", "link of a URDF where the chain ends; default: the only end there is");
-DEFINE_string(nominal, "", "robot that a calibration.conf of differences belongs to");
+DEFINE_string(nominal, "", "robot that the differences of a calibration.conf are from");
 
 namespace sagitta {
 
@@ -143,16 +144,36 @@ Written ToUrdf(const Robot& robot) {
   return {edited.text, {edited.joints.empty() ? "no origin changes" : "origins edited: " + joints}, true};
 }
 
+Written ToUrConf(const Robot& robot) {
+  if (FLAGS_nominal.empty()) {
+    throw InputError({"", 0, "--nominal"}, "a .conf holds differences, and from which table is not said",
+                     "--nominal=urcontrol.conf (or any file with the nominal standard DH table)");
+  }
+  const Robot nominal = ReadAnyRobot(FLAGS_nominal).robot;
+  if (!nominal.dh || nominal.dh->convention != DhConvention::kStandard)
+    throw InputError({FLAGS_nominal, 0, ""},
+                     "the nominal robot has no standard DH table, which the differences are of");
+  const std::string kept = FLAGS_template.empty() ? "" : ReadTextFile(FLAGS_template);
+  Written written{RobotToUrConf(robot, *nominal.dh, kept, FLAGS_template), {}, true};
+  written.notes.push_back(kept.empty()
+                              ? "the controller also wants the lines of its own calibration.conf that belong to "
+                                "the arm (joint_checksum, …): --template=calibration.conf keeps them"
+                              : "the four lists of " + FLAGS_template + " are replaced, its other lines kept");
+  return written;
+}
+
 Written WrittenAs(const Robot& robot, const std::string& out) {
   const std::string ending = std::filesystem::path(out).extension().string();
-  if (!FLAGS_template.empty() && ending != ".urdf") {
-    throw InputError({"", 0, "--template"}, "only a URDF is edited", "OUT has to end in .urdf");
+  if (!FLAGS_template.empty() && ending != ".urdf" && ending != ".conf") {
+    throw InputError({"", 0, "--template"}, "only a URDF or a .conf is edited", "OUT has to end in .urdf or .conf");
   }
+  if (ending == ".conf") return ToUrConf(robot);
   if (ending == ".urdf") return ToUrdf(robot);
   if (ending == ".csv") return ToCsv(robot);
   if (ending == ".yaml" || ending == ".yml" || ending == ".json") return ToYaml(robot);
   throw InputError({out, 0, ""}, "the ending does not say which format is meant",
-                   ".yaml (robot, or calibration.yaml with --as=ur), .urdf or .csv (DH table)");
+                   ".yaml (robot, or calibration.yaml with --as=ur), .urdf, .csv (DH table) or .conf (Universal "
+                   "Robots)");
 }
 
 // What the other format has no place for.
@@ -193,6 +214,7 @@ double LargestDifference(const Chain& a, const Chain& b) {
 Robot ReadBack(const std::string& text, const std::string& out) {
   RobotReadOptions options;
   if (!FLAGS_template.empty()) options.ends = {FLAGS_base_link, FLAGS_tip_link};
+  options.nominal_file = FLAGS_nominal;
   return ReadAnyRobotText(text, out, options).robot;
 }
 
@@ -220,7 +242,7 @@ int RunConvert(const CommandLine& line) {
               << " mm at 1 m from the flange\n";
   const std::string left_out = LeftOut(reading.robot);
   const std::string ending = std::filesystem::path(out).extension().string();
-  if (!left_out.empty() && (FLAGS_as == "ur" || ending == ".urdf" || ending == ".csv")) {
+  if (!left_out.empty() && (FLAGS_as == "ur" || ending == ".urdf" || ending == ".csv" || ending == ".conf")) {
     std::cout << "  left out, the format has no place for them: " << left_out << "\n";
   }
   return 0;
@@ -231,14 +253,15 @@ int RunConvert(const CommandLine& line) {
 Command ConvertCommand() {
   return {"convert",
           "robot files between formats",
-          R"(sagitta convert IN OUT [--as=chain|dh|mdh|ur] [--template=FILE.urdf] [--plain]
+          R"(sagitta convert IN OUT [--as=chain|dh|mdh|ur] [--template=FILE] [--plain]
 
 Reads a robot from IN, by its content: robot.yaml, URDF, a DH table as text (any column order, separator and unit),
 calibration.yaml or .conf of Universal Robots, MATLAB text (SerialLink, dhparams, elementary transforms). Writes it to
-OUT, by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibration.yaml), .urdf, .csv (DH table). What is written is
-read again and has to move alike to 1e-9 m.
+OUT, by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibration.yaml), .urdf, .csv (DH table), .conf (the
+differences from --nominal as a controller of Universal Robots has them). What is written is read again and has to move
+alike to 1e-9 m.
 
---template edits the origins of an existing URDF and nothing else. --plain gives a DH table without Hayati's beta, for
+--template edits the origins of an existing URDF, or the four lists of an existing .conf, and nothing else. --plain gives a DH table without Hayati's beta, for
 controllers that have none, and says what that costs. Details: docs/CONVERT.md.
 
 Examples
@@ -246,6 +269,7 @@ Examples
   sagitta convert results/robot.calibrated.yaml calibrated.urdf --template=robot.urdf
   sagitta convert results/robot.calibrated.yaml table.csv --as=dh --plain
   sagitta convert calibration.conf robot.yaml --nominal=urcontrol.conf
+  sagitta convert results/robot.calibrated.yaml new.conf --nominal=urcontrol.conf --template=calibration.conf
 )",
           {"as", "template", "plain", "convention", "base_link", "tip_link", "nominal"},
           RunConvert};

@@ -8,8 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "estimator/alignment/aligned_misfit.h"
-#include "problems/calibration_problem.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
@@ -19,11 +18,14 @@
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
 #include "tools/convert_options.h"
+#include "tools/import_choice.h"
 
 DEFINE_string(
     map, "",
     "COLUMN=HEADER,…: columns of measurements.csv and where they come from (a header, a column's number, a+b or a-b)");
 DEFINE_bool(strict, false, "refuse whatever would have to be guessed");
+DEFINE_string(rotation, "",
+              "what three angles mean: vector, or the product RxRyRz, RzRyRx, … of rotations about the axes");
 DEFINE_string(robot, "", "robot whose table this program ships, by its name (ur5, irb120, …)");
 
 namespace sagitta {
@@ -31,89 +33,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSuspicious = 0.05;  // of the reach: as in calibrate, such a robot did not make the readings
-constexpr double kBetter = 3.0;       // the best of several readings has to fit so much better than any other
-constexpr double kComputed = 2e-6;    // m: no instrument and no robot agree with a nominal table so well
-constexpr size_t kSampleRows = 60;
-
-std::set<std::string> LoadsOf(const Measurements& data) {
-  std::set<std::string> loads;
-  for (const Shot& shot : data.shots) loads.insert(shot.load);
-  loads.erase(Shot().load);
-  return loads;
-}
-
 std::set<std::string> LoadsIn(const Robot& robot, const std::string& csv) {
   try {
     return LoadsOf(ReadMeasurementsText(robot, csv, "measurements.csv"));
   } catch (const InputError&) {  // calibrate says what it is
     return {};
   }
-}
-
-// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than kSuspicious.
-Experiment WithWeightlessLoads(const Measurements& data) {
-  Experiment experiment;
-  experiment.load_point = Vector3<double>::Zero();
-  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
-  return experiment;
-}
-
-// How far the aligned nominal robot misses; infinite where that cannot be said.
-double Misfit(const Robot& robot, const std::string& csv) {
-  try {
-    const Measurements data = ReadMeasurementsText(robot, csv, "measurements.csv");
-    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
-    return AlignedMisfit(problem, SampleOfRows(problem));
-  } catch (const InputError&) {  // too few rows: nothing can be said
-    return std::numeric_limits<double>::infinity();
-  }
-}
-
-double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
-  ImportedRows rows;
-  rows.Add(table, plan, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
-  return Misfit(robot, rows.ToCsv(robot.num_joints()));
-}
-
-struct Choice {
-  ImportPlan plan;
-  double misfit = std::numeric_limits<double>::infinity();  // m
-};
-
-std::string InMillimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
-
-Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans) {
-  std::vector<double> misfits;
-  for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
-  const size_t best = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
-  if (!(misfits[best] < std::numeric_limits<double>::infinity())) return {plans[PlanBySize(table, plans)]};
-  const double tolerance = kSuspicious * Reach(robot.chain);
-  if (misfits[best] > tolerance) {
-    throw InputError({table.path, table.header_line, ""},
-                     "this robot cannot have made these readings: at best its nominal geometry misses them by " +
-                         InMillimetres(misfits[best]) + " (RMS)",
-                     "check robot, units and which columns hold measured points; --map=… says it");
-  }
-  for (size_t i = 0; i < plans.size(); ++i) {
-    if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
-    throw InputError(
-        {table.path, table.header_line, ""},
-        "the columns can be read in two ways, which fit equally well: " + plans[best].choice + "; " + plans[i].choice,
-        "--map=… says which, as in --map=x_mm=1,q1_deg=4");
-  }
-  Choice choice{plans[best], misfits[best]};
-  // Of several readings one fits: that is evidence, and stays a guess.
-  return choice;
-}
-
-// Positions that the nominal robot reproduces were computed from its joints.
-void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped) {
-  if (choice.misfit > kComputed || is_mapped) return;
-  throw InputError({table.path, table.header_line, ""},
-                   "the points agree with the nominal robot to " + InMillimetres(choice.misfit) +
-                       ": they were computed, not measured",
-                   "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them");
 }
 
 std::map<std::string, std::string> MapFromFlag() {
@@ -199,7 +124,9 @@ FoundRobot RobotOf(const std::vector<std::string>& robot_files, const std::vecto
     throw InputError({robot_files.back(), 0, ""}, "this is a second robot",
                      "one robot and any number of measurement files are expected");
   }
-  if (!robot_files.empty()) return {ReadAnyRobot(robot_files[0], RobotOptionsFromFlags()), robot_files[0]};
+  if (!robot_files.empty()) {
+    return {ReadRobotWithReadings(robot_files[0], RobotOptionsFromFlags(), tables.front(), columns), robot_files[0]};
+  }
   if (!FLAGS_robot.empty()) return ShippedRobot(FLAGS_robot);
   return RobotByFit(tables.front(), columns);
 }
@@ -227,6 +154,15 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
               << " (RMS): the columns fit the robot\n";
   } else {
     std::cout << "  too few rows to check the columns against the robot\n";
+  }
+  if (choice.plan.rotation) {
+    std::cout << "  rotation: " << choice.plan.rotation->Words();
+    if (std::isfinite(choice.rotation_misfit))
+      std::cout << fmt::format("; the nominal robot misses it by {:.3g} deg (RMS)", choice.rotation_misfit / kDegree);
+    std::cout << "\n";
+  }
+  if (choice.plan.Find("tau1")) {
+    std::cout << "  torques are carried along; 'torques: measured' in experiment.yaml has them drive the compliances\n";
   }
 }
 
@@ -300,6 +236,7 @@ int RunImport(const CommandLine& line) {
     choices.push_back(ChoosePlan(robot, tables[t], PossiblePlans(tables[t], robot.chain.joints, columns)));
     RefuseComputedPoints(tables[t], choices.back(),
                          columns.count("x_mm") + columns.count("x_m") + columns.count("x_um") > 0);
+    DecideRotation(robot, tables[t], FLAGS_rotation, &choices.back());
     const ImportPlan& plan = choices.back().plan;
     for (const std::string& words : plan.guesses) guess(words);
     RowDefaults defaults;
@@ -339,12 +276,12 @@ int RunImport(const CommandLine& line) {
 Command ImportCommand() {
   return {"import",
           "robot, measurements and experiment from what people have",
-          R"(sagitta import FILES… --out=DIR [--map=COLUMN=HEADER,…] [--strict]
+          R"(sagitta import FILES… --out=DIR [--map=COLUMN=HEADER,…] [--rotation=…] [--strict]
 
 Takes one robot (anything 'sagitta convert' reads) and any number of measurement tables as text, and writes
 robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign, encoding, header and units are
-found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made. What
-was understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
+found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made, also of
+angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
 nominal or computed are never taken for measured ones. Several files are several stations.
 
 Without a robot the tables that this program ships are tried; --robot=NAME takes one of them. Details: docs/IMPORT.md.
@@ -354,7 +291,7 @@ Examples
   sagitta import dh.csv series1.csv series2.csv --out=job --strict
   sagitta import robot.yaml export.txt --out=job --map=x_mm=measurement_x,y_mm=measurement_y,z_mm=measurement_z
 )",
-          {"out", "map", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "quiet"},
+          {"out", "map", "rotation", "strict", "robot", "convention", "base_link", "tip_link", "nominal", "quiet"},
           RunImport};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "estimator/alignment/starting_values.h"
@@ -39,6 +40,39 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows) {
   ParameterSet parameters = problem.parameters;
   return FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
+}
+
+std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem) {
+  ParameterSet parameters = problem.parameters;
+  FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &parameters);
+  const std::vector<double> theta = parameters.ModelValues();
+  std::vector<Matrix3<double>> orientations;
+  ChainState<double> state;
+  for (const Observation& observation : problem.data.observations) {
+    if (!observation.is_point()) continue;
+    const ShotInput& input = problem.shot_inputs[observation.shot];
+    EvaluateChain(problem.model.chain(), problem.model.TransformValues(input, theta.data()).data(), &state);
+    const Pose<double>& frame = state.frames[problem.marker_frames[observation.marker]];
+    orientations.push_back(parameters.BaseInStation(problem.data.shots[observation.shot].station).rotation *
+                           frame.rotation);
+  }
+  return orientations;
+}
+
+double RotationMisfit(const std::vector<TargetRotation>& readings) {
+  std::map<int, Matrix3<double>> sums;
+  for (const TargetRotation& reading : readings) {
+    Matrix3<double>& sum = sums.emplace(reading.marker, Matrix3<double>::Zero()).first->second;
+    sum += reading.station_from_frame.transpose() * reading.station_from_target;
+  }
+  for (auto& [marker, sum] : sums) sum = NearestRotation(sum);
+  double squares = 0.0;
+  for (const TargetRotation& reading : readings) {
+    const Matrix3<double> expected = reading.station_from_frame * sums.at(reading.marker);
+    squares += RotationVector(Matrix3<double>(reading.station_from_target * expected.transpose())).squaredNorm();
+  }
+  if (readings.empty()) return std::numeric_limits<double>::infinity();
+  return std::sqrt(squares / static_cast<double>(readings.size()));
 }
 
 std::string WholeMillimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }

@@ -18,6 +18,19 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem);
 // RMS of the 3-D distances, m, of the aligned nominal robot on these rows.
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows);
 
+// Where the nominal robot has the frame of each observation of a point, base poses fitted to a sample of the points:
+// station_from_frame.
+std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem);
+
+// RMS angle, rad, of readings R_k from frames F_k T; T, the target in the frame it rides on, is fitted, one for each
+// marker. Nothing to compare: infinity.
+struct TargetRotation {
+  int marker = -1;
+  Matrix3<double> station_from_frame = Matrix3<double>::Identity();
+  Matrix3<double> station_from_target = Matrix3<double>::Identity();
+};
+double RotationMisfit(const std::vector<TargetRotation>& readings);
+
 std::string WholeMillimetres(double metres);
 
 }  // namespace sagitta

@@ -22,14 +22,6 @@ bool AllFree(const ParameterSet& parameters, const ParameterBlock& block) {
   return true;
 }
 
-// The rotation R that maximises tr(R' M).
-Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
-  const Eigen::JacobiSVD<Matrix3<double>> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3<double> flip = Matrix3<double>::Identity();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
-  return svd.matrixU() * flip * svd.matrixV().transpose();
-}
-
 // One observation with its marker frame already evaluated.
 struct FramedObservation {
   int station;
@@ -156,6 +148,13 @@ void HoldModel(ParameterSet* parameters) {
 }
 
 }  // namespace
+
+Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
+  const Eigen::JacobiSVD<Matrix3<double>> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3<double> flip = Matrix3<double>::Identity();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
 
 Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets) {
   const Vector3<double> point_mean = points.rowwise().mean();

@@ -32,12 +32,17 @@ void Report(const JointOptions& options, const std::string& what) {
   if (options.progress) options.progress(what);
 }
 
+// What the residuals of a linearization scatter by at its optimum, whitened.
+double ResidualScale(const Linearization& rows, int equations) {
+  const LinearSolution solution = SolveLinearization(rows);
+  const double dof = equations - rows.num_columns();
+  return dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
+}
+
 // The scale of the whitened noise seen at a linearization: a-posteriori sigma,
 // not below the stated one.
 double NoiseScale(const CalibrationProblem& problem, const Linearization& rows, int equations) {
-  const LinearSolution solution = SolveLinearization(rows);
-  const double dof = equations - rows.num_columns();
-  const double scale = dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
+  const double scale = ResidualScale(rows, equations);
   return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
 }
 
@@ -258,7 +263,8 @@ MinimizeSummary SolveAtRest(const CalibrationProblem& problem, const ResidualSel
   if (HeldCoordinates(*parameters).empty()) return solve(parameters);
   const FittedRows here = RowsOf(equations, *parameters, RequestedCoordinates(*parameters));
   if (!here.rows.valid) return solve(parameters);
-  const double scale = NoiseScale(problem, here.rows, here.equations);
+  // As the rows scatter, whatever sigma is stated: with another sigma what is held rests at the same place.
+  const double scale = ResidualScale(here.rows, here.equations);
   ParameterSet released = ReleaseHeld(problem, *parameters, aligned, here.rows, scale);
   const MinimizeSummary summary = solve(&released);
   if (!summary.usable) return solve(parameters);

@@ -148,6 +148,9 @@ SparsePosterior Search::Run() {
     if (members == top->first && log > most_log) most = set, most_log = log;
   }
   if (most.empty()) return posterior;
+  // Which groups, the scales decide; how much, the data: at the widest scale nothing is drawn towards 0, and intervals
+  // hold.
+  for (auto& [group, scale] : most) scale = kNumChangeScales - 1;
   const Solved solved = Solve(most);
   const Eigen::VectorXd mean = solved.scale.cwiseProduct(solved.factor.solve(solved.scaled_gradient));
   const Eigen::MatrixXd covariance = solved.scale.asDiagonal() *

@@ -23,10 +23,11 @@ struct SparsePrior {
 };
 
 struct SparsePosterior {
-  Eigen::VectorXd probability;        // of each group, over all sets that hold it
-  double nothing = 1.0;               // of the empty set
-  std::vector<int> best;              // groups of the most probable set
-  std::vector<Eigen::VectorXd> mean;  // of each one's columns in that set, in the unit of the columns
+  Eigen::VectorXd probability;  // of each group, over all sets that hold it
+  double nothing = 1.0;         // of the empty set
+  std::vector<int> best;        // groups of the most probable set
+  // Of each one's columns in that set at the widest scale, in the unit of the columns: next to least squares.
+  std::vector<Eigen::VectorXd> mean;
   std::vector<Eigen::MatrixXd> covariance;
 };
 

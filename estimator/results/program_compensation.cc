@@ -208,6 +208,19 @@ std::map<std::string, Pose<double>> FramesFromText(const std::string& text, cons
   return frames;
 }
 
+void CheckProgramLoad(const KnownRobot& known, const std::string& load, const std::string& key) {
+  if (load == Shot().load) return;
+  std::vector<std::string> weighed;
+  for (const auto& [name, stated] : known.loading.loads) {
+    if (stated.mass) weighed.push_back(name);
+  }
+  if (std::find(weighed.begin(), weighed.end(), load) != weighed.end()) return;
+  throw InputError({known.file, 0, key}, "the estimate does not say what load '" + load + "' weighs",
+                   (weighed.empty() ? "" : "it says so of " + Enumerate(weighed) + "; ") + "state loads: {" + load +
+                       ": {mass_kg: …}} in the experiment and calibrate again, or correct a table of targets with "
+                       "columns fx_N, fy_N, fz_N");
+}
+
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
                                      int threads) {
   if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");

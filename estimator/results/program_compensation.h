@@ -26,6 +26,10 @@ struct ProgramScene {
 // InputError.
 std::map<std::string, Pose<double>> FramesFromText(const std::string& text, const std::string& key);
 
+// A program states no forces: the weight of its load is that of the estimate. `key`: what the user gave it as. Throws
+// InputError where the estimate does not say it.
+void CheckProgramLoad(const KnownRobot& known, const std::string& load, const std::string& key);
+
 struct ProgramPointResult {
   int point = -1;
   std::string untouched;                      // why; "": it is corrected

@@ -263,12 +263,105 @@ class Estimate(_WithJson):
         """residuals.csv."""
         return _tables.frame(self._core.residuals_csv())
 
+    @property
+    def report_html(self):
+        """report.html: one page, nothing to fetch."""
+        return self._core.report_html()
+
     def write(self, folder):
-        """estimate.json, robot.calibrated.yaml and residuals.csv."""
+        """estimate.json, robot.calibrated.yaml, residuals.csv and report.html, all or none."""
         self._core.write(_os.fspath(folder))
 
     def __repr__(self):
         return "<estimate: %s, %d parameters, fit %.3g mm RMS>" % (self.status, len(self.estimated), self.fit["rms_mm"])
+
+
+class Inspection(_WithJson):
+    """What inspect returns; to_dict() is inspect.json."""
+
+    @property
+    def findings(self):
+        return self.to_dict()["findings"]
+
+    @property
+    def serious(self):
+        return self.to_dict()["serious"]
+
+    @property
+    def report_html(self):
+        return self._core.report_html()
+
+    def to_dataframe(self):
+        """One row per unknown: expected standard deviation, whether it can be determined."""
+        import pandas
+        return pandas.DataFrame(self.to_dict()["parameters"]).set_index("name")
+
+    def write(self, folder):
+        """inspect.json and report.html."""
+        self._core.write(_os.fspath(folder))
+
+    def __repr__(self):
+        return "<inspection: %d serious, %d findings>" % (self.serious, len(self.findings))
+
+
+class Changed(_WithJson):
+    """What changed between two estimates; to_dict() is changed.json."""
+
+    @property
+    def words(self):
+        return self.to_dict()["words"]
+
+    @property
+    def changes(self):
+        return self.to_dict()["changes"]
+
+    @property
+    def nothing(self):
+        return self.to_dict()["nothing"]
+
+    def to_dataframe(self):
+        """One row per change."""
+        import pandas
+        rows = [{"what": change["what"], "target": change["target"], "value": change["value"], "unit": change["unit"],
+                 "ci95_low": change["ci95"][0], "ci95_high": change["ci95"][1], "probability": change["probability"]}
+                for change in self.changes]
+        return pandas.DataFrame(rows, columns=["what", "target", "value", "unit", "ci95_low", "ci95_high",
+                                               "probability"])
+
+    def __repr__(self):
+        return "<changed: %d changes>" % len(self.changes)
+
+
+class Program:
+    """A robot program with its points corrected."""
+
+    def __init__(self, core):
+        self._core = core
+
+    @property
+    def text(self):
+        """bytes: a program has no stated encoding."""
+        return self._core.text
+
+    @property
+    def summary(self):
+        return self._core.summary
+
+    @property
+    def untouched(self):
+        """{name, line, why} of every point that stays as it is."""
+        return [{"name": name, "line": line, "why": why} for name, line, why in self._core.points if why]
+
+    def to_dataframe(self):
+        """The points that were solved, as the file of `sagitta compensate`."""
+        return _tables.frame(self._core.csv() or "target\n")
+
+    def write(self, path):
+        self._core.write(_os.fspath(path))
+
+    def __repr__(self):
+        points = self._core.points
+        return "<program: %d of %d points corrected>" % (sum(not why for _, _, why in points), len(points))
 
 
 class Diagnosis(_WithJson):
@@ -457,6 +550,11 @@ def diagnose(experiment, *, threads=None, force=False, progress=None):
     return Diagnosis(_core.diagnose(experiment._core, threads, force, "sagitta.diagnose", progress))
 
 
+def inspect(experiment, *, progress=None):
+    """What a data set can tell, and what is wrong with it, without an estimate."""
+    return Inspection(_core.inspect(experiment._core, "sagitta.inspect", progress))
+
+
 def _known(estimate):
     if isinstance(estimate, (str, _os.PathLike)):
         return load(estimate)
@@ -476,6 +574,26 @@ def validate(estimate, rows):
 def compensate(estimate, targets, *, threads=1):
     """Corrected joint values for targets: a path, a frame or columns (docs/COMPENSATION.md)."""
     return _known(estimate).compensate(targets, threads=threads)
+
+
+def changed(old, new):
+    """What changed between two estimates of one robot beyond both uncertainties (docs/COMPENSATION.md)."""
+    return Changed(_core.changed(_known(old)._core, _known(new)._core))
+
+
+def _frames(frames):
+    """{"world": "same", "TOOL_DATA[1]": (x, y, z, roll, pitch, yaw)} as the program takes it."""
+    parts = []
+    for name, pose in frames.items():
+        parts.append("%s=%s" % (name, pose if isinstance(pose, str) else ",".join(repr(float(n)) for n in pose)))
+    return ";".join(parts)
+
+
+def compensate_program(estimate, program, *, tools_mm_deg=None, frames_mm_deg=None, start_deg=(), load="none",
+                       threads=1):
+    """A robot program (path) with its points corrected; what the file does not state is asked for by name."""
+    return Program(_core.compensate_program(_known(estimate)._core, _os.fspath(program), _frames(tools_mm_deg or {}),
+                                            _frames(frames_mm_deg or {}), [float(q) for q in start_deg], load, threads))
 
 
 def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
@@ -505,6 +623,7 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
     return Plan(_core.plan(experiment._core, wishes, progress))
 
 
-__all__ = ["Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Known", "NumericalError", "Parameter",
-           "Plan", "Prediction", "Rows", "Validation", "calibrate", "compensate", "diagnose", "load", "plan", "predict",
-           "read", "simulate", "validate"]
+__all__ = ["Changed", "Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Inspection", "Known",
+           "NumericalError", "Parameter", "Plan", "Prediction", "Program", "Rows", "Validation", "calibrate", "changed",
+           "compensate", "compensate_program", "diagnose", "inspect", "load", "plan", "predict", "read", "simulate",
+           "validate"]

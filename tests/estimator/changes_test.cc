@@ -126,6 +126,16 @@ TEST(SparseSearchTest, OneColumnAgainstTheClosedForm) {
   EXPECT_NEAR(posterior.nothing, 1 / (1 + evidence), 1e-12);
 }
 
+// The value is that of least squares, c.r / c.c = 110 / 25 +- 1 / 5, and not drawn towards 0 by the scale that won: the
+// prior of 30 leaves 1 / (1 + 900 * 25) of it away.
+TEST(SparseSearchTest, ValuesAreNotDrawnTowardsZero) {
+  const Eigen::Vector2d c(3, 4), r(10, 20);
+  const SparsePosterior posterior = SearchSparse(c, r, {{0}});
+  ASSERT_EQ(posterior.best.size(), 1u);
+  EXPECT_NEAR(posterior.mean[0][0], 4.4 * (1 - 1.0 / 22501), 1e-12);
+  EXPECT_NEAR(posterior.covariance[0](0, 0), 900.0 / 22501, 1e-12);
+}
+
 TEST(SparseSearchTest, APairIsFoundThatALikenessHides) {
   // Columns 0 and 1 made the residual; column 2 is near their sum and wins alone.
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(4, 3);

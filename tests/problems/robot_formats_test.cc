@@ -127,6 +127,43 @@ TEST_F(RobotFormats, UniversalRobotsFiles) {
   ExpectSameFlange(calibrated.chain, kdl, 1e-9, 20);
   // As the driver's file, and read again.
   ExpectSameFlange(Read(RobotToUrCalibration(calibrated)).robot.chain, kdl, 1e-9, 20);
+  // As the controller's, alone and into a file whose other lines stay.
+  const DhTable nominal = *Read(dh).robot.dh;
+  ExpectSameFlange(Read(RobotToUrConf(calibrated, nominal, "", ""), options).robot.chain, kdl, 1e-9, 20);
+  const std::string kept = RobotToUrConf(calibrated, nominal, deltas, "calibration.conf");
+  ExpectSameFlange(Read(kept, options).robot.chain, kdl, 1e-9, 20);
+  EXPECT_EQ(kept.rfind("[mounting]\n# by the factory\ndelta_theta = [ ", 0), 0u);
+  EXPECT_NE(kept.find("]\ncalibration_status = 2\n"), std::string::npos);
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { RobotToUrConf(calibrated, nominal, "[mounting]\ndelta_a = [0]\n", "c.conf"); }),
+                          {"c.conf", "delta_theta", "no such list"}));
+}
+
+// What a calibration leaves of parallel axes: nearly parallel ones with Hayati's beta, which the controller's file has
+// not. The differences are metres along the axes, and hold the arm all the same.
+TEST_F(RobotFormats, AxesOffParallelGoIntoAUrConfExactly) {
+  auto rows = test::Ur5Rows();
+  Robot robot =
+      Read(
+          "# standard DH\na alpha d theta\n0 pi/2 0.089159 0\n-0.425 0 0 0\n-0.39225 0 0 0\n0 pi/2 0.10915 0\n"
+          "0 -pi/2 0.09465 0\n0 0 0.0823 0\n")
+          .robot;
+  DhTable table = *robot.dh;
+  table.links[1].beta = 3e-4;
+  table.links[2].beta = -2e-4;
+  table.links[2].alpha = 5e-4;
+  const Robot calibrated = RobotOfTable(robot.chain.joints, {}, table);
+  // Ry(beta) behind each row, by KDL.
+  KDL::Chain kdl;
+  const double beta[] = {0, 3e-4, -2e-4, 0, 0, 0}, alpha[] = {0, 0, 5e-4, 0, 0, 0};
+  for (size_t i = 0; i < 6; ++i) {
+    const KDL::Frame row =
+        KDL::Frame::DH(rows[i].a, rows[i].alpha_deg * kDegree + alpha[i], rows[i].d, rows[i].theta_deg * kDegree);
+    kdl.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ), row * KDL::Frame(KDL::Rotation::RotY(beta[i]))));
+  }
+  RobotReadOptions options;
+  options.nominal_file = Write("nominal.csv", DhTableToCsv(robot, *robot.dh));
+  const std::string conf = RobotToUrConf(calibrated, *robot.dh, "", "");
+  ExpectSameFlange(Read(conf, options).robot.chain, kdl, 1e-9, 20);
 }
 
 Eigen::VectorXd Degrees(const std::vector<double>& degrees) {

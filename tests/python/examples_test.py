@@ -11,7 +11,9 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 WRITES = {"05_plots.py": ["residuals.png", "parameters.png"], "04_plan_and_compensate.py": ["plan.csv", "corrected.csv"],
-          "01_calibrate.py": ["results/estimate.json", "results/residuals.csv", "results/robot.calibrated.yaml"]}
+          "01_calibrate.py": ["results/estimate.json", "results/residuals.csv", "results/robot.calibrated.yaml",
+                              "results/report.html"],
+          "07_inspect_and_compare.py": ["before/report.html"]}
 
 
 def main(folder):

@@ -42,6 +42,13 @@ def without_run(text):
     return "".join(line for line in text.splitlines(keepends=True) if not line.startswith("# run: "))
 
 
+def without_command(html):
+    """A page without the lines that say when and how it was made."""
+    lines = [line for line in html.splitlines() if "sagitta " not in line and "sagitta." not in line]
+    assert len(lines) > 50, html[:500]
+    return lines
+
+
 def columns_of(path):
     with open(path, encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -122,6 +129,68 @@ class SameAsTheProgram(FolderTest):
                                 seed=9)
         rows.to_csv(self.folder / "simulated.csv")
         self.assertEqual((self.folder / "simulated.csv").read_text(), (out / "simulated.csv").read_text())
+
+    def test_report(self):
+        out = self.folder / "program"
+        run("calibrate", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        estimate.write(self.folder / "python")
+        ours = (self.folder / "python" / "report.html").read_text()
+        self.assertEqual(without_command(ours), without_command((out / "report.html").read_text()))
+        self.assertEqual(without_command(estimate.report_html), without_command(ours))
+
+    def test_inspect(self):
+        out = self.folder / "program"
+        run("inspect", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
+        inspection = sagitta.inspect(sagitta.read(KR270 / "experiment.yaml"))
+        theirs = json.loads((out / "inspect.json").read_text())
+        self.assertEqual(without_circumstances(inspection.to_dict()), without_circumstances(theirs))
+        self.assertEqual(inspection.serious, theirs["serious"])
+        self.assertEqual(list(inspection.to_dataframe().index), [row["name"] for row in theirs["parameters"]])
+        inspection.write(self.folder / "python")
+        ours = (self.folder / "python" / "report.html").read_text()
+        self.assertEqual(without_command(ours), without_command((out / "report.html").read_text()))
+
+    def test_changed(self):
+        estimates = []
+        for name, shift in (("old", 0.0), ("new", 0.4e-3)):
+            columns = columns_of(KR270 / "geometric.csv")
+            # The zero of joint 3 has slipped: the arm stands where it says, plus 0.4 mrad.
+            columns["q3_deg"] = np.array(columns["q3_deg"], dtype=float) - np.degrees(shift)
+            estimates.append(sagitta.calibrate(sagitta.read(KR270 / "robot.yaml", columns, sigma_mm=0.05)))
+            estimates[-1].write(self.folder / name)
+        paths = [self.folder / name / "estimate.json" for name in ("old", "new")]
+        run("changed", *paths, "--out=%s" % (self.folder / "changed"))
+        theirs = json.loads((self.folder / "changed" / "changed.json").read_text())
+        for old, new in (estimates, paths):
+            self.assertEqual(without_circumstances(sagitta.changed(old, new).to_dict()), without_circumstances(theirs))
+        changed = sagitta.changed(*estimates)
+        self.assertEqual(changed.to_dataframe()["target"].tolist(), [change["target"] for change in theirs["changes"]])
+        self.assertEqual([change["target"] for change in changed.changes], ["A3"], changed.words)
+        self.assertAlmostEqual(changed.changes[0]["value"], 0.4, delta=0.02)
+
+    def test_programs(self):
+        out = self.folder / "program"
+        run("calibrate", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
+        program = self.folder / "p.src"
+        program.write_bytes(b"DEF P( )\r\nPTP {A1 5,A2 -90,A3 95,A4 0,A5 10,A6 -3.5} ; home \xe9\r\nPTP_REL {A1 1}\r\n"
+                            b"LIN {X 1500,Y 0,Z 1500,A 0,B 90,C 0}\r\nEND\r\n")
+        run("compensate", out / "estimate.json", "--program=%s" % program, "--program_out=%s" % (out / "p.src"),
+            "--tools_mm_deg=default=0,0,100,0,0,90;flange=same", "--frames_mm_deg=world=same;default=same")
+        scene = {"tools_mm_deg": {"default": (0, 0, 100, 0, 0, 90), "flange": "same"},
+                 "frames_mm_deg": {"world": "same", "default": "same"}}
+        corrected = sagitta.compensate_program(out / "estimate.json", program, **scene)
+        self.assertEqual(corrected.text, (out / "p.src").read_bytes())
+        corrected.write(self.folder / "new.src")
+        self.assertEqual((self.folder / "new.src").read_bytes(), corrected.text)
+        self.assertIn("points corrected", corrected.summary)
+        self.assertEqual([point["line"] for point in corrected.untouched], [3])
+        with self.assertRaises(sagitta.InputError) as raised:
+            sagitta.compensate_program(out / "estimate.json", program)
+        self.assertIn("world", str(raised.exception))
+        with self.assertRaises(sagitta.InputError) as raised:
+            sagitta.compensate_program(out / "estimate.json", program, load="V9", **scene)
+        self.assertEqual(raised.exception.key, "load")
 
     def test_plan_and_diagnose(self):
         out = self.folder / "program"

@@ -1,222 +1,13 @@
 // sagitta import and convert as people use them: one file spoiled in many ways, each read right or refused with the
-// reason, none read wrong; and two public sets as their authors published them.
+// reason, none read wrong.
 #include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <map>
-
-#include "tests/support/kdl_chain.h"
-#include "tests/support/paths.h"
-#include "tests/tools/program.h"
 
 #ifdef SAGITTA_HAVE_KDL
 
+#include "tests/tools/import_tables.h"
+
 namespace sagitta::test {
 namespace {
-
-struct Reading {
-  std::vector<double> q_deg;
-  std::vector<double> xyz_mm;
-};
-
-// Points that a robot with small errors shows, from KDL; `nominal`: without errors.
-std::vector<Reading> MakeReadings(bool nominal) {
-  std::vector<DhRow> rows = Ur5Rows();
-  RandomNumbers random(17);
-  for (DhRow& row : rows) {
-    if (nominal) break;
-    row.a += random.Uniform(-1e-3, 1e-3);
-    row.d += random.Uniform(-1e-3, 1e-3);
-    row.alpha_deg += random.Uniform(-0.1, 0.1);
-    row.theta_deg += random.Uniform(-0.1, 0.1);
-  }
-  const KDL::Chain chain = KdlChainOfDh(DhConvention::kStandard, rows);
-  const KDL::Frame base(KDL::Rotation::RPY(0.1, -0.2, 1.0), KDL::Vector(2.1, -1.3, 0.4));
-  std::vector<Reading> readings;
-  RandomNumbers poses(18);
-  for (int k = 0; k < 30; ++k) {
-    Reading reading;
-    Eigen::VectorXd q(6);
-    for (int j = 0; j < 6; ++j) {
-      reading.q_deg.push_back(std::round(poses.Uniform(-170, 170) * 1e3) / 1e3);
-      q[j] = reading.q_deg[j] * kDegree;
-    }
-    const KDL::Vector p = base * KdlFlange(chain, q) * KDL::Vector(0.02, 0.05, 0.08);
-    for (int i = 0; i < 3; ++i) reading.xyz_mm.push_back(nominal ? 1e3 * p[i] : std::round(1e7 * p[i]) / 1e4);
-    readings.push_back(reading);
-  }
-  return readings;
-}
-
-std::string Text(double value, int digits = 12) {
-  std::ostringstream text;
-  text.precision(digits);
-  text << value;
-  return text.str();
-}
-
-// A table that can be spoiled: cells first, then the way they are written.
-struct Table {
-  std::vector<std::string> header = {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg",
-                                     "q6_deg", "x_mm",   "y_mm",   "z_mm"};
-  std::vector<std::vector<std::string>> rows;
-  std::string separator = ",";
-  std::string line_end = "\n";
-  std::string preamble;
-
-  explicit Table(const std::vector<Reading>& readings, double angle = 1.0, double length = 1.0) {
-    for (const Reading& reading : readings) {
-      rows.emplace_back();
-      for (const double q : reading.q_deg) rows.back().push_back(Text(q * angle, 17));
-      for (const double x : reading.xyz_mm) rows.back().push_back(Text(x * length, 17));
-    }
-  }
-
-  std::string Join(const std::vector<std::string>& cells) const {
-    std::string line;
-    for (size_t c = 0; c < cells.size(); ++c) line += (c > 0 ? separator : "") + cells[c];
-    return line + line_end;
-  }
-  std::string ToText() const {
-    std::string text = preamble;
-    if (!header.empty()) text += Join(header);
-    for (const auto& row : rows) text += Join(row);
-    return text;
-  }
-
-  Table& DecimalComma() {
-    for (auto& row : rows) {
-      for (std::string& cell : row) std::replace(cell.begin(), cell.end(), '.', ',');
-    }
-    return *this;
-  }
-  Table& Quoted() {
-    for (auto& row : rows) {
-      for (std::string& cell : row) cell = "\"" + cell + "\"";
-    }
-    return *this;
-  }
-  Table& With(const std::string& a_separator) {
-    separator = a_separator;
-    return *this;
-  }
-  Table& Named(const std::vector<std::string>& names) {
-    header = names;
-    return *this;
-  }
-  // A column of equal or counted cells at a place.
-  Table& Insert(size_t at, const std::string& name, const std::function<std::string(size_t)>& cell) {
-    if (!header.empty()) header.insert(header.begin() + at, name);
-    for (size_t r = 0; r < rows.size(); ++r) rows[r].insert(rows[r].begin() + at, cell(r));
-    return *this;
-  }
-  Table& Reordered(const std::vector<int>& order) {
-    const auto pick = [&order](const std::vector<std::string>& cells) {
-      std::vector<std::string> picked;
-      for (const int c : order) picked.push_back(cells[c]);
-      return picked;
-    };
-    if (!header.empty()) header = pick(header);
-    for (auto& row : rows) row = pick(row);
-    return *this;
-  }
-};
-
-std::string Utf16(const std::string& text, bool little, bool bom) {
-  std::string bytes = bom ? (little ? "\xFF\xFE" : "\xFE\xFF") : "";
-  for (const char c : text) {
-    if (little) bytes += c;
-    bytes += '\0';
-    if (!little) bytes += c;
-  }
-  return bytes;
-}
-
-constexpr char kRobot[] = R"(schema: sagitta/robot/1
-joints:
-  - {name: j1, type: revolute}
-  - {name: j2, type: revolute}
-  - {name: j3, type: revolute}
-  - {name: j4, type: revolute}
-  - {name: j5, type: revolute}
-  - {name: j6, type: revolute}
-kinematics:
-  dh:
-    convention: standard
-    links:
-      - {joint: j1, a_mm: 0, alpha_deg: 90, d_mm: 89.159, theta_deg: 0}
-      - {joint: j2, a_mm: -425, alpha_deg: 0, d_mm: 0, theta_deg: 0}
-      - {joint: j3, a_mm: -392.25, alpha_deg: 0, d_mm: 0, theta_deg: 0}
-      - {joint: j4, a_mm: 0, alpha_deg: 90, d_mm: 109.15, theta_deg: 0}
-      - {joint: j5, a_mm: 0, alpha_deg: -90, d_mm: 94.65, theta_deg: 0}
-      - {joint: j6, a_mm: 0, alpha_deg: 0, d_mm: 82.3, theta_deg: 0}
-)";
-
-class Import : public ProgramTest {
- protected:
-  Outcome ImportText(const std::string& bytes, std::vector<std::string> flags = {}) const {
-    std::vector<std::string> arguments = {"import", Write("robot.yaml", kRobot), Write("export.txt", bytes),
-                                          "--out=" + Path("job")};
-    arguments.insert(arguments.end(), flags.begin(), flags.end());
-    std::filesystem::remove_all(Path("job"));
-    return Run(arguments);
-  }
-
-  // What was written equals the readings, `lost` ones (by index) left out.
-  void ExpectRight(const std::string& bytes, const std::vector<Reading>& readings,
-                   const std::vector<std::string>& flags = {}, const std::vector<size_t>& lost = {}) const {
-    const Outcome outcome = ImportText(bytes, flags);
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const auto cells = Cells(Read("job/measurements.csv"));
-    ASSERT_EQ(cells.size(), 1 + readings.size() - lost.size()) << outcome.out;
-    size_t row = 0;
-    for (size_t r = 0; r < readings.size(); ++r) {
-      if (std::count(lost.begin(), lost.end(), r)) continue;
-      ++row;
-      for (int j = 0; j < 6; ++j) Expect(cells, row, "q" + std::to_string(j + 1), readings[r].q_deg[j]);
-      for (int i = 0; i < 3; ++i) Expect(cells, row, std::string(1, "xyz"[i]), readings[r].xyz_mm[i]);
-    }
-    const Outcome inspected = Run({"inspect", Path("job/experiment.yaml")});
-    EXPECT_EQ(inspected.status, 0) << inspected.err;
-  }
-
-  void ExpectRefused(const std::string& bytes, const std::vector<std::string>& words,
-                     const std::vector<std::string>& flags = {}) const {
-    const Outcome outcome = ImportText(bytes, flags);
-    EXPECT_EQ(outcome.status, 2) << outcome.out;
-    for (const std::string& word : words)
-      EXPECT_NE(outcome.err.find(word), std::string::npos) << "'" << word << "' is not in: " << outcome.err;
-    EXPECT_FALSE(Exists("job")) << "nothing is written";
-  }
-
- private:
-  static void Expect(const std::vector<std::vector<std::string>>& cells, size_t row, const std::string& stem,
-                     double expected) {
-    const std::map<std::string, double> kFactors = {{"_deg", 1.0}, {"_rad", 1.0 / kDegree}, {"_mm", 1.0}, {"_m", 1e3}};
-    for (size_t c = 0; c < cells[0].size(); ++c) {
-      for (const auto& [suffix, factor] : kFactors) {
-        if (cells[0][c] != stem + suffix) continue;
-        EXPECT_NEAR(std::stod(cells[row][c]) * factor, expected, 1e-9 * std::max(1.0, std::abs(expected)))
-            << stem << " row " << row;
-        return;
-      }
-    }
-    ADD_FAILURE() << "no column " << stem;
-  }
-};
-
-const std::vector<Reading>& Readings() {
-  static const std::vector<Reading> readings = MakeReadings(false);
-  return readings;
-}
-
-std::function<std::string(size_t)> Counted(int from) {
-  return [from](size_t r) { return std::to_string(r + from); };
-}
-std::function<std::string(size_t)> Always(const std::string& text) {
-  return [text](size_t) { return text; };
-}
 
 TEST_F(Import, SeparatorsAndDecimalSigns) {
   const auto& right = Readings();
@@ -394,61 +185,19 @@ TEST_F(Import, SeveralFilesAreStations) {
   EXPECT_NE(outcome.out.find("station of its own"), std::string::npos);
 }
 
-class AsPublished : public ProgramTest {
- protected:
-  std::string Set(const std::string& name) const { return SharedFolder() + "/data/as_published/" + name; }
-  void SetUp() override {
-    ProgramTest::SetUp();
-    if (!std::filesystem::exists(Set("README.md"))) GTEST_SKIP() << "the public data sets are not beside this tree";
-  }
-};
-
-// Target and difference make the measured point; no file of the set names the robot, which the readings do.
-TEST_F(AsPublished, Ur5) {
-  const std::string grid = Set("serial_robots_datasets/UR5/3D_UR5_uncalibrated_grid_cleaned.csv");
-  const Outcome imported = Run({"import", grid, "--out=" + Path("job")});
-  ASSERT_EQ(imported.status, 0) << imported.err;
-  EXPECT_NE(imported.out.find("ur5"), std::string::npos);
-  EXPECT_EQ(Run({"import", grid, "--out=" + Path("strict"), "--strict"}).status, 2);
-  const auto cells = Cells(Read("job/measurements.csv"));
-  const auto known = Cells(ReadAll(SharedFolder() + "/data/ur5_gts3800/measurements.csv"));
-  ASSERT_GT(cells.size(), 1000u);
-  for (size_t r = 1; r <= 1000; r += 37) {
-    for (const char* column : {"x_mm", "y_mm", "z_mm", "q1_deg", "q6_deg"}) {
-      EXPECT_NEAR(std::stod(cells[r][Column(cells, column)]), std::stod(known[r][Column(known, column)]), 2e-6)
-          << column << " row " << r;
-    }
-  }
-  const Outcome calibrated = Run({"calibrate", Path("job/experiment.yaml"), "--out=" + Path("results")});
-  ASSERT_EQ(calibrated.status, 0) << calibrated.err;
-  // An independent fit of the same rows has 0.111 mm.
-  EXPECT_NEAR(ReadJson("results/estimate.json")["fit"]["distance_rms_mm"].get<double>(), 0.111, 0.003);
-}
-
-// Semicolons, decimal commas, commanded poses beside the measured ones, damaged time stamps.
-TEST_F(AsPublished, Ur10) {
-  const std::string cubes = Set("ipa-robot-accuracy/Series_D/measurements_iso_cubes.csv");
-  const Outcome imported = Run({"import", cubes, "--robot=ur10", "--out=" + Path("job")});
-  ASSERT_EQ(imported.status, 0) << imported.err;
-  EXPECT_NE(imported.out.find("Goal x"), std::string::npos);
-  const auto cells = Cells(Read("job/measurements.csv"));
-  const auto known = Cells(ReadAll(SharedFolder() + "/data/ur10_leica/series_D.csv"));
-  ASSERT_EQ(cells.size(), known.size());
-  for (size_t r = 1; r < known.size(); r += 13) {
-    for (const char* column : {"x_mm", "y_mm", "z_mm", "sigma_x_mm", "temperature_degC"}) {
-      EXPECT_NEAR(std::stod(cells[r][Column(cells, column)]), std::stod(known[r][Column(known, column)]), 1e-6)
-          << column;
-    }
-    EXPECT_NEAR(std::stod(cells[r][Column(cells, "q2_rad")]) / kDegree, std::stod(known[r][Column(known, "q2_deg")]),
-                1e-6);
-  }
-  const Outcome calibrated = Run({"calibrate", Path("job/experiment.yaml"), "--out=" + Path("results")});
-  ASSERT_EQ(calibrated.status, 0) << calibrated.err;
-  // An independent fit has 0.395 mm; ours weighs the rows by their stated sigmas.
-  EXPECT_LT(ReadJson("results/estimate.json")["fit"]["distance_rms_mm"].get<double>(), 0.55);
-}
-
 class Convert : public ProgramTest {};
+
+TEST_F(Convert, UniversalRobotsConf) {
+  const std::string robot = Write("robot.yaml", kRobot);
+  std::string changed = kRobot;
+  changed.replace(changed.find("a_mm: -425, alpha_deg: 0"), 24, "a_mm: -425.3, alpha_deg: 0.02, beta_deg: 0.01");
+  const std::string calibrated = Write("calibrated.yaml", changed);
+  EXPECT_EQ(Run({"convert", calibrated, Path("new.conf")}).status, 2) << "differences from what?";
+  const Outcome written = Run({"convert", calibrated, Path("new.conf"), "--nominal=" + robot});
+  ASSERT_EQ(written.status, 0) << written.err;
+  EXPECT_NE(written.out.find("joint_checksum"), std::string::npos) << written.out;
+  EXPECT_EQ(Run({"convert", Path("new.conf"), Path("back.yaml"), "--nominal=" + robot}).status, 0);
+}
 
 TEST_F(Convert, RoundTripAndWords) {
   const std::string robot = Write("robot.yaml", kRobot);

@@ -128,11 +128,87 @@ std::optional<ColumnMeaning> AsPoint(const Words& words) {
   return meaning;
 }
 
-bool IsRotation(const Words& words) {
-  static const std::set<std::string> kRotation = {"rx", "ry", "rz",  "roll",     "pitch", "yaw",
-                                                  "qx", "qy", "qz",  "qw",       "ow",    "ox",
-                                                  "oy", "oz", "rot", "rotation", "quat",  "euler"};
-  return Has(words, kRotation);
+// {0 .. 2 of an angle, or 0 .. 3 of a quaternion, whether it is one}: rx, yaw, "Rotation X", qw, "quat x".
+std::optional<std::pair<int, bool>> RotationPart(const std::string& word, bool after_rotation, bool after_quaternion) {
+  static const Words kAngles = {"rx", "ry", "rz", "roll", "pitch", "yaw"};
+  static const Words kParts = {"qw", "qx", "qy", "qz", "ow", "ox", "oy", "oz"};
+  static const Words kLetters = {"w", "x", "y", "z"};
+  const auto place = [&word](const Words& names) {
+    const auto found = std::find(names.begin(), names.end(), word);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  };
+  if (place(kAngles) >= 0) return std::make_pair(place(kAngles) % 3, false);
+  if (place(kParts) >= 0) return std::make_pair(place(kParts) % 4, true);
+  if (after_quaternion && place(kLetters) >= 0) return std::make_pair(place(kLetters), true);
+  // "Rotation W" makes a quaternion of its neighbours (TakeRotation).
+  if (after_rotation && word == "w") return std::make_pair(0, true);
+  if (after_rotation && AxisOf(word) >= 0) return std::make_pair(AxisOf(word), false);
+  return std::nullopt;
+}
+
+std::optional<ColumnMeaning> AsRotation(const Words& words) {
+  static const std::set<std::string> kRotation = {"rot", "rotation", "orientation", "euler", "angle"};
+  static const std::set<std::string> kQuaternion = {"quat", "quaternion"};
+  std::optional<std::pair<int, bool>> part;
+  bool rotation = false, quaternion = false, foreign = false;
+  for (const std::string& word : words) {
+    const auto found = RotationPart(word, rotation, quaternion);
+    rotation |= kRotation.count(word) > 0;
+    quaternion |= kQuaternion.count(word) > 0;
+    if (found && !part) {
+      part = found;
+    } else if (found) {
+      return std::nullopt;
+    } else if (!kRotation.count(word) && !kQuaternion.count(word) && !kMeasuredWords.count(word) &&
+               !kTargetWords.count(word) && !kSigmaWords.count(word) && !kDifferenceWords.count(word)) {
+      foreign = true;
+    }
+  }
+  if (!part) return std::nullopt;
+  ColumnMeaning meaning;
+  meaning.index = part->first;
+  meaning.says_measured = Has(words, kMeasuredWords);
+  if (Has(words, kTargetWords) || Has(words, kDifferenceWords)) {
+    meaning.why = "a rotation that was meant, or a difference";
+  } else if (foreign) {
+    meaning.why = "whose rotation this is the name does not say";
+  } else if (Has(words, kSigmaWords)) {
+    meaning.role = part->second ? Role::kOther : Role::kAngleSigma;
+    meaning.why = part->second ? "a standard deviation of a part of a quaternion" : "";
+  } else {
+    meaning.role = part->second ? Role::kQuaternion : Role::kRotation;
+  }
+  return meaning;
+}
+
+// tau1, "joint 1 torque", torque_1, "effort[0]"; of motor currents nothing follows without the gear.
+std::optional<ColumnMeaning> AsTorque(const std::string& name, const Words& words,
+                                      const std::vector<std::string>& joints) {
+  static const std::set<std::string> kTorque = {"tau", "torque", "torques", "drehmoment", "effort"};
+  static const std::set<std::string> kAround = {"joint", "j", "axis", "a", "achse", "sensor", "ext", "external"};
+  if (!Has(words, kTorque)) return std::nullopt;
+  ColumnMeaning meaning;
+  const std::optional<int> universal = NamedJoint(name, {});
+  if (universal) meaning.index = *universal;
+  if (universal) meaning.role = Role::kTorque;
+  bool foreign = Has(words, {"ext", "external"});  // without the arm's own weight: other torques than those asked for
+  for (const std::string& word : words) {
+    const auto named = std::find_if(joints.begin(), joints.end(),
+                                    [&word](const std::string& joint) { return LowerCaseOf(joint) == word; });
+    if (universal) break;
+    if (IsNumber(word) && meaning.role != Role::kTorque) {
+      meaning.index = std::stoi(word.substr(0, 3)) - 1;
+      meaning.role = Role::kTorque;
+    } else if (named != joints.end() && meaning.role != Role::kTorque) {
+      meaning.index = static_cast<int>(named - joints.begin());
+      meaning.role = Role::kTorque;
+    } else if (!kTorque.count(word) && !kAround.count(word) && !kMeasuredWords.count(word)) {
+      foreign = true;
+    }
+  }
+  if (Has(words, kTargetWords)) return Unused("a torque that was meant, not measured");
+  if (foreign || meaning.role != Role::kTorque) return Unused("whose torque this is the name does not say");
+  return meaning;
 }
 
 // Names that measurements.csv has, and what people call them.
@@ -183,9 +259,9 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
     return meaning;
   }
   if (const auto load = AsLoadOrApproach(name, words)) return *load;
+  if (const auto torque = AsTorque(name, words, joints)) return *torque;
   if (const auto joint = AsJoint(name, words, joints)) return *joint;
-  if (words.front() == "tau" || words.front() == "torque") return Unused("torques are not read yet");
-  if (IsRotation(words)) return Unused("a rotation whose convention is not stated");
+  if (const auto rotation = AsRotation(words)) return *rotation;
   static const std::set<std::string> kTemperature = {"temperature", "temp", "temperatur"};
   static const std::set<std::string> kTime = {"time", "timestamp", "datetime", "date", "zeit"};
   ColumnMeaning meaning;

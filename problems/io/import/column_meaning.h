@@ -1,8 +1,8 @@
 // What a column of a foreign table means, by its name.
 //
 // Only names that say so are taken for measured points; commanded, nominal and
-// target positions, differences, and angles whose convention is not stated are
-// recognised as such and left out with the reason.
+// target positions and differences are recognised as such and left out with the
+// reason. How an angle is meant, no name says (rotation_reading.h).
 #pragma once
 
 #include <string>
@@ -16,6 +16,10 @@ enum class Role {
   kSigma,       // of the point
   kTarget,      // where the point was meant to be; index as of kPoint
   kDifference,  // between measured and target; index as of kPoint
+  kRotation,    // an angle; index: 0 about x, 1 about y, 2 about z
+  kQuaternion,  // index: 0 w, 1 x, 2 y, 3 z
+  kAngleSigma,  // of kRotation
+  kTorque,      // measured, of a joint; index: joint
   kWrench,      // index: fx fy fz mx my mz
   kApproach,    // index: joint
   kTemperature,
@@ -31,7 +35,7 @@ struct ColumnMeaning {
   std::string unit;            // "" where the header does not say
   bool is_commanded = false;   // a joint value that the name calls commanded
   bool is_actual = false;      // a joint value that the name calls actual
-  bool says_measured = false;  // a point that the name calls measured
+  bool says_measured = false;  // a point or rotation that the name calls measured
   std::string why;             // of kOther and kTarget, in words
 };
 

@@ -316,6 +316,8 @@ class DhReader {
     } else if (has_previous_) {
       dh_.convention = DhConvention::kModified;
       reading_.notes.push_back("convention: modified, as the indices i-1 in the header say");
+    } else if (options_.leave_convention_open) {
+      reading_.convention_is_open = true;
     } else if (const auto by_shape = ConventionByShape(dh_.links)) {
       dh_.convention = *by_shape;
       const bool is_modified = *by_shape == DhConvention::kModified;

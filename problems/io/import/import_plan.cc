@@ -7,25 +7,13 @@
 
 #include "problems/input_error.h"
 #include "problems/io/import/column_meaning.h"
-#include "problems/io/import/header_words.h"
+#include "problems/io/import/mapped_columns.h"
 
 namespace sagitta {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr char kMapHint[] = "--map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER,q1_deg=HEADER,…; a column's number does as well";
-
-bool IsLengthUnit(const std::string& unit) { return unit == "mm" || unit == "m" || unit == "um"; }
-bool IsAngleUnit(const std::string& unit) { return unit == "deg" || unit == "rad" || unit == "mrad" || unit == "urad"; }
-
-// {"x", "mm"} of x_mm.
-std::pair<std::string, std::string> StemAndUnit(const std::string& column) {
-  const size_t bar = column.rfind('_');
-  if (bar == std::string::npos) return {column, ""};
-  const std::string unit = column.substr(bar + 1);
-  static const std::set<std::string> kUnits = {"mm", "m", "um", "deg", "rad", "mrad", "urad", "s", "degC", "N", "Nm"};
-  return kUnits.count(unit) ? std::make_pair(column.substr(0, bar), unit) : std::make_pair(column, std::string());
-}
 
 class Planner {
  public:
@@ -43,6 +31,8 @@ class Planner {
       }
       TakeJoints();
       TakePoints();
+      TakeRotation();
+      TakeTorques();
       TakeOthers();
       return WithOpenUnits({plan_});
     }
@@ -85,36 +75,14 @@ class Planner {
         planned.sign = text[at] == '+' ? 1.0 : -1.0;
       }
       if (planned.source < 0) Fail("--map", "there is no column '" + text + "'", SpellingHint(text, table_.header));
-      CheckMapped(column, planned);
+      CheckMappedColumn(table_, joints_, column, planned);
       taken_.insert(planned.source);
       if (planned.second >= 0) taken_.insert(planned.second);
-      plan_.columns.push_back(planned);
+      if (planned.stem.size() == 2 && planned.stem[0] == 'o') planned.unit = "1";
+      (IsRotationStem(planned.stem) ? plan_.rotation_columns : plan_.columns).push_back(planned);
     }
-  }
-
-  void CheckMapped(const std::string& column, const PlannedColumn& planned) const {
-    std::vector<std::string> known = {"config", "marker", "station", "visit",           "repeat",
-                                      "load",   "set",    "time_s",  "temperature_degC"};
-    for (const char* axis : kAxes) {
-      for (const char* stem : {"", "sigma_"}) {
-        for (const char* unit : {"_mm", "_m", "_um"}) known.push_back(std::string(stem) + axis + unit);
-      }
-    }
-    for (const char* name : {"fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm"}) known.push_back(name);
-    for (size_t j = 0; j < joints_.size(); ++j) {
-      const std::string q = "q" + std::to_string(j + 1);
-      for (const char* unit : {"_deg", "_rad", "_mrad", "_mm", "_m"}) known.push_back(q + unit);
-      known.push_back("approach" + std::to_string(j + 1));
-    }
-    if (std::find(known.begin(), known.end(), column) == known.end()) {
-      Fail("--map", "'" + column + "' is no column of measurements.csv", SpellingHint(column, known));
-    }
-    const std::string unit = UnitInHeader(table_.header[planned.source]);
-    if (!unit.empty() && !planned.unit.empty() && unit != planned.unit) {
-      Fail("--map",
-           "the column '" + table_.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,
-           "--map takes the unit that the numbers have");
-    }
+    plan_.rotation_is_mapped = !plan_.rotation_columns.empty();
+    if (plan_.rotation_is_mapped) SortMappedRotation(table_, &plan_.rotation_columns);
   }
 
   bool IsMapped(const std::string& stem) const { return plan_.Find(stem) != nullptr; }
@@ -287,6 +255,82 @@ class Planner {
           std::string("standard deviation of ") + kAxes[i]);
   }
 
+  // One column of each index, names that say measured first; empty where one is absent.
+  std::vector<int> OneOfEach(Role role, int count) {
+    bool says_measured = false;
+    for (int i = 0; i < count; ++i) {
+      for (const int c : ColumnsOf(role, i)) says_measured |= meanings_[c].says_measured;
+    }
+    std::vector<int> found;
+    for (int i = 0; i < count; ++i) {
+      std::vector<int> columns;
+      for (const int c : ColumnsOf(role, i)) {
+        if (!says_measured || meanings_[c].says_measured) columns.push_back(c);
+      }
+      if (columns.size() == 1) found.push_back(columns[0]);
+    }
+    if (static_cast<int>(found.size()) != count) found.clear();
+    for (const int c : found) {
+      if (meanings_[c].unit != meanings_[found[0]].unit) return {};
+      if (!meanings_[c].unit.empty() && !IsAngleUnit(meanings_[c].unit)) return {};
+    }
+    return found;
+  }
+
+  void AddRotation(const std::string& stem, const std::string& unit, int c, const std::string& meaning) {
+    Add(stem, unit, c, meaning);
+    plan_.rotation_columns.push_back(plan_.columns.back());
+    plan_.columns.pop_back();
+  }
+
+  // A quaternion says more than angles whose order is open. What stands alone, twice or in two units is left out.
+  void TakeRotation() {
+    if (plan_.rotation_is_mapped) return;
+    const std::vector<int> parts = OneOfEach(Role::kQuaternion, 4);
+    // "Rotation X, Y, Z, W": three of the four looked like angles.
+    std::vector<int> angles = OneOfEach(Role::kRotation, 3);
+    const std::vector<int> scalar = ColumnsOf(Role::kQuaternion, 0);
+    if (parts.empty() && scalar.size() == 1 && angles.size() == 3 &&
+        meanings_[angles[0]].says_measured == meanings_[scalar[0]].says_measured) {
+      angles.insert(angles.begin(), scalar[0]);
+    }
+    const bool is_quaternion = !parts.empty() || angles.size() == 4;
+    const std::vector<int>& columns = parts.empty() ? angles : parts;
+    for (size_t i = 0; i < columns.size(); ++i) {
+      const std::string axis(1, is_quaternion ? "wxyz"[i] : "xyz"[i]);
+      AddRotation((is_quaternion ? "o" : "r") + axis, is_quaternion ? "1" : meanings_[columns[i]].unit, columns[i],
+                  is_quaternion ? "quaternion " + axis : "rotation about " + axis);
+    }
+    if (columns.empty() || is_quaternion) return;
+    const std::vector<int> sigmas = OneOfEach(Role::kAngleSigma, 3);
+    for (size_t i = 0; i < sigmas.size(); ++i) {
+      AddRotation(std::string("sigma_r") + kAxes[i], meanings_[sigmas[i]].unit, sigmas[i],
+                  std::string("standard deviation of r") + kAxes[i]);
+    }
+  }
+
+  // Of all joints or of none: the model's torque cannot stand in for one that is missing.
+  void TakeTorques() {
+    const int n = static_cast<int>(joints_.size());
+    const int first = ColumnsOf(Role::kTorque, -1).empty() ? 0 : -1;
+    std::vector<int> found;
+    bool open = false, usable = true;
+    for (int j = 0; j < n; ++j) {
+      if (IsMapped("tau" + std::to_string(j + 1))) return;
+      const std::vector<int> columns = ColumnsOf(Role::kTorque, j + first);
+      if (columns.size() != 1) return;
+      found.push_back(columns[0]);
+      open |= meanings_[columns[0]].unit.empty();
+      usable &= meanings_[columns[0]].unit.empty() ||
+                meanings_[columns[0]].unit == TorqueUnit(joints_[static_cast<size_t>(j)]);
+    }
+    if (!usable) return;
+    for (size_t j = 0; j < found.size(); ++j) {
+      Add("tau" + std::to_string(j + 1), TorqueUnit(joints_[j]), found[j], "measured torque of " + joints_[j].name);
+    }
+    if (open) plan_.guesses.push_back("joint torques are in N m: the header does not say");
+  }
+
   void TakeOthers() {
     for (int c = 0; c < table_.columns(); ++c) {
       if (taken_.count(c)) continue;
@@ -299,6 +343,10 @@ class Planner {
       if (meaning.role == Role::kTime) stem = "time";
       if (meaning.role == Role::kTemperature) stem = "temperature";
       if (meaning.role == Role::kText || meaning.role == Role::kApproach) unit = "";
+      if (meaning.role == Role::kTorque) {
+        plan_.unused.emplace_back(HeaderOf(c), "torques in N m of all joints are used, or none");
+        continue;
+      }
       if (stem.empty() || IsMapped(stem)) {
         const std::string why = !meaning.why.empty() ? meaning.why
                                 : stem.empty()       ? "not complete, or without a unit"
@@ -415,15 +463,6 @@ class Planner {
   ImportPlan plan_;
 };
 
-double LargestOf(const TextTable& table, const PlannedColumn& column) {
-  double largest = 0.0;
-  for (const TextTable::Row& row : table.rows) {
-    const std::optional<double> number = table.Number(row.cells[column.source]);
-    if (number && *number != -9999.0) largest = std::max(largest, std::abs(*number));
-  }
-  return largest;
-}
-
 }  // namespace
 
 const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
@@ -436,28 +475,6 @@ const PlannedColumn* ImportPlan::Find(const std::string& stem) const {
 std::vector<ImportPlan> PossiblePlans(const TextTable& table, const std::vector<Joint>& joints,
                                       const std::map<std::string, std::string>& columns) {
   return Planner(table, joints, columns).Plans();
-}
-
-size_t PlanBySize(const TextTable& table, const std::vector<ImportPlan>& plans) {
-  // Angles beyond a turn and a bit are degrees, points beyond 50 are mm: the bounds of the check in calibrate.
-  for (size_t i = 0; i < plans.size(); ++i) {
-    double angle = 0.0, length = 0.0;
-    std::string angle_unit, length_unit;
-    for (const PlannedColumn& column : plans[i].columns) {
-      if (column.stem[0] == 'q' && IsAngleUnit(column.unit)) {
-        angle = std::max(angle, LargestOf(table, column));
-        angle_unit = column.unit;
-      }
-      if (column.stem.size() == 1) {
-        length = std::max(length, LargestOf(table, column));
-        length_unit = column.unit;
-      }
-    }
-    const bool angles_fit = angle_unit.empty() || (angle > 7.0) == (angle_unit == "deg");
-    const bool lengths_fit = (length > 50.0) == (length_unit == "mm");
-    if (angles_fit && lengths_fit) return i;
-  }
-  return 0;
 }
 
 }  // namespace sagitta

@@ -11,13 +11,14 @@
 #include <vector>
 
 #include "models/chain.h"
+#include "problems/io/import/rotation_reading.h"
 #include "problems/io/import/text_table.h"
 
 namespace sagitta {
 
 struct PlannedColumn {
-  std::string stem;  // q1, x, sigma_x, temperature, time, config …
-  std::string unit;  // of the source: mm, m, um, deg …; "" for texts
+  std::string stem;  // q1, x, sigma_x, rx, ow, tau1, temperature, time, config …
+  std::string unit;  // of the source: mm, m, um, deg …; "1" of a quaternion; "" for texts
   int source = -1;   // column of the table
   int second = -1;   // another one, added with `sign`
   double sign = 1.0;
@@ -31,6 +32,12 @@ struct ImportPlan {
   std::vector<std::string> guesses;
   std::string choice;  // what tells this plan from the others, in words
 
+  // Columns of a rotation and its standard deviations, used once it is known what they mean.
+  std::vector<PlannedColumn> rotation_columns;
+  bool rotation_is_mapped = false;  // --map says rx, ry, rz: a rotation vector unless --rotation says otherwise
+  std::optional<RotationReading> rotation;
+
+  bool HasQuaternion() const { return !rotation_columns.empty() && rotation_columns[0].stem[0] == 'o'; }
   const PlannedColumn* Find(const std::string& stem) const;
 };
 

@@ -14,6 +14,11 @@ namespace {
 
 bool IsText(const PlannedColumn& column) { return column.unit.empty() && column.stem.rfind("approach", 0) != 0; }
 bool IsSigma(const PlannedColumn& column) { return column.stem.rfind("sigma_", 0) == 0; }
+bool IsRotation(const PlannedColumn& column) {
+  return column.stem.size() == 2 && (column.stem[0] == 'r' || column.stem[0] == 'o');
+}
+bool IsRotationSigma(const PlannedColumn& column) { return column.stem.rfind("sigma_r", 0) == 0; }
+bool IsTorque(const PlannedColumn& column) { return column.stem.rfind("tau", 0) == 0; }
 bool IsRequired(const PlannedColumn& column) {
   return column.stem[0] == 'q' || column.stem == "x" || column.stem == "y" || column.stem == "z";
 }
@@ -28,6 +33,49 @@ std::optional<double> SecondsOfStamp(const std::string& cell) {
   const long days = 365L * shifted_year + shifted_year / 4 - shifted_year / 100 + shifted_year / 400 +
                     (153 * shifted_month + 2) / 5 + d - 719469;
   return 86400.0 * days + 3600.0 * h + 60.0 * min + s;
+}
+
+// {column of measurements.csv, cell} of a row's rotation, as a rotation vector and the standard deviations of its left
+// perturbation; empty where a number is lost. Throws InputError for a cell that is neither.
+std::map<std::string, std::string> RotationCells(const TextTable& table, const TextTable::Row& source,
+                                                 const ImportPlan& plan) {
+  std::vector<double> numbers;
+  Vector3<double> sigmas = Vector3<double>::Zero();
+  int stated = 0;
+  std::map<std::string, std::string> cells;
+  for (const PlannedColumn& column : plan.columns) {
+    if (!IsRotation(column) && !IsRotationSigma(column)) continue;
+    const std::string& cell = source.cells[static_cast<size_t>(column.source)];
+    const std::optional<double> number = IsLostCell(cell) ? std::nullopt : table.Number(cell);
+    if (!number && !IsLostCell(cell)) {
+      throw InputError({table.path, source.line, column.header}, "'" + cell + "' is no number",
+                       "a lost reading is an empty cell, NaN or -9999");
+    }
+    if (!number && IsRotation(column)) return {};
+    const double value = !number ? 0.0 : column.unit == "1" ? *number : UnitNamed(column.unit).ToSi(*number);
+    if (IsRotation(column)) {
+      numbers.push_back(value);
+    } else if (value > 0.0) {
+      sigmas[column.stem[7] - 'x'] = value;
+      ++stated;
+    }
+  }
+  if (numbers.empty()) return {};
+  const RotationReading& reading = *plan.rotation;
+  if (reading.kind == RotationReading::Kind::kQuaternion) {
+    double squared = 0.0;
+    for (const double part : numbers) squared += part * part;
+    if (std::abs(std::sqrt(squared) - 1.0) > 1e-2) return {};  // a tracker that lost its target writes zeros
+  }
+  const Vector3<double> vector = RotationVector(reading.StationFromTarget(numbers));
+  const Vector3<double> turned =
+      stated == 3 ? reading.PerturbationSigmas(numbers, sigmas) : Vector3<double>(Vector3<double>::Zero());
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = std::string("r") + "xyz"[i] + "_mrad";
+    cells[name] = FormatNumber(ToUnit(vector[i], UnitNamed("mrad")));
+    if (stated == 3) cells["sigma_" + name] = FormatNumber(ToUnit(turned[i], UnitNamed("mrad")));
+  }
+  return cells;
 }
 
 // A column that is the same everywhere, or not in seconds, says nothing about time.
@@ -68,7 +116,7 @@ TimeColumn LookAtTime(const TextTable& table, const PlannedColumn& column) {
 }  // namespace
 
 void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const RowDefaults& defaults, size_t stride) {
-  size_t lost = 0, zeros = 0, without_sigma = 0;
+  size_t lost = 0, zeros = 0, without_sigma = 0, without_rotation = 0;
   int first_lost = 0;
   TimeColumn time;
   if (const PlannedColumn* column = plan.Find("time")) {
@@ -81,6 +129,7 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
     Row row;
     bool is_lost = false, sigma_lost = false, all_zero = true;
     for (const PlannedColumn& column : plan.columns) {
+      if (IsRotation(column) || IsRotationSigma(column)) continue;
       const std::string& cell = source.cells[column.source];
       if (IsText(column)) {
         row[column.stem] = cell;
@@ -109,6 +158,10 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
       if (IsSigma(column) && !(*number > 0.0)) sigma_lost = true;
       if (column.stem.size() == 1) all_zero &= *number == 0.0;
       // In the unit that the first table has, um in mm: elsewhere the digits stay as they are printed.
+      if (IsTorque(column)) {
+        row[column.stem + "_" + column.unit] = FormatNumber(*number);
+        continue;
+      }
       const std::string unit = unit_of_.emplace(column.stem, column.unit == "um" ? "mm" : column.unit).first->second;
       const bool converts = unit != column.unit && !column.unit.empty();
       const double value = converts ? ToUnit(UnitNamed(column.unit).ToSi(*number), UnitNamed(unit)) : *number;
@@ -119,11 +172,17 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
       ++(is_lost ? lost : zeros);
       continue;
     }
+    if (plan.rotation) {
+      const auto rotation = RotationCells(table, source, plan);
+      without_rotation += rotation.empty();
+      row.insert(rotation.begin(), rotation.end());
+    }
     if (sigma_lost) {
       ++without_sigma;
       for (auto it = row.begin(); it != row.end();)
-        it = it->first.rfind("sigma_", 0) == 0 ? row.erase(it) : std::next(it);
+        it = it->first.rfind("sigma_", 0) == 0 && it->first.rfind("sigma_r", 0) != 0 ? row.erase(it) : std::next(it);
     }
+    DropPartOfTorques(plan, &row);
     row.emplace("station", defaults.station);
     row.emplace("marker", defaults.marker);
     row["source"] = table.path.substr(table.path.find_last_of('/') + 1) + ":" + std::to_string(source.line);
@@ -138,11 +197,29 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
     notes_.push_back(table.path + ": " + std::to_string(zeros) + " readings of 0, 0, 0 are taken as lost and left out");
   if (without_sigma > 0)
     notes_.push_back(table.path + ": " + std::to_string(without_sigma) + " rows have no standard deviation above 0");
+  if (without_rotation > 0) {
+    notes_.push_back(table.path + ": of " + std::to_string(without_rotation) +
+                     " readings the rotation is lost; their points are used");
+  }
   if (rows.empty()) throw InputError({table.path, 0, ""}, "no row holds a reading", "");
   int joints = 0;
   while (plan.Find("q" + std::to_string(joints + 1))) ++joints;
   NameConfigurations(&rows, plan.Find("config") != nullptr, joints);
   rows_.insert(rows_.end(), rows.begin(), rows.end());
+}
+
+// A row states the torques of all joints or of none.
+void ImportedRows::DropPartOfTorques(const ImportPlan& plan, Row* row) {
+  std::vector<std::string> names;
+  bool all = true;
+  for (const PlannedColumn& column : plan.columns) {
+    if (!IsTorque(column)) continue;
+    names.push_back(column.stem + "_" + column.unit);
+    all = all && row->count(names.back());
+  }
+  for (const std::string& name : names) {
+    if (!all) row->erase(name);
+  }
 }
 
 // The joint values of a row, as text: equal ones are one configuration.
@@ -191,8 +268,10 @@ std::string ImportedRows::ToCsv(int joints) const {
   };
   for (int j = 1; j <= joints; ++j) add_all("q" + std::to_string(j));
   for (const char* stem :
-       {"x", "y", "z", "sigma_x", "sigma_y", "sigma_z", "fx", "fy", "fz", "mx", "my", "mz", "time", "temperature"})
+       {"x",        "y",        "z",  "sigma_x", "sigma_y", "sigma_z", "rx", "ry", "rz",   "sigma_rx",
+        "sigma_ry", "sigma_rz", "fx", "fy",      "fz",      "mx",      "my", "mz", "time", "temperature"})
     add_all(stem);
+  for (int j = 1; j <= joints; ++j) add_all("tau" + std::to_string(j));
   for (int j = 1; j <= joints; ++j) order.push_back("approach" + std::to_string(j));
   order.push_back("source");
   order.erase(std::remove_if(order.begin(), order.end(), [&](const std::string& c) { return !present.count(c); }),

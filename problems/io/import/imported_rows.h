@@ -31,6 +31,7 @@ class ImportedRows {
  private:
   using Row = std::map<std::string, std::string>;  // cell by column
 
+  static void DropPartOfTorques(const ImportPlan& plan, Row* row);
   void NameConfigurations(std::vector<Row>* rows, bool has_column, int joints);
 
   std::vector<Row> rows_;

@@ -117,6 +117,8 @@ class MatlabReader {
       if (modified && standard)
         Fail("the text names both conventions", "--convention=standard or --convention=modified");
       table->convention = modified ? DhConvention::kModified : DhConvention::kStandard;
+    } else if (options_.leave_convention_open) {
+      reading->convention_is_open = true;
     } else {
       table->convention = DhConvention::kStandard;
       reading->guesses.push_back(std::string("convention: standard, the default of ") +

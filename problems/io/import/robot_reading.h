@@ -15,10 +15,13 @@ struct RobotReading {
   std::string format;                // in words
   std::vector<std::string> notes;    // what was understood
   std::vector<std::string> guesses;  // what could be meant otherwise
+  // A DH table that does not say its convention, read as standard: only with leave_convention_open.
+  bool convention_is_open = false;
 };
 
 struct RobotReadOptions {
   std::optional<DhConvention> convention;  // where a table does not say
+  bool leave_convention_open = false;      // neither guess nor refuse: somebody has readings that decide
   UrdfEnds ends;
   std::string nominal_file;  // the robot that a calibration.conf of deltas belongs to
 };

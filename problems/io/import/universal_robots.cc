@@ -6,11 +6,13 @@
 //   calibration.conf   [mounting] delta_theta, delta_a, delta_d, delta_alpha: added to the robot's [DH]
 #include "problems/io/import/universal_robots.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <regex>
 #include <sstream>
 
+#include "models/dh_from_chain.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/import/robot_reading.h"
@@ -18,6 +20,7 @@
 #include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -154,6 +157,50 @@ RobotReading ReadUrConf(const std::string& text, const std::string& path, const 
   reading.notes.push_back(lists.count("delta_a") ? "standard DH, nominal plus the calibration's differences"
                                                  : "standard DH, nominal");
   return reading;
+}
+
+std::string RobotToUrConf(const Robot& robot, const DhTable& nominal, const std::string& kept,
+                          const std::string& kept_path) {
+  std::string why_not;
+  const std::optional<DhTable> table = ExactPlainTable(robot.chain, &why_not);
+  const auto refuse = [](const std::string& why) -> InputError {
+    return InputError(
+        {"", 0, ""}, "this robot does not fit into a calibration.conf: " + why,
+        "the file has the differences of six standard DH rows, base and flange as the controller has them");
+  };
+  if (!table) throw refuse(why_not);
+  const bool turns = std::all_of(robot.chain.joints.begin(), robot.chain.joints.end(),
+                                 [](const Joint& joint) { return joint.type == JointType::kRevolute; });
+  if (table->links.size() != 6 || nominal.links.size() != 6 || !turns || !robot.chain.couplings.empty())
+    throw refuse("six revolute joints without couplings are expected, of robot and nominal table");
+  if (!table->flange_xyz.isZero(0.0) || !table->flange_rpy.isZero(0.0))
+    throw refuse("the flange does not lie where a sixth row of a, alpha, d and theta can have it");
+  const std::pair<const char*, double DhLink::*> lists[] = {{"delta_theta", &DhLink::theta},
+                                                            {"delta_a", &DhLink::a},
+                                                            {"delta_d", &DhLink::d},
+                                                            {"delta_alpha", &DhLink::alpha}};
+  if (kept.size() > limits::kScriptBytes)
+    throw InputError({kept_path, 0, ""}, "this is too large for a calibration.conf");
+  std::string text = kept.empty() ? "[mounting]\n" : kept;
+  for (const auto& [name, field] : lists) {
+    std::string list = "[";
+    for (size_t j = 0; j < 6; ++j) {
+      list += (j == 0 ? " " : ", ") + FormatNumber(table->links[j].*field - nominal.links[j].*field);
+    }
+    list += " ]";
+    if (kept.empty()) {
+      text += std::string(name) + " = " + list + "\n";
+      continue;
+    }
+    std::smatch match;
+    const std::regex old_list("(^|\n)([ \t]*" + std::string(name) + "[ \t]*=[ \t]*)\\[[^\\]\n]*\\]");
+    if (!std::regex_search(text, match, old_list)) {
+      throw InputError({kept_path, 0, name}, "the file has no such list",
+                       "a calibration.conf of the same arm is expected");
+    }
+    text = match.prefix().str() + match[1].str() + match[2].str() + list + match.suffix().str();
+  }
+  return text;
 }
 
 std::string RobotToUrCalibration(const Robot& robot) {

@@ -12,4 +12,11 @@ namespace sagitta {
 // anything but six revolute joints whose flange lies on the last axis.
 std::string RobotToUrCalibration(const Robot& robot);
 
+// The controller's calibration.conf: delta_theta, delta_a, delta_d, delta_alpha of the exact standard table without
+// beta (d runs along nearly parallel axes as the manufacturer's own calibrations do) from `nominal`. `kept`: a
+// calibration.conf of the same arm, whose other lines stay byte for byte; "": the four lists alone. Throws InputError
+// where the robot has no such table or `kept` lacks a list.
+std::string RobotToUrConf(const Robot& robot, const DhTable& nominal, const std::string& kept,
+                          const std::string& kept_path);
+
 }  // namespace sagitta

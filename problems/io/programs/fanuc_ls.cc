@@ -63,7 +63,10 @@ void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* poin
   if (match[2].matched) point->branch.elbow_of_zero = match[2] == "U";
   if (match[3].matched) point->branch.wrist_behind = match[3] == "B";
   for (int i = 4; i <= 6; ++i) {
-    if (match[i] != "0") point->untouched = "a joint of its configuration has made a whole turn";
+    // The manuals count joints whose range is more than a turn; which of J1, J4, J5, J6 that are differs between arms,
+    // and public sources contradict each other. A wrong joint would be a wrong correction.
+    if (match[i] != "0")
+      point->untouched = "a joint of its configuration has made a whole turn, and which one the number does not say";
   }
   for (int j = 0; j < joints_; ++j) point->branch.ranges.push_back({j, {-kPi, kPi}});
 }

@@ -1,0 +1,265 @@
+#include "tools/import_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "estimator/alignment/aligned_misfit.h"
+#include "models/constants.h"
+#include "problems/calibration_problem.h"
+#include "problems/input_error.h"
+#include "problems/io/import/imported_rows.h"
+#include "problems/io/measurement_file.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSuspicious = 0.05;  // of the reach: as in calibrate, such a robot did not make the readings
+constexpr double kComputed = 2e-6;    // m: no instrument and no robot agree with a nominal table so well
+constexpr size_t kSampleRows = 60;
+
+// What loads weigh and where they hang stands in no table; they bend an arm by millimetres, much less than kSuspicious.
+Experiment WithWeightlessLoads(const Measurements& data) {
+  Experiment experiment;
+  experiment.load_point = Vector3<double>::Zero();
+  for (const std::string& load : LoadsOf(data)) experiment.loads[load].mass = 0.0;
+  return experiment;
+}
+
+// How far the aligned nominal robot misses; infinite where that cannot be said.
+double Misfit(const Robot& robot, const std::string& csv) {
+  try {
+    const Measurements data = ReadMeasurementsText(robot, csv, "measurements.csv");
+    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, WithWeightlessLoads(data));
+    return AlignedMisfit(problem, SampleOfRows(problem));
+  } catch (const InputError&) {  // too few rows: nothing can be said
+    return std::numeric_limits<double>::infinity();
+  }
+}
+
+double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& plan) {
+  ImportedRows rows;
+  rows.Add(table, plan, {}, std::max<size_t>(1, table.rows.size() / kSampleRows));
+  return Misfit(robot, rows.ToCsv(robot.num_joints()));
+}
+
+}  // namespace
+
+std::string InMillimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
+
+std::set<std::string> LoadsOf(const Measurements& data) {
+  std::set<std::string> loads;
+  for (const Shot& shot : data.shots) loads.insert(shot.load);
+  loads.erase(Shot().load);
+  return loads;
+}
+
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans) {
+  std::vector<double> misfits;
+  for (const ImportPlan& plan : plans) misfits.push_back(MisfitOf(robot, table, plan));
+  const size_t best = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
+  if (!(misfits[best] < std::numeric_limits<double>::infinity())) return {plans[PlanBySize(table, plans)]};
+  const double tolerance = kSuspicious * Reach(robot.chain);
+  if (misfits[best] > tolerance) {
+    throw InputError({table.path, table.header_line, ""},
+                     "this robot cannot have made these readings: at best its nominal geometry misses them by " +
+                         InMillimetres(misfits[best]) + " (RMS)",
+                     "check robot, units and which columns hold measured points; --map=… says it");
+  }
+  for (size_t i = 0; i < plans.size(); ++i) {
+    if (i == best || misfits[i] > kBetter * std::max(misfits[best], kComputed) || misfits[i] > tolerance) continue;
+    throw InputError(
+        {table.path, table.header_line, ""},
+        "the columns can be read in two ways, which fit equally well: " + plans[best].choice + "; " + plans[i].choice,
+        "--map=… says which, as in --map=x_mm=1,q1_deg=4");
+  }
+  return {plans[best], misfits[best]};  // of several readings one fits: that is evidence, and stays a guess
+}
+
+// Positions that the nominal robot reproduces were computed from its joints.
+void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped) {
+  if (choice.misfit > kComputed || is_mapped) return;
+  throw InputError({table.path, table.header_line, ""},
+                   "the points agree with the nominal robot to " + InMillimetres(choice.misfit) +
+                       ": they were computed, not measured",
+                   "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them");
+}
+
+namespace {
+
+constexpr double kRotationFits = 5.0 * kDegree;  // nominal robots turn their flange by far less than this wrongly
+
+std::string InDegrees(double radians) { return fmt::format("{:.3g} deg", radians / kDegree); }
+
+// The plan with its rotation read in one way.
+ImportPlan WithRotation(ImportPlan plan, const RotationReading& reading) {
+  for (PlannedColumn column : plan.rotation_columns) {
+    if (column.unit.empty()) column.unit = reading.unit;
+    plan.columns.push_back(column);
+  }
+  plan.rotation_columns.clear();
+  plan.rotation = reading;
+  return plan;
+}
+
+// A sample of the rows with the pose of each frame as the aligned nominal robot has it.
+class RotationFit {
+ public:
+  RotationFit(const Robot& robot, const TextTable& table, const ImportPlan& points) : robot_(robot), table_(table) {
+    try {
+      const Measurements data = Sample(points);
+      problem_.emplace(MakeCalibrationProblem(robot, data, WithWeightlessLoads(data)));
+      orientations_ = AlignedOrientations(*problem_);
+    } catch (const InputError&) {  // too few rows
+    }
+  }
+
+  bool CanTell() const { return !orientations_.empty(); }
+
+  std::vector<TargetRotation> Read(const ImportPlan& plan) const {
+    const Measurements data = Sample(plan);
+    std::vector<TargetRotation> readings;
+    size_t k = 0;
+    for (const Observation& observation : data.observations) {
+      if (!observation.is_point()) continue;
+      const Matrix3<double>& frame = orientations_.at(k++);
+      if (observation.partner < 0) continue;
+      readings.push_back(
+          {observation.marker, frame, data.observations[static_cast<size_t>(observation.partner)].rotation_in_station});
+    }
+    return readings;
+  }
+
+ private:
+  Measurements Sample(const ImportPlan& plan) const {
+    ImportedRows rows;
+    rows.Add(table_, plan, {}, std::max<size_t>(1, table_.rows.size() / kSampleRows));
+    return ReadMeasurementsText(robot_, rows.ToCsv(robot_.num_joints()), "measurements.csv");
+  }
+
+  const Robot& robot_;
+  const TextTable& table_;
+  std::optional<CalibrationProblem> problem_;
+  std::vector<Matrix3<double>> orientations_;
+};
+
+// The largest angle between two readings of the same rows.
+double LargestAngle(const std::vector<TargetRotation>& a, const std::vector<TargetRotation>& b) {
+  double largest = a.size() == b.size() ? 0.0 : std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const Matrix3<double> turn = a[i].station_from_target * b[i].station_from_target.transpose();
+    largest = std::max(largest, RotationVector(turn).norm());
+  }
+  return largest;
+}
+
+void LeaveRotationOut(const std::string& why, ImportPlan* plan) {
+  for (const PlannedColumn& column : plan->rotation_columns) plan->unused.emplace_back(column.header, why);
+  plan->rotation_columns.clear();
+}
+
+// What the user or the columns leave open.
+std::vector<RotationReading> RotationCandidates(const ImportPlan& plan, const std::string& stated) {
+  std::vector<RotationReading> candidates = PossibleRotations(plan.HasQuaternion(), plan.rotation_columns[0].unit);
+  if (plan.HasQuaternion()) return candidates;
+  const bool is_named = !stated.empty() || plan.rotation_is_mapped;
+  const RotationReading named = is_named ? RotationNamed(stated.empty() ? "vector" : stated) : RotationReading();
+  const auto differs = [&named](const RotationReading& reading) {
+    return reading.kind != named.kind || reading.order != named.order || reading.is_inverse;
+  };
+  if (is_named) candidates.erase(std::remove_if(candidates.begin(), candidates.end(), differs), candidates.end());
+  return candidates;
+}
+
+// Our own names say what they mean (docs/FORMATS.md, section 2).
+bool IsStatedByName(const ImportPlan& plan, const RotationReading& reading) {
+  if (reading.is_inverse || reading.kind == RotationReading::Kind::kProduct) return false;
+  if (reading.kind == RotationReading::Kind::kQuaternion) return true;
+  return plan.rotation_columns[0].header == "rx_" + reading.unit;
+}
+
+}  // namespace
+
+void DecideRotation(const Robot& robot, const TextTable& table, const std::string& stated, Choice* choice) {
+  ImportPlan& plan = choice->plan;
+  const bool is_said = !stated.empty() || plan.rotation_is_mapped;
+  if (plan.rotation_columns.empty()) {
+    if (stated.empty()) return;
+    throw InputError({table.path, table.header_line, "--rotation"}, "the table has no three angles of a rotation",
+                     "--map=rx_deg=HEADER,ry_deg=HEADER,rz_deg=HEADER names them");
+  }
+  const RotationFit fit(robot, table, plan);
+  const std::vector<RotationReading> candidates = RotationCandidates(plan, stated);
+  if (!fit.CanTell()) {
+    if (!is_said || candidates.size() != 1) return LeaveRotationOut("too few rows to know what it means", &plan);
+    plan = WithRotation(plan, candidates[0]);
+    return;
+  }
+  std::vector<std::vector<TargetRotation>> read;
+  std::vector<double> misfits;
+  for (const RotationReading& candidate : candidates) {
+    read.push_back(fit.Read(WithRotation(plan, candidate)));
+    misfits.push_back(RotationMisfit(read.back()));
+  }
+  const size_t best = static_cast<size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  const RotationReading& reading = candidates[best];
+  if (!(misfits[best] < kRotationFits)) {
+    const std::string why = "as " + reading.Words() + " it misses the nominal robot by " + InDegrees(misfits[best]);
+    if (is_said) throw InputError({table.path, table.header_line, plan.rotation_columns[0].header}, why);
+    return LeaveRotationOut("as no kind of rotation does it fit the robot: " + why, &plan);
+  }
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (misfits[i] > kBetter * misfits[best] || LargestAngle(read[i], read[best]) < misfits[best]) continue;
+    return LeaveRotationOut("it can be " + reading.Words() + " or " + candidates[i].Words() + "; --rotation=… says it",
+                            &plan);
+  }
+  const auto open = std::find_if(plan.rotation_columns.begin(), plan.rotation_columns.end(),
+                                 [](const PlannedColumn& column) { return column.unit.empty(); });
+  const bool unit_is_open = open != plan.rotation_columns.end();
+  if (!is_said && !IsStatedByName(plan, reading)) {
+    plan.guesses.push_back("the rotation is " + reading.Words() + ", the only reading that fits the robot (" +
+                           InDegrees(misfits[best]) + ")");
+  } else if (unit_is_open) {
+    plan.guesses.push_back("angles of the rotation are in " + reading.unit + ": the header does not say");
+  }
+  plan = WithRotation(plan, reading);
+  choice->rotation_misfit = misfits[best];
+}
+
+RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptions& options, const TextTable& table,
+                                   const std::map<std::string, std::string>& columns) {
+  RobotReadOptions open = options;
+  open.leave_convention_open = true;
+  RobotReading reading = ReadAnyRobot(path, open);
+  if (!reading.convention_is_open) return reading;
+  std::vector<std::pair<double, DhConvention>> fits;
+  for (const DhConvention convention : {DhConvention::kStandard, DhConvention::kModified}) {
+    RobotReadOptions as = options;
+    as.convention = convention;
+    const Robot robot = ReadAnyRobot(path, as).robot;
+    double misfit = std::numeric_limits<double>::infinity();
+    try {
+      misfit = ChoosePlan(robot, table, PossiblePlans(table, robot.chain.joints, columns)).misfit;
+    } catch (const InputError&) {  // with this convention the robot cannot have made the readings
+    }
+    fits.emplace_back(misfit, convention);
+  }
+  std::sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  // Where the readings do not decide, the table's shape has to.
+  if (!(kBetter * fits[0].first < fits[1].first)) return ReadAnyRobot(path, options);
+  RobotReadOptions as = options;
+  as.convention = fits[0].second;
+  reading = ReadAnyRobot(path, as);
+  const bool is_modified = fits[0].second == DhConvention::kModified;
+  const std::string other =
+      std::isinf(fits[1].first) ? "cannot have made the readings" : "misses them by " + InMillimetres(fits[1].first);
+  reading.guesses.push_back(
+      fmt::format("convention: {}, whose nominal geometry misses the readings by {}; the {} one {}",
+                  is_modified ? "modified" : "standard", InMillimetres(fits[0].first),
+                  is_modified ? "standard" : "modified", other));
+  return reading;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,43 @@
+// Which reading of a foreign table the robot can have made: columns and units, what its angles mean, the convention of
+// a DH table. The nominal robot is aligned with the points, and the reading that alone fits is taken.
+#pragma once
+
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "problems/io/import/import_plan.h"
+#include "problems/io/import/robot_reading.h"
+#include "problems/measurements.h"
+
+namespace sagitta {
+
+constexpr double kBetter = 3.0;  // the best of several readings has to fit so much better than any other
+
+struct Choice {
+  ImportPlan plan;
+  double misfit = std::numeric_limits<double>::infinity();           // m, of the aligned nominal robot, RMS
+  double rotation_misfit = std::numeric_limits<double>::infinity();  // rad; infinite where no rotation is used
+};
+
+std::string InMillimetres(double metres);
+std::set<std::string> LoadsOf(const Measurements& data);
+
+// Of several plans the one that fits; by the size of the numbers where there are too few rows to tell. Throws
+// InputError where none fits, or two.
+Choice ChoosePlan(const Robot& robot, const TextTable& table, const std::vector<ImportPlan>& plans);
+
+// Takes the rotation's columns into the plan, or leaves them out with the reason. `stated`: what --rotation says.
+// Throws InputError where what the user said does not fit.
+void DecideRotation(const Robot& robot, const TextTable& table, const std::string& stated, Choice* choice);
+
+// Positions that the nominal robot reproduces were computed from its joints.
+void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_mapped);
+
+// The robot of a file; of a DH table that does not say its convention the one with which it can have made the readings.
+RobotReading ReadRobotWithReadings(const std::string& path, const RobotReadOptions& options, const TextTable& table,
+                                   const std::map<std::string, std::string>& columns);
+
+}  // namespace sagitta
