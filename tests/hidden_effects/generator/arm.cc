@@ -28,6 +28,7 @@ namespace {
 
 // The end of a link that bends about its middle.
 void Bend(const Frame& start, const Vector3d& bend, Frame* end) {
+  if (bend.isZero(0.0)) return;
   const Matrix3d turn = SmallTurn(start.turn * bend);
   const Vector3d middle = 0.5 * (start.origin + end->origin);
   end->origin = middle + turn * (end->origin - middle);
