@@ -6,7 +6,9 @@ usage: mini_test.py FOLDER_OF_THE_PROGRAMS
 """
 import csv
 import json
+import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -56,7 +58,7 @@ class Generator(WithFolder):
     def test_each_hidden_effect_disturbs_the_believed_model(self):
         listed = subprocess.run([str(PROGRAMS.generator), '--list'], capture_output=True, text=True, check=True).stdout
         kinds = [line.split()[0] for line in listed.splitlines()]
-        self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE))
+        self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE + cases.FOREIGN))
         for kind in kinds:
             flags = {'kinds': kind, 'study': SEED, 'case': 2, 'stations': 2 if kind == 'station_scale' else 1}
             if kind == 'self_weight_sag':
@@ -64,6 +66,46 @@ class Generator(WithFolder):
             PROGRAMS.generate(flags, self.folder / 'case', self.folder / 'answer')
             chi2 = PROGRAMS.chi_square(self.folder / 'answer' / 'experiment.yaml', self.folder / 'estimate')
             self.assertGreater(chi2, 1e-3, kind)
+
+    def moved_by(self, kind, number):
+        """(words of the sealed answer, rows with marker, seconds since the first, displacement in mm)"""
+        rows = []
+        for scale in (0, 1):
+            answer = self.folder / ('answer%d' % scale)
+            PROGRAMS.generate({'kinds': kind, 'scales': scale, 'study': SEED, 'case': number}, self.folder / 'case', answer)
+            with open(answer / 'measurements.csv', newline='') as file:
+                rows.append(list(csv.DictReader(file)))
+        sealed = json.loads((answer / 'answer.json').read_text())['hidden'][0]
+        self.assertFalse(sealed['in_catalogue'])
+        start = float(rows[0][0]['time_s'])
+        return sealed, [{'marker': true['marker'], 's': float(true['time_s']) - start,
+                         'mm': math.hypot(*(float(true[c]) - float(zero[c]) for c in ('x_mm', 'y_mm', 'z_mm')))}
+                        for zero, true in zip(*rows)]
+
+    def test_foreign_causes_follow_the_laws_their_answers_say(self):
+        none = 1e-9  # mm: the tenth decimal of the file
+        sealed, rows = self.moved_by('seat_wear', 1)
+        early = float(re.search(r'/ ([0-9.]+) s', sealed['words']).group(1))
+        worn = [r for r in rows if r['marker'] == sealed['target'] and r['s'] > 0]
+        rates = [r['mm'] / math.log1p(r['s'] / early) for r in worn]
+        self.assertLess(max(rates) / min(rates) - 1.0, 1e-4)
+        self.assertAlmostEqual(max(r['mm'] for r in worn), 0.06, places=6)
+        self.assertLess(max(r['mm'] for r in rows if r['marker'] != sealed['target']), none)
+
+        sealed, rows = self.moved_by('floor_settling', 1)
+        at = float(re.search(r'at ([0-9.]+) s', sealed['words']).group(1))
+        self.assertLess(max(r['mm'] for r in rows if r['s'] < at), none)
+        self.assertGreater(min(r['mm'] for r in rows if r['s'] > at), 1e-3)
+
+        self.assertLess(max(r['mm'] for r in self.moved_by('link_heating', 1)[1] if r['s'] == 0.0), none)
+
+        drawn = [self.moved_by('loose_bolt', number) for number in range(6)]
+        nests = [(sealed['target'], rows) for sealed, rows in drawn if sealed['target'] != 'flange']
+        self.assertTrue(nests)
+        for loose, rows in nests:
+            moved = [r for r in rows if r['mm'] > none]
+            self.assertTrue(0 < len(moved) < len(rows) / 3)
+            self.assertTrue(all(r['marker'] == loose and abs(r['mm'] - 0.06) < none for r in moved))
 
     def test_the_value_that_is_hidden_is_the_value_that_is_estimated(self):
         # The generator makes these from their causes, so their second order remains: 20 urad squared over metres.

@@ -116,6 +116,31 @@ class Judgement(unittest.TestCase):
                          {'joint_harmonic': 1, 'joint_harmonic (other target or setting)': 1, 'unknown': 1})
 
 
+class Foreign(unittest.TestCase):
+    @staticmethod
+    def record(kind, verdict, steps, holdout):
+        seen = judged([], verdict)
+        return dict(seen, suite='foreign', group=kind, kinds=[kind], expects='outside', steps=steps,
+                    holdout_rms_mm=holdout)
+
+    def test_the_holdout_is_counted_where_effects_were_named(self):
+        records = [self.record('seat_wear', 'explained', ['marker_shift/M1'], [0.03, 0.02]),
+                   self.record('seat_wear', 'partly', ['marker_shift/M1'], [0.03, 0.04]),
+                   self.record('seat_wear', 'unknown', [], [0.03, 0.03])]
+        f = figures.all_figures(records)
+        found = f['foreign']['seat_wear']
+        self.assertEqual(found['verdicts'], {'explained': 1, 'partly': 1, 'unknown': 1})
+        self.assertEqual(found['named'], {'marker_shift/M1': 2})
+        self.assertEqual((found['holdout_worse']['k'], found['holdout_worse']['n']), (1, 2))
+        self.assertEqual(f['outside']['all but steps, NC >= 80']['unknown']['n'], 0)
+
+    def test_nothing_of_it_is_in_the_catalogue(self):
+        self.assertFalse(set(cases.FOREIGN) & set(cases.CATALOGUE + cases.OUTSIDE))
+        drawn = list(cases.outside_suite('foreign', cases.FOREIGN)(5, 2, {}))
+        self.assertEqual([c['group'] for c in drawn], 2 * cases.FOREIGN)
+        self.assertTrue(all(80.0 <= c['sizes'][0] <= 2000.0 for c in drawn))
+
+
 class Halves(unittest.TestCase):
     def test_they_share_no_pose_and_lose_no_row(self):
         data = real_rows.RealData.__new__(real_rows.RealData)

@@ -24,16 +24,36 @@ Matrix3d SmallTurn(const Vector3d& turn) {
   return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
 }
 
+namespace {
+
+// The end of a link that bends about its middle.
+void Bend(const Frame& start, const Vector3d& bend, Frame* end) {
+  if (bend.isZero(0.0)) return;
+  const Matrix3d turn = SmallTurn(start.turn * bend);
+  const Vector3d middle = 0.5 * (start.origin + end->origin);
+  end->origin = middle + turn * (end->origin - middle);
+  end->turn = turn * end->turn;
+}
+
+}  // namespace
+
 Placement Place(const Arm& arm, const Posture& posture) {
   Placement placement;
   placement.after_joint.resize(arm.size());
   placement.axis.resize(arm.size());
   Frame frame;
   frame.turn = SmallTurn(posture.foot);
+  int link = 0;
   for (const Element& element : arm.elements) {
     const Vector3d unit = Vector3d::Unit(AxisNumber(element.move));
     double value = element.nominal + element.deviation;
-    if (element.joint >= 0) value += posture.values[element.joint];
+    if (element.joint >= 0) {
+      value += posture.values[element.joint];
+      if (link > 0) Bend(placement.after_joint[link - 1], posture.bend[link - 1], &frame);
+      link = element.joint + 1;
+    } else if (!IsTurn(element.move)) {
+      value *= 1.0 + posture.lengthening[link];
+    }
     if (IsTurn(element.move)) {
       frame.turn = frame.turn * Eigen::AngleAxisd(value, unit).toRotationMatrix();
     } else {

@@ -46,13 +46,20 @@ struct Arm {
 };
 
 // What moves: actual joint values, tilts (about x, y, z of the frame after the
-// joint), tilt of the foot.
+// joint), tilt of the foot, links that bend about their middle (by joint before
+// the link, in the frame after it) and that lengthen (link 0: before the first joint).
 struct Posture {
   explicit Posture(int joints)
-      : values(VectorXd::Zero(joints)), tilt(joints, Vector3d::Zero()), foot(Vector3d::Zero()) {}
+      : values(VectorXd::Zero(joints)),
+        tilt(joints, Vector3d::Zero()),
+        foot(Vector3d::Zero()),
+        bend(joints, Vector3d::Zero()),
+        lengthening(VectorXd::Zero(joints + 1)) {}
   VectorXd values;
   std::vector<Vector3d> tilt;
   Vector3d foot;
+  std::vector<Vector3d> bend;  // rad
+  VectorXd lengthening;        // part of the length
 };
 
 struct Frame {

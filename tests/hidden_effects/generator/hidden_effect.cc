@@ -379,6 +379,10 @@ HiddenEffect Hide(const std::string& kind, double scale, const RobotKind& robot,
     make({robot, design, scale, random, nature, left_out, &effect});
     return effect;
   }
+  const std::vector<std::string> foreign = ForeignKinds();
+  if (std::find(foreign.begin(), foreign.end(), kind) != foreign.end()) {
+    return HideForeign(kind, scale, robot, design, random, nature);
+  }
   return HideOutside(kind, scale, robot, design, random, nature);
 }
 

@@ -31,6 +31,7 @@ struct LeftOut {
 
 std::vector<std::string> CatalogueKinds();
 std::vector<std::string> OutsideKinds();
+std::vector<std::string> ForeignKinds();
 
 // Draws target and shape, sets it to `scale` times a typical size, adds it to
 // nature. Throws for a kind that is not known.
@@ -40,5 +41,12 @@ HiddenEffect Hide(const std::string& kind, double scale, const RobotKind& robot,
 // The same for effects outside the catalogue.
 HiddenEffect HideOutside(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                          Stream* random, Nature* nature);
+
+// The same for causes outside the catalogue that real cells have.
+HiddenEffect HideForeign(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
+                         Stream* random, Nature* nature);
+
+// Any revolute joint.
+int RevoluteJoint(const RobotKind& robot, Stream* random);
 
 }  // namespace hidden

@@ -52,6 +52,17 @@ Vector3d MomentAbout(const Vector3d& centre, int joint, const std::vector<Pull>&
   return moment;
 }
 
+// About the middle of the link, from everything that hangs beyond its end.
+Vector3d BendOf(const Nature::Bending& bending, const Nature& nature, const Shot& shot, const Placement& placement,
+                std::vector<Pull> pulls) {
+  const Frame& start = placement.after_joint[bending.link];
+  const Vector3d middle = 0.5 * (start.origin + placement.after_joint[bending.link + 1].origin);
+  const Vector3d down = nature.stations.at(shot.station).turn.transpose() * Vector3d(0.0, 0.0, -kGravity);
+  const Weight& weight = bending.beyond;
+  pulls.push_back({weight.link, placement.after_joint[weight.link].Map(weight.centre), weight.mass * down});
+  return bending.flexibility * (start.turn.transpose() * MomentAbout(middle, bending.link + 1, pulls));
+}
+
 // What the encoder does not tell: everything that does not depend on torque.
 Posture Undeflected(const Nature& nature, const Shot& shot) {
   Posture posture(nature.arm.size());
@@ -59,6 +70,10 @@ Posture Undeflected(const Nature& nature, const Shot& shot) {
   if (!nature.latent.empty()) posture.values += nature.latent[shot.config];
   for (const auto& encoder : nature.encoder) posture.values[encoder.joint] += encoder.deviation(shot);
   for (const auto& wobble : nature.wobble) posture.tilt[wobble.joint][wobble.about] += wobble.tilt(shot);
+  if (nature.floor) posture.foot += nature.floor(shot);
+  for (int link = 0; nature.lengthening && link <= nature.arm.size(); ++link) {
+    posture.lengthening[link] = nature.lengthening(shot, link);
+  }
   return posture;
 }
 
@@ -86,13 +101,20 @@ Posture Equilibrium(const Nature& nature, const Shot& shot) {
         const double pressed = play->second.width > 0.0 ? std::exp(-2.0 * std::abs(torque) / play->second.width) : 0.0;
         next.values[j] += std::copysign(play->second.half_gap * (1.0 - pressed) / (1.0 + pressed), torque);
       }
+      for (const auto& gear : nature.gears) {
+        if (gear.joint == j) next.values[j] += gear.deviation(shot, torque);
+      }
       next.tilt[j] += nature.tilt_compliance[j].cwiseProduct(frame.turn.transpose() * moment);
     }
     next.foot += nature.foot_compliance.cwiseProduct(MomentAbout(Vector3d::Zero(), 0, pulls));
+    for (const auto& bending : nature.bendings) {
+      next.bend[bending.link] += BendOf(bending, nature, shot, placement, pulls);
+    }
     double change = (next.values - posture.values).lpNorm<Eigen::Infinity>();
     change = std::max(change, (next.foot - posture.foot).lpNorm<Eigen::Infinity>());
     for (int j = 0; j < nature.arm.size(); ++j) {
       change = std::max(change, (next.tilt[j] - posture.tilt[j]).lpNorm<Eigen::Infinity>());
+      change = std::max(change, (next.bend[j] - posture.bend[j]).lpNorm<Eigen::Infinity>());
     }
     posture = next;
     if (change < kStands) return posture;
@@ -106,6 +128,7 @@ Vector3d SeenAt(const Nature& nature, const Shot& shot, const std::string& marke
   for (const auto& reseat : nature.reseats) {
     if (reseat.marker == marker && shot.since_first > reseat.after) on_flange += reseat.shift;
   }
+  for (const auto& seat : nature.seats) on_flange += seat(shot, marker);
   const double grown = 1.0 + nature.growth * (shot.arm_temperature - nature.reference_temperature);
   const StationPose& station = nature.stations.at(shot.station);
   Vector3d point = station.origin + station.turn * (grown * placement.flange.Map(on_flange));
@@ -128,7 +151,9 @@ Vector3d SeenAt(const Nature& nature, const Shot& shot, const std::string& marke
     point = SeenAtAnAngle(reflector->second.offset, axis, point);
   }
   const auto instrument = nature.instruments.find(shot.station);
-  return instrument == nature.instruments.end() ? point : Read(instrument->second, point);
+  if (instrument != nature.instruments.end()) point = Read(instrument->second, point);
+  if (nature.disturbance) point += nature.disturbance(shot, marker, point);
+  return point;
 }
 
 }  // namespace hidden

@@ -71,6 +71,12 @@ struct Nature {
     double half_gap = 0.0, width = 0.0;
   };
   std::map<int, TorquePlay> torque_play;
+  // Gear side: deviation of a joint, rad, from its torque, N m.
+  struct Gear {
+    int joint;
+    std::function<double(const Shot&, double torque)> deviation;
+  };
+  std::vector<Gear> gears;
 
   // Elastic: rad/(N m), rad/(kN m)^3.
   VectorXd compliance, hardening;
@@ -83,6 +89,17 @@ struct Nature {
     std::function<double(const Shot&)> tilt;
   };
   std::vector<Wobble> wobble;
+
+  // The link after this joint bends about its middle under the moment there of what hangs beyond it, a weight of its
+  // own among that; rad/(N m), frame after the joint.
+  struct Bending {
+    int link;
+    Weight beyond;
+    Matrix3d flexibility;
+  };
+  std::vector<Bending> bendings;
+  std::function<double(const Shot&, int link)> lengthening;  // part of its length; may be empty
+  std::function<Vector3d(const Shot&)> floor;                // tilt of the foot, rad; may be empty
 
   std::vector<Weight> weights;
   std::optional<Spring> spring;
@@ -102,7 +119,11 @@ struct Nature {
     Vector3d shift = Vector3d::Zero();
   };
   std::vector<Reseat> reseats;
+  // Where a marker sits on the flange: shift, m, flange frame.
+  std::vector<std::function<Vector3d(const Shot&, const std::string& marker)>> seats;
   std::function<Vector3d(const Shot&)> shake;  // of the station, m; may be empty
+  // Of the single reading at a point: m, station frame; may be empty.
+  std::function<Vector3d(const Shot&, const std::string& marker, const Vector3d& point)> disturbance;
 };
 
 // Where a marker is really seen, without the instrument's noise; m, station frame.

@@ -5,10 +5,6 @@
 #include "tests/hidden_effects/generator/hidden_effect.h"
 
 namespace hidden {
-namespace {
-
-constexpr double kTypicalAngle = 100e-6;  // rad
-constexpr double kTypicalLength = 30e-6;  // m
 
 int RevoluteJoint(const RobotKind& robot, Stream* random) {
   int j = 0;
@@ -17,6 +13,11 @@ int RevoluteJoint(const RobotKind& robot, Stream* random) {
   } while (robot.arm.joints[j].prismatic);
   return j;
 }
+
+namespace {
+
+constexpr double kTypicalAngle = 100e-6;  // rad
+constexpr double kTypicalLength = 30e-6;  // m
 
 int AnotherJoint(const RobotKind& robot, int joint, Stream* random) {
   int other = joint;

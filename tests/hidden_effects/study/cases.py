@@ -9,10 +9,15 @@ CATALOGUE = ['frozen_geometry', 'joint_compliance', 'compliance_hardening', 'tra
              'station_drift', 'station_scale', 'marker_shift', 'warm_up', 'station_eccentricity', 'station_range_offset',
              'load_com', 'hysteresis', 'marker_acceptance', 'station_refraction']
 OUTSIDE = ['bump', 'product', 'cross_harmonic', 'time_wave', 'step']
+# Causes outside the catalogue that real cells have.
+FOREIGN = ['loose_bolt', 'soft_lost_motion', 'link_bending', 'cable_drag', 'gear_ripple', 'link_heating',
+           'reading_bursts', 'air_turbulence', 'seat_wear', 'floor_settling']
 NEEDS_COLUMN = {'joint_slip': 'time', 'station_drift': 'time', 'marker_shift': 'time', 'time_wave': 'time',
-                'thermal_growth': 'temperature', 'backlash': 'approach', 'warm_up': 'time'}
+                'thermal_growth': 'temperature', 'backlash': 'approach', 'warm_up': 'time',
+                'link_heating': 'time', 'reading_bursts': 'time', 'seat_wear': 'time', 'floor_settling': 'time',
+                'soft_lost_motion': 'approach', 'cable_drag': 'approach'}
 NEEDS_LOADS = {'joint_compliance', 'compliance_hardening', 'transverse_compliance', 'link_gravity', 'base_compliance',
-               'payload', 'gravity_compensator', 'load_com'}
+               'payload', 'gravity_compensator', 'load_com', 'soft_lost_motion'}
 ONE_STATION = {'time_wave'}
 # Truths that such designs confound (DIAGNOSIS.md), and the papers' own two.
 CONFOUNDED = ['joint_compliance@A1', 'gravity_compensator@A2', 'encoder_gain@A2', 'joint_harmonic@A2', 'link_gravity@A2',
@@ -92,14 +97,16 @@ def pairs_suite(seed, count, options):
         yield case('pairs', seed, i, kinds, sizes, flags, 'strong+' + second)
 
 
-def outside_suite(seed, count, options):
-    i = 0
-    for repeat in range(count):
-        for kind in options.get('kinds') or OUTSIDE:
-            draw = draw_of('outside', seed, i)
-            flags = base_flags(draw, repeat, [kind])
-            yield case('outside', seed, i, [kind], [log_uniform(draw, OUTSIDE_SIZE)], flags, kind, 'outside')
-            i += 1
+def outside_suite(name, all_kinds):
+    def suite(seed, count, options):
+        i = 0
+        for repeat in range(count):
+            for kind in options.get('kinds') or all_kinds:
+                draw = draw_of(name, seed, i)
+                flags = base_flags(draw, repeat, [kind])
+                yield case(name, seed, i, [kind], [log_uniform(draw, OUTSIDE_SIZE)], flags, kind, 'outside')
+                i += 1
+    return suite
 
 
 def noise_suite(seed, count, options):
@@ -211,6 +218,7 @@ def robots_flags(draw, index, kinds):
 
 robots_suite = mixed_suite('robots', robots_flags)
 
-SUITES = {'null': null_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite, 'outside': outside_suite,
+SUITES = {'null': null_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite,
+          'outside': outside_suite('outside', OUTSIDE), 'foreign': outside_suite('foreign', FOREIGN),
           'noise': noise_suite, 'unstated': unstated_suite, 'slight': slight_suite,
           'confounded': confounded_suite, 'few': few_suite, 'stations': stations_suite, 'robots': robots_suite}

@@ -147,7 +147,7 @@ def counted(items):
 
 def outside(records):
     out = {}
-    chosen = [r for r in records if r['expects'] == 'outside']
+    chosen = [r for r in records if r['expects'] == 'outside' and r['suite'] != 'foreign']
     for group in sorted({r['group'] for r in chosen}):
         rows = [r for r in chosen if r['group'] == group]
         out[group] = {'unknown': rate(rows, lambda r: r['verdict'] == 'unknown'),
@@ -158,6 +158,23 @@ def outside(records):
     beyond = [r for r in strong if not in_the_catalogue(r)]
     out['of them beyond the catalogue'] = {'unknown': rate(beyond, lambda r: r['verdict'] == 'unknown')}
     return out
+
+
+def foreign(records):
+    """By kind, and over all: verdicts, what was named first, and whether the named effects helped the rows held out."""
+    chosen = [r for r in records if r['suite'] == 'foreign']
+    groups = {kind: [r for r in chosen if r['group'] == kind] for kind in sorted({r['group'] for r in chosen})}
+    if chosen:
+        groups['all'] = chosen
+    return {kind: {'n': len(rows), 'verdicts': counted(r['verdict'] for r in rows),
+                   'named': counted(r['steps'][0] for r in rows if r['steps']),
+                   'holdout_worse': rate([r for r in rows if r['steps']], holdout_is_worse)}
+            for kind, rows in groups.items()}
+
+
+def holdout_is_worse(record):
+    before, after = record['holdout_rms_mm']
+    return after > before
 
 
 def in_the_catalogue(record):
@@ -241,7 +258,7 @@ def all_figures(records):
     done = finished(records)
     return {'cases': len(records), 'failed': [{'folder': r['folder'], 'why': r['failed']} for r in records if 'failed' in r],
             'nothing_hidden': nothing_hidden(done), 'naming': naming(done), 'pairs': pairs(done), 'power': power(done),
-            'outside': outside(done), 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
+            'outside': outside(done), 'foreign': foreign(done), 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
             'gap_closed': gap_closed(done), 'wrong_noise': wrong_noise(done), 'confusion': confusion(done),
             'groups': by_group(done), 'probabilities': probabilities.summary(single(done)), 'seconds': {'median': st.median([r['seconds'] for r in records]),
                                                   'largest': max((r['seconds'] for r in records), default=None)}}

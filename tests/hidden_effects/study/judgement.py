@@ -62,4 +62,5 @@ def judge(case, sized, answer, diagnosis, separations):
             'outliers': answer['outliers']},
         'unexplained': {k: unexplained.get(k) for k in ('words', 'kind', 'depends_on')} if unexplained else None,
         'baseline_reduced_chi2': diagnosis['baseline'].get('reduced_chi2'),
-        'final_reduced_chi2': diagnosis['final'].get('reduced_chi2')}
+        'final_reduced_chi2': diagnosis['final'].get('reduced_chi2'),
+        'holdout_rms_mm': [diagnosis[when].get('holdout_rms_mm') for when in ('baseline', 'final')]}

@@ -85,6 +85,17 @@ def probability_lines(p):
         b['from'], b['to'], b['n'], b['said'], b['right']) for b in p['reliability']]
 
 
+def foreign_lines(table):
+    lines = []
+    for kind, f in table.items():
+        lines.append('%-18s %3d: %s; hold-out worse %d of %d' % (
+            kind, f['n'], ', '.join('%s %d' % item for item in f['verdicts'].items()), f['holdout_worse']['k'],
+            f['holdout_worse']['n']))
+        if kind != 'all' and f['named']:
+            lines.append('%23s first named %s' % ('', ', '.join('%s %d' % item for item in f['named'].items())))
+    return lines
+
+
 def summary(figures):
     lines = ['%d cases, %d failed; %.1f s per case (median), %.1f s at most' % (
         figures['cases'], len(figures['failed']), figures['seconds']['median'], figures['seconds']['largest'])]
@@ -105,6 +116,8 @@ def summary(figures):
         lines += block('Outside the catalogue', ['%-26s %s' % (
             g, ', '.join('%s %s' % (k.replace('_', ' '), share(v)) for k, v in f.items()))
             for g, f in figures['outside'].items()])
+    if figures['foreign']:
+        lines += block('Foreign causes', foreign_lines(figures['foreign']))
     if figures['wrong_noise']:
         lines += block('Wrong noise', noise_lines(figures['wrong_noise']))
     if figures['catalogue_called_unknown']['n']:
