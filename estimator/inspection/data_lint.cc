@@ -28,7 +28,7 @@ constexpr double kOtherPose = 0.1 * kDegree;    // copies: the joints moved at l
 constexpr double kEquationsPerUnknown = 2.0;
 constexpr double kManyCopies = 0.05;  // of the rows
 
-std::string RangeInWords(const Chain& chain, const JointRange& range) {
+std::string RangeInWords(const Chain& chain, const MeasuredRange& range) {
   const bool turns = chain.joints[range.joint].type == JointType::kRevolute;
   const double unit = turns ? kDegree : 1e-3;
   return Fixed(range.least / unit, 1) + " to " + Fixed(range.most / unit, 1) + (turns ? " deg" : " mm");
@@ -44,7 +44,7 @@ std::map<int, int> CalibrationConfigurations(const CalibrationProblem& problem) 
 
 void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {
   const Chain& chain = problem.robot.chain;
-  for (const JointRange& range : JointRangesOf(problem)) {
+  for (const MeasuredRange& range : MeasuredRangesOf(problem)) {
     const Joint& joint = chain.joints[range.joint];
     const bool turns = joint.type == JointType::kRevolute;
     const double covered = range.most - range.least;
@@ -246,11 +246,11 @@ const char* SeverityName(Severity severity) {
   return "";
 }
 
-std::vector<JointRange> JointRangesOf(const CalibrationProblem& problem) {
-  std::vector<JointRange> ranges;
+std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem) {
+  std::vector<MeasuredRange> ranges;
   const std::map<int, int> configurations = CalibrationConfigurations(problem);
   for (int j = 0; j < problem.robot.num_joints(); ++j) {
-    JointRange range;
+    MeasuredRange range;
     range.joint = j;
     bool first = true;
     for (const auto& [c, row] : configurations) {

@@ -9,12 +9,12 @@
 
 namespace sagitta {
 
-struct JointRange {
+struct MeasuredRange {
   int joint = -1;
   double least = 0.0, most = 0.0;  // rad or m, over the calibration configurations
   double share = 0.0;              // of the limits; 0 where the robot file has none
 };
-std::vector<JointRange> JointRangesOf(const CalibrationProblem& problem);
+std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem);
 
 std::vector<Finding> LintData(const CalibrationProblem& problem);
 

@@ -174,7 +174,7 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   };
   Inspection inspection;
   inspection.findings = LintData(problem);
-  inspection.joints = JointRangesOf(problem);
+  inspection.joints = MeasuredRangesOf(problem);
   inspection.orientation = OrientationVarietyOf(problem);
   say("reading robot and rows in other ways");
   inspection.reading = LintReadingsOfGoodRows(problem);

@@ -31,7 +31,7 @@ struct ConfigurationLeverage {
 
 struct Inspection {
   std::vector<Finding> findings;  // serious ones first
-  std::vector<JointRange> joints;
+  std::vector<MeasuredRange> joints;
   OrientationVariety orientation;
   ReadingLint reading;
   TorqueComparison torques;  // at the nominal robot, beside the aligned base

@@ -32,7 +32,7 @@ Json FindingsToJson(const std::vector<Finding>& findings) {
 
 Json JointsToJson(const CalibrationProblem& problem, const Inspection& inspection) {
   Json json = Json::array();
-  for (const JointRange& range : inspection.joints) {
+  for (const MeasuredRange& range : inspection.joints) {
     const Joint& joint = problem.robot.chain.joints[range.joint];
     const JointUnit unit = UnitOf(joint);
     json.push_back({{"name", joint.name},

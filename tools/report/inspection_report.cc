@@ -79,7 +79,7 @@ Section JointSection(const CalibrationProblem& problem, const Inspection& inspec
   Section section;
   section.title = "Joint ranges covered";
   section.header = {"joint", "from", "to", "unit", "of the limits"};
-  for (const JointRange& range : inspection.joints) {
+  for (const MeasuredRange& range : inspection.joints) {
     const Joint& joint = problem.robot.chain.joints[range.joint];
     const JointUnit unit = UnitOf(joint);
     section.rows.push_back({joint.name, Fixed(unit.factor * range.least, 1), Fixed(unit.factor * range.most, 1),
