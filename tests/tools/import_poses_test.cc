@@ -259,11 +259,12 @@ TEST_F(AsPublished, Ur10) {
 
 // A T-Mac's angles: R = Rx Ry Rz, as the authors' dataset.py reads them (intrinsic x-y-z).
 TEST_F(AsPublished, Ur10SeriesWithPoses) {
+  // Cross-validated, points alone; of A and B an independent fit has 0.440 and 0.451 mm.
   const struct {
     const char* file;
-    double after_mm;  // cross-validated, points alone
+    double after_mm;
   } series[] = {{"Series_A/measurements_grid.csv", 0.440},
-                {"Series_B/measurements_joint_configurations.csv", 0.475},
+                {"Series_B/measurements_joint_configurations.csv", 0.451},
                 {"Series_C/measurements_random_poses.csv", 0.493}};
   for (const auto& one : series) {
     SCOPED_TRACE(one.file);
