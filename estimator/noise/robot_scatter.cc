@@ -12,7 +12,9 @@ namespace sagitta {
 namespace {
 
 constexpr double kInstrumentIsNotTheNoise = 10.0;  // reduced chi-square
-constexpr double kAlike = 1.5;                     // largest over smallest sigma: weights hardly differ
+// Of the coordinates, what weights w leave with a say: (sum w)^2 / (n sum w^2), Kish's effective sample size (Kish
+// 1965). At a quarter, weighing by what is not the noise doubles standard deviations.
+constexpr double kFewHaveASay = 0.25;
 constexpr int kMostSteps = 200;
 constexpr double kSettled = 1e-10;  // relative, of tau^2
 
@@ -64,15 +66,17 @@ bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate
   const SigmaReport& sigma = estimate.sigma;
   if (!is_free || !IsUsable(estimate.status) || !sigma.stated || !sigma.scaled) return false;
   if (sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return false;
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  double sum = 0.0, squares = 0.0, count = 0.0;
   for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
     const Matrix3<double> root = problem.NoiseRoot(i);
     if (!IsStated(root)) return false;
-    const double size = root.norm();
-    least = std::min(least, size);
-    most = std::max(most, size);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(root * root.transpose()));
+    const Eigen::Array3d weights = axes.eigenvalues().array().inverse();
+    sum += weights.sum();
+    squares += weights.square().sum();
+    count += 3.0;
   }
-  return most > kAlike * least;
+  return sum * sum < kFewHaveASay * count * squares;
 }
 
 std::string RobotScatterInWords(double tau) {

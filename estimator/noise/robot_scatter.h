@@ -14,8 +14,8 @@
 
 namespace sagitta {
 
-// The robot is the noise: nothing else says how to weigh, the stated sigmas differ between rows, and the residuals of
-// the judged estimate are several times as large.
+// The robot is the noise: nothing else says how to weigh, the stated sigmas leave less than a quarter of the
+// coordinates with a say, and the residuals of the judged estimate are several times as large.
 bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate);
 
 struct RobotScatter {
