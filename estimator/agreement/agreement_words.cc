@@ -94,8 +94,8 @@ void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* repor
       "Parts of the data contradict each other: the model's error differs between them. For 95 % of the differences "
       "the intervals would have to be " +
       Number("%.2g", report->inflation) + " times as wide (largest: " + Worst(*report) +
-      "). The intervals hold for the configurations as they were measured; for another region or series take them, and "
-      "the standard deviations that predict gives, times " +
+      "). The intervals of 95 % carry model error already; standard deviations, those that predict gives too, hold for "
+      "the configurations as they were measured: for another region or series take them times " +
       Number("%.2g", report->inflation) + ", or find what the model lacks (sagitta diagnose).");
 }
 
