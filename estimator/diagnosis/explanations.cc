@@ -357,7 +357,20 @@ class ListBuilder {
     }
   }
 
-  // Linear and quadratic functions of where the shot's first marker was read, over the spread of all.
+  // Of the points of a shot that were read, in the station; not a number where none was.
+  Vector3<double> MeanPoint(const Shot& shot) const {
+    Vector3<double> sum = Vector3<double>::Zero();
+    int count = 0;
+    for (const int i : shot.observations) {
+      const Observation& row = problem_.data.observations[i];
+      if (!row.is_point() || !row.point_in_station.allFinite()) continue;
+      sum += row.point_in_station;
+      ++count;
+    }
+    return sum / count;
+  }
+
+  // Linear and quadratic functions of where the shot's points were read, their mean, over the spread of all shots.
   Eigen::MatrixXd Field(int station) const {
     const Measurements& data = problem_.data;
     Eigen::MatrixXd points = Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), 3);
@@ -366,8 +379,7 @@ class ListBuilder {
     for (const bool second : {false, true}) {
       for (size_t s = 0; s < data.shots.size(); ++s) {
         if (data.shots[s].station != station || data.shots[s].observations.empty()) continue;
-        points.row(static_cast<long>(s)) =
-            data.observations[data.shots[s].observations[0]].point_in_station.transpose();
+        points.row(static_cast<long>(s)) = MeanPoint(data.shots[s]).transpose();
         if (!points.row(static_cast<long>(s)).allFinite()) points.row(static_cast<long>(s)) = mean;
         if (fitted_.count(static_cast<int>(s)) == 0) continue;
         const Eigen::RowVector3d off = points.row(static_cast<long>(s)) - mean;
