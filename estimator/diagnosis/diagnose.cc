@@ -45,19 +45,15 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
   const ExplanationList& list = evidence.list();
   const ProjectedNormal& normal = evidence.views()[0].beside.normal;
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(0);
+  const Sweep alone(normal, {}, {});
   std::map<std::string, ScreenedCandidate> best;  // by name
   int tests = 0;
   for (size_t k = 0; k < list.math.size(); ++k) {
     if (list.IsUnnamed(static_cast<int>(k))) continue;
     ++tests;
-    const Sweep alone(normal, {}, {});
     const Eigen::MatrixXd information = alone.Information(list.math[k].group);
     const Eigen::VectorXd gradient = alone.Gradient(list.math[k].group);
-    std::vector<double> logs;
-    for (const double scale : kScales) {
-      logs.push_back(likelihood.Gain(normal.residual, GainOf(information, gradient, scale)));
-    }
-    const double log_evidence = LogSumExp(logs) - std::log(kNumScales);
+    const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient);
     const auto entry = best.find(list.name[k]);
     if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
     const MemberFit fit = FitOf(evidence, {0, {{static_cast<int>(k)}, {1.0}, 0.0, 0.0}, 0.0, 0.0}, static_cast<int>(k));

@@ -72,4 +72,12 @@ double ResidualLikelihood::Factor(double residual) const {
   return std::sqrt((sigma_dof_ + residual) / (sigma_dof_ + dof_));
 }
 
+double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
+                   const Eigen::VectorXd& gradient, double* scale) {
+  std::vector<double> logs(kNumScales);
+  for (int s = 0; s < kNumScales; ++s) logs[s] = likelihood.Gain(residual, GainOf(information, gradient, kScales[s]));
+  if (scale != nullptr) *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
+  return LogSumExp(logs) - std::log(kNumScales);
+}
+
 }  // namespace sagitta

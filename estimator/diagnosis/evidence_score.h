@@ -72,4 +72,9 @@ class ResidualLikelihood {
   double open_constant_, stated_constant_;
 };
 
+// Log evidence that a group adds to a residual of this square, averaged over the scales; scale: the best of them, or
+// null.
+double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
+                   const Eigen::VectorXd& gradient, double* scale = nullptr);
+
 }  // namespace sagitta

@@ -1,7 +1,7 @@
 #include "estimator/diagnosis/moments.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -33,16 +33,6 @@ std::string MomentBefore(const std::vector<double>& times, size_t i) {
   return std::to_string(0.5 * (times[i - 1] + times[i]));
 }
 
-// Name of the setting that is a moment, "" where there is none.
-std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(robot, spec.effect);
-  if (definition == nullptr) return "";
-  for (const SettingDefinition& setting : definition->settings) {
-    if (setting.kind == SettingDefinition::Kind::kMoment && spec.settings.count(setting.name) > 0) return setting.name;
-  }
-  return "";
-}
-
 struct Best {
   const Candidate* candidate = nullptr;
   double log_evidence = kWorthRefining;
@@ -54,25 +44,31 @@ std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const
   EvidenceColumns columns(problem, parameters, candidates);
   const BesideBelieved beside = columns.Project(columns.Sum(StatedScatter(problem)));
   const Sweep alone(beside.normal, {}, {});
+  const ResidualLikelihood known_sigma(beside.normal.dof, std::numeric_limits<double>::infinity(), 0.0);
   std::map<std::string, Best> best;
   for (size_t c = 0; c < candidates.size(); ++c) {
     const ColumnGroup group{columns.ColumnsOf(static_cast<int>(c)), {}};
     if (group.columns.empty()) continue;
-    std::vector<double> logs;
-    for (const double scale : kScales) {
-      const GroupGain gain = GainOf(alone.Information(group), alone.Gradient(group), scale);
-      logs.push_back(0.5 * gain.quad - 0.5 * gain.log_det);
-    }
+    const double log_evidence =
+        AverageGain(known_sigma, beside.normal.residual, alone.Information(group), alone.Gradient(group));
     EffectSpec others = candidates[c].spec;
     others.settings.erase(MomentOf(problem.robot, others));
     Best& known = best[others.Path()];
-    const double log_evidence = LogSumExp(logs) - std::log(kNumScales);
     if (log_evidence > known.log_evidence) known = {&candidates[c], log_evidence};
   }
   return best;
 }
 
 }  // namespace
+
+std::string MomentOf(const Robot& robot, const EffectSpec& spec) {
+  const EffectDefinition* definition = FindEffect(robot, spec.effect);
+  if (definition == nullptr) return "";
+  for (const SettingDefinition& setting : definition->settings) {
+    if (setting.kind == SettingDefinition::Kind::kMoment && spec.settings.count(setting.name) > 0) return setting.name;
+  }
+  return "";
+}
 
 std::vector<std::string> ChangePoints(const CalibrationProblem& problem) {
   const std::vector<double> times = FittedTimes(problem);

@@ -8,6 +8,9 @@
 
 namespace sagitta {
 
+// Name of the setting that is a moment, "" where there is none.
+std::string MomentOf(const Robot& robot, const EffectSpec& spec);
+
 // Middles between the times of consecutive fitted visits, s of the campaign's clock, thinned; settings of kMoment.
 std::vector<std::string> ChangePoints(const CalibrationProblem& problem);
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
@@ -22,11 +22,8 @@ bool Replace(const CalibrationProblem& problem, const JointOptions& joint, Diagn
 std::vector<double> Moments(const Robot& robot) {
   std::vector<double> moments;
   for (const EffectSpec& spec : robot.effects) {
-    const EffectDefinition* definition = FindEffect(robot, spec.effect);
-    if (definition == nullptr) continue;
-    for (const SettingDefinition& setting : definition->settings) {
-      if (setting.kind == SettingDefinition::Kind::kMoment) moments.push_back(spec.NumberSetting(setting.name, 0.0));
-    }
+    const std::string setting = MomentOf(robot, spec);
+    if (!setting.empty()) moments.push_back(spec.NumberSetting(setting, 0.0));
   }
   return moments;
 }

@@ -152,13 +152,8 @@ const SetSearch::Own& SetSearch::OwnOf(size_t candidate) const {
   return own;
 }
 
-double SetSearch::AverageGain(const Own& own, double residual, double* scale) const {
-  std::vector<double> logs(kNumScales);
-  for (int s = 0; s < kNumScales; ++s) {
-    logs[s] = likelihood_.Gain(residual, GainOf(own.information, own.gradient, kScales[s]));
-  }
-  *scale = kScales[std::max_element(logs.begin(), logs.end()) - logs.begin()];
-  return LogSumExp(logs) - std::log(kNumScales);
+double SetSearch::GainOfOwn(const Own& own, double residual, double* scale) const {
+  return AverageGain(likelihood_, residual, own.information, own.gradient, scale);
 }
 
 std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
@@ -172,7 +167,7 @@ std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<d
     const Explanation& candidate = explanations_[k];
     if (IsExcluded(given.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     double scale = 1.0;
-    weights[k] = base + AverageGain(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
+    weights[k] = base + GainOfOwn(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
   }
   return weights;
@@ -260,7 +255,7 @@ bool SetSearch::Exchange(const WeightedSet& set) {
       const Own own{given_all.information + back.transpose() * back,
                     given_all.gradient + back.transpose() * sweeps[m].along};
       double scale = 1.0;
-      const double gain = AverageGain(own, sweeps[m].residual, &scale);
+      const double gain = GainOfOwn(own, sweeps[m].residual, &scale);
       const double weight = bases[m] + gain + std::log(explanations_[k].share);
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);

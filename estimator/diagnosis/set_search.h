@@ -94,7 +94,7 @@ class SetSearch {
   const Own& OwnOf(size_t candidate) const;
   Own Left(const Sweep& sweep, size_t candidate) const;
   // Log of the evidence that it adds to a residual of this square, averaged over its scale.
-  double AverageGain(const Own& own, double residual, double* scale) const;
+  double GainOfOwn(const Own& own, double residual, double* scale) const;
   void Expand(const WeightedSet& given);
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
