@@ -15,16 +15,6 @@ constexpr double kExchanged = 0.2;      // distance left after exchanging two re
 constexpr double kMostOutliers = 0.25;  // of the points: more is no minority
 constexpr int kFewest = 3;              // events that can show a pattern
 
-// P(Binomial(n, p) >= k).
-double BinomialSurvival(int k, int n, double p) {
-  double sum = 0.0;
-  for (int i = k; i <= n; ++i) {
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) +
-                    i * std::log(std::max(p, 1e-300)) + (n - i) * std::log(std::max(1.0 - p, 1e-300)));
-  }
-  return std::min(1.0, sum);
-}
-
 // Readings that are off together for a reason of the readings themselves count once.
 std::vector<int> Events(const std::vector<Outlier>& outliers) {
   std::vector<int> events;

@@ -1,55 +1,60 @@
 #include "estimator/statistics/distributions.h"
 
-#include <Eigen/Core>
+#include <algorithm>
+#include <boost/math/distributions/beta.hpp>
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <unsupported/Eigen/SpecialFunctions>
+#include <limits>
 
 namespace sagitta {
 namespace {
 
-// Root of an increasing function between bounds.
-template <typename Function>
-double Bisect(const Function& f, double low, double high) {
-  for (int i = 0; i < 200 && high - low > 1e-15 * (1.0 + std::abs(low)); ++i) {
-    const double middle = 0.5 * (low + high);
-    (f(middle) < 0.0 ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
+// What no distribution is asked for is a NaN and what overflows an infinity, as of <cmath>: nothing throws. Double
+// precision is kept inside (16 digits of the result need no long double).
+namespace policies = boost::math::policies;
+using Quiet =
+    policies::policy<policies::domain_error<policies::ignore_error>, policies::pole_error<policies::ignore_error>,
+                     policies::overflow_error<policies::ignore_error>,
+                     policies::evaluation_error<policies::ignore_error>, policies::promote_double<false>>;
+using ChiSquare = boost::math::chi_squared_distribution<double, Quiet>;
+using FisherF = boost::math::fisher_f_distribution<double, Quiet>;
+using Student = boost::math::students_t_distribution<double, Quiet>;
+using Normal = boost::math::normal_distribution<double, Quiet>;
+using Beta = boost::math::beta_distribution<double, Quiet>;
+using Binomial = boost::math::binomial_distribution<double, Quiet>;
 
-// P(T_dof > t), t >= 0 (Abramowitz, Stegun 26.7.1).
-double StudentUpperTail(double t, double dof) {
-  return 0.5 * Eigen::numext::betainc(0.5 * dof, 0.5, dof / (dof + t * t));
-}
+constexpr double kLargest = std::numeric_limits<double>::max();  // an infinite statistic is beyond all of them
 
 }  // namespace
 
 double ChiSquareSurvival(double x, double dof) {
   if (x <= 0.0) return 1.0;
-  return Eigen::numext::igammac(0.5 * dof, 0.5 * x);
+  if (x > kLargest) return 0.0;
+  return cdf(complement(ChiSquare(dof), x));
 }
 
-double ChiSquareQuantile(double p, double dof) {
-  const double spread = 40.0 * std::sqrt(2.0 * dof) + 100.0;
-  return Bisect([&](double x) { return (1.0 - p) - ChiSquareSurvival(x, dof); }, 0.0, dof + spread);
-}
+double ChiSquareQuantile(double p, double dof) { return quantile(ChiSquare(dof), p); }
 
 double FSurvival(double f, double m, double n) {
   if (f <= 0.0) return 1.0;
   if (!std::isfinite(n)) return ChiSquareSurvival(m * f, m);
-  return Eigen::numext::betainc(0.5 * n, 0.5 * m, n / (n + m * f));  // Abramowitz, Stegun 26.6.2
+  if (f > kLargest) return 0.0;
+  return cdf(complement(FisherF(m, n), f));
 }
 
-double NormalQuantile(double p) { return Eigen::numext::ndtri(p); }
-
-double StudentQuantile(double p, double dof) {
-  if (p < 0.5) return -StudentQuantile(1.0 - p, dof);
-  if (!std::isfinite(dof) || dof > 1e7) return NormalQuantile(p);
-  const double tail = 1.0 - p;
-  double high = 10.0;
-  while (StudentUpperTail(high, dof) > tail && high < 1e12) high *= 10.0;
-  return Bisect([&](double t) { return tail - StudentUpperTail(t, dof); }, 0.0, high);
+double FQuantile(double p, double m, double n) {
+  return std::isfinite(n) ? quantile(FisherF(m, n), p) : ChiSquareQuantile(p, m) / m;
 }
+
+double NormalQuantile(double p) { return quantile(Normal(), p); }
+
+double StudentQuantile(double p, double dof) { return quantile(Student(dof), p); }
+
+double BetaQuantile(double p, double a, double b) { return quantile(Beta(a, b), p); }
 
 double KolmogorovSurvival(double d, double n) {
   const double root = std::sqrt(n);
@@ -60,22 +65,12 @@ double KolmogorovSurvival(double d, double n) {
   return std::min(1.0, std::max(0.0, sum));
 }
 
-double BetaQuantile(double p, double a, double b) {
-  return Bisect([&](double x) { return Eigen::numext::betainc(a, b, x) - p; }, 0.0, 1.0);
-}
-
-double FQuantile(double p, double m, double n) {
-  if (!std::isfinite(n)) return ChiSquareQuantile(p, m) / m;
-  const double b = BetaQuantile(p, 0.5 * m, 0.5 * n);  // m F / (n + m F) is a beta variate
-  return n * b / (m * (1.0 - b));
-}
+double BinomialSurvival(int k, int n, double p) { return k <= 0 ? 1.0 : cdf(complement(Binomial(n, p), k - 1)); }
 
 BinomialInterval ClopperPearson(int successes, int trials, double level) {
   const double tail = 0.5 * (1.0 - level);
-  BinomialInterval interval;
-  if (successes > 0) interval.low = BetaQuantile(tail, successes, trials - successes + 1.0);
-  if (successes < trials) interval.high = BetaQuantile(1.0 - tail, successes + 1.0, trials - successes);
-  return interval;
+  return {Binomial::find_lower_bound_on_p(trials, successes, tail),
+          Binomial::find_upper_bound_on_p(trials, successes, tail)};
 }
 
 }  // namespace sagitta

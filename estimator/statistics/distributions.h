@@ -1,4 +1,5 @@
-// Distribution functions, on Eigen's incomplete gamma and beta functions.
+// Distribution functions by Boost.Math, in double precision. Outside their domain (degrees of freedom that are not
+// positive, a probability that is none) they are NaN; a quantile that overflows is infinite; nothing throws.
 #pragma once
 
 namespace sagitta {
@@ -19,6 +20,8 @@ double StudentQuantile(double p, double dof);
 double KolmogorovSurvival(double d, double n);
 // x with P(Beta(a, b) <= x) = p.
 double BetaQuantile(double p, double a, double b);
+// P(Binomial(n, p) >= k), 0 <= k <= n + 1.
+double BinomialSurvival(int k, int n, double p);
 
 // Clopper and Pearson's interval of a probability from `successes` of `trials`:
 // covers at least `level`, whatever the probability.
