@@ -34,7 +34,7 @@ LIBRARY_OF_LINK = {
     'Eigen3::Eigen': 'Eigen', 'yaml-cpp': 'yaml-cpp', 'yaml-cpp::yaml-cpp': 'yaml-cpp',
     'nlohmann_json::nlohmann_json': 'nlohmann', 'OpenSSL::Crypto': 'openssl',
     'urdfdom::urdfdom_model': 'urdfdom', 'console_bridge::console_bridge': 'console_bridge', 'EXPAT::EXPAT': 'expat',
-    'Ceres::ceres': 'ceres', 'hwy': 'hwy', 'fcl': 'fcl', 'glog::glog': 'glog', 'gflags': 'gflags', 'fmt::fmt': 'fmt', '$<BUILD_INTERFACE:Boost::headers>': 'boost',
+    'Ceres::ceres': 'ceres', 'hwy': 'hwy', 'fcl': 'fcl', 'glog::glog': 'glog', 'gflags': 'gflags', 'fmt::fmt': 'fmt', 'Boost::boost': 'boost',
 }
 LAYER_OF_LINK = {'sagitta_' + layer: layer for layer in LAYERS} | {'sagitta::sagitta': 'estimator',
                                                                   'sagitta_face': 'tools', 'sagitta_report': 'tools', 'sagitta_reproduction': 'tools'}

@@ -148,15 +148,16 @@ Estimate EstimateUnloaded(const CalibrationProblem& problem) {
 // Step 2; the size of the last step, in standard deviations.
 StepOutcome FitDifferences(const DifferenceContext& context, const std::vector<int>& elastic, Estimate* estimate,
                            LinearSolution* solution) {
-  const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) {
-    return LinearizeDifferences(context, parameters, columns);
+  const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) -> FittedRows {
+    const Linearization here = LinearizeDifferences(context, parameters, columns);
+    return {here, here.num_rows()};
   };
   for (int i = 0; i < kMaxIterations; ++i) {
     const ParameterSet before = estimate->parameters;
     const StepOutcome outcome = DampedStep(rows_at, elastic, &estimate->parameters);
     if (outcome != StepOutcome::kTaken) return outcome;
     ++estimate->iterations;
-    *solution = SolveLinearization(rows_at(estimate->parameters, elastic));
+    *solution = SolveLinearization(LinearizeDifferences(context, estimate->parameters, elastic));
     if (!solution->full_rank) continue;  // a spring on a joint still rigid
     double step = 0.0;
     for (size_t c = 0; c < elastic.size(); ++c) {

@@ -32,8 +32,9 @@ Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet
 
 // One Gauss-Newton step in the given coordinates, the others held.
 StepOutcome GaussNewtonStep(const StepContext& context, const std::vector<int>& coordinates, StepState* state) {
-  const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) {
-    return LinearizeWithPriors(context, parameters, columns);
+  const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) -> FittedRows {
+    const Linearization here = LinearizeWithPriors(context, parameters, columns);
+    return {here, here.num_rows()};
   };
   const StepOutcome outcome = DampedStep(rows_at, coordinates, &state->parameters);
   for (size_t s = 0; s < state->bases.size(); ++s) state->bases[s] = state->parameters.BaseInStation(s);

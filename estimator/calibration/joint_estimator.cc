@@ -175,7 +175,7 @@ Certificate PolishAtBounds(const CalibrationProblem& problem, const NormalEquati
   }
   if (!any_bound || !before.valid || before.exact_fit || before.step < kConvergedSteps) return before;
   RefitOptions options;
-  options.max_steps = kMaxBoundedSteps;
+  options.steps.max_steps = kMaxBoundedSteps;
   ParameterSet refitted = RefitFrom(problem, *parameters, options).parameters;
   const Certificate after = Polish(problem, equations, kPolishReach, kMaxPolishSteps, &refitted);
   if (!(after.step < before.step)) return before;

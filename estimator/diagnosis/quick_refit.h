@@ -1,8 +1,5 @@
-// A cheap refit for choosing among effects: Gauss-Newton on the marginalised
-// Linearization from a nearby optimum, damped (Levenberg) where a step does not
-// lower chi-square. Effects are nearly linear, so that a few steps do; where they
-// do not, `converged` is false and the full estimator has to say. What was held
-// stays held.
+// A cheap refit for choosing among effects, from a nearby optimum. Effects are nearly linear, so that a few steps do;
+// where they do not, `converged` is false and the full estimator has to say. What was held stays held.
 #pragma once
 
 #include "problems/calibration_problem.h"

@@ -1,20 +1,17 @@
 #include "estimator/inspection/explained_errors.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
-#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/gauss_newton.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kPrecision = 5e-4;  // of the reach, per coordinate: a tenth of what is suspicious
 constexpr double kAnywhere = 10.0;   // m, rad: base and markers are not bound
-constexpr int kMostSteps = 30;
-constexpr int kMostHalvings = 10;
-constexpr double kSettled = 1e-6;  // relative gain of the objective
+constexpr double kSettled = 0.01;    // standard deviations left: a hundredth of the precision
 
 struct Unknowns {
   std::vector<int> columns;
@@ -52,6 +49,15 @@ Eigen::VectorXd Errors(const CalibrationProblem& problem, const Unknowns& unknow
   return errors;
 }
 
+// One row per unknown: errors are of their size; base and markers are only kept from steps beyond theirs.
+void AppendSizes(const Unknowns& unknowns, const Eigen::VectorXd& errors, Linearization* here) {
+  const Eigen::Index rows = here->residual.size(), n = unknowns.size.size();
+  here->residual.conservativeResize(rows + n);
+  here->residual.tail(n) = errors;
+  here->jacobian.conservativeResize(rows + n, Eigen::NoChange);
+  here->jacobian.bottomRows(n) = unknowns.size.cwiseInverse().asDiagonal();
+}
+
 }  // namespace
 
 ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::vector<int>& readings) {
@@ -63,42 +69,22 @@ ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::ve
   const double precision = kPrecision * Reach(problem.robot.chain);
   if (unknowns.columns.empty() || !(precision > 0.0)) return found;
   const NoiseRoots noise(rows.size(), precision * Matrix3<double>::Identity());
-  const auto linearize = [&](const ParameterSet& at) {
-    return Linearize(problem, at, rows, unknowns.columns, noise, LatentTreatment::kIgnore);
+  const auto rows_at = [&](const ParameterSet& at, const std::vector<int>& columns) -> FittedRows {
+    Linearization here = Linearize(problem, at, rows, columns, noise, LatentTreatment::kIgnore);
+    if (here.valid) AppendSizes(unknowns, Errors(problem, unknowns, at), &here);
+    return {here, here.num_rows()};
   };
-  Linearization here = linearize(parameters);
-  if (!here.valid) return found;
-  Eigen::VectorXd errors = Errors(problem, unknowns, parameters);
-  double objective = here.residual.squaredNorm() + errors.squaredNorm();
-  for (int step = 0; step < kMostSteps; ++step) {
-    const Eigen::MatrixXd jacobian = here.jacobian * unknowns.size.asDiagonal();
-    const Eigen::MatrixXd normal =
-        jacobian.transpose() * jacobian + Eigen::MatrixXd::Identity(jacobian.cols(), jacobian.cols());
-    const Eigen::VectorXd gradient = jacobian.transpose() * here.residual + errors;
-    const Eigen::VectorXd move = -unknowns.size.cwiseProduct(normal.llt().solve(gradient));
-    const double before = objective;
-    double share = 1.0;
-    for (int halving = 0; halving < kMostHalvings; ++halving, share *= 0.5) {
-      Eigen::VectorXd delta = Eigen::VectorXd::Zero(parameters.num_coordinates());
-      for (int c = 0; c < move.size(); ++c) delta[unknowns.columns[c]] = share * move[c];
-      ParameterSet next = parameters;
-      next.Plus(delta);
-      const Linearization there = linearize(next);
-      const Eigen::VectorXd own = Errors(problem, unknowns, next);
-      const double value = there.valid ? there.residual.squaredNorm() + own.squaredNorm() : INFINITY;
-      if (!(value < objective)) continue;
-      parameters = next;
-      here = there;
-      errors = own;
-      objective = value;
-      break;
-    }
-    if (before - objective <= kSettled * before) break;
-  }
-  found.left = precision * here.residual.norm() / std::sqrt(static_cast<double>(rows.size()));
+  GaussNewtonOptions options;
+  options.tolerance = kSettled;
+  const GaussNewtonResult fit = GaussNewton(rows_at, unknowns.columns, parameters, options);
+  if (!fit.fitted.rows.valid) return found;
+  const auto readings_only = static_cast<Eigen::Index>(3 * rows.size());
+  found.left =
+      precision * fit.fitted.rows.residual.head(readings_only).norm() / std::sqrt(static_cast<double>(rows.size()));
+  const Eigen::VectorXd errors = Errors(problem, unknowns, fit.parameters);
   int largest = 0;
   found.relative = errors.cwiseAbs().maxCoeff(&largest);
-  const Coordinate& coordinate = parameters.coordinates()[unknowns.columns[largest]];
+  const Coordinate& coordinate = fit.parameters.coordinates()[unknowns.columns[largest]];
   found.largest = coordinate.name;
   found.quantity = coordinate.quantity;
   found.value = errors[largest] * unknowns.size[largest];

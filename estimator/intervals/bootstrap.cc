@@ -40,7 +40,7 @@ Eigen::VectorXd Sigmas(const Setup& setup, const Refit& refit, const std::vector
   const Linearization& fit = refit.linearization;
   if (!setup.by_configurations) {
     const double dof = std::max(1, fit.num_rows() - fit.num_columns());
-    return (setup.is_scaled ? std::sqrt(refit.chi2 / dof) : 1.0) * refit.root.rowwise().norm();
+    return (setup.is_scaled ? std::sqrt(refit.chi2 / dof) : 1.0) * refit.left.root.rowwise().norm();
   }
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(setup.num_clusters, fit.num_columns());
   std::vector<double> count(setup.num_clusters, 1.0);
@@ -54,8 +54,8 @@ Eigen::VectorXd Sigmas(const Setup& setup, const Refit& refit, const std::vector
   for (int g = 0; g < setup.num_clusters; ++g) scores.row(g) *= count[g] > 0.0 ? 1.0 / std::sqrt(count[g]) : 0.0;
   const int observed = static_cast<int>(3 * fit.observations.size());
   const Eigen::MatrixXd priors = fit.jacobian.bottomRows(fit.num_rows() - observed);
-  const Eigen::MatrixXd spread = refit.root * (refit.root.transpose() * scores.transpose());
-  const Eigen::MatrixXd stated = refit.root * (refit.root.transpose() * priors.transpose());
+  const Eigen::MatrixXd spread = refit.left.root * (refit.left.root.transpose() * scores.transpose());
+  const Eigen::MatrixXd stated = refit.left.root * (refit.left.root.transpose() * priors.transpose());
   return (spread.rowwise().squaredNorm() + stated.rowwise().squaredNorm()).cwiseSqrt();
 }
 

@@ -46,9 +46,10 @@ int WorstPinned(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, 
 
 }  // namespace
 
-BoundedStep SolveBounded(const Linearization& here, const ParameterSet& parameters) {
+BoundedStep SolveBounded(const Linearization& here, const ParameterSet& parameters, double damping) {
   const int n = here.num_columns();
-  const Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+  Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+  normal.diagonal() *= 1.0 + damping;
   const Eigen::VectorXd gradient = here.jacobian.transpose() * here.residual;
   BoundedStep step;
   step.delta.setZero(n);

@@ -3,7 +3,8 @@
 //   min |J d + r|^2   so that   value_c + d_c >= lower_c
 //
 // by an active set: what the free step would push below its bound stops there and the
-// rest is solved again; what would rather leave its bound then is let go.
+// rest is solved again; what would rather leave its bound then is let go. Damped: with `damping` |D d|^2 added, D the
+// norms of the columns of J (Marquardt).
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +21,7 @@ struct BoundedStep {
   std::vector<int> pinned;  // columns that end on their bound
 };
 
-BoundedStep SolveBounded(const Linearization& here, const ParameterSet& parameters);
+BoundedStep SolveBounded(const Linearization& here, const ParameterSet& parameters, double damping = 0.0);
 
 // Moves the columns' coordinates by `share` of delta.
 void Move(const std::vector<int>& columns, const Eigen::VectorXd& delta, double share, ParameterSet* parameters);

@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <vector>
 
-#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/constrained_blocks.h"
+#include "estimator/least_squares/gauss_newton.h"
 #include "estimator/least_squares/interruption.h"
 
 namespace sagitta {
@@ -89,11 +88,12 @@ MinimizeSummary Run(ceres::Solver::Options solver, ceres::Problem* problem, Para
   return result;
 }
 
-// From the solution without bounds: what lies beyond one is put on it, and bounded Gauss-Newton steps go on from there.
-// False: they do not settle within a few.
+// From the solution without bounds: what lies beyond one is put on it, and Gauss-Newton goes on from there. False: it
+// does not settle within a few steps.
 bool StepOntoBounds(const NormalEquations& equations, ParameterSet* parameters, MinimizeSummary* summary) {
-  constexpr int kMostSteps = 8;
-  constexpr double kSettled = 1e-3;  // standard deviations at the noise seen; what is left is polished
+  GaussNewtonOptions options;
+  options.max_steps = 8;
+  options.tolerance = 1e-3;  // what is left is polished
   const std::vector<int> columns = parameters->EstimatedCoordinates();
   ParameterSet here = *parameters;
   Eigen::VectorXd onto = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
@@ -102,20 +102,17 @@ bool StepOntoBounds(const NormalEquations& equations, ParameterSet* parameters, 
     if (below > 0.0) onto[static_cast<Eigen::Index>(c)] = below;
   }
   Move(columns, onto, 1.0, &here);
-  for (int i = 0; i < kMostSteps; ++i) {
-    const NormalSums sums = equations.Sum(here, columns);
-    const double squares = sums.valid ? sums.squared_residual() : std::numeric_limits<double>::infinity();
-    if (!std::isfinite(squares)) return false;
-    const BoundedStep step = SolveBounded(Condense(sums), here);
-    if (!step.valid) return false;
-    Move(columns, step.delta, 1.0, &here);
-    ++summary->iterations;
-    if (step.size > kSettled * std::max(1e-9, std::sqrt(squares / std::max(1, sums.rows)))) continue;
-    summary->final_cost = 0.5 * squares;
-    *parameters = here;
-    return true;
-  }
-  return false;
+  const auto rows_at = [&](const ParameterSet& at, const std::vector<int>& of) -> FittedRows {
+    const NormalSums sums = equations.Sum(at, of);
+    return {Condense(sums), sums.rows};
+  };
+  GaussNewtonResult result = GaussNewton(rows_at, columns, here, options);
+  summary->iterations += result.steps;
+  if (!result.converged) return false;
+  Move(columns, result.left.delta, 1.0, &result.parameters);
+  summary->final_cost = 0.5 * result.cost();
+  *parameters = std::move(result.parameters);
+  return true;
 }
 
 // Ceres searches along every step of a problem with bounds, which costs as many evaluations again: the bounds come in

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/normal_equations.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kNoGain = 1e-9;  // of chi-square, round-off of the equilibria
-constexpr int kMaxHalvings = 8;
 
 void Weigh(const std::vector<double>& weights, Linearization* linearization) {
   for (size_t k = 0; k < weights.size(); ++k) {
@@ -20,20 +16,17 @@ void Weigh(const std::vector<double>& weights, Linearization* linearization) {
   }
 }
 
-// With priors; count: of equations.
-Linearization RowsAt(const NormalEquations& equations, const ParameterSet& parameters, const std::vector<int>& columns,
-                     const std::vector<double>& weights, int* count) {
+FittedRows WeighedRows(const NormalEquations& equations, const ParameterSet& parameters,
+                       const std::vector<int>& columns, const std::vector<double>& weights) {
   const RowBatches& batches = equations.batches();
   if (!AreHeld(3.0 * batches.num_observations(), static_cast<double>(columns.size()))) {
     const NormalSums sums = equations.Sum(parameters, columns, weights);
-    *count = sums.rows;
-    return Condense(sums);
+    return {Condense(sums), sums.rows};
   }
   Linearization here = Linearize(batches, parameters, columns);
   if (here.valid) AppendPriors(parameters, &here);
   if (here.valid) Weigh(weights, &here);
-  *count = here.num_rows();
-  return here;
+  return {here, here.num_rows()};
 }
 
 // Of the coordinate that is kept: no column, but part of the fit.
@@ -58,43 +51,20 @@ Linearization LinearizeFit(const CalibrationProblem& problem, const ParameterSet
 Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, const RefitOptions& options) {
   std::vector<int> columns = start.EstimatedCoordinates();
   columns.erase(std::remove(columns.begin(), columns.end(), options.kept), columns.end());
-  Refit refit;
-  refit.parameters = start;
-  ParameterSet next = start;
-  Eigen::VectorXd delta;
-  double share = 1.0;
   const std::vector<int> observations = problem.CalibrationObservations();
   const NormalEquations equations(problem, observations, FitRoots(problem, observations, kFallbackSigma),
                                   LatentTreatment::kMarginalise, 1);
-  for (int i = 0, halvings = 0; i < options.max_steps; ++i) {
-    int count = 0;
-    Linearization here = RowsAt(equations, next, columns, options.weights, &count);
-    const double chi2 = here.valid ? here.residual.squaredNorm() + PriorPenalty(next, options.kept)
-                                   : std::numeric_limits<double>::infinity();
-    const bool first = delta.size() == 0;
-    if (!std::isfinite(chi2) || (!first && chi2 > refit.chi2 * (1.0 + kNoGain) + kNoGain)) {
-      if (first || ++halvings > kMaxHalvings) return refit;
-      share *= 0.5;
-      next = refit.parameters;
-      Move(columns, delta, share, &next);
-      continue;
-    }
-    halvings = 0;
-    share = 1.0;
-    refit.parameters = next;
-    refit.chi2 = chi2;
-    refit.linearization = std::move(here);
-    const BoundedStep step = SolveBounded(refit.linearization, refit.parameters);
-    if (!step.valid) return refit;
-    refit.root = step.root;
-    const double noise = std::sqrt(chi2 / std::max(1, count));
-    if (step.size < options.tolerance * std::max(1e-9, noise)) {
-      refit.converged = true;
-      return refit;
-    }
-    delta = step.delta;
-    Move(columns, delta, share, &next);
-  }
+  const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& of) {
+    return WeighedRows(equations, parameters, of, options.weights);
+  };
+  GaussNewtonResult found = GaussNewton(rows_at, columns, start, options.steps);
+  Refit refit;
+  refit.converged = found.converged;
+  refit.chi2 = found.cost() + PriorPenalty(found.parameters, options.kept);
+  refit.equations = found.fitted.equations;
+  refit.linearization = std::move(found.fitted.rows);
+  refit.parameters = std::move(found.parameters);
+  refit.left = std::move(found.left);
   return refit;
 }
 

@@ -1,19 +1,17 @@
-// Refits from a solution nearby: other data, other weights, one coordinate kept.
-// Gauss-Newton on the one Linearization, with lower bounds; a few steps where
+// Refits from a solution nearby: other data, other weights, one coordinate kept. A few steps (gauss_newton.h) where
 // the optimum is a few standard deviations away.
 #pragma once
 
 #include <vector>
 
-#include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/gauss_newton.h"
 
 namespace sagitta {
 
 struct RefitOptions {
   std::vector<double> weights;  // of each calibration observation: how often it counts; empty: once
   int kept = -1;                // a coordinate that stays where the start has it
-  int max_steps = 30;
-  double tolerance = 1e-4;  // step left, standard deviations at the noise seen
+  GaussNewtonOptions steps;
 };
 
 struct Refit {
@@ -22,8 +20,9 @@ struct Refit {
   // At the optimum, rows times the root of their weight; where they are too many to be kept (AreHeld, row_sums.h) as
   // few as there are columns with the same sums.
   Linearization linearization;
-  Eigen::MatrixXd root;  // W W' = (J'J)^-1
-  double chi2 = 0.0;     // at the optimum
+  int equations = 0;  // that its rows stand for
+  BoundedStep left;   // what is below the tolerance; its root W: W W' = (J'J)^-1
+  double chi2 = 0.0;  // at the optimum
 };
 
 // Estimates what `start` estimates, beginning there.

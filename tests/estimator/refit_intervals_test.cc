@@ -27,7 +27,7 @@ TEST(Refit, FindsTheJointOptimum) {
   }
   start.Plus(off);
   RefitOptions options;
-  options.tolerance = 1e-7;
+  options.steps.tolerance = 1e-7;
   const Refit refit = RefitFrom(problem, start, options);
   ASSERT_TRUE(refit.converged);
   const Eigen::VectorXd left = TangentDifference(refit.parameters, estimate.parameters);
@@ -48,11 +48,11 @@ TEST(Refit, AWeightOfTwoIsTheRowTwice) {
   }
   const Estimate estimate = EstimateJointly(once);
   RefitOptions weighted;
-  weighted.tolerance = 1e-7;
+  weighted.steps.tolerance = 1e-7;
   weighted.weights.assign(once.data.observations.size(), 1.0);
   for (int k = 0; k < 3; ++k) weighted.weights[k] = 2.0;
   RefitOptions plain;
-  plain.tolerance = 1e-7;
+  plain.steps.tolerance = 1e-7;
   const Refit a = RefitFrom(once, estimate.parameters, weighted);
   const Refit b = RefitFrom(twice, estimate.parameters, plain);
   ASSERT_TRUE(a.converged && b.converged);
