@@ -106,6 +106,9 @@ CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Exp
       model(robot, data.markers),
       parameters(data.stations, data.markers, model.parameters(), data.OrientedMarkers()) {
   robot = model.robot();  // with the tilt slots that effects need
+  marker_frames = ResolveMarkerFrames(*this);
+  shot_inputs = MakeShotInputs(model, data, experiment);
+  latent = MakeLatentModel(robot.chain, data, experiment);
 }
 
 Matrix3<double> CalibrationProblem::NoiseRoot(int observation) const {
@@ -155,9 +158,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   CalibrationProblem problem(std::move(extended), data, experiment);
   problem.parameters.CopyByName(parameters);
   if (adds_compensator) problem.parameters.coordinate(problem.parameters.FindCoordinate("compensator/L")).free = false;
-  problem.marker_frames = ResolveMarkerFrames(problem);
-  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
-  problem.latent = latent;
+  problem.latent = latent;  // found, not as stated
   problem.resolved_noise = resolved_noise;
   problem.weight_roots = weight_roots;
   problem.repeat_scatter = repeat_scatter;
@@ -176,11 +177,8 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckNames(problem);
   CheckCompensator(problem);
   CheckEffects(problem);
-  problem.marker_frames = ResolveMarkerFrames(problem);
-  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   CheckEffectColumns(problem);
   CheckLevelled(problem);
-  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   SetStartValues(&problem);
   SetFree(&problem);
   CheckNoise(&problem);

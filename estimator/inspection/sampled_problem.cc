@@ -84,9 +84,10 @@ CalibrationProblem SampledProblem(const CalibrationProblem& problem) {
   experiment.validation.kind = ValidationSpec::Kind::kNone;
   CalibrationProblem sampled(problem.robot, std::move(kept.data), std::move(experiment));
   sampled.parameters.CopyByName(problem.parameters);
-  sampled.marker_frames = problem.marker_frames;
+  sampled.latent = LatentModel();  // inspection takes joints as exact
   sampled.redundant_errors = problem.redundant_errors;
   sampled.repeat_scatter = problem.repeat_scatter;
+  sampled.shot_inputs.clear();  // time and temperature count from the origins of all rows
   for (const int s : kept.shots) sampled.shot_inputs.push_back(problem.shot_inputs[s]);
   for (const int i : kept.observations) {
     if (!problem.resolved_noise.empty()) sampled.resolved_noise.push_back(problem.resolved_noise[i]);

@@ -62,7 +62,6 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
     }
     problem.parameters.SetBaseInStation(static_cast<int>(s), found->second);
   }
-  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   CheckEffectColumns(problem);
   return input;
 }

@@ -11,7 +11,6 @@
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
 #include "problems/io/robot_file.h"
-#include "problems/loads.h"
 #include "problems/problem_checks.h"
 #include "problems/text.h"
 
@@ -192,15 +191,6 @@ void CheckRows(const KnownRobot& known, const Measurements& data) {
   }
 }
 
-int FrameOf(const Chain& chain, const std::string& file, const std::string& marker, const std::string& on) {
-  if (on == "flange") return chain.FlangeFrame();
-  if (on == "base") return chain.BaseFrame();
-  if (on == "world") return chain.WorldFrame();
-  const int joint = chain.FindJoint(on);
-  if (joint < 0) throw InputError({file, 0, "markers." + marker + ".on"}, "'" + on + "' is no place on this robot");
-  return chain.FrameAfterJoint(joint);
-}
-
 }  // namespace
 
 KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_messages) {
@@ -272,7 +262,10 @@ void AddKnownRotations(const KnownRobot& known, Measurements* data) {
 
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
   CheckRows(known, data);
-  CalibrationProblem problem(known.robot, std::move(data), known.loading);
+  Experiment loading = known.loading;
+  loading.file = known.file;
+  loading.markers = known.markers;
+  CalibrationProblem problem(known.robot, std::move(data), std::move(loading));
   for (size_t s = 0; s < problem.data.stations.size(); ++s) {
     problem.parameters.SetBaseInStation(s, known.base_in_station.at(problem.data.stations[s]));
   }
@@ -281,11 +274,8 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
     const MarkerSpec& spec = known.markers.at(name);
     problem.parameters.SetMarkerPoint(m, *spec.point);
     if (spec.rotvec) problem.parameters.SetMarkerRotation(m, RotationFromVector(*spec.rotvec));
-    problem.marker_frames.push_back(FrameOf(problem.robot.chain, known.file, name, spec.on));
   }
-  problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
   CheckEffectColumns(problem);
-  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, problem.experiment);
   std::vector<int> all(problem.data.observations.size());
   std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);

@@ -80,7 +80,6 @@ CompensationInput InputOf(const test::LoadedSetup& setup, const LoadedTruth& tru
   base.translation = truth.base_xyz[0];
   base.rotation = test::BaseRotation(truth, 0);
   input.problem.parameters.SetBaseInStation(0, base);
-  input.problem.shot_inputs = MakeShotInputs(input.problem.model, input.problem.data, input.problem.experiment);
   input.uncertainty.covariance.resize(0, 0);
   input.uncertainty.slopes.resize(0, 0);
   return input;

@@ -49,10 +49,7 @@ struct Grid {
   }
   // Where to predict, with the true points.
   CalibrationProblem Elsewhere(const Eigen::Matrix3d& target, int poses, std::uint64_t seed) const {
-    CalibrationProblem problem(robot(), Measured(target, poses, seed, 0.0), Experiment());
-    problem.marker_frames = {problem.robot.chain.FlangeFrame()};
-    problem.shot_inputs = MakeShotInputs(problem.model, problem.data, problem.experiment);
-    return problem;
+    return CalibrationProblem(robot(), Measured(target, poses, seed, 0.0), Experiment());
   }
 };
 
