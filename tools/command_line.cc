@@ -13,6 +13,7 @@ DEFINE_string(out, "", "where the results go: a folder, or a file where the comm
 DEFINE_uint64(seed, 1, "seed of everything random: hold-out, simulated noise");
 DEFINE_int32(threads, 1, "threads of the solver; diagnose takes all there are unless told");
 DEFINE_bool(quiet, false, "no progress on stderr");
+DEFINE_bool(verbose, false, "say on stderr how the equations are solved; also -v");
 
 namespace sagitta {
 namespace {
@@ -24,6 +25,7 @@ struct FlagText {
 };
 
 FlagText SplitFlag(const std::string& argument) {
+  if (argument == "-v") return {"verbose", "", false};
   const std::string body = argument.substr(argument.rfind("--", 0) == 0 ? 2 : 1);
   const size_t equals = body.find('=');
   FlagText flag{body.substr(0, equals), "", equals != std::string::npos};
@@ -73,7 +75,7 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
   bool flags_ended = false;
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
-    if (flags_ended || !(LooksLikeFlag(argument) || argument == "--" || argument == "-h")) {
+    if (flags_ended || !(LooksLikeFlag(argument) || argument == "--" || argument == "-h" || argument == "-v")) {
       line.arguments.push_back(argument);
       continue;
     }

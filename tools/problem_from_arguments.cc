@@ -96,7 +96,7 @@ void ApplyEstimateFlags(Experiment* experiment) {
 
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags) {
   for (const char* flag : {"sigma_mm", "holdout", "validation", "free", "fixed", "load_point_mm", "significance",
-                           "force", "out", "seed", "threads", "quiet"}) {
+                           "force", "out", "seed", "threads", "quiet", "verbose"}) {
     flags.push_back(flag);
   }
   return flags;

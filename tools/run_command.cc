@@ -17,6 +17,8 @@
 #include "problems/io/files.h"
 #include "tools/terminal.h"
 
+DECLARE_bool(verbose);
+
 namespace sagitta {
 namespace {
 
@@ -100,6 +102,11 @@ int RunCommand(const Command& command, const std::vector<std::string>& arguments
   if (line.help) {
     std::cout << HelpOf(command);
     return 0;
+  }
+  if (FLAGS_verbose) {
+    FLAGS_v = 1;
+    FLAGS_minloglevel = google::GLOG_INFO;
+    FLAGS_log_prefix = false;
   }
   const FileSession files;
   return command.run(line);

@@ -14,6 +14,7 @@
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/spring_tie_cost.h"
+#include "estimator/least_squares/structure.h"
 #include "problems/excitation.h"
 
 namespace sagitta {
@@ -227,9 +228,9 @@ bool SolveFromNear(const CalibrationProblem& problem, const NormalEquations& equ
   return true;
 }
 
-// One solve of what is not held, on sums. Where joints deviate, the solution for exact joints is near enough for
-// Gauss-Newton on the marginal rows; where it is not, the deviations are estimated along (bundle adjustment).
-// `exact_joints`: equations without deviations.
+// One solve of what is not held, on sums, or on sparse rows where many stations or markers hardly meet. Where joints
+// deviate, the solution for exact joints is near enough for Gauss-Newton on the marginal rows; where it is not, the
+// deviations are estimated along (bundle adjustment). `exact_joints`: equations without deviations.
 MinimizeSummary Solve(const CalibrationProblem& problem, const ResidualSelection& residuals,
                       const NormalEquations& equations, const NormalEquations& exact_joints,
                       const JointOptions& options, ParameterSet* parameters) {
@@ -239,7 +240,8 @@ MinimizeSummary Solve(const CalibrationProblem& problem, const ResidualSelection
   MinimizeOptions minimize;
   minimize.max_iterations = options.max_iterations;
   minimize.num_threads = options.num_threads;
-  if (residuals.granularity == CostGranularity::kMarker) {
+  const bool is_sparse = problem.latent.empty() && StructureOf(problem, residuals, *parameters).IsSparserThanSums();
+  if (residuals.granularity == CostGranularity::kMarker || is_sparse) {
     return MinimizeJointly(problem, residuals, minimize, parameters);
   }
   ParameterSet trial = *parameters;

@@ -13,6 +13,7 @@
 #include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/gauss_newton.h"
 #include "estimator/least_squares/interruption.h"
+#include "estimator/least_squares/structure.h"
 
 namespace sagitta {
 namespace {
@@ -32,6 +33,14 @@ std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& late
     if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, 1);
   }
   return ordering;
+}
+
+// Each keeps digits or time where the others do not: rows by QR, many rows by their normal equations, unknowns that
+// hardly meet by sparse factors.
+ceres::LinearSolverType LinearSolverFor(const Structure& structure, bool has_latents) {
+  if (has_latents) return structure.IsSparse() ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  if (structure.IsSparse()) return ceres::SPARSE_NORMAL_CHOLESKY;
+  return 1.0 * structure.rows * structure.unknowns >= kDenseQrEntries ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
 }
 
 }  // namespace
@@ -148,20 +157,21 @@ ceres::Problem::Options ProblemOptions() {
 
 MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const ResidualSelection& selection,
                                 const MinimizeOptions& options, ParameterSet* parameters) {
+  const bool has_latents = !problem.latent.empty() && !options.cautious;
+  const Structure structure = StructureOf(problem, selection, *parameters);
   const auto minimize = [&](bool bounded) {
     ceres::Problem ceres_problem(ProblemOptions());
     LatentBlocks latents;
-    const bool has_latents = !problem.latent.empty() && !options.cautious;
     AddToProblem(problem, selection, parameters, &ceres_problem, has_latents ? &latents : nullptr);
     if (!bounded) RemoveBounds(*parameters, &ceres_problem);
     ceres::Solver::Options solver = SolverOptions(options);
-    const double entries = 3.0 * selection.observations.size() * parameters->EstimatedCoordinates().size();
-    if (entries >= kDenseQrEntries) solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    if (has_latents) {
-      // Bundle adjustment: the deviations of the visits are eliminated first.
-      solver.linear_solver_type = ceres::DENSE_SCHUR;
-      solver.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
-    }
+    solver.linear_solver_type = LinearSolverFor(structure, has_latents);
+    // Bundle adjustment: the deviations of the visits are eliminated first.
+    if (has_latents) solver.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
+    VLOG(1) << "joint solve: " << structure.unknowns << " unknowns, a reading touches "
+            << std::lround(100.0 * structure.touched) << " % of them"
+            << (has_latents ? "; the joints' deviations are eliminated first" : "") << ": "
+            << ceres::LinearSolverTypeToString(solver.linear_solver_type);
     return Run(solver, &ceres_problem, parameters);
   };
   return WithBoundsWhereMet(options, minimize, {}, parameters);
@@ -169,6 +179,8 @@ MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const Residua
 
 MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOptions& options,
                              ParameterSet* parameters) {
+  VLOG(1) << "joint solve: " << parameters->EstimatedCoordinates().size() << " unknowns on the sums of "
+          << 3 * equations.batches().num_observations() << " rows: DENSE_QR";
   const auto minimize = [&](bool bounded) {
     ceres::Problem ceres_problem(ProblemOptions());
     AddCondensed(equations, parameters, &ceres_problem);

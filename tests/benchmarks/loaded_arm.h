@@ -13,7 +13,8 @@
 
 namespace sagitta::benchmarks {
 
-inline CalibrationProblem LoadedArm(int configurations, double repeatability = 0.0) {
+// More than two stations: the first one under as many names, each for its share of the shots.
+inline CalibrationProblem LoadedArm(int configurations, double repeatability = 0.0, int stations = 2) {
   test::LoadedTruth truth;
   truth.loads["V250"] = {{0, 0, -test::kWeightOf250Kg}};
   test::LoadedDesign design;
@@ -34,7 +35,16 @@ inline CalibrationProblem LoadedArm(int configurations, double repeatability = 0
     }
     half.shots.push_back(shot);
   }
+  if (stations > 2) {
+    for (Shot& shot : half.shots) shot.station = 0;
+  }
   test::Measure(test::ExactPoints(truth, half), design.sigma, 5, &half);
+  for (size_t s = 0; stations > 2 && s < half.shots.size(); ++s) {
+    half.shots[s].station = static_cast<int>(s * stations / half.shots.size());
+  }
+  while (static_cast<int>(half.stations.size()) < stations) {
+    half.stations.push_back("S" + std::to_string(half.stations.size() + 1));
+  }
   test::LoadedSetup setup = test::SetupFor(truth);
   if (repeatability > 0.0) setup.experiment.repeatability.angle.common = repeatability;
   return MakeCalibrationProblem(setup.robot, half, setup.experiment);

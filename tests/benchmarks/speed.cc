@@ -159,6 +159,18 @@ BENCHMARK(NormalEquationsPass)
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
 
+// The deviations of the visits.
+std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& latents, const ceres::Problem& problem) {
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (std::vector<double>& block : latents) ordering->AddElementToGroup(block.data(), 0);
+  std::vector<double*> blocks;
+  problem.GetParameterBlocks(&blocks);
+  for (double* block : blocks) {
+    if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, 1);
+  }
+  return ordering;
+}
+
 enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate, kTwoSteps };
 
 void Solve(benchmark::State& state) {
@@ -203,14 +215,7 @@ void Solve(benchmark::State& state) {
     }
     if (way == kSchur) {
       options.linear_solver_type = ceres::DENSE_SCHUR;
-      auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-      for (std::vector<double>& block : latents) ordering->AddElementToGroup(block.data(), 0);
-      std::vector<double*> blocks;
-      problem.GetParameterBlocks(&blocks);
-      for (double* block : blocks) {
-        if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, 1);
-      }
-      options.linear_solver_ordering = ordering;
+      options.linear_solver_ordering = EliminateFirst(latents, problem);
     }
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
@@ -239,6 +244,42 @@ BENCHMARK(Solve)
     ->Args({1000, kSchur, 1})
     ->Args({1000, kWholeEstimate, 1})
     ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+enum Factors { kSums, kDenseQr, kDenseNormal, kSparseNormal, kDenseSchur, kSparseSchur };
+
+// Four iterations of the joint solve where many stations hardly meet; the last two estimate the joints' deviations
+// along.
+void ManyStations(benchmark::State& state) {
+  const auto factors = static_cast<Factors>(state.range(1));
+  const bool deviate = factors >= kDenseSchur;
+  const CalibrationProblem problem = LoadedArm(400, deviate ? 40e-6 : 0.0, static_cast<int>(state.range(0)));
+  const ResidualSelection rows = CalibrationResiduals(problem);
+  const NormalEquations equations(problem, rows.observations, rows.noise, LatentTreatment::kIgnore, 1);
+  constexpr ceres::LinearSolverType kTypes[] = {
+      ceres::DENSE_QR,    ceres::DENSE_QR,    ceres::DENSE_NORMAL_CHOLESKY, ceres::SPARSE_NORMAL_CHOLESKY,
+      ceres::DENSE_SCHUR, ceres::SPARSE_SCHUR};
+  for (auto _ : state) {
+    ParameterSet parameters = problem.parameters;
+    ceres::Problem::Options problem_options;
+    problem_options.disable_all_safety_checks = true;
+    ceres::Problem ceres_problem(problem_options);
+    LatentBlocks latents;
+    if (factors == kSums) AddCondensed(equations, &parameters, &ceres_problem);
+    if (factors != kSums) AddToProblem(problem, rows, &parameters, &ceres_problem, deviate ? &latents : nullptr);
+    ceres::Solver::Options options;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 4;
+    options.linear_solver_type = kTypes[factors];
+    if (deviate) options.linear_solver_ordering = EliminateFirst(latents, ceres_problem);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &ceres_problem, &summary);
+  }
+  state.counters["unknowns"] = static_cast<double>(problem.parameters.EstimatedCoordinates().size());
+}
+BENCHMARK(ManyStations)
+    ->ArgNames({"stations", "factors"})
+    ->ArgsProduct({{2, 10, 20, 30, 100}, {kSums, kDenseQr, kDenseNormal, kSparseNormal, kDenseSchur, kSparseSchur}})
     ->Unit(benchmark::kMillisecond);
 
 void CovarianceFromSums(benchmark::State& state) {
