@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "estimator/least_squares/identifiability_words.h"
 #include "estimator/least_squares/row_sums.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -17,7 +17,6 @@ constexpr double kNumericallyZero = 1e-13;
 constexpr double kWellTold = 1e6;
 constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
-constexpr size_t kMostNames = 6;           // in words
 
 bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -91,26 +90,6 @@ std::vector<std::pair<std::string, double>> Components(const Eigen::VectorXd& di
   return components;
 }
 
-std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components) {
-  bool base = false, marker = false, geometry = false;
-  for (const auto& [name, value] : components) {
-    base |= StartsWith(name, "base/");
-    marker |= StartsWith(name, "marker/");
-    geometry |= StartsWith(name, "geometry/");
-  }
-  if (base && marker) {
-    return "measure with the flange turned about at least two axes (wrist joints spread over 60 degrees or more), or "
-           "state the marker's point";
-  }
-  if (marker && geometry)
-    return "only where the marker ends up matters: leave the error at nominal, or state the marker's point";
-  if (base && geometry)
-    return "only where the robot ends up matters: leave the error at nominal, or state the base pose";
-  if (marker) return "observe the marker at more configurations with different flange orientations";
-  if (base) return "observe from this station at more configurations spread over the workspace";
-  return "move the joints near these transforms over a wider range, or leave the error at nominal";
-}
-
 Direction MakeDirection(const Eigen::VectorXd& vector, double sigma, const Linearization& linearization,
                         const ParameterSet& parameters) {
   Direction direction;
@@ -122,22 +101,6 @@ Direction MakeDirection(const Eigen::VectorXd& vector, double sigma, const Linea
 }
 
 }  // namespace
-
-std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& components) {
-  if (components.empty()) return "";
-  if (components.size() == 1) return components[0].first + " is not measured by these data";
-  std::vector<std::string> names;
-  for (const auto& [name, weight] : components) names.push_back(name);
-  const std::string listed = Enumerate(names, kMostNames);
-  if (components.size() > 2) {
-    return listed + " move together: only " + std::to_string(components.size() - 1) +
-           " combinations of them are measured";
-  }
-  const double ratio = -components[1].second / components[0].second;
-  const bool alike = std::abs(std::abs(ratio) - 1.0) < 0.05;
-  const std::string kind = ratio > 0.0 ? "sum" : "difference";
-  return listed + " move together: only their " + (alike ? "" : "weighted ") + kind + " is measured";
-}
 
 Unidentifiable FindUnidentifiable(const Linearization& linearization, const ParameterSet& parameters, double sigma) {
   Unidentifiable result;

@@ -21,6 +21,9 @@ namespace {
 // Above this size QR of the Jacobian costs more than it gains over the normal
 // equations of the Jacobi-scaled problem.
 constexpr double kDenseQrEntries = 2e6;
+// Without the deviations the rest of a bundle is small: sparse and dense cost the same at 450 unknowns (BENCHMARKS.md,
+// "Sparse factors").
+constexpr int kFewBesideDeviations = 450;
 
 std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& latents, const ceres::Problem& problem) {
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -38,7 +41,10 @@ std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& late
 // Each keeps digits or time where the others do not: rows by QR, many rows by their normal equations, unknowns that
 // hardly meet by sparse factors.
 ceres::LinearSolverType LinearSolverFor(const Structure& structure, bool has_latents) {
-  if (has_latents) return structure.IsSparse() ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  if (has_latents) {
+    const bool is_large = structure.unknowns >= kFewBesideDeviations;
+    return is_large && structure.IsSparse() ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  }
   if (structure.IsSparse()) return ceres::SPARSE_NORMAL_CHOLESKY;
   return 1.0 * structure.rows * structure.unknowns >= kDenseQrEntries ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
 }

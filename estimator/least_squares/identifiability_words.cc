@@ -1,0 +1,53 @@
+#include "estimator/least_squares/identifiability_words.h"
+
+#include <cmath>
+
+#include "estimator/least_squares/identifiability.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kMostNames = 6;
+
+bool IsOf(const std::string& name, const std::string& family) { return name.rfind(family + "/", 0) == 0; }
+
+}  // namespace
+
+std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components) {
+  bool base = false, marker = false, geometry = false;
+  for (const auto& [name, value] : components) {
+    base |= IsOf(name, "base");
+    marker |= IsOf(name, "marker");
+    geometry |= IsOf(name, "geometry");
+  }
+  if (base && marker) {
+    return "measure with the flange turned about at least two axes (wrist joints spread over 60 degrees or more), or "
+           "state the marker's point";
+  }
+  if (marker && geometry)
+    return "only where the marker ends up matters: leave the error at nominal, or state the marker's point";
+  if (base && geometry)
+    return "only where the robot ends up matters: leave the error at nominal, or state the base pose";
+  if (marker) return "observe the marker at more configurations with different flange orientations";
+  if (base) return "observe from this station at more configurations spread over the workspace";
+  return "move the joints near these transforms over a wider range, or leave the error at nominal";
+}
+
+std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& components) {
+  if (components.empty()) return "";
+  if (components.size() == 1) return components[0].first + " is not measured by these data";
+  std::vector<std::string> names;
+  for (const auto& [name, weight] : components) names.push_back(name);
+  const std::string listed = Enumerate(names, kMostNames);
+  if (components.size() > 2) {
+    return listed + " move together: only " + std::to_string(components.size() - 1) +
+           " combinations of them are measured";
+  }
+  const double ratio = -components[1].second / components[0].second;
+  const bool alike = std::abs(std::abs(ratio) - 1.0) < 0.05;
+  const std::string kind = ratio > 0.0 ? "sum" : "difference";
+  return listed + " move together: only their " + (alike ? "" : "weighted ") + kind + " is measured";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,13 @@
+// What is said of directions that the data cannot tell.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sagitta {
+
+// What to measure or to state, by the families of the names; components: as in Direction (identifiability.h).
+std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components);
+
+}  // namespace sagitta
