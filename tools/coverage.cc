@@ -59,7 +59,7 @@ Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& proble
                    {"flags", Json::object()}};
   for (const InputFile& input : inputs.files) identity["inputs"].push_back(input.sha256);
   for (const std::string& flag : WithProblemFlags({})) {
-    const bool is_way = flag == "out" || flag == "threads" || flag == "quiet" || flag == "seed";
+    const bool is_way = flag == "out" || flag == "threads" || flag == "quiet" || flag == "verbose" || flag == "seed";
     if (is_way || !IsGiven(flag)) continue;
     std::string value;
     gflags::GetCommandLineOption(flag.c_str(), &value);
