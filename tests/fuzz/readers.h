@@ -9,6 +9,7 @@
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/experiment_file.h"
+#include "problems/io/files.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/import_plan.h"
@@ -81,13 +82,19 @@ inline void ReadCsv(const std::string& text) {
   }
 }
 
-// One number: against the C library's reading of it, and through every unit and back.
-inline void ReadNumber(const std::string& text) {
+// Numbers as people type them into tables: pi/2, 90°, q1 + 90.
+inline void ReadExpression(const std::string& text) {
   for (const bool comma : {false, true}) {
     const std::optional<TypedNumber> typed = ParseTypedNumber(text, comma);
     Require(!typed || std::isfinite(typed->value), "a typed number that is not finite");
     const std::optional<JointExpression> joint = ParseJointExpression(text, comma);
     Require(!joint || std::isfinite(joint->offset.value), "an offset that is not finite");
+  }
+}
+
+// One number: against the C library's reading of it, and through every unit and back.
+inline void ReadNumber(const std::string& text) {
+  for (const bool comma : {false, true}) {
     const std::optional<double> local = ParseLocalNumber(text, comma);
     Require(!local || std::isfinite(*local), "a number of a table that is not finite");
   }

@@ -18,6 +18,7 @@ TEST(FuzzCorpusTest, EverySeedIsReadOrRefused) {
       {"foreign_robot", fuzz::ReadForeignRobot},
       {"foreign_table", fuzz::ReadForeignTable},
       {"number", fuzz::ReadNumber},
+      {"expression", fuzz::ReadExpression},
       {"csv", fuzz::ReadCsv},
       {"json", fuzz::ReadJson},
       {"estimate", [](const std::string& text) { ReadEstimateText(text, "estimate.json"); }}};
