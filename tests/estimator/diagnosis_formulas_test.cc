@@ -256,7 +256,7 @@ Weighed Weigh(const CalibrationProblem& problem) {
 // Sums over all models, written out.
 TEST(DiagnosisFormulas, PosteriorsAreSumsOverSets) {
   // Too small to be sure of: several sets share the probability.
-  const Weighed weighed = Weigh(Moved([](Eigen::VectorXd* q) { (*q)[2] += 14e-6 * std::cos(2 * (*q)[2]); }, Kr270()));
+  const Weighed weighed = Weigh(Moved([](Eigen::VectorXd* q) { (*q)[2] += 9e-6 * std::cos(2 * (*q)[2]); }, Kr270()));
   const Evidence& evidence = *weighed.evidence;
   const Posterior posterior = PosteriorOf(evidence, evidence.models());
   const ExplanationList& list = evidence.list();
@@ -302,7 +302,7 @@ TEST(DiagnosisFormulas, PosteriorsAreSumsOverSets) {
 
 // Three times the prior of nothing: odds of something become a third.
 TEST(DiagnosisFormulas, AnotherPriorFlipsAVerdictNearItsGate) {
-  const Weighed weighed = Weigh(Moved([](Eigen::VectorXd* q) { (*q)[2] += 14e-6 * std::cos(2 * (*q)[2]); }, Kr270()));
+  const Weighed weighed = Weigh(Moved([](Eigen::VectorXd* q) { (*q)[2] += 9e-6 * std::cos(2 * (*q)[2]); }, Kr270()));
   const Posterior posterior = PosteriorOf(*weighed.evidence, weighed.evidence->models());
   const double something = posterior.Something(), odds = something / (1.0 - something);
   ASSERT_GT(something, 0.01);
