@@ -82,6 +82,8 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
   }
   const std::string misfit = WarningOfMisfit(result.problem, estimate.fit.distance_rms);
   if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  const std::string large = WarningOfLargeCorrections(result.problem, estimate.table);
+  if (!large.empty()) estimate.warnings.push_back(large);
   say("cross-validating");
   result.trust = JudgeTrust(result.problem, options.seed, &estimate);
   return result;

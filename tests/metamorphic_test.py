@@ -336,6 +336,24 @@ def changes_of_diagnoses(case):
         yield SwappedMarkers(case)
 
 
+class Names(unittest.TestCase):
+    """Results are a function of inputs: the length of a folder's name does not change the last digit."""
+
+    def test_other_folders_have_the_same_bytes(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            experiment = simulated(folder).write(folder / 'case')
+            for command, kept in (('calibrate', ('residuals.csv',)), ('diagnose', ('residuals.csv',))):
+                first = None
+                for out in ('a', 'bb', 'c' * 23, 'd' * 64):
+                    json_of_run = run(command, experiment, folder / out)
+                    for key in ('command', 'run', 'seconds'):
+                        json_of_run.pop(key, None)
+                    told = [json.dumps(json_of_run)] + [(folder / out / file).read_text() for file in kept]
+                    first = first or told
+                    self.assertEqual(first, told, (command, out))
+
+
 def test_calibrate(name):
     def test(self):
         before = None

@@ -56,12 +56,21 @@ struct Loop {
   }
 };
 
+// Huber's weight leaves a row that is d standard deviations off a square of c d: one that is 10^7 off would decide
+// alone how much the rows scatter, and with that what counts as measured. Beyond kFar its square grows no more.
+double WeightInFit(LossKind loss, double weight) {
+  constexpr double kFar = 100.0, kLeast = 1e-20;
+  const double there = LossWeight(LossKind::kHuber, kFar);
+  if (loss == LossKind::kHuber && weight < there) weight *= weight / there;
+  return std::max(kLeast, weight);
+}
+
 // Roots over the root of the weights: the next round's least squares.
 void ApplyWeights(const std::vector<int>& observations, double scale, Loop* loop) {
   if (loop->loss == LossKind::kNone) return;
   if (loop->problem.resolved_noise.empty()) loop->problem.resolved_noise = loop->base;
   for (size_t k = 0; k < observations.size(); ++k) {
-    loop->problem.resolved_noise[observations[k]] *= scale / std::sqrt(std::max(1e-8, loop->weights[k]));
+    loop->problem.resolved_noise[observations[k]] *= scale / std::sqrt(WeightInFit(loop->loss, loop->weights[k]));
   }
 }
 

@@ -3,16 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 #include <vector>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "problems/input_error.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kSuspicious = 0.05;  // of the reach
 constexpr double kMisfit = 0.01;      // of the reach
+// A correction of a link's length by more than both is no tolerance of a robot: those are tenths of a millimetre, and a
+// few millimetres where a length was taken from a drawing.
+constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
 constexpr double kImprovement = 10.0;
 constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 
@@ -139,6 +144,22 @@ void CheckUnits(const CalibrationProblem& problem) {
   if (const std::optional<UnitFinding> finding = GuessWrongUnit(problem)) {
     throw InputError({finding->file, finding->line, finding->column}, finding->words, finding->hint);
   }
+}
+
+std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const std::vector<ParameterEstimate>& table) {
+  constexpr std::string_view kGeometry = "geometry/";
+  std::vector<std::string> large;
+  for (const ParameterEstimate& row : table) {
+    if (row.name.rfind(kGeometry, 0) != 0) continue;
+    const int at = problem.robot.chain.FindError(row.name.substr(kGeometry.size()));
+    if (at < 0 || problem.robot.chain.transforms[at].motion != Motion::kTranslation) continue;
+    const double length = problem.robot.chain.transforms[at].nominal, by = row.value;
+    if (length == 0.0 || !(std::abs(by) > std::max(kOfALink * std::abs(length), kLargeCorrection))) continue;
+    large.push_back(row.name + " (" + Fixed(1e3 * length, 1) + " mm by " + Fixed(1e3 * by, 1) + " mm)");
+  }
+  if (large.empty()) return "";
+  return "lengths are corrected by more than a tenth: " + Enumerate(large, 5) +
+         "; no robot is built so: look for wrong rows, units and signs ('sagitta inspect')";
 }
 
 std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {

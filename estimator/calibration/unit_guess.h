@@ -4,7 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -26,6 +28,9 @@ std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, con
 
 // Throws InputError where GuessWrongUnit finds one.
 void CheckUnits(const CalibrationProblem& problem);
+
+// A warning where a link's length is corrected by more than a tenth and 5 mm. "": none.
+std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const std::vector<ParameterEstimate>& table);
 
 // A warning where even the estimate misses by more than 1 % of the reach: signs,
 // zero positions, kinematics or units do not belong to these data. "": none.

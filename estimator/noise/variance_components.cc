@@ -28,6 +28,12 @@ CalibrationProblem WithReferenceDeviations(CalibrationProblem problem) {
   return problem;
 }
 
+// Without columns, where nothing is estimated, there is no memory to point into.
+Eigen::MatrixXd LastRows(const Eigen::MatrixXd& matrix, Eigen::Index count) {
+  if (matrix.cols() == 0) return Eigen::MatrixXd(count, 0);
+  return matrix.bottomRows(count);
+}
+
 // Root of an increasing function between `inside`, where it is negative, and `outside`, where it is `there`
 // (Illinois variant of the false position).
 template <typename Function>
@@ -66,7 +72,7 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   dof_ = all.num_rows() - columns_;
   const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
   all.jacobian = Eigen::MatrixXd(all.jacobian * scale.asDiagonal());
-  const Eigen::MatrixXd priors = all.jacobian.bottomRows(all.num_rows() - rows);
+  const Eigen::MatrixXd priors = LastRows(all.jacobian, all.num_rows() - rows);
   const Eigen::VectorXd prior_residual = all.residual.tail(all.num_rows() - rows);
   prior_normal_ = priors.transpose() * priors;
   prior_product_ = priors.transpose() * prior_residual;
@@ -82,8 +88,9 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
     const int rest = static_cast<int>(deviation.rows()) - touched;
     const Eigen::MatrixXd upper = qr.matrixQR().topRows(touched).triangularView<Eigen::Upper>();
     visits_.push_back({residual.head(touched), jacobian.topRows(touched), upper});
-    rest_normal_ += jacobian.bottomRows(rest).transpose() * jacobian.bottomRows(rest);
-    rest_product_ += jacobian.bottomRows(rest).transpose() * residual.tail(rest);
+    const Eigen::MatrixXd below = LastRows(jacobian, rest);
+    rest_normal_ += below.transpose() * below;
+    rest_product_ += below.transpose() * residual.tail(rest);
     rest_square_ += residual.tail(rest).squaredNorm();
     rest_rows_ += rest;
   }

@@ -70,7 +70,7 @@ Eigen::MatrixXd CovarianceOfWeighted(const CalibrationProblem& problem, const Pa
     for (int i = 0; i < piece.num_observations(); ++i) {
       const Matrix3<double> ratio = weight[i].inverse() * noise[i];  // W S
       scattered = ratio.transpose() * piece.rows.block(3 * i, 0, 3, n);
-      for (int axis = 0; axis < 3; ++axis) sums.Add(&scattered(axis, 0));
+      for (int axis = 0; axis < 3; ++axis) sums.Add(scattered.row(axis).data());
     }
   });
   const Eigen::MatrixXd priors = PriorsOf(parameters, columns).jacobian;

@@ -29,7 +29,7 @@ KnownRobot Estimated(const Kr270Truth& truth, std::uint64_t seed, const std::vec
   robot.name = robot_name;
   robot.chain = test::Kr270Chain();
   const CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
-  const Calibration calibration{problem, EstimateJointly(problem)};
+  const Calibration calibration{problem, EstimateJointly(problem), {}};
   EXPECT_TRUE(IsUsable(calibration.estimate.status)) << calibration.estimate.message;
   return KnownFrom(calibration);
 }

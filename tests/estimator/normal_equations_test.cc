@@ -203,7 +203,9 @@ TEST_P(NormalEquationsOf, PiecesAreTheRows) {
   for (size_t k = 0; k < seen.size(); ++k) {
     EXPECT_EQ(seen[k], 1);
     for (size_t other = 0; other < k; ++other) {
-      if (clusters[k] == clusters[other]) EXPECT_EQ(piece_of[k], piece_of[other]);
+      if (clusters[k] == clusters[other]) {
+        EXPECT_EQ(piece_of[k], piece_of[other]);
+      }
     }
   }
 }

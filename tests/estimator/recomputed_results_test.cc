@@ -323,7 +323,7 @@ TEST(RecomputedResults, ASlippedDriverMovesWhatIsCoupledToIt) {
     robot.chain = test::Kr270Chain();
     robot.chain.couplings.push_back({2, 1, kRatio});
     const CalibrationProblem problem = MakeCalibrationProblem(robot, data, Experiment());
-    const Calibration calibration{problem, EstimateJointly(problem)};
+    const Calibration calibration{problem, EstimateJointly(problem), {}};
     EXPECT_TRUE(IsUsable(calibration.estimate.status)) << calibration.estimate.message;
     return KnownFrom(calibration);
   };

@@ -1,11 +1,17 @@
 // What the fuzzers feed: one function per reader. Each may throw InputError and nothing else.
 #pragma once
 
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "problems/input_error.h"
+#include "problems/io/csv_table.h"
 #include "problems/io/experiment_file.h"
+#include "problems/io/files.h"
 #include "problems/io/import/column_meaning.h"
+#include "problems/io/import/expressions.h"
 #include "problems/io/import/import_plan.h"
 #include "problems/io/import/imported_rows.h"
 #include "problems/io/import/robot_reading.h"
@@ -13,6 +19,8 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/measurement_writer.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/text_checks.h"
+#include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
 
 namespace sagitta::fuzz {
@@ -23,6 +31,13 @@ inline const Robot& TwoJoints() {
       "kinematics: {chain: [{Rz: a}, {Tx_mm: 100}, {Tx: b}]}\n",
       "two.yaml");
   return robot;
+}
+
+// Of what must hold: ends the program where it does not.
+inline void Require(bool holds, const char* what_else) {
+  if (holds) return;
+  std::fprintf(stderr, "%s\n", what_else);
+  std::abort();
 }
 
 // A robot that was read is written, and what was written is read.
@@ -53,7 +68,50 @@ inline void ReadForeignTable(const std::string& text) {
   }
 }
 
-inline void ReadJson(const std::string& text) { ParseJson(text, "e.json"); }
+// What is read is written, and reads as the same.
+inline void ReadJson(const std::string& text) {
+  const nlohmann::ordered_json json = ParseJson(text, "e.json");
+  Require(ParseJson(json.dump(), "again.json") == json, "a JSON text reads otherwise after it was written");
+}
+
+inline void ReadCsv(const std::string& text) {
+  const CsvTable table = ParseCsvTable(text, "rows.csv");
+  Require(!table.file.rows.empty(), "a table without rows");
+  for (const MeasurementFile::Row& row : table.file.rows) {
+    Require(row.cells.size() == table.file.header.size(), "a row of another length than the header");
+  }
+}
+
+// Numbers as people type them into tables: pi/2, 90°, q1 + 90.
+inline void ReadExpression(const std::string& text) {
+  for (const bool comma : {false, true}) {
+    const std::optional<TypedNumber> typed = ParseTypedNumber(text, comma);
+    Require(!typed || std::isfinite(typed->value), "a typed number that is not finite");
+    const std::optional<JointExpression> joint = ParseJointExpression(text, comma);
+    Require(!joint || std::isfinite(joint->offset.value), "an offset that is not finite");
+  }
+}
+
+// One number: against the C library's reading of it, and through every unit and back.
+inline void ReadNumber(const std::string& text) {
+  for (const bool comma : {false, true}) {
+    const std::optional<double> local = ParseLocalNumber(text, comma);
+    Require(!local || std::isfinite(*local), "a number of a table that is not finite");
+  }
+  const std::optional<double> number = ParseNumber(text);
+  if (!number) return;
+  char* end = nullptr;
+  Require(*number == std::strtod(text.c_str(), &end), "a number is not that of the C library");
+  Require(end == text.c_str() + text.size(), "a number ends elsewhere than that of the C library");
+  Require(ParseNumber(FormatNumber(*number)) == number, "a number reads otherwise after it was written");
+  for (const Dimension dimension : {Dimension::kSmallLength, Dimension::kAngle}) {
+    for (const Unit& unit : UnitsOf(dimension)) {
+      const double si = unit.ToSi(*number), size = std::abs(si);
+      if (size < 1e-290 || size > 1e290) continue;  // where units themselves lose digits
+      Require(std::abs(unit.ToSi(ToUnit(si, unit)) - si) <= 4e-16 * size, "a quantity changes by its unit");
+    }
+  }
+}
 
 // For LLVMFuzzerTestOneInput.
 template <typename Reader>

@@ -1,8 +1,6 @@
 // Sizes and numbers beyond what a robot can be are refused at the reader, with words (problems/limits.h).
 #include "problems/limits.h"
 
-#include <chrono>
-
 #include "problems/io/experiment_file.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/measurement_file.h"
@@ -30,9 +28,8 @@ std::string RobotError(const std::string& text) {
 TEST(LimitsTest, Joints) {
   EXPECT_EQ(RobotError(RobotOf(64)), "");
   EXPECT_TRUE(SaysInOrder(RobotError(RobotOf(65)), {"r.yaml", "joints", "64 joints"}));
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_NE(RobotError(RobotOf(20000)), "");
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  // Counted before anything is looked up by name, which would take minutes.
+  EXPECT_TRUE(SaysInOrder(RobotError(RobotOf(20000)), {"r.yaml", "joints", "64 joints"}));
 }
 
 TEST(LimitsTest, AliasesThatStandForBillions) {

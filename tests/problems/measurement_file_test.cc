@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "models/effects/effect.h"
@@ -392,20 +391,23 @@ TEST_F(MeasurementFileTest, AFileGivenTwiceIsRefused) {
                           {"t.csv:2", "equals", "m.csv:2"}));
 }
 
-TEST_F(MeasurementFileTest, ManyRowsAreQuick) {
+// How long they take is measured by tests/benchmarks.
+TEST_F(MeasurementFileTest, RepeatsAmongManyRowsAreShotsOfTheirConfiguration) {
   std::string text = "config,marker,repeat,q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
-  constexpr int kRows = 100000;
+  constexpr int kRows = 20000;
   for (int i = 0; i < kRows; ++i) {
-    // Half of the rows are repeats of one shot, where a scan would be quadratic.
     const std::string config = i % 2 == 0 ? "C" : "C" + std::to_string(i);
     text += config + ",M1,0,12.5,100," + std::to_string(i) + ".5,2,3\n";
   }
-  const auto start = std::chrono::steady_clock::now();
   const Measurements data = Read(text);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ASSERT_EQ(data.observations.size(), static_cast<size_t>(kRows));
   EXPECT_EQ(data.shots.size(), static_cast<size_t>(kRows));
-  EXPECT_LT(seconds, 10.0);  // a scan takes minutes; a loaded machine stays below
-  RecordProperty("seconds", std::to_string(seconds));
+  EXPECT_EQ(data.configurations.size(), static_cast<size_t>(kRows / 2 + 1));
+  for (int i = 0; i < kRows; ++i) {
+    const Observation& row = data.observations[i];
+    ASSERT_EQ(data.ConfigurationOf(row).id, i % 2 == 0 ? "C" : "C" + std::to_string(i));
+    ASSERT_NEAR(row.point_in_station.x(), 1e-3 * (i + 0.5), 1e-12);
+  }
 }
 
 TEST_F(MeasurementFileTest, ReadsTheSharedData) {

@@ -189,7 +189,9 @@ TEST_F(OutputFilesTest, AKillBeforeTheFirstResultsLeavesNoneOrAll) {
     const bool has_a = fs::exists(Path("new/sub/a")), has_b = fs::exists(Path("new/sub/b"));
     EXPECT_EQ(has_a, has_b) << "killed at stop " << k;
     for (const char* name : {"new/sub/a", "new/sub/b"}) {
-      if (has_a && has_b) EXPECT_EQ(ReadTextFile(Path(name)), "1");
+      if (has_a && has_b) {
+        EXPECT_EQ(ReadTextFile(Path(name)), "1");
+      }
     }
     (has_a ? all : none) += 1;
   };

@@ -334,6 +334,8 @@ TEST(ExpressionTest, NumbersAsPeopleTypeThem) {
   EXPECT_TRUE(ParseTypedNumber("90°")->is_degrees);
   EXPECT_EQ(ParseTypedNumber("−90")->value, -90.0);
   EXPECT_FALSE(ParseTypedNumber("L1"));
+  // Each factor is a number, their quotient is none.
+  EXPECT_FALSE(ParseTypedNumber(std::string(250, '9') + "pi/0." + std::string(100, '0') + "1"));
   EXPECT_EQ(ParseJointExpression("θ2 - 90")->offset.value, -90.0);
   EXPECT_EQ(ParseJointExpression("θ2 - 90")->index, 2);
   EXPECT_EQ(ParseJointExpression("90+q3")->offset.value, 90.0);

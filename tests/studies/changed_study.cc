@@ -41,7 +41,7 @@ KnownRobot Calibrated(const Kr270Truth& truth, std::uint64_t seed) {
   Measurements data = test::DesignMeasurements(design);
   test::MeasureKr270(truth, kSigma, seed + 500000, &data);
   const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
-  return KnownFrom(Calibration{problem, EstimateJointly(problem)});
+  return KnownFrom(Calibration{problem, EstimateJointly(problem), {}});
 }
 
 struct Case {

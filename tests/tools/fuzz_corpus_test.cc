@@ -17,6 +17,10 @@ TEST(FuzzCorpusTest, EverySeedIsReadOrRefused) {
       {"experiment", fuzz::ReadExperiment},
       {"foreign_robot", fuzz::ReadForeignRobot},
       {"foreign_table", fuzz::ReadForeignTable},
+      {"number", fuzz::ReadNumber},
+      {"expression", fuzz::ReadExpression},
+      {"csv", fuzz::ReadCsv},
+      {"json", fuzz::ReadJson},
       {"estimate", [](const std::string& text) { ReadEstimateText(text, "estimate.json"); }}};
   std::map<std::string, int> read;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(SourceFolder() + "/tests/fuzz/corpus")) {

@@ -201,7 +201,7 @@ TEST_F(Convert, UniversalRobotsConf) {
 
 TEST_F(Convert, RoundTripAndWords) {
   const std::string robot = Write("robot.yaml", kRobot);
-  for (const std::string& out : {"a.urdf", "a.csv", "b.yaml"})
+  for (const std::string out : {"a.urdf", "a.csv", "b.yaml"})
     EXPECT_EQ(Run({"convert", robot, Path(out)}).status, 0) << out;
   const Outcome back = Run({"convert", Path("a.urdf"), Path("again.csv"), "--as=mdh"});
   EXPECT_EQ(back.status, 0) << back.err;

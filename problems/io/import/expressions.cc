@@ -52,6 +52,7 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
   const std::optional<double> times = factor(match[2].str()), over = factor(match[3].str());
   if (!times || !over || *over == 0.0 || number.is_degrees) return std::nullopt;
   number.value = (match[1].str() == "-" ? -1.0 : 1.0) * *times * M_PI / *over;
+  if (!std::isfinite(number.value)) return std::nullopt;
   number.uses_pi = true;
   return number;
 }

@@ -1,0 +1,377 @@
+// Formulas of the diagnosis against closed forms, enumeration and other parts of the program: what is weighed, what is
+// named, and what untouched rows say against it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "estimator/diagnosis/candidates.h"
+#include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/gap.h"
+#include "estimator/diagnosis/moments.h"
+#include "estimator/diagnosis/noise_check.h"
+#include "estimator/diagnosis/posterior.h"
+#include "estimator/diagnosis/refit.h"
+#include "estimator/diagnosis/steps.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+constexpr double kSigma = 2e-5;  // m
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// 40 configurations of three markers, every fourth held out, one visit a minute from 1000 s on; `move` changes where
+// the joints really are.
+template <typename Move>
+CalibrationProblem Moved(const Move& move, const Robot& believed) {
+  test::Kr270Design design;
+  design.configurations = 40;
+  design.stations = 1;
+  design.sigma = kSigma;
+  design.seed = 7;
+  Measurements data = test::DesignMeasurements(design);
+  Measurements moved = data;
+  for (Configuration& configuration : moved.configurations) move(&configuration.q);
+  test::MeasureKr270(test::Kr270Truth(), kSigma, 107, &moved);
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    data.observations[i].point_in_station = moved.observations[i].point_in_station;
+  }
+  for (size_t s = 0; s < data.shots.size(); ++s) {
+    data.shots[s].has_time = true;
+    data.shots[s].time = 1000.0 + 60.0 * static_cast<double>(s);
+  }
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.25;
+  return MakeCalibrationProblem(believed, data, experiment);
+}
+
+Robot Kr270() {
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  return robot;
+}
+
+CalibrationProblem Healthy() {
+  return Moved([](Eigen::VectorXd*) {}, Kr270());
+}
+
+constexpr double kCosine = 80e-6, kSine = -50e-6;
+
+// Joint 3 off by a harmonic of order 2.
+CalibrationProblem Hidden() {
+  return Moved([](Eigen::VectorXd* q) { (*q)[2] += kCosine * std::cos(2 * (*q)[2]) + kSine * std::sin(2 * (*q)[2]); },
+               Kr270());
+}
+
+EffectSpec Harmonic(int joint) {
+  EffectSpec spec;
+  spec.effect = "joint_harmonic";
+  spec.target = test::Kr270Chain().joints[static_cast<size_t>(joint)].name;
+  spec.settings["order"] = "2";
+  return spec;
+}
+
+TEST(DiagnosisFormulas, FactorOnSigmaIsARoot) {
+  EXPECT_NEAR(ResidualLikelihood(10.0, kInfinity, 0.05).Factor(40.0), 2.0, 1e-12);
+  EXPECT_NEAR(ResidualLikelihood(10.0, 30.0, 0.05).Factor(70.0), std::sqrt(100.0 / 40.0), 1e-12);
+}
+
+// Of two parameters both tails are elementary: exp(-x / 2), and (1 + 2 F / d)^(-d / 2).
+TEST(DiagnosisFormulas, PIsOfTheBestOfManyTests) {
+  EXPECT_NEAR(CorrectedP(12.0, 2, 0.8, 20, true, 5), 5.0 * std::exp(-6.0), 1e-12);
+  const double of_f = std::pow(1.0 + 2.0 * 4.0 / 20.0, -10.0);
+  EXPECT_NEAR(CorrectedP(12.0, 2, 1.5, 20, true, 3), 3.0 * of_f, 1e-12);
+  EXPECT_NEAR(CorrectedP(12.0, 2, 1.5, 20, false, 3), 3.0 * of_f, 1e-12);
+  EXPECT_EQ(CorrectedP(1.0, 2, 0.8, 20, true, 5), 1.0);
+}
+
+// exp(-v' C^-1 v / 2) of two parameters, with the values and the covariance of the estimate.
+TEST(DiagnosisFormulas, WaldCountsTheEffectsParameters) {
+  Robot believed = Kr270();
+  believed.effects.push_back(Harmonic(2));
+  const Estimate estimate =
+      EstimateJointly(Moved([](Eigen::VectorXd* q) { (*q)[2] += 4e-6 * std::cos(2 * (*q)[2]); }, believed));
+  ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
+  std::vector<int> own;
+  Eigen::Vector2d values = Eigen::Vector2d::Zero();
+  for (size_t c = 0; c < estimate.estimated.size(); ++c) {
+    const ParameterEstimate& row = estimate.table[static_cast<size_t>(estimate.estimated[c])];
+    if (row.name.find("joint_harmonic") == std::string::npos) continue;
+    ASSERT_LT(own.size(), 2u);
+    values[static_cast<long>(own.size())] = row.value;
+    own.push_back(static_cast<int>(c));
+  }
+  ASSERT_EQ(own.size(), 2u);
+  const double a = estimate.covariance(own[0], own[0]), b = estimate.covariance(own[0], own[1]),
+               d = estimate.covariance(own[1], own[1]);
+  const double square =
+      (d * values[0] * values[0] - 2.0 * b * values[0] * values[1] + a * values[1] * values[1]) / (a * d - b * b);
+  const double p = WaldP(Harmonic(2), estimate);
+  EXPECT_NEAR(p / std::exp(-0.5 * square), 1.0, 1e-6);
+  EXPECT_GT(p, 1e-12);
+  EXPECT_LT(p, 0.9);
+  EXPECT_EQ(WaldP(Harmonic(3), estimate), 1.0);  // of an effect that is not estimated
+}
+
+// A model whose held-out points are off by `distance(k)` of the k-th held-out configuration, along one axis.
+template <typename Distance>
+DiagnosedModel OffBy(const Distance& distance) {
+  CalibrationProblem problem = Healthy();
+  const std::vector<int> held_out = problem.ValidationObservations();
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, problem.parameters, held_out);
+  std::map<int, int> numbers;  // of the configurations, in order
+  for (size_t k = 0; k < held_out.size(); ++k) {
+    Observation& row = problem.data.observations[static_cast<size_t>(held_out[k])];
+    const int c = problem.data.shots[static_cast<size_t>(row.shot)].configuration;
+    const int number = numbers.emplace(c, static_cast<int>(numbers.size())).first->second;
+    row.point_in_station = predicted.col(static_cast<long>(k)) + distance(number) * Vector3<double>::UnitY();
+  }
+  DiagnosedModel model{std::make_shared<CalibrationProblem>(problem), {}};
+  model.estimate.parameters = problem.parameters;
+  model.estimate.validation.observations = static_cast<int>(held_out.size());
+  return model;
+}
+
+TEST(DiagnosisFormulas, UntouchedRowsSpeakAgainstAStepBeyondChance) {
+  const DiagnosedModel before = OffBy([](int) { return 1e-3; });
+  // All a little worse: the differences do not scatter. Or a little better.
+  EXPECT_TRUE(MakesHoldoutWorse(before, OffBy([](int k) { return 1.01e-3 + 1e-6 * k; })));
+  EXPECT_FALSE(MakesHoldoutWorse(before, OffBy([](int k) { return 0.98e-3 - 1e-6 * k; })));
+  // One of ten alone: its difference is as large as the scatter. The root mean square of ten may grow by 2.326 /
+  // sqrt(60) by chance.
+  const double limit = std::pow(1.0 + 2.3263478740408408 / std::sqrt(60.0), 2);
+  const auto one_worse = [&](double growth_of_squares) {
+    const double squares = 10.0 * growth_of_squares - 9.0;  // of the one, 1 each of the others
+    return OffBy([=](int k) { return 1e-3 * (k == 4 ? std::sqrt(squares) : 1.0); });
+  };
+  EXPECT_FALSE(MakesHoldoutWorse(before, one_worse(0.99 * limit)));
+  EXPECT_TRUE(MakesHoldoutWorse(before, one_worse(1.01 * limit)));
+}
+
+// Ten configurations held out count 30: chi-square's upper thousandth is 59.703.
+TEST(DiagnosisFormulas, FarFromTheFloorIsATestOfSquares) {
+  DiagnosedModel model = OffBy([](int) { return 1e-3; });
+  model.estimate.noise_floor = 1e-4;
+  const auto far = [&model](double square) {
+    model.estimate.validation.rms = 1e-4 * std::sqrt(square / 30.0);
+    return IsFarFromFloor(model, true, 0.01);
+  };
+  EXPECT_FALSE(far(59.6));
+  EXPECT_TRUE(far(59.8));
+  EXPECT_FALSE(IsFarFromFloor(model, false, 0.01));  // nothing states the noise
+}
+
+// What groups close adds up to what all steps close: by gap.cc, which goes by configurations.
+TEST(DiagnosisFormulas, SharesOfTheGapAddUp) {
+  const DiagnosedModel baseline = FitFully(Moved(
+                                               [](Eigen::VectorXd* q) {
+                                                 (*q)[2] += 160e-6 * std::cos(2 * (*q)[2]);
+                                                 (*q)[1] *= 1.0 + 80e-6;
+                                               },
+                                               Kr270()),
+                                           JointOptions());
+  EffectSpec gain;
+  gain.effect = "encoder_gain";
+  gain.target = Harmonic(1).target;
+  std::vector<DiagnosisStep> steps(2);
+  steps[0].candidate.spec = Harmonic(2);
+  steps[1].candidate.spec = gain;
+  const DiagnosedModel final = Extend(baseline, {steps[0].candidate, steps[1].candidate}, JointOptions());
+  const std::vector<StepGroup> groups = GroupSteps(steps, baseline, baseline, final, JointOptions());
+  ASSERT_EQ(groups.size(), 2u);
+  DiagnosedModel judged = final;  // with its predictions
+  judged.estimate.predicted = baseline.estimate.predicted;
+  const std::vector<int> held_out = judged.problem->ValidationObservations();
+  const Eigen::Matrix3Xd predicted = PredictPoints(*judged.problem, judged.estimate.parameters, held_out);
+  for (size_t k = 0; k < held_out.size(); ++k) {
+    judged.estimate.predicted.col(held_out[k]) = predicted.col(static_cast<long>(k));
+  }
+  const double closed = JudgeGap(baseline, judged, true).closed;
+  EXPECT_GT(closed, 0.5);
+  EXPECT_GT(std::abs(groups[0].share_of_gap), 0.05);
+  EXPECT_GT(std::abs(groups[1].share_of_gap), 0.05);
+  EXPECT_NEAR(groups[0].share_of_gap + groups[1].share_of_gap, closed, 1e-9);
+  // The first alone closes its own share.
+  DiagnosedModel first = Extend(baseline, {steps[0].candidate}, JointOptions());
+  first.estimate.noise_floor = final.estimate.noise_floor;
+  const double floor = std::pow(final.estimate.noise_floor, 2);
+  const double before = std::pow(HoldoutRms(baseline), 2) - floor, after = std::pow(HoldoutRms(first), 2) - floor;
+  EXPECT_NEAR(groups[0].share_of_gap, 1.0 - after / before, 1e-9);
+}
+
+// Chi-square's upper thousandth of one row is 16.27, of the worst of ninety 24.6.
+TEST(DiagnosisFormulas, OutliersAreJudgedAsTheWorstOfAll) {
+  const DiagnosedModel fit = FitFully(Healthy(), JointOptions());
+  const std::vector<int> rows = fit.problem->CalibrationObservations();
+  ASSERT_EQ(rows.size(), 90u);
+  const auto found = [&](double square) {
+    CalibrationProblem problem = *fit.problem;
+    Observation& row = problem.data.observations[static_cast<size_t>(rows[31])];
+    row.point_in_station = fit.estimate.predicted.col(rows[31]) + kSigma * std::sqrt(square) * Vector3<double>::UnitX();
+    return FindOutliers(problem, fit.estimate.parameters, rows, 1e-3, false, 0);
+  };
+  EXPECT_TRUE(found(20.0).empty());
+  EXPECT_EQ(found(40.0), std::vector<int>{rows[31]});
+}
+
+// Middles between the times of fitted visits; held-out visits make none.
+TEST(DiagnosisFormulas, MomentsLieBetweenFittedVisits) {
+  const CalibrationProblem problem = Healthy();
+  std::vector<double> times;
+  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+    const Shot& shot = problem.data.shots[s];
+    if (!problem.data.configurations[static_cast<size_t>(shot.configuration)].is_validation) {
+      times.push_back(60.0 * static_cast<double>(s));
+    }
+  }
+  ASSERT_EQ(times.size(), 30u);
+  const double begin = problem.shot_inputs[0].conditions.time;  // of the campaign's clock
+  const std::vector<std::string> points = ChangePoints(problem);
+  ASSERT_EQ(points.size(), times.size() - 2);
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(std::stod(points[i]) - begin, 0.5 * (times[i] + times[i + 1]), 1e-3) << i;
+  }
+}
+
+struct Weighed {
+  std::unique_ptr<DiagnosedModel> model;
+  std::unique_ptr<Evidence> evidence;
+};
+
+Weighed Weigh(const CalibrationProblem& problem) {
+  Weighed weighed;
+  weighed.model = std::make_unique<DiagnosedModel>(FitFully(problem, JointOptions()));
+  const ParameterSet& parameters = weighed.model->estimate.parameters;
+  weighed.evidence = std::make_unique<Evidence>(problem, parameters, ListCandidates(problem, parameters), PriorMasses(),
+                                                kInfinity, nullptr);
+  return weighed;
+}
+
+// Sums over all models, written out.
+TEST(DiagnosisFormulas, PosteriorsAreSumsOverSets) {
+  // Too small to be sure of: several sets share the probability.
+  const Weighed weighed = Weigh(Moved([](Eigen::VectorXd* q) { (*q)[2] += 9e-6 * std::cos(2 * (*q)[2]); }, Kr270()));
+  const Evidence& evidence = *weighed.evidence;
+  const Posterior posterior = PosteriorOf(evidence, evidence.models());
+  const ExplanationList& list = evidence.list();
+  double nothing = 0.0, noise = 0.0, unnamed = 0.0, all = 0.0;
+  std::map<std::string, double> names;
+  std::map<std::set<std::string>, double> sets;
+  for (const WeightedModel& model : evidence.models()) {
+    ASSERT_NE(evidence.views()[model.view].view.kind, NoiseView::Kind::kPose);
+    all += model.probability;
+    std::set<std::string> own;
+    bool has_unnamed = false;
+    for (const int m : model.set.members) {
+      own.insert(list.name[m]);
+      has_unnamed |= list.IsUnnamed(m);
+    }
+    for (const std::string& name : own) names[name] += model.probability;
+    if (has_unnamed) unnamed += model.probability;
+    if (!own.empty()) sets[own] += model.probability;
+    if (!own.empty()) continue;
+    const bool stated = evidence.views()[model.view].view.kind == NoiseView::Kind::kStated;
+    const double wrong =
+        stated ? evidence.LikelihoodOf(model.view).ProbabilityWrong(evidence.views()[model.view].beside.normal.residual)
+               : 1.0;
+    nothing += (1.0 - wrong) * model.probability;
+    noise += wrong * model.probability;
+  }
+  EXPECT_NEAR(all, 1.0, 1e-9);
+  EXPECT_NEAR(posterior.nothing, nothing, 1e-12);
+  EXPECT_NEAR(posterior.noise, noise, 1e-12);
+  EXPECT_NEAR(posterior.unnamed, unnamed, 1e-12);
+  EXPECT_GT(nothing, 0.001);
+  EXPECT_GT(unnamed, 1e-4);
+  EXPECT_GT(std::abs(nothing - noise), 0.001);
+  ASSERT_EQ(posterior.sets.size(), sets.size());
+  bool is_shared = false;  // a set of names by more than one model
+  for (const NameSet& set : posterior.sets) {
+    EXPECT_NEAR(set.probability, sets.at(set.names), 1e-12);
+    is_shared |= set.models.size() > 1 && set.probability > 1.001 * evidence.models()[set.best].probability;
+  }
+  EXPECT_TRUE(is_shared);
+  for (const auto& [name, probability] : names) EXPECT_NEAR(posterior.Of(name), probability, 1e-12) << name;
+}
+
+// Three times the prior of nothing: odds of something become a third.
+TEST(DiagnosisFormulas, AnotherPriorFlipsAVerdictNearItsGate) {
+  const Weighed weighed = Weigh(Moved([](Eigen::VectorXd* q) { (*q)[2] += 9e-6 * std::cos(2 * (*q)[2]); }, Kr270()));
+  const Posterior posterior = PosteriorOf(*weighed.evidence, weighed.evidence->models());
+  const double something = posterior.Something(), odds = something / (1.0 - something);
+  ASSERT_GT(something, 0.01);
+  ASSERT_LT(something, 0.999);
+  const double then = odds / 3.0 / (1.0 + odds / 3.0);
+  const auto flips_to_nothing = [&](double gate) {
+    const std::vector<Flip> flips = WhatFlips(*weighed.evidence, posterior, gate);
+    return std::any_of(flips.begin(), flips.end(),
+                       [](const Flip& flip) { return flip.mass == "nothing" && flip.is_larger && !flip.is_something; });
+  };
+  EXPECT_FALSE(flips_to_nothing(then - 1e-6));
+  EXPECT_TRUE(flips_to_nothing(then + 1e-6));
+  EXPECT_TRUE(flips_to_nothing(something - 1e-6));
+}
+
+// Of the chi-square that a refit loses, and of the halves' values being one.
+TEST(DiagnosisFormulas, AStepsReductionAndHalves) {
+  const CalibrationProblem problem = Hidden();
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  ASSERT_EQ(diagnosis.steps.size(), 1u);
+  const DiagnosisStep& step = diagnosis.steps[0];
+  const double lost = diagnosis.baseline.estimate.chi2 - diagnosis.final.estimate.chi2;
+  EXPECT_GT(lost, 20.0);
+  EXPECT_NEAR(step.reduction, lost, 0.01 * lost);
+  ASSERT_EQ(step.confirmation.halves.size(), 2u);
+  const HalfResult &first = step.confirmation.halves[0], &second = step.confirmation.halves[1];
+  ASSERT_EQ(first.values.size(), 2);
+  const Eigen::Vector2d apart = first.values - second.values;
+  const Eigen::Matrix2d covariance = first.covariance + second.covariance;
+  EXPECT_NEAR(step.confirmation.compatible_p, std::exp(-0.5 * apart.dot(covariance.inverse() * apart)), 1e-9);
+}
+
+// A family's mass is shared equally by its targets, a target's by its settings; the catalogue has 0.38 and what is
+// unnamed 0.12 of what is not nothing.
+TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
+  const CalibrationProblem problem = Healthy();
+  const CandidateList candidates = ListCandidates(problem, problem.parameters);
+  EvidenceColumns columns(problem, problem.parameters, candidates.candidates);
+  const ExplanationList list = ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns);
+  std::map<bool, double> masses;
+  std::map<std::pair<bool, std::string>, std::map<std::string, double>> targets;
+  std::map<std::pair<bool, std::string>, std::map<std::string, std::set<double>>> settings;
+  for (size_t k = 0; k < list.math.size(); ++k) {
+    const bool unnamed = list.IsUnnamed(static_cast<int>(k));
+    masses[unnamed] += list.math[k].share;
+    targets[{unnamed, list.place[k].family}][list.place[k].target] += list.math[k].share;
+    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(list.math[k].share);
+  }
+  EXPECT_NEAR(masses[false], 0.38 / 0.5, 1e-9);
+  EXPECT_NEAR(masses[true], 0.12 / 0.5, 1e-9);
+  for (const bool unnamed : {false, true}) {
+    double least = 1.0, most = 0.0;
+    for (const auto& [family, shares] : targets) {
+      if (family.first != unnamed) continue;
+      double sum = 0.0, lowest = 1.0, highest = 0.0;
+      for (const auto& [target, share] : shares) {
+        sum += share;
+        lowest = std::min(lowest, share);
+        highest = std::max(highest, share);
+        EXPECT_EQ(settings[family][target].size(), 1u) << family.second << " " << target;
+      }
+      EXPECT_NEAR(highest / lowest, 1.0, 1e-9) << family.second;
+      least = std::min(least, sum);
+      most = std::max(most, sum);
+    }
+    EXPECT_GT(most, 0.0);
+    EXPECT_NEAR(most / least, 1.0, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace sagitta
