@@ -101,9 +101,9 @@ Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) con
   std::vector<int> rest, field;
   for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
   const Eigen::MatrixXd cross = covariance(rest, field);
-  Eigen::MatrixXd known = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
-  known(rest, rest) = covariance(rest, rest) - cross * covariance(field, field).llt().solve(cross.transpose());
-  return known;
+  Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
+  alone(rest, rest) = covariance(rest, rest) - cross * covariance(field, field).llt().solve(cross.transpose());
+  return alone;
 }
 
 int PlanNumbers::LeastPoses() const {

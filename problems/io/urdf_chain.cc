@@ -74,9 +74,13 @@ Pose<double> PoseOf(const urdf::Pose& origin) {
   return pose;
 }
 
+Pose<double> Composed(const Pose<double>& a, const Pose<double>& b) {
+  return {a.rotation * b.rotation, a * b.translation};
+}
+
 UrdfShape ShapeOf(const urdf::Collision& collision, const Pose<double>& chain_link_from_link) {
   UrdfShape shape;
-  shape.link_from_shape = chain_link_from_link * PoseOf(collision.origin);
+  shape.link_from_shape = Composed(chain_link_from_link, PoseOf(collision.origin));
   const urdf::Geometry* geometry = collision.geometry.get();
   if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(geometry)) {
     shape.kind = UrdfShape::Kind::kSphere;
@@ -153,7 +157,8 @@ class ChainFinder {
         continue;
       }
       CollectShapes(*model_.getLink(joint->child_link_name),
-                    chain_link_from_link * PoseOf(joint->parent_to_joint_origin_transform), of_chain, depth + 1, into);
+                    Composed(chain_link_from_link, PoseOf(joint->parent_to_joint_origin_transform)), of_chain,
+                    depth + 1, into);
     }
   }
 

@@ -11,7 +11,7 @@ import random
 from kr270_figures import PUBLISHED, drawn, rigid_robot
 from program import Program, table, write_poses, write_table
 
-SIGMA_MM, DRAWS = 0.03, 20
+SIGMA_MM, DRAWS = 0.03, 5
 
 
 def chain(q_deg):
@@ -128,7 +128,7 @@ def fig7(folder, options):
     write_poses(folder / "heuristic.csv", heuristic(15), station="S1", load="V250")
     on_levels = {name: q[:1] + [source.choice(arm.levels)] + q[2:] for name, q in heuristic(15).items()}
     write_poses(folder / "levels.csv", on_levels, station="S1", load="V250")
-    program.plan(folder, arm.experiment("with", "published").name, "--cell=cell.yaml", "--pool=1000", "--poses=15",
+    program.plan(folder, arm.experiment("with", "published").name, "--cell=cell.yaml", "--pool=300", "--poses=15",
                  "--tests=tests.csv")
     (folder / "planned/plan.csv").replace(folder / "optimal.csv")
 
