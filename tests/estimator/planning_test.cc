@@ -198,7 +198,7 @@ TEST(PlanningTest, TheFieldOfTheModelErrorIsAsLargeAsWhatWasSeen) {
   EXPECT_EQ(without.field_amplitude, 0.0);
   EXPECT_GT(with.rms_with_model_error, 1.2 * with.position_rms);
   EXPECT_EQ(with.parameters.size(), without.parameters.size());
-  test::NormalNumbers normal(5);
+  NormalNumbers normal(5);
   double squares = 0.0;
   constexpr int kArms = 12;
   for (int arm = 0; arm < kArms; ++arm) {

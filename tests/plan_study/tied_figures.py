@@ -26,45 +26,43 @@ def window(joints):
 
 
 def line(follower, driver, slope, at):
-    """One joint follows another: q_follower = at + slope q_driver within 2 deg."""
+    """One joint follows another: q_follower = at + slope q_driver within 0.5 deg."""
     def draw(source):
         q = window({driver: (-70, 40)})(source)
-        q[follower - 1] = at + slope * q[driver - 1] + source.uniform(-2, 2)
+        q[follower - 1] = at + slope * q[driver - 1] + source.uniform(-0.5, 0.5)
         return q
     return draw
 
 
-# name: truth with its values, rival, how was measured, load. Each effect moves points by tenths of a millimetre.
-NARROW = 10
+# name: truth with its values, rival, how was measured, load. Geometry is known from a calibration before.
 PAIRS = {
-    "harmonic or gain, A3": (("joint_harmonic, joint: A3, order: 1", "cos_urad: 250, sin_urad: -300"),
-                             ("encoder_gain, joint: A3", "gain_ppm: 0"), window({3: (30, NARROW)}), None),
-    "gain or harmonic, A2": (("encoder_gain, joint: A2", "gain_ppm: 400"),
+    "harmonic or gain, A3": (("joint_harmonic, joint: A3, order: 1", "cos_urad: 95, sin_urad: -300"),
+                             ("encoder_gain, joint: A3", "gain_ppm: 0"), window({3: (30, 8)}), None),
+    "gain or harmonic, A2": (("encoder_gain, joint: A2", "gain_ppm: 300"),
                              ("joint_harmonic, joint: A2, order: 1", "cos_urad: 0, sin_urad: 0"),
-                             window({2: (-60, NARROW)}), None),
+                             window({2: (-60, 10)}), None),
     "first or second harmonic, A4": (("joint_harmonic, joint: A4, order: 1", "cos_urad: 900, sin_urad: -900"),
                                      ("joint_harmonic, joint: A4, order: 2", "cos_urad: 0, sin_urad: 0"),
-                                     window({4: (40, NARROW)}), None),
-    "second or first harmonic, A1": (("joint_harmonic, joint: A1, order: 2", "cos_urad: 200, sin_urad: 200"),
-                                     ("joint_harmonic, joint: A1, order: 1", "cos_urad: 0, sin_urad: 0"),
-                                     window({1: (20, NARROW)}), None),
-    "coupling or gain, A3": (("joint_coupling, joint: A3, driver: A2", "ratio_ppm: -400"),
-                             ("encoder_gain, joint: A3", "gain_ppm: 0"), line(3, 2, -1.0, -40), None),
-    "gain or coupling, A3": (("encoder_gain, joint: A3", "gain_ppm: 400"),
-                             ("joint_coupling, joint: A3, driver: A2", "ratio_ppm: 0"), line(3, 2, -1.0, -40), None),
-    "foot or axis wobble, A1": (("base_compliance", "kx_urad_per_Nm: 0.04, ky_urad_per_Nm: 0.04"),
-                                ("axis_wobble, joint: A1, order: 1",
-                                 "u_cos_urad: 0, u_sin_urad: 0, v_cos_urad: 0, v_sin_urad: 0"),
-                                window({2: (-50, 3), 3: (60, 3), 4: (0, 5), 5: (30, 5)}), "V250"),
-    "foot or transverse, A1": (("base_compliance", "kx_urad_per_Nm: 0.05, ky_urad_per_Nm: 0.05"),
+                                     window({4: (40, 10)}), None),
+    "second or first harmonic, A5": (("joint_harmonic, joint: A5, order: 2", "cos_urad: 600, sin_urad: 600"),
+                                     ("joint_harmonic, joint: A5, order: 1", "cos_urad: 0, sin_urad: 0"),
+                                     window({5: (40, 10)}), None),
+    "coupling or gain, A3": (("joint_coupling, joint: A3, driver: A2", "ratio_ppm: -120"),
+                             ("encoder_gain, joint: A3", "gain_ppm: 0"), line(3, 2, -1.0, 18), None),
+    "gain or coupling, A3": (("encoder_gain, joint: A3", "gain_ppm: 120"),
+                             ("joint_coupling, joint: A3, driver: A2", "ratio_ppm: 0"), line(3, 2, -1.0, 18), None),
+    "transverse, A2 or A3": (("transverse_compliance, joint: A2", "ku_urad_per_Nm: 0.04, kv_urad_per_Nm: 0.04"),
+                             ("transverse_compliance, joint: A3", "ku_urad_per_Nm: 0, kv_urad_per_Nm: 0"),
+                             window({3: (5, 3)}), "V250"),
+    "foot or transverse, A1": (("base_compliance", "kx_urad_per_Nm: 0.006, ky_urad_per_Nm: 0.006"),
                                ("transverse_compliance, joint: A1", "ku_urad_per_Nm: 0, kv_urad_per_Nm: 0"),
-                               window({1: (10, NARROW)}), "V250"),
-    "transverse or foot, A1": (("transverse_compliance, joint: A1", "ku_urad_per_Nm: 0.05, kv_urad_per_Nm: 0.03"),
+                               window({1: (10, 3)}), "V250"),
+    "transverse or foot, A1": (("transverse_compliance, joint: A1", "ku_urad_per_Nm: 0.006, kv_urad_per_Nm: 0.006"),
                                ("base_compliance", "kx_urad_per_Nm: 0, ky_urad_per_Nm: 0"),
-                               window({1: (10, NARROW)}), "V250"),
-    "heavier load or its centre": (("payload, load: V250", "dmass_kg: 25"),
-                                   ("load_com, load: V250", "dx_mm: 0, dy_mm: 0, dz_mm: 0"),
-                                   window({2: (-50, 3), 3: (60, 3), 4: (0, 5), 5: (30, 5), 6: (0, 5)}), "V250"),
+                               window({1: (10, 3)}), "V250"),
+    "hardening, A2 or A3": (("compliance_hardening, joint: A2", "k3_urad_per_kNm3: 0.35"),
+                            ("compliance_hardening, joint: A3", "k3_urad_per_kNm3: 0"),
+                            window({3: (3, 2), 4: (0, 5), 5: (3, 3)}), "V250"),
 }
 
 
@@ -111,7 +109,7 @@ class Campaign:
         loads = "loads: {V250: {mass_kg: 250}}\nload_point_mm: [280, 0, 0]\n" if self.load else ""
         path = self.folder / (robot + "_experiment.yaml")
         path.write_text("schema: sagitta/experiment/1\nrobot: %s.yaml\nmeasurements: [%s]\n%s%snoise: {sigma_mm: %g}\n"
-                        "estimate: {compliance: none, effects: all}\nvalidation: none\n" % (
+                        "estimate: {geometry: none, compliance: none, effects: all}\nvalidation: none\n" % (
                             robot, file, scene, loads, SIGMA_MM))
         return path
 
