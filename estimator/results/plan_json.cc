@@ -42,7 +42,13 @@ void TakeModelError(const std::string& estimate_json, const std::string& file_in
   const auto rms = unseen ? unseen->Find("rms_mm") : std::nullopt;
   const auto predicted = unseen ? unseen->Find("predicted_rms_mm") : std::nullopt;
   if (!rms || !predicted) return;
-  const double off = rms->NumberOrNull().value_or(0.0), expected = predicted->NumberOrNull().value_or(0.0);
+  const double off = rms->NumberOrNull().value_or(0.0);
+  double expected = predicted->NumberOrNull().value_or(0.0);
+  // Predictions are scaled by the a-posteriori sigma, which has the model error in it; the plan counts the stated
+  // noise.
+  if (const auto sigma = estimate.Find("sigma"); sigma && sigma->Get("scaled").Flag()) {
+    expected /= sigma->Get("a_posteriori").PositiveNumber();
+  }
   request->field = off > expected ? std::sqrt(off * off - expected * expected) / 1e3 : 0.0;
 }
 

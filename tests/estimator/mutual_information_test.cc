@@ -50,19 +50,21 @@ TEST(MutualInformationTest, OfTwoIsTheIntegralOverTheReading) {
   }
 }
 
-// Three predictions on a line are not equally far apart: taking their odds as moving together comes near.
+// Odds of three predictions on a line do not move together. Taken as if they did, the information errs by less than a
+// tenth of all there is to know.
 TEST(MutualInformationTest, OfThreeIsNearTheIntegral) {
   const Eigen::Vector3d p(0.5, 0.3, 0.2);
+  const double all = -(p.array() * p.array().log()).sum();
   for (const double distance : {0.5, 2.0, 6.0}) {
     const Eigen::Vector3d means(0.0, distance, 2.0 * distance);
-    EXPECT_NEAR(MutualInformation(p, ApartOf(means)), Integrated(p, means).information, 0.04) << distance;
+    EXPECT_NEAR(MutualInformation(p, ApartOf(means)), Integrated(p, means).information, 0.1 * all) << distance;
   }
   // Nothing told: what was known before. All told: the entropy.
   EXPECT_NEAR(ExpectedProbability(p, Eigen::Matrix3d::Zero()), p.squaredNorm(), 1e-12);
   EXPECT_NEAR(MutualInformation(p, Eigen::Matrix3d::Zero()), 0.0, 1e-12);
   Eigen::Matrix3d far = Eigen::Matrix3d::Constant(500.0);
   far.diagonal().setZero();
-  EXPECT_NEAR(MutualInformation(p, far), -(p.array() * p.array().log()).sum(), 1e-9);
+  EXPECT_NEAR(MutualInformation(p, far), all, 1e-9);
   EXPECT_NEAR(ExpectedProbability(p, far), 1.0, 1e-9);
 }
 
