@@ -58,6 +58,7 @@ struct Cell {
   std::vector<CellBox> stay_in, keep_out;
   std::vector<LinkCapsule> capsules;
   std::vector<std::array<int, 2>> may_touch;  // capsules
+  std::vector<std::string> without_body;      // what is not compared, in words
   double clearance = 0.0;                     // m, of capsules to one another, to boxes and to the floor
   std::optional<DirectionCone> tool;
   std::vector<std::pair<std::string, SightRange>> sights;         // by station: those whose lines of sight count

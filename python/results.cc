@@ -7,7 +7,9 @@
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/inspection_json.h"
 #include "estimator/results/plan_json.h"
+#include "problems/io/cell_file.h"
 #include "problems/io/effect_names.h"
+#include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
@@ -83,6 +85,15 @@ std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, co
   const std::optional<Measurements> candidates = rows_of("candidates"), tests = rows_of("tests");
   request.candidates = candidates ? &*candidates : nullptr;
   request.tests = tests ? &*tests : nullptr;
+  const auto [cell_text, is_text] = py::cast<std::pair<std::string, bool>>(wishes["cell"]);
+  std::optional<Cell> cell;
+  if (!cell_text.empty()) {
+    cell = is_text ? ReadCellText(cell_text, "cell", inputs.robot.chain) : ReadCellFile(cell_text, inputs.robot.chain);
+  }
+  request.cell = cell ? &*cell : nullptr;
+  request.move = py::cast<bool>(wishes["move"]);
+  const auto [former, former_name] = py::cast<std::pair<std::string, std::string>>(wishes["model_error"]);
+  if (!former.empty()) TakeModelError(former, former_name, &request);
   Plan plan = ResultOf<Plan>(progress, [&](const Say& say) {
     request.progress = say;
     return MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
@@ -119,6 +130,7 @@ void BindResults(py::module_& module) {
   module.def("inspect", &InspectInputs);
   module.def("diagnose", &DiagnoseInputs);
   module.def("plan", &PlanInputs);
+  module.def("text_of", &ReadTextFile);
 }
 
 }  // namespace sagitta::python

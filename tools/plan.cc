@@ -12,7 +12,6 @@
 #include "problems/io/effect_names.h"
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/files.h"
-#include "problems/io/json_reader.h"
 #include "problems/io/output_files.h"
 #include "problems/limits.h"
 #include "tools/commands.h"
@@ -31,7 +30,7 @@ DEFINE_string(candidates, "", "FILE.csv: choose among its configurations instead
 DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint limits");
 DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
 DEFINE_string(cell, "", "CELL.yaml: floor, boxes, bodies of the arm, lines of sight that poses must keep to");
-DEFINE_string(model_error, "", "estimate.json of a former calibration: its model error widens what is predicted");
+DEFINE_string(model_error, "", "estimate.json of a former calibration: what is known to be wrong with the model");
 DEFINE_bool(move, true, "drawn poses may move to where they tell more");
 
 namespace sagitta {
@@ -55,13 +54,6 @@ void CheckFlags() {
   if (IsGiven("sigma_mm")) CheckSigmaFlag(false);
 }
 
-// model_error.factor of an estimate.
-double ModelErrorOf(const std::string& path) {
-  const nlohmann::ordered_json json = ParseJson(ReadTextFile(path), path);
-  const double factor = JsonValue(json, path).Get("model_error").Get("factor").PositiveNumber();
-  return std::max(1.0, factor);
-}
-
 void Summarise(const Plan& plan) {
   std::cout << plan.rows.configurations.size() << " poses";
   if (plan.measured > 0) std::cout << " beside the " << plan.measured << " that are measured";
@@ -70,10 +62,14 @@ void Summarise(const Plan& plan) {
   std::cout << ": " << InWords(plan.criterion.kind) << ".\n"
             << "Predicted position error at the " << plan.tests << " test points: RMS "
             << Significant(1e3 * plan.position_rms, 3) << " mm, worst point " << Significant(1e3 * plan.position_max, 3)
-            << " mm" << (plan.model_error > 1.0 ? " by noise alone" : ", as far as the model is true") << ".\n";
-  if (plan.model_error > 1.0) {
-    std::cout << "With the model error of the former estimate: RMS "
-              << Significant(1e3 * plan.model_error * plan.position_rms, 3) << " mm.\n";
+            << " mm" << (plan.HasModelError() ? " by noise alone" : ", as far as the model is true") << ".\n";
+  if (plan.HasModelError()) {
+    std::cout << "With the model error of the former estimate: RMS " << Significant(1e3 * plan.rms_with_model_error, 3)
+              << " mm.\n";
+  }
+  if (plan.criterion.kind == CriterionKind::kDiscriminate) {
+    std::cout << "The right one of the effects is expected to have a probability of " << Significant(plan.decides, 2)
+              << " after these readings.\n";
   }
   std::cout << CertificateInWords(plan) << "\n";
   for (const PosesAndAccuracy& point : plan.curve) {
@@ -113,7 +109,9 @@ int RunPlan(const CommandLine& line) {
   std::optional<Cell> cell;
   if (!FLAGS_cell.empty()) cell = ReadCellFile(FLAGS_cell, inputs.robot.chain);
   request.cell = cell ? &*cell : nullptr;
-  if (!FLAGS_model_error.empty()) request.model_error = ModelErrorOf(FLAGS_model_error);
+  if (!FLAGS_model_error.empty()) {
+    TakeModelError(ReadTextFile(FLAGS_model_error), FLAGS_model_error, &request);
+  }
   request.move = FLAGS_move;
   Progress progress(FLAGS_quiet);
   request.progress = [&progress](const std::string& what) { progress.Say(what); };
@@ -139,14 +137,15 @@ Command PlanCommand() {
 
 EXP is an experiment file, or ROBOT.yaml MEAS.csv…; x, y, z of its rows may be absent. Its rows say how a pose is
 measured (stations, markers, loads) and where accuracy is wanted: the validation rows, else all, are the test poses.
-Written are plan.csv, a measurement file without x, y, z, report.html, the arm drawn in each pose, and plan.json with the criterion, how near the plan is to the
-best possible one of the candidates, the predicted accuracy, the expected sigma of every parameter and the accuracy
-over the number of poses.
+Written are plan.csv, a measurement file without x, y, z, report.html, the arm drawn in each pose, and plan.json with
+the criterion, how near the plan is to the best possible one of the candidates, the predicted accuracy, the expected
+sigma of every parameter and the accuracy over the number of poses.
 
 The criterion I is the mean squared position error at the test poses after compensation; D, A, E and O1 to O5 are
 explained in docs/PLAN.md. --discriminate names effects as results do, joint_harmonic[order=1]/A3. Poses are within the
 joint limits and in equilibrium under their load; floor, boxes, collisions of the arm's bodies, the tool's cone, lines
 of sight and acceptance angles of reflectors are checked where --cell states them. What is not checked is said.
+--model_error lets the plan know by how much a former calibration was off at points it had not fitted.
 
 Examples
   sagitta plan experiment.yaml --poses=20 --out=plan

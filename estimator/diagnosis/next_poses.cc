@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "estimator/statistics/mutual_information.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -15,10 +16,6 @@ constexpr int kPosesDrawn = 80;
 constexpr double kDecided = 0.95;        // of the leading explanation: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an explanation
 constexpr size_t kMostRivals = 5;
-// Gauss-Hermite nodes and weights for the standard normal distribution, five points.
-constexpr double kNodes[] = {-2.856970013872806, -1.355626179974266, 0.0, 1.355626179974266, 2.856970013872806};
-constexpr double kWeights[] = {0.011257411327721, 0.222075922005613, 0.533333333333333, 0.222075922005613,
-                               0.011257411327721};
 
 // Poses within the joints' limits, or within the range of the data where none are stated; each like a measured one.
 std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned long long seed) {
@@ -154,10 +151,7 @@ class Choice {
     for (size_t c = 0; c < shown_.size(); ++c) {
       if ((*taken)[c]) continue;
       const Eigen::MatrixXd apart = Apart(shown_[c]);
-      double worth = 0.0;
-      for (size_t i = 0; i < rivals_.size(); ++i) {
-        for (size_t j = 0; j < i; ++j) worth += rivals_[i].probability * rivals_[j].probability * Told(i, j, apart);
-      }
+      const double worth = MutualInformation(Probabilities(), apart_ + apart);
       if (worth <= most) continue;
       most = worth;
       best = c;
@@ -171,29 +165,14 @@ class Choice {
     return best;
   }
 
-  // The right one's probability afterwards, expected: log odds of i over j are normal about D / 2 with variance D.
-  double Decides() const {
-    double expected = 0.0;
-    for (size_t i = 0; i < rivals_.size(); ++i) {
-      for (int node = 0; node < 5; ++node) {
-        double odds = 0.0;
-        for (size_t j = 0; j < rivals_.size(); ++j) {
-          const double d = apart_(static_cast<long>(i), static_cast<long>(j));
-          odds += rivals_[j].probability / rivals_[i].probability *
-                  (i == j ? 1.0 : std::exp(-0.5 * d + std::sqrt(d) * kNodes[node]));
-        }
-        expected += rivals_[i].probability * kWeights[node] / odds;
-      }
-    }
-    return expected;
-  }
+  // The right one's probability afterwards, expected.
+  double Decides() const { return ExpectedProbability(Probabilities(), apart_); }
 
  private:
-  // What is already told apart is worth less: 1 - exp(-D / 8) is the share of the error that D takes away
-  // (Bhattacharyya).
-  double Told(size_t i, size_t j, const Eigen::MatrixXd& apart) const {
-    const long a = static_cast<long>(i), b = static_cast<long>(j);
-    return std::exp(-apart_(a, b) / 8.0) - std::exp(-(apart_(a, b) + apart(a, b)) / 8.0);
+  Eigen::VectorXd Probabilities() const {
+    Eigen::VectorXd probabilities(static_cast<long>(rivals_.size()));
+    for (size_t i = 0; i < rivals_.size(); ++i) probabilities[static_cast<long>(i)] = rivals_[i].probability;
+    return probabilities;
   }
 
   Eigen::MatrixXd Apart(const Shown& shown) const {

@@ -6,8 +6,8 @@
 //   D_ij = (m_i - m_j)' ((V_i + V_j) / 2)^-1 (m_i - m_j)
 //
 // (twice the expected log Bayes factor for small differences). Poses are taken one after the other, each the one of
-// many drawn that adds most to the sum of p_i p_j D_ij, a lower bound's worth of the mutual information between the
-// explanation and the readings (Box and Hill 1967, "Discrimination among mechanistic models").
+// many drawn that makes the mutual information between the explanation and the readings largest
+// (statistics/mutual_information.h), which is what `plan --discriminate` goes by too.
 #pragma once
 
 #include <optional>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimator/statistics/mutual_information.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -60,13 +61,10 @@ double Criterion::CostOfBlock(const Eigen::MatrixXd& block) const {
     case CriterionKind::kO1:
       return 2.0 * block.llt().matrixLLT().diagonal().array().log().sum();
     case CriterionKind::kDiscriminate: {
-      double separation = 0.0;
-      for (const std::vector<int>& places : PlacesOfRivals(rival_of)) {
-        const Eigen::MatrixXd own = block(places, places);
-        const Eigen::MatrixXd sizes = size(places).asDiagonal();
-        separation += 0.5 * (sizes * own.llt().solve(sizes)).trace();
-      }
-      return -separation;
+      const std::vector<double> apart = Apart(block);
+      double information = 0.0;
+      for (const double d : apart) information += InformationOfTwo(d).information / static_cast<double>(apart.size());
+      return -information;
     }
     default:
       break;
@@ -82,6 +80,16 @@ double Criterion::CostOfBlock(const Eigen::MatrixXd& block) const {
     default:  // E and O3 agree
       return 1.0 / (indices[2] * indices[2]);
   }
+}
+
+std::vector<double> Criterion::Apart(const Eigen::MatrixXd& block) const {
+  std::vector<double> apart;
+  for (const std::vector<int>& places : PlacesOfRivals(rival_of)) {
+    const Eigen::MatrixXd own = block(places, places);
+    const Eigen::MatrixXd sizes = size(places).asDiagonal();
+    apart.push_back((sizes * own.llt().solve(sizes)).trace());
+  }
+  return apart;
 }
 
 bool Criterion::HasCertificate() const {
@@ -110,11 +118,13 @@ Eigen::MatrixXd Criterion::Slope(const Eigen::MatrixXd& covariance) const {
   }
   if (kind != CriterionKind::kDiscriminate) return tall * block.llt().solve(tall.transpose());
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
-  for (const std::vector<int>& places : PlacesOfRivals(rival_of)) {
-    const Eigen::MatrixXd own = block(places, places);
+  const std::vector<std::vector<int>> rivals = PlacesOfRivals(rival_of);
+  const std::vector<double> apart = Apart(block);
+  for (size_t k = 0; k < rivals.size(); ++k) {
+    const Eigen::MatrixXd own = block(rivals[k], rivals[k]);
     const Eigen::MatrixXd sized =
-        tall(Eigen::all, places) * own.llt().solve(Eigen::MatrixXd(size(places).asDiagonal()));
-    slope += 0.5 * sized * sized.transpose();
+        tall(Eigen::all, rivals[k]) * own.llt().solve(Eigen::MatrixXd(size(rivals[k]).asDiagonal()));
+    slope += InformationOfTwo(apart[k]).slope / static_cast<double>(rivals.size()) * sized * sized.transpose();
   }
   return slope;
 }
@@ -169,7 +179,7 @@ std::string InWords(CriterionKind kind) {
     case CriterionKind::kE:
       return "largest variance of any direction of the robot's parameters, scaled";
     case CriterionKind::kDiscriminate:
-      return "expected log-likelihood that separates the stated effects";
+      return "information about which of the stated effects it is";
     default:
       return std::string("observability index ") + NameOf(kind) + " (Sun and Hollerbach 2008)";
   }

@@ -8,9 +8,12 @@
 //   O1..O5                 observability indices (Sun and Hollerbach, ICRA 2008) of the singular values s of the
 //                          identification Jacobian that is left for S: s = eigenvalues of C_SS, to the power -1/2
 //                          O1 = (s1 .. sL)^(1/L), O2 = s_min/s_max, O3 = s_min, O4 = s_min^2/s_max, O5 = 1/sum(1/s)
-//   T   -1/2 sum_k tr(T_k^2 C_kk^-1)   of rival effects k with parameters of size T_k: expected log-likelihood by which
-//                          data of one rival contradict the other, base, markers, robot and the other rival refitted
-//                          (half the mean noncentrality; Atkinson and Fedorov, Biometrika 62, 1975)
+//   T   - mean_k I(D_k)    of rival effects k: the information (statistics/mutual_information.h), in nat, of readings
+//   on
+//                          whether it is k or one of the others, D_k = tr(T_k C_kk^-1 T_k) for parameters of size T_k:
+//                          the noncentrality by which data of k contradict the others, base, markers, robot and the
+//                          others refitted (Atkinson and Fedorov, Biometrika 62, 1975). I is concave and grows, D_k is
+//                          concave in M: so is T's information.
 //
 // Parameters are scaled to columns of unit root mean square over the candidates, so that D apart they have one unit.
 #pragma once
@@ -39,8 +42,10 @@ struct Criterion {
   // -d cost / d M, positive semidefinite; only with a certificate.
   Eigen::MatrixXd Slope(const Eigen::MatrixXd& covariance) const;
   // Ratio of what `best` needs to what `cost` needs, 0 to 1: of variances (I, A), of the volume's side squared (D),
-  // of standard deviations (O5), of log-likelihoods (T).
+  // of standard deviations (O5), of information (T).
   double Efficiency(double cost, double best) const;
+  // Of T: D_k of each rival.
+  std::vector<double> Apart(const Eigen::MatrixXd& block) const;
   // Columns of C that the cost depends on.
   std::vector<int> Columns(int all) const;
 };

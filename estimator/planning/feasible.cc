@@ -167,6 +167,7 @@ std::vector<std::string> FeasiblePoses::NotChecked() const {
   std::vector<std::string> open;
   const bool has_bodies = cell_ != nullptr && !cell_->capsules.empty();
   if (!has_bodies) open.push_back("collisions of the arm's body with itself and the cell (no capsules are stated)");
+  if (cell_ != nullptr) open.insert(open.end(), cell_->without_body.begin(), cell_->without_body.end());
   if (cell_ == nullptr || cell_->keep_out.empty()) open.push_back("obstacles (no keep-out boxes are stated)");
   if (cell_ == nullptr || !cell_->floor) open.push_back("the floor");
   std::vector<std::string> stations, markers;

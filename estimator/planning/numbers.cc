@@ -7,13 +7,16 @@
 
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/row_batches.h"
+#include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kSizePerHold = 0.02;  // rivals are compared at a size that moves 0.1 mm or 0.1 mrad (hold limit: 5)
+// Rivals are compared at the size that the robot file states, else at one that moves 0.1 mm or 0.1 mrad (hold limit:
+// 5).
+constexpr double kSizePerHold = 0.02;
 
 std::vector<int> Joined(const std::vector<std::vector<int>>& observations, const std::vector<int>& configurations) {
   std::vector<int> all;
@@ -45,19 +48,16 @@ std::vector<bool> OnlyTested(const CalibrationProblem& problem, const PlanNumber
   return only;
 }
 
-// What is left of the test rows after these columns were fitted to them.
-void Register(const std::vector<bool>& registered, Eigen::MatrixXd* test_rows) {
-  std::vector<int> open;
-  for (size_t i = 0; i < registered.size(); ++i) {
-    if (registered[i]) open.push_back(static_cast<int>(i));
+// Columns of the field's effects.
+std::vector<bool> OfField(const CalibrationProblem& problem, const PlanScene& scene, const std::vector<int>& columns) {
+  std::vector<bool> of_field(columns.size(), false);
+  for (const EffectSpec& term : scene.field) {
+    const std::vector<int> own = problem.parameters.Match(term.Path());
+    for (size_t i = 0; i < columns.size(); ++i) {
+      if (std::find(own.begin(), own.end(), columns[i]) != own.end()) of_field[i] = true;
+    }
   }
-  if (open.empty()) return;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr((*test_rows)(Eigen::all, open));
-  qr.setThreshold(1e-10);
-  Eigen::MatrixXd rotated = qr.householderQ().transpose() * *test_rows;
-  rotated.topRows(qr.rank()).setZero();
-  *test_rows = qr.householderQ() * rotated;
-  (*test_rows)(Eigen::all, open).setZero();
+  return of_field;
 }
 
 void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers* numbers) {
@@ -76,6 +76,36 @@ void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers
 
 }  // namespace
 
+void TakeUp(const std::vector<bool>& columns, Eigen::MatrixXd* rows) {
+  std::vector<int> open;
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i]) open.push_back(static_cast<int>(i));
+  }
+  if (open.empty()) return;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr((*rows)(Eigen::all, open));
+  qr.setThreshold(1e-10);
+  Eigen::MatrixXd rotated = qr.householderQ().transpose() * *rows;
+  rotated.topRows(qr.rank()).setZero();
+  *rows = qr.householderQ() * rotated;
+  (*rows)(Eigen::all, open).setZero();
+}
+
+int PlanNumbers::unknowns() const {
+  int count = 0;
+  for (size_t i = 0; i < columns.size(); ++i) count += registered[i] || of_field[i] ? 0 : 1;
+  return count;
+}
+
+Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) const {
+  if (!has_field()) return covariance;
+  std::vector<int> rest, field;
+  for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
+  const Eigen::MatrixXd cross = covariance(rest, field);
+  Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
+  alone(rest, rest) = covariance(rest, rest) - cross * covariance(field, field).llt().solve(cross.transpose());
+  return alone;
+}
+
 int PlanNumbers::LeastPoses() const {
   int most = 1;
   for (int i = 0; i < set.size(); ++i) most = std::max(most, set.count(i));
@@ -83,7 +113,7 @@ int PlanNumbers::LeastPoses() const {
   return std::max(1, (missing + most - 1) / most);
 }
 
-PlanNumbers MakePlanNumbers(const PlanScene& scene) {
+PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   const CalibrationProblem& problem = *scene.problem;
   const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data);
   PlanNumbers numbers;
@@ -94,6 +124,16 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene) {
     numbers.set.first.push_back(numbers.set.first.back() + 3 * static_cast<int>(observations[c].size()));
   }
   ScaleColumns(problem, static_cast<int>(scene.candidates.size()), &numbers);
+  numbers.of_field = OfField(problem, scene, numbers.columns);
+  if (numbers.has_field()) {
+    numbers.field_amplitude = FieldAmplitude(scene, numbers.columns, numbers.of_field, model_error);
+    const double least = 1e-12;  // rad: known to be 0
+    for (size_t i = 0; i < numbers.columns.size(); ++i) {
+      if (!numbers.of_field[i]) continue;
+      const double units = numbers.scale[i] / std::max(least, numbers.field_amplitude);
+      numbers.known(i, i) += units * units;
+    }
+  }
 
   Linearization beside = Linearize(problem, problem.parameters, {}, numbers.columns, {}, LatentTreatment::kIgnore);
   const std::vector<int> of_measured = Joined(observations, scene.measured);
@@ -111,7 +151,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene) {
   numbers.test_rows =
       Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *
       numbers.scale.asDiagonal();
-  Register(numbers.registered, &numbers.test_rows);
+  TakeUp(numbers.registered, &numbers.test_rows);
   return numbers;
 }
 
@@ -121,6 +161,7 @@ Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& num
   criterion.weight = numbers.test_rows.transpose() * numbers.test_rows / (numbers.test_rows.rows() / 3.0);
   std::vector<double> sizes;
   for (size_t i = 0; i < numbers.columns.size(); ++i) {
+    if (numbers.of_field[i]) continue;
     const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
     if (criterion.kind != CriterionKind::kDiscriminate) {
       if (problem.parameters.blocks()[coordinate.block].kind == BlockKind::kModelParameter) {
@@ -132,7 +173,8 @@ Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& num
       if (coordinate.name.rfind(request.discriminate[k].Path() + "/", 0) != 0) continue;
       criterion.interest.push_back(static_cast<int>(i));
       criterion.rival_of.push_back(static_cast<int>(k));
-      sizes.push_back(kSizePerHold * coordinate.hold_limit / numbers.scale[i]);
+      const double stated = std::abs(problem.parameters.Value(numbers.columns[i]));
+      sizes.push_back((stated > 0.0 ? stated : kSizePerHold * coordinate.hold_limit) / numbers.scale[i]);
     }
   }
   criterion.size = Eigen::Map<Eigen::VectorXd>(sizes.data(), sizes.size());

@@ -20,15 +20,24 @@ struct PlanNumbers {
   // Of `columns`: base and markers that only test poses see. They are registered there, so test_rows do not depend on
   // them, and what else registering takes up is no error either.
   std::vector<bool> registered;
+  // Of `columns`: those of the model error (model_field.h), which have a prior and are nobody's parameters.
+  std::vector<bool> of_field;
+  double field_amplitude = 0.0;  // rad
 
+  bool has_field() const { return std::count(of_field.begin(), of_field.end(), true) > 0; }
   // Those that the plan has to determine.
-  int unknowns() const { return static_cast<int>(std::count(registered.begin(), registered.end(), false)); }
+  int unknowns() const;
+  // C of everything else where the field is known to be 0: what noise alone leaves.
+  Eigen::MatrixXd ByNoiseAlone(const Eigen::MatrixXd& covariance) const;
   // The least number of poses that has as many equations as unknowns.
   int LeastPoses() const;
 };
 
-// Throws InputError where nothing states the noise.
-PlanNumbers MakePlanNumbers(const PlanScene& scene);
+// What is left of rows after the marked columns were fitted to them; those become 0.
+void TakeUp(const std::vector<bool>& columns, Eigen::MatrixXd* rows);
+
+// model_error: m per coordinate, of PlanRequest::field. Throws InputError where nothing states the noise.
+PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error = 0.0);
 
 // Throws InputError where no parameter of the robot is free and the criterion asks for one.
 Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& numbers, const PlanRequest& request);

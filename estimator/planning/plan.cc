@@ -6,6 +6,7 @@
 #include "estimator/planning/pose_space.h"
 #include "estimator/planning/route.h"
 #include "estimator/planning/search.h"
+#include "estimator/statistics/mutual_information.h"
 #include "problems/input_error.h"
 #include "problems/split.h"
 #include "problems/text.h"
@@ -16,7 +17,7 @@ namespace {
 void FillParameters(const CalibrationProblem& problem, const PlanNumbers& numbers, const Eigen::MatrixXd& covariance,
                     Plan* plan) {
   for (size_t i = 0; i < numbers.columns.size(); ++i) {
-    if (numbers.registered[i]) continue;
+    if (numbers.registered[i] || numbers.of_field[i]) continue;
     const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
     const double variance = covariance(i, i) * numbers.scale[i] * numbers.scale[i];
     // The hold limit is among the information: what the data alone would say is 1 / (1/variance - 1/limit^2).
@@ -96,7 +97,12 @@ void FillWords(const PlanRequest& request, const PlanScene& scene, Plan* plan) {
     words.push_back("From " + std::to_string(plan->knee) +
                     " poses on, more poses only average the noise (the error falls no faster than N^-0.6).");
   }
-  if (plan->model_error > 1.0) {
+  if (plan->field_amplitude > 0.0) {
+    words.push_back("The former estimate is off by " + Significant(1e3 * plan->field, 2) +
+                    " mm per coordinate more than it predicts at points it has not fitted. The plan takes that as an "
+                    "unknown smooth deviation of every joint over its angle (harmonics 1 to 4, " +
+                    Significant(1e6 * plan->field_amplitude, 2) + " urad each).");
+  } else if (plan->model_error > 1.0) {
     words.push_back("With the model error of the estimate that was given, predicted errors are larger by " +
                     Significant(plan->model_error, 3) + ".");
   }
@@ -115,8 +121,9 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
     plan->efficiency = criterion.Efficiency(plan->cost, plan->bound);
     if (criterion.kind == CriterionKind::kI) plan->best_rms = std::sqrt(std::max(0.0, plan->bound));
   }
-  const Eigen::VectorXd variances =
-      (numbers.test_rows * found.covariance).cwiseProduct(numbers.test_rows).rowwise().sum();
+  const Eigen::MatrixXd by_noise = numbers.ByNoiseAlone(found.covariance);
+  plan->position_rms = std::sqrt(criterion.weight.cwiseProduct(by_noise).sum());
+  const Eigen::VectorXd variances = (numbers.test_rows * by_noise).cwiseProduct(numbers.test_rows).rowwise().sum();
   for (int i = 0; i + 2 < variances.size(); i += 3) {
     plan->position_max = std::max(plan->position_max, std::sqrt(variances.segment<3>(i).sum()));
   }
@@ -124,6 +131,14 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
   plan->indices.setZero();
   if (!criterion.interest.empty()) {
     plan->indices = ObservabilityIndices(found.covariance(criterion.interest, criterion.interest));
+  }
+  if (criterion.kind != CriterionKind::kDiscriminate) return;
+  const std::vector<double> apart = criterion.Apart(found.covariance(criterion.interest, criterion.interest));
+  for (const double d : apart) {
+    const TwoApart two = InformationOfTwo(d);
+    plan->apart += d / static_cast<double>(apart.size());
+    plan->information += two.information / static_cast<double>(apart.size());
+    plan->decides += two.decides / static_cast<double>(apart.size());
   }
 }
 
@@ -137,7 +152,7 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   Measurements split = data;
   SplitConfigurations(experiment.validation, &split);
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
-  PlanNumbers numbers = MakePlanNumbers(scene);
+  PlanNumbers numbers = MakePlanNumbers(scene, request.field);
   if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
     scene.words.push_back(
         "Stations and markers that only the test poses see are registered on the test poses: errors there "
@@ -147,13 +162,15 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   const int drawn = numbers.set.size();
   PlanSearch search(&scene, &numbers, criterion, request);
   const FoundPlan found =
-      request.poses > 0 ? search.At(request.poses) : search.Reaching(request.accuracy / request.model_error);
+      request.poses > 0 ? search.At(request.poses) : search.Reaching(request.accuracy / search.Widening());
   search.Extend(static_cast<int>(found.poses.size()));
   Plan plan;
   FillAccuracy(numbers, criterion, found, &plan);
-  plan.position_rms = search.Rms(found.covariance);
   plan.model_error = request.model_error;
-  FillParameters(*scene.problem, numbers, found.covariance, &plan);
+  plan.field = request.field;
+  plan.field_amplitude = numbers.field_amplitude;
+  plan.rms_with_model_error = search.Widening() * search.Rms(found.covariance);
+  FillParameters(*scene.problem, numbers, numbers.ByNoiseAlone(found.covariance), &plan);
   plan.curve = search.Curve();
   plan.knee = search.Knee();
   plan.candidates = drawn;

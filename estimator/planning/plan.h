@@ -36,9 +36,10 @@ struct PlanRequest {
   bool random_tests = false;                 // drawn in the joint limits instead
   const Cell* cell = nullptr;                // what poses must keep to besides the joint limits
   double model_error = 1.0;                  // factor by which errors exceed those predicted (Estimate's model error)
-  bool move = true;                          // drawn poses may move to better places
-  int pool = 500;                            // poses drawn
-  int most_poses = 500;                      // of the search for an accuracy
+  double field = 0.0;    // m per coordinate: by which the model is wrong at unseen points (model_field.h); 0: not known
+  bool move = true;      // drawn poses may move to better places
+  int pool = 500;        // poses drawn
+  int most_poses = 500;  // of the search for an accuracy
   int starts = 3;
   std::uint64_t seed = 1;
   std::function<void(const std::string&)> progress = {};
@@ -61,14 +62,19 @@ struct Plan {
   Measurements rows;  // the chosen configurations in the order of their measurement, with the points that are expected
   Criterion criterion;
   double cost = 0.0;
-  double bound = 0.0;                   // cost of no plan of as many candidates is below; only with a certificate
-  double efficiency = 0.0;              // of the bound over the cost; 0 without a certificate
-  bool moved = false;                   // poses were moved from where they were drawn
-  int found_beside = 0;                 // candidates that were not drawn but found from those drawn
-  double position_rms = 0.0;            // m, distance, at the test points
-  double position_max = 0.0;            // m, of the worst test point
-  double best_rms = 0.0;                // m: no plan of as many candidates is better; 0: not known
-  double model_error = 1.0;             // factor, as stated
+  double bound = 0.0;                 // cost of no plan of as many candidates is below; only with a certificate
+  double efficiency = 0.0;            // of the bound over the cost; 0 without a certificate
+  bool moved = false;                 // poses were moved from where they were drawn
+  int found_beside = 0;               // candidates that were not drawn but found from those drawn
+  double position_rms = 0.0;          // m, distance, at the test points
+  double position_max = 0.0;          // m, of the worst test point
+  double best_rms = 0.0;              // m: no plan of as many candidates is better; 0: not known
+  double model_error = 1.0;           // factor, as stated
+  double field = 0.0;                 // m per coordinate, as stated
+  double field_amplitude = 0.0;       // rad, of each of the field's coefficients
+  double rms_with_model_error = 0.0;  // m, distance, at the test points: with the field, or the factor
+  // Of rivals: mean of the noncentralities D, of their information in nat, of the right one's expected probability.
+  double apart = 0.0, information = 0.0, decides = 0.0;
   Eigen::Matrix<double, 5, 1> indices;  // O1 .. O5
   std::vector<PlannedParameter> parameters;
   std::vector<PosesAndAccuracy> curve;
@@ -79,6 +85,8 @@ struct Plan {
   double travel = 0.0, travel_as_found = 0.0;  // ranges of the joint that moves farthest, summed; 0: order is random
   std::string order;                           // in words
   std::vector<std::string> words;              // what was assumed
+
+  bool HasModelError() const { return model_error > 1.0 || field_amplitude > 0.0; }
 };
 
 // Throws InputError for what cannot be planned.

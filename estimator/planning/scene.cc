@@ -5,6 +5,7 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
 #include "problems/excitation.h"
 #include "problems/input_error.h"
@@ -24,25 +25,25 @@ bool NeedsApproach(const Robot& robot) {
   });
 }
 
-Robot WithRivals(const Robot& robot, const std::vector<EffectSpec>& rivals) {
+Robot WithEffects(const Robot& robot, const std::vector<EffectSpec>& added) {
   Robot extended = robot;
-  for (const EffectSpec& rival : rivals) {
+  for (const EffectSpec& effect : added) {
     const bool is_there = std::any_of(robot.effects.begin(), robot.effects.end(),
-                                      [&](const EffectSpec& own) { return own.Path() == rival.Path(); });
-    if (!is_there) extended.effects.push_back(rival);
+                                      [&](const EffectSpec& own) { return own.Path() == effect.Path(); });
+    if (!is_there) extended.effects.push_back(effect);
   }
   return extended;
 }
 
 std::unique_ptr<CalibrationProblem> ProblemOf(const Robot& robot, const Measurements& rows,
-                                              const Experiment& experiment, const std::vector<EffectSpec>& rivals) {
+                                              const Experiment& experiment, const std::vector<EffectSpec>& added) {
   Experiment whole = experiment;
   whole.validation = ValidationSpec();
   whole.validation.kind = ValidationSpec::Kind::kNone;
   auto problem =
-      std::make_unique<CalibrationProblem>(MakeCalibrationProblem(WithRivals(robot, rivals), rows, std::move(whole)));
-  for (const EffectSpec& rival : rivals) {
-    for (const int i : problem->parameters.Match(rival.Path())) problem->parameters.coordinate(i).free = true;
+      std::make_unique<CalibrationProblem>(MakeCalibrationProblem(WithEffects(robot, added), rows, std::move(whole)));
+  for (const EffectSpec& effect : added) {
+    for (const int i : problem->parameters.Match(effect.Path())) problem->parameters.coordinate(i).free = true;
   }
   return problem;
 }
@@ -290,7 +291,7 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
   std::unique_ptr<Drawing> drawing;
   if (request.candidates == nullptr || request.random_tests) {
     scene.ranges = DrawingRanges(robot.chain, request.cell);
-    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithRivals(robot, request.discriminate)));
+    drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithEffects(robot, request.discriminate)));
     if (drawing->patterns().left_out > 0) {
       scene.words.push_back("The rows show " + std::to_string(drawing->patterns().left_out) +
                             " more ways to measure a pose than the " + std::to_string(kMostPatterns) +
@@ -315,7 +316,10 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
   }
   if (scene.candidates.empty()) FailInfeasible(scene, request);
   AddTests(data, request, drawing.get(), &rows, &scene);
-  scene.problem = ProblemOf(robot, rows.rows, experiment, request.discriminate);
+  std::vector<EffectSpec> added = request.discriminate;
+  if (request.field > 0.0) scene.field = FieldEffects(robot, request.discriminate);
+  added.insert(added.end(), scene.field.begin(), scene.field.end());
+  scene.problem = ProblemOf(robot, rows.rows, experiment, added);
   CopyPlaces(*scene.placed, scene.problem.get());
   SetHoldLimits(*scene.problem, &scene.problem->parameters);
   ExpectReadings(&scene);

@@ -25,6 +25,8 @@ struct PlanScene {
   std::unique_ptr<FeasiblePoses> feasible;
   std::unique_ptr<CalibrationProblem> problem;
 
+  std::vector<EffectSpec> field;  // of the model error, in `problem` (model_field.h)
+
   std::map<std::string, int> infeasible;  // how many of those tried were not feasible, by reason
   std::vector<std::string> words;
 };

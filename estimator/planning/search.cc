@@ -255,8 +255,8 @@ FoundPlan PlanSearch::Reaching(double accuracy) {
   while (rms > accuracy) {
     if (high == limit) {
       throw InputError({"", 0, "--accuracy_mm"},
-                       "even " + std::to_string(limit) + " poses leave " +
-                           Significant(1e3 * rms * request_.model_error, 3) + " mm at the test poses",
+                       "even " + std::to_string(limit) + " poses leave " + Significant(1e3 * rms * Widening(), 3) +
+                           " mm at the test poses",
                        "ask for less accuracy, measure more exactly, or at test poses nearer to the candidates");
     }
     low = high;

@@ -28,8 +28,10 @@ class PlanSearch {
   // Adds numbers of poses around this one to the curve.
   void Extend(int poses);
 
-  // RMS distance at the test points, m.
+  // RMS distance at the test points, m; with the model error's field where there is one.
   double Rms(const Eigen::MatrixXd& covariance) const;
+  // By which it grows where the model error is known as a factor alone.
+  double Widening() const { return numbers_->has_field() ? 1.0 : request_.model_error; }
   std::vector<PosesAndAccuracy> Curve() const;
   // The first number of poses from which on the error falls no faster than N^-0.6: readings that only average it fall
   // as N^-1/2. 0: none.

@@ -5,6 +5,7 @@
 
 #include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
+#include "problems/io/json_reader.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
@@ -33,6 +34,24 @@ bool AnyShot(const Measurements& data, bool (*is_so)(const Shot&)) {
 
 }  // namespace
 
+void TakeModelError(const std::string& estimate_json, const std::string& file_in_messages, PlanRequest* request) {
+  const Json json = ParseJson(estimate_json, file_in_messages);
+  const JsonValue estimate(json, file_in_messages);
+  request->model_error = std::max(1.0, estimate.Get("model_error").Get("factor").PositiveNumber());
+  const auto unseen = estimate.Find("cross_validation");
+  const auto rms = unseen ? unseen->Find("rms_mm") : std::nullopt;
+  const auto predicted = unseen ? unseen->Find("predicted_rms_mm") : std::nullopt;
+  if (!rms || !predicted) return;
+  const double off = rms->NumberOrNull().value_or(0.0);
+  double expected = predicted->NumberOrNull().value_or(0.0);
+  // Predictions are scaled by the a-posteriori sigma, which has the model error in it; the plan counts the stated
+  // noise.
+  if (const auto sigma = estimate.Find("sigma"); sigma && sigma->Get("scaled").Flag()) {
+    expected /= sigma->Get("a_posteriori").PositiveNumber();
+  }
+  request->field = off > expected ? std::sqrt(off * off - expected * expected) / 1e3 : 0.0;
+}
+
 double HalfWidth95(const Plan& plan, const PlannedParameter& parameter) {
   return NormalQuantile(0.975) * plan.model_error * parameter.sigma;
 }
@@ -50,7 +69,8 @@ std::string CertificateInWords(const Plan& plan) {
                       InWords(plan.criterion.kind) + "; equivalence theorem).";
   if (plan.best_rms > 0.0) {
     words += " No such plan predicts less than " + Significant(Millimetres(plan.best_rms), 3) +
-             " mm at the test poses; this one predicts " + Significant(Millimetres(plan.position_rms), 3) + " mm.";
+             " mm at the test poses; this one predicts " + Significant(Millimetres(std::sqrt(plan.cost)), 3) + " mm" +
+             (plan.field_amplitude > 0.0 ? ", model error included." : ".");
   }
   return words;
 }
@@ -73,12 +93,18 @@ Json PlanToJson(const Plan& plan) {
                  {"position_max_mm", Millimetres(plan.position_max)},
                  {"rms_mm", Millimetres(plan.position_rms) / std::sqrt(3.0)},
                  {"model_error", plan.model_error},
-                 {"position_rms_with_model_error_mm", Millimetres(plan.model_error * plan.position_rms)}}}};
+                 {"position_rms_with_model_error_mm", Millimetres(plan.rms_with_model_error)}}}};
+  if (plan.field_amplitude > 0.0) {
+    json["predicted"]["model_field"] = {{"rms_mm", Millimetres(plan.field)}, {"urad", 1e6 * plan.field_amplitude}};
+  }
   if (plan.criterion.kind == CriterionKind::kDiscriminate) {
-    json["separation"] = {{"log_likelihood", -plan.cost},
+    json["separation"] = {{"log_likelihood", 0.5 * plan.apart},
+                          {"mutual_information_nat", plan.information},
+                          {"decides", plan.decides},
                           {"words",
-                           "expected log-likelihood between the stated effects, each of a size that moves "
-                           "its joint by 0.1 mm or 0.1 mrad"}};
+                           "what the readings tell of which effect it is, at most ln 2, and the probability that the "
+                           "right one is expected to have after them, from 0.5; each effect of the size that the robot "
+                           "file states, else of one that moves its joint by 0.1 mm or 0.1 mrad"}};
   } else {
     for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = NumberOrNull(plan.indices[i]);
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "problems/input_error.h"
 #include "problems/io/robot_checks.h"
@@ -65,6 +66,35 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
   throw InputError({file, 0, ""}, "this is not a valid URDF" + (reason.empty() ? "" : ": " + reason));
 }
 
+Pose<double> PoseOf(const urdf::Pose& origin) {
+  Pose<double> pose;
+  pose.translation = {origin.position.x, origin.position.y, origin.position.z};
+  const Eigen::Quaterniond rotation(origin.rotation.w, origin.rotation.x, origin.rotation.y, origin.rotation.z);
+  pose.rotation = rotation.normalized().toRotationMatrix();
+  return pose;
+}
+
+Pose<double> Composed(const Pose<double>& a, const Pose<double>& b) {
+  return {a.rotation * b.rotation, a * b.translation};
+}
+
+UrdfShape ShapeOf(const urdf::Collision& collision, const Pose<double>& chain_link_from_link) {
+  UrdfShape shape;
+  shape.link_from_shape = Composed(chain_link_from_link, PoseOf(collision.origin));
+  const urdf::Geometry* geometry = collision.geometry.get();
+  if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(geometry)) {
+    shape.kind = UrdfShape::Kind::kSphere;
+    shape.size[0] = sphere->radius;
+  } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(geometry)) {
+    shape.kind = UrdfShape::Kind::kCylinder;
+    shape.size.head<2>() << cylinder->radius, cylinder->length;
+  } else if (const auto* box = dynamic_cast<const urdf::Box*>(geometry)) {
+    shape.kind = UrdfShape::Kind::kBox;
+    shape.size << box->dim.x, box->dim.y, box->dim.z;
+  }
+  return shape;
+}
+
 class ChainFinder {
  public:
   ChainFinder(const urdf::ModelInterface& model, std::string file) : model_(model), file_(std::move(file)) {}
@@ -89,12 +119,47 @@ class ChainFinder {
     return joints;
   }
 
+  std::vector<UrdfLink> Links(const UrdfEnds& ends, const std::vector<UrdfJoint>& joints) const {
+    std::vector<std::string> names = {ends.base_link};
+    std::set<std::string> of_chain;
+    for (const UrdfJoint& joint : joints) {
+      const urdf::JointConstSharedPtr own = model_.getJoint(joint.name);
+      names.push_back(joint.is_upward ? own->parent_link_name : own->child_link_name);
+      of_chain.insert(joint.name);
+    }
+    std::vector<UrdfLink> links;
+    for (const std::string& name : names) {
+      links.push_back({name, {}, {}});
+      CollectShapes(*model_.getLink(name), Pose<double>(), of_chain, 0, &links.back());
+    }
+    return links;
+  }
+
  private:
   void CheckLink(const std::string& key, const std::string& link) const {
     if (model_.links_.count(link)) return;
     std::vector<std::string> names;
     for (const auto& [name, unused] : model_.links_) names.push_back(name);
     throw InputError({file_, 0, key}, "there is no link '" + link + "'", SpellingHint(link, names));
+  }
+
+  // Of the link and of those fixed to it by joints that are not of the chain, in the frame of the chain's link.
+  void CollectShapes(const urdf::Link& link, const Pose<double>& chain_link_from_link,
+                     const std::set<std::string>& of_chain, size_t depth, UrdfLink* into) const {
+    if (depth > model_.joints_.size()) FailRing(link.name);
+    for (const auto& collision : link.collision_array) {
+      if (collision && collision->geometry) into->shapes.push_back(ShapeOf(*collision, chain_link_from_link));
+    }
+    for (const auto& joint : link.child_joints) {
+      if (of_chain.count(joint->name) > 0) continue;
+      if (joint->type != urdf::Joint::FIXED) {
+        into->moving_beside.push_back(joint->child_link_name);
+        continue;
+      }
+      CollectShapes(*model_.getLink(joint->child_link_name),
+                    Composed(chain_link_from_link, PoseOf(joint->parent_to_joint_origin_transform)), of_chain,
+                    depth + 1, into);
+    }
   }
 
   // Joints from the link up to the root.
@@ -158,10 +223,7 @@ class ChainFinder {
     UrdfJoint result;
     result.name = joint.name;
     result.is_upward = is_upward;
-    const urdf::Pose& origin = joint.parent_to_joint_origin_transform;
-    result.parent_from_joint.translation = {origin.position.x, origin.position.y, origin.position.z};
-    const Eigen::Quaterniond rotation(origin.rotation.w, origin.rotation.x, origin.rotation.y, origin.rotation.z);
-    result.parent_from_joint.rotation = rotation.normalized().toRotationMatrix();
+    result.parent_from_joint = PoseOf(joint.parent_to_joint_origin_transform);
     if (joint.type == urdf::Joint::FIXED) return result;
     if (joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS) {
       result.type = UrdfJoint::Type::kRevolute;
@@ -206,6 +268,7 @@ UrdfChain ReadUrdfChain(const std::string& text, const std::string& file_in_mess
   chain.robot_name = model->getName();
   chain.ends = finder.Complete(ends);
   chain.joints = finder.Between(chain.ends);
+  chain.links = finder.Links(chain.ends, chain.joints);
   if (std::all_of(chain.joints.begin(), chain.joints.end(), [](const UrdfJoint& j) { return j.is_fixed(); })) {
     throw InputError({file_in_messages, 0, ""}, "no joint moves between the links '" + chain.ends.base_link +
                                                     "' and '" + chain.ends.tip_link + "'");

@@ -35,10 +35,26 @@ struct UrdfJoint {
   bool is_fixed() const { return type == Type::kFixed; }
 };
 
+// A collision geometry. size, m: sphere {radius}, cylinder {radius, length} along its z, box {x, y, z}.
+struct UrdfShape {
+  enum class Kind { kSphere, kCylinder, kBox, kMesh };
+  Kind kind = Kind::kMesh;
+  Vector3<double> size = Vector3<double>::Zero();
+  Pose<double> link_from_shape;
+};
+
+// A link of the chain with the shapes of whatever is fixed to it beside the chain.
+struct UrdfLink {
+  std::string name;
+  std::vector<UrdfShape> shapes;
+  std::vector<std::string> moving_beside;  // links that a joint beside the chain moves: their shapes are left out
+};
+
 struct UrdfChain {
   std::string robot_name;
   UrdfEnds ends;
   std::vector<UrdfJoint> joints;  // base to tip, fixed ones included
+  std::vector<UrdfLink> links;    // base to tip, one more: joints[i] is between links[i] and links[i + 1]
 };
 
 // Throws InputError: not a URDF, a joint that is neither fixed nor revolute nor

@@ -491,7 +491,7 @@ def _rows(rows):
 
 
 
-def _robot(robot):
+def _path_or_text(robot):
     """(path or text, whether it is text)"""
     if isinstance(robot, (str, _os.PathLike)):
         text = _os.fspath(robot)
@@ -519,7 +519,7 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
                                        next(iter(settings)), "change it there, or give a robot and measurements")
         core = _core.read([_os.fspath(robot_or_experiment)], sigma_mm is None, points_required)
     else:
-        text, is_text = _robot(robot_or_experiment)
+        text, is_text = _path_or_text(robot_or_experiment)
         tables = []
         for i, table in enumerate(measurements):
             tables += _tables.sources(table, "measurements" if len(measurements) == 1 else "measurements[%d]" % i)
@@ -606,9 +606,24 @@ def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
     return Rows(_core.simulate(known, experiment._core, sigma_mm, seed))
 
 
+def _estimate_text(estimate):
+    """(text of an estimate.json, its name)"""
+    if estimate is None:
+        return "", ""
+    if isinstance(estimate, Estimate):
+        return _json.dumps(estimate.to_dict()), "model_error"
+    path = _os.fspath(estimate)
+    return _core.text_of(path), path
+
+
 def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="I", discriminate=(), candidates=None,
-         tests=None, pool=500, seed=1, progress=None):
-    """Which poses to measure, how many, and how good the calibration will be. tests: rows, or "random"."""
+         tests=None, pool=500, cell=None, model_error=None, move=True, seed=1, progress=None):
+    """Which poses to measure, how many, and how good the calibration will be.
+
+    tests: rows, or "random". cell: what poses keep to, the path of a cell.yaml, its text or a dict of its keys.
+    model_error: an estimate of a former calibration, or the path of its estimate.json: what it shows to be wrong with
+    the model is part of the plan. move: drawn poses may move to where they tell more.
+    """
     if (poses is None) == (accuracy_mm is None):
         raise _tables._input_error("one of poses and accuracy_mm says how many", "poses", "poses=20")
     if (poses is not None and poses < 1) or (accuracy_mm is not None and not accuracy_mm > 0):
@@ -619,6 +634,8 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
         "discriminate": ",".join(discriminate), "pool": pool, "seed": seed, "random_tests": random_tests,
         "candidates": [] if candidates is None else _tables.sources(candidates, "candidates"),
         "tests": [] if tests is None or random_tests else _tables.sources(tests, "tests"),
+        "cell": ("", False) if cell is None else _path_or_text(cell), "move": move,
+        "model_error": _estimate_text(model_error),
     }
     return Plan(_core.plan(experiment._core, wishes, progress))
 

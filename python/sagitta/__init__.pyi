@@ -256,6 +256,9 @@ def plan(
     candidates: Optional[_Tables] = None,
     tests: Optional[_Tables] = None,
     pool: int = 500,
+    cell: Union[_Path, Mapping[str, Any], None] = None,
+    model_error: Union[Estimate, _Path, None] = None,
+    move: bool = True,
     seed: int = 1,
     progress: _Progress = None,
 ) -> Plan: ...

@@ -202,6 +202,23 @@ class SameAsTheProgram(FolderTest):
         self.assertEqual((self.folder / "plan.csv").read_text(), (out / "plan.csv").read_text())
         theirs = json.loads((out / "plan.json").read_text())
         self.assertEqual(plan.to_dict(), {k: v for k, v in theirs.items() if k not in ("version", "command")})
+        cell, former = self.folder / "cell.yaml", self.folder / "former.json"
+        cell.write_text("schema: sagitta/cell/1\nfloor_mm: 900\n")
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        former.write_text(json.dumps(dict(estimate.to_dict(), cross_validation={"rms_mm": 0.3, "predicted_rms_mm": 0.1})))
+        run("plan", KR270 / "experiment.yaml", "--poses=8", "--pool=60", "--out=%s" % out, "--quiet", "--nomove",
+            "--cell=%s" % cell, "--model_error=%s" % former)
+        theirs = json.loads((out / "plan.json").read_text())
+        self.assertGreater(theirs["predicted"]["model_field"]["urad"], 0)
+        for known, error in ((cell, former), ({"schema": "sagitta/cell/1", "floor_mm": 900}, former)):
+            plan = sagitta.plan(sagitta.read(KR270 / "experiment.yaml", points_required=False), poses=8, pool=60,
+                                move=False, cell=known, model_error=error)
+            self.assertEqual(plan.to_dict(), {k: v for k, v in theirs.items() if k not in ("version", "command")})
+        plan = sagitta.plan(sagitta.read(KR270 / "experiment.yaml", points_required=False), poses=8, pool=60, move=False,
+                            model_error=estimate)
+        self.assertEqual(plan.to_dict()["predicted"]["model_error"], max(1.0, estimate.to_dict()["model_error"]["factor"]))
+        with self.assertRaises(sagitta.InputError):
+            sagitta.plan(sagitta.read(KR270 / "experiment.yaml"), poses=8, cell={"flor_mm": 1})
         run("diagnose", KR270 / "experiment.yaml", "--out=%s" % out, "--quiet")
         said = []
         diagnosis = sagitta.diagnose(sagitta.read(KR270 / "experiment.yaml"), progress=said.append)

@@ -68,6 +68,30 @@ TEST_F(PlanCommandTest, ModelErrorOfAFormerEstimateWidensWhatIsPredicted) {
   EXPECT_NE(refused.err.find("model_error"), std::string::npos) << refused.err;
 }
 
+TEST_F(PlanCommandTest, WhatAFormerEstimateIsOffByIsPartOfThePlan) {
+  const auto former = [&](double rms, double predicted) {
+    return Write("estimate.json",
+                 R"({"schema": "sagitta/estimate/1", "model_error": {"factor": 1.5}, "cross_validation":
+      {"rms_mm": )" + std::to_string(rms) +
+                     ", \"predicted_rms_mm\": " + std::to_string(predicted) + "}}");
+  };
+  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + former(0.25, 0.15)}).status, 0);
+  const nlohmann::json plan = ReadJson("plan/plan.json");
+  EXPECT_NEAR(plan.at("predicted").at("model_field").at("rms_mm"), 0.2, 1e-9);
+  EXPECT_GT(plan.at("predicted").at("model_field").at("urad"), 10.0);
+  EXPECT_GT(plan.at("predicted").at("position_rms_with_model_error_mm"),
+            plan.at("predicted").at("position_rms_mm").get<double>());
+  EXPECT_EQ(plan.at("parameters").dump().find("joint_harmonic"), std::string::npos);  // nobody's parameters
+  // A prediction that was scaled by twice the stated noise was half of that: sqrt(0.25^2 - 0.10^2).
+  std::string scaled = ReadAll(former(0.25, 0.20));
+  scaled.insert(1, R"("sigma": {"scaled": true, "a_posteriori": 2.0}, )");
+  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + Write("scaled.json", scaled)}).status, 0);
+  EXPECT_NEAR(ReadJson("plan/plan.json").at("predicted").at("model_field").at("rms_mm"), 0.2291288, 1e-6);
+  // Points that are no farther off than predicted leave the factor.
+  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + former(0.15, 0.16)}).status, 0);
+  EXPECT_FALSE(ReadJson("plan/plan.json").at("predicted").contains("model_field"));
+}
+
 TEST_F(PlanCommandTest, WhatCannotBePlannedIsNamed) {
   ExpectRefused({"--poses=2"}, "fewer readings than unknowns: 2 poses cannot determine 39 parameters");
   ExpectRefused({"--poses=16", "--cell=" + Cell("floor_mm: 9000\n")}, "the flange is below the floor");
@@ -78,7 +102,16 @@ TEST_F(PlanCommandTest, WhatCannotBePlannedIsNamed) {
       {"--poses=16", "--cell=" + Cell("tool_cone: {axis: [0, 0, 0], direction: [0, 0, 1], half_angle_deg: 9}\n")},
       "no length");
   const std::string head = "config,marker,station,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
-  ExpectRefused({"--poses=16", "--candidates=" + Write("empty.csv", head)}, "");
+  ExpectRefused({"--poses=16", "--candidates=" + Write("empty.csv", head)}, "empty.csv");
+  ExpectRefused({"--poses=16", "--candidates=" + Path("nowhere.csv")}, "nowhere.csv");
+  ExpectRefused({"--poses=16", "--tests=" + Write("no_tests.csv", head)}, "no_tests.csv");
+  ExpectRefused({"--accuracy_mm=0.0001"}, "even 500 poses leave");
+  ExpectRefused({"--poses=0"}, "between 1 and");
+  ExpectRefused({"--poses=16", "--accuracy_mm=0.1"}, "one of --poses and --accuracy_mm");
+  ExpectRefused({"--poses=16", "--criterion=Z"}, "there is no criterion 'Z'");
+  ExpectRefused({"--poses=16", "--discriminate=encoder_gain/A3"}, "two effects are expected");
+  ExpectRefused({"--poses=16", "--discriminate=encoder_gain/A3,encoder_gian/A2"}, "there is no effect 'encoder_gian'");
+  ExpectRefused({"--poses=16", "--cell=" + Cell("urdf: {file: arm.urdf}\n")}, "arm.urdf");
   ExpectRefused({"--poses=16", "--candidates=" + Write("far.csv", head + "c1,P1,S1,0,90,0,0,0,0\n")},
                 "joint A2 is above its limit (1)");
   ExpectRefused({"--poses=16", "--candidates=" + Write("few.csv", head + "c1,P1,S1,0,-90,0,0,0,0\n")},

@@ -100,9 +100,8 @@ Section Overview(const Plan& plan) {
   section.header = {"expected at the test poses", "mm"};
   section.rows = {{"RMS position error", Significant(kMillimetres * plan.position_rms, 3)},
                   {"worst point", Significant(kMillimetres * plan.position_max, 3)}};
-  if (plan.model_error > 1.0) {
-    section.rows.push_back(
-        {"RMS with model error", Significant(kMillimetres * plan.model_error * plan.position_rms, 3)});
+  if (plan.HasModelError()) {
+    section.rows.push_back({"RMS with model error", Significant(kMillimetres * plan.rms_with_model_error, 3)});
   }
   section.paragraphs = {CertificateInWords(plan)};
   section.paragraphs.insert(section.paragraphs.end(), plan.words.begin(), plan.words.end());
