@@ -58,7 +58,7 @@ class Generator(WithFolder):
     def test_each_hidden_effect_disturbs_the_believed_model(self):
         listed = subprocess.run([str(PROGRAMS.generator), '--list'], capture_output=True, text=True, check=True).stdout
         kinds = [line.split()[0] for line in listed.splitlines()]
-        self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE + cases.FOREIGN))
+        self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE + cases.FOREIGN + cases.STRANGERS))
         for kind in kinds:
             flags = {'kinds': kind, 'study': SEED, 'case': 2, 'stations': 2 if kind == 'station_scale' else 1}
             if kind == 'self_weight_sag':
@@ -78,7 +78,7 @@ class Generator(WithFolder):
         sealed = json.loads((answer / 'answer.json').read_text())['hidden'][0]
         self.assertFalse(sealed['in_catalogue'])
         start = float(rows[0][0]['time_s'])
-        return sealed, [{'marker': true['marker'], 's': float(true['time_s']) - start,
+        return sealed, [{'config': true['config'], 'load': true['load'], 'marker': true['marker'], 's': float(true['time_s']) - start,
                          'mm': math.hypot(*(float(true[c]) - float(zero[c]) for c in ('x_mm', 'y_mm', 'z_mm')))}
                         for zero, true in zip(*rows)]
 
@@ -106,6 +106,43 @@ class Generator(WithFolder):
             moved = [r for r in rows if r['mm'] > none]
             self.assertTrue(0 < len(moved) < len(rows) / 3)
             self.assertTrue(all(r['marker'] == loose and abs(r['mm'] - 0.06) < none for r in moved))
+
+    def test_strangers_follow_the_laws_their_answers_say(self):
+        none = 1e-9  # mm: the tenth decimal of the file
+        for number in range(3):
+            sealed, rows = self.moved_by('weather_dropouts', number)
+            lost = [tuple(map(float, pair)) for pair in re.findall(r'([0-9.]+) to ([0-9.]+)', sealed['words'])]
+            for r in rows:
+                self.assertEqual(r['mm'] > none, any(a < r['s'] < b for a, b in lost))
+                self.assertLess(r['mm'], 16e-6 * 10e3)
+
+            sealed, rows = self.moved_by('brake_drop', number)
+            arrived = {}
+            for r in rows:
+                arrived.setdefault(r['config'], r['s'])
+            self.assertLess(max(r['mm'] for r in rows if r['s'] == arrived[r['config']]), none)
+            self.assertTrue(all(r['mm'] > none for r in rows if r['load'] == 'V250'))
+
+            sealed, rows = self.moved_by('shifting_load', number)
+            self.assertTrue(all((r['mm'] > none) == (r['load'] == sealed['target']) for r in rows))
+
+            sealed, rows = self.moved_by('range_cycles', number)
+            half_period = float(re.search(r'and ([0-9.]+) of it', sealed['words']).group(1))
+            self.assertLess(max(r['mm'] for r in rows), 0.03 * (1.0 + half_period) + none)
+
+            sealed, rows = self.moved_by('drive_heat', number)
+            self.assertLess(max(r['mm'] for r in rows if r['config'] == rows[0]['config']), none)
+
+            sealed, rows = self.moved_by('hunting_servo', number)
+            share = float(re.search(r'in ([0-9.]+) of', sealed['words']).group(1))
+            still = {r['config'] for r in rows} - {r['config'] for r in rows if r['mm'] > none}
+            self.assertLess(abs(1.0 - len(still) / 60.0 - share), 0.2)
+
+        drawn = [self.moved_by('soft_tool', number) for number in range(6)]
+        bars = [(sealed['target'], rows) for sealed, rows in drawn if sealed['target'] != 'flange']
+        self.assertTrue(bars)
+        for soft, rows in bars:
+            self.assertTrue(all(r['mm'] < (0.06 + none if r['marker'] == soft else none) for r in rows))
 
     def test_the_value_that_is_hidden_is_the_value_that_is_estimated(self):
         # The generator makes these from their causes, so their second order remains: 20 urad squared over metres.

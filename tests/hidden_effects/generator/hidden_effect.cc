@@ -362,6 +362,10 @@ const std::vector<std::pair<std::string, void (*)(Draw)>>& Makers() {
   return makers;
 }
 
+bool Holds(const std::vector<std::string>& kinds, const std::string& kind) {
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
 }  // namespace
 
 std::vector<std::string> CatalogueKinds() {
@@ -379,10 +383,8 @@ HiddenEffect Hide(const std::string& kind, double scale, const RobotKind& robot,
     make({robot, design, scale, random, nature, left_out, &effect});
     return effect;
   }
-  const std::vector<std::string> foreign = ForeignKinds();
-  if (std::find(foreign.begin(), foreign.end(), kind) != foreign.end()) {
-    return HideForeign(kind, scale, robot, design, random, nature);
-  }
+  if (Holds(ForeignKinds(), kind)) return HideForeign(kind, scale, robot, design, random, nature);
+  if (Holds(StrangerKinds(), kind)) return HideStranger(kind, scale, robot, design, random, nature);
   return HideOutside(kind, scale, robot, design, random, nature);
 }
 

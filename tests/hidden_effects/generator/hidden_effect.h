@@ -32,6 +32,7 @@ struct LeftOut {
 std::vector<std::string> CatalogueKinds();
 std::vector<std::string> OutsideKinds();
 std::vector<std::string> ForeignKinds();
+std::vector<std::string> StrangerKinds();
 
 // Draws target and shape, sets it to `scale` times a typical size, adds it to
 // nature. Throws for a kind that is not known.
@@ -45,6 +46,8 @@ HiddenEffect HideOutside(const std::string& kind, double scale, const RobotKind&
 // The same for causes outside the catalogue that real cells have.
 HiddenEffect HideForeign(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                          Stream* random, Nature* nature);
+HiddenEffect HideStranger(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
+                          Stream* random, Nature* nature);
 
 // Any revolute joint.
 int RevoluteJoint(const RobotKind& robot, Stream* random);

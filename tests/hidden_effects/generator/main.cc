@@ -136,6 +136,7 @@ int main(int argc, char** argv) {
       for (const std::string& kind : hidden::CatalogueKinds()) std::printf("%s catalogue\n", kind.c_str());
       for (const std::string& kind : hidden::OutsideKinds()) std::printf("%s outside\n", kind.c_str());
       for (const std::string& kind : hidden::ForeignKinds()) std::printf("%s foreign\n", kind.c_str());
+      for (const std::string& kind : hidden::StrangerKinds()) std::printf("%s strangers\n", kind.c_str());
       return 0;
     }
     if (flags.Has("displacements")) {

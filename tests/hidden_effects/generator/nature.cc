@@ -14,10 +14,19 @@ struct Pull {
   Vector3d at, force;
 };
 
+// Base frame, m/s^2.
+Vector3d Gravity(const Nature& nature, const Shot& shot) {
+  return nature.stations.at(shot.station).turn.transpose() * Vector3d(0.0, 0.0, -kGravity);
+}
+
+Pull PullOf(const Weight& weight, const Placement& placement, const Vector3d& gravity) {
+  return {weight.link, placement.after_joint[weight.link].Map(weight.centre), weight.mass * gravity};
+}
+
 // All forces at a placement, base frame.
 std::vector<Pull> Forces(const Nature& nature, const Shot& shot, const Placement& placement) {
   const Matrix3d base_from_station = nature.stations.at(shot.station).turn.transpose();
-  const Vector3d down = base_from_station * Vector3d(0.0, 0.0, -kGravity);
+  const Vector3d down = Gravity(nature, shot);
   std::vector<Pull> pulls;
   Vector3d force = base_from_station * shot.force;
   const auto extra = nature.extra_mass.find(shot.load);
@@ -26,11 +35,10 @@ std::vector<Pull> Forces(const Nature& nature, const Shot& shot, const Placement
     Vector3d at = nature.load_point;
     const auto off = nature.centre_off_point.find(shot.load);
     if (off != nature.centre_off_point.end()) at += off->second;
+    if (nature.load_shift) at += nature.load_shift(shot, placement.flange.turn.transpose() * down / kGravity);
     pulls.push_back({nature.arm.size() - 1, placement.flange.Map(at), force});
   }
-  for (const Weight& weight : nature.weights) {
-    pulls.push_back({weight.link, placement.after_joint[weight.link].Map(weight.centre), weight.mass * down});
-  }
+  for (const Weight& weight : nature.weights) pulls.push_back(PullOf(weight, placement, down));
   return pulls;
 }
 
@@ -57,10 +65,18 @@ Vector3d BendOf(const Nature::Bending& bending, const Nature& nature, const Shot
                 std::vector<Pull> pulls) {
   const Frame& start = placement.after_joint[bending.link];
   const Vector3d middle = 0.5 * (start.origin + placement.after_joint[bending.link + 1].origin);
-  const Vector3d down = nature.stations.at(shot.station).turn.transpose() * Vector3d(0.0, 0.0, -kGravity);
-  const Weight& weight = bending.beyond;
-  pulls.push_back({weight.link, placement.after_joint[weight.link].Map(weight.centre), weight.mass * down});
+  pulls.push_back(PullOf(bending.beyond, placement, Gravity(nature, shot)));
   return bending.flexibility * (start.turn.transpose() * MomentAbout(middle, bending.link + 1, pulls));
+}
+
+// By the part of the moment that does not turn the joint.
+Vector3d TiltOf(const Nature::Bearing& bearing, const Nature& nature, const Shot& shot, const Placement& placement,
+                std::vector<Pull> pulls) {
+  const Frame& frame = placement.after_joint[bearing.joint];
+  pulls.push_back(PullOf(bearing.beyond, placement, Gravity(nature, shot)));
+  Vector3d across = frame.turn.transpose() * MomentAbout(frame.origin, bearing.joint, pulls);
+  across[nature.arm.AxisOf(bearing.joint)] = 0.0;
+  return bearing.tilt(across);
 }
 
 // What the encoder does not tell: everything that does not depend on torque.
@@ -109,6 +125,9 @@ Posture Equilibrium(const Nature& nature, const Shot& shot) {
     next.foot += nature.foot_compliance.cwiseProduct(MomentAbout(Vector3d::Zero(), 0, pulls));
     for (const auto& bending : nature.bendings) {
       next.bend[bending.link] += BendOf(bending, nature, shot, placement, pulls);
+    }
+    for (const auto& bearing : nature.bearings) {
+      next.tilt[bearing.joint] += TiltOf(bearing, nature, shot, placement, pulls);
     }
     double change = (next.values - posture.values).lpNorm<Eigen::Infinity>();
     change = std::max(change, (next.foot - posture.foot).lpNorm<Eigen::Infinity>());

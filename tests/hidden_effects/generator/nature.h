@@ -98,6 +98,14 @@ struct Nature {
     Matrix3d flexibility;
   };
   std::vector<Bending> bendings;
+  // A bearing that lets its joint's axis tilt (as tilt_compliance) by the moment across the axis there, of what hangs
+  // beyond it, a weight of its own among that; N m, frame after the joint.
+  struct Bearing {
+    int joint;
+    Weight beyond;
+    std::function<Vector3d(const Vector3d& across)> tilt;
+  };
+  std::vector<Bearing> bearings;
   std::function<double(const Shot&, int link)> lengthening;  // part of its length; may be empty
   std::function<Vector3d(const Shot&)> floor;                // tilt of the foot, rad; may be empty
 
@@ -105,6 +113,8 @@ struct Nature {
   std::optional<Spring> spring;
   std::map<std::string, double> extra_mass;          // by load, kg
   std::map<std::string, Vector3d> centre_off_point;  // by load, m, flange frame
+  // Of the load's centre, by where down is (of length 1); m, flange frame; may be empty.
+  std::function<Vector3d(const Shot&, const Vector3d& down)> load_shift;
 
   double growth = 0.0;                 // 1/K
   double reference_temperature = 0.0;  // degC

@@ -4,6 +4,7 @@ import math
 from . import probabilities
 from . import statistics as st
 
+FOREIGN_SUITES = ('foreign', 'strangers')  # causes outside the catalogue that real cells have
 SIGNIFICANCE = 0.01
 SHARE_OF_GATE = 0.25  # of the significance, for the search over effects, divided by the candidates of the case
 TYPICAL_TESTS = 300
@@ -147,7 +148,7 @@ def counted(items):
 
 def outside(records):
     out = {}
-    chosen = [r for r in records if r['expects'] == 'outside' and r['suite'] != 'foreign']
+    chosen = [r for r in records if r['expects'] == 'outside' and r['suite'] not in FOREIGN_SUITES]
     for group in sorted({r['group'] for r in chosen}):
         rows = [r for r in chosen if r['group'] == group]
         out[group] = {'unknown': rate(rows, lambda r: r['verdict'] == 'unknown'),
@@ -160,9 +161,9 @@ def outside(records):
     return out
 
 
-def foreign(records):
+def foreign(records, suite):
     """By kind, and over all: verdicts, what was named first, and whether the named effects helped the rows held out."""
-    chosen = [r for r in records if r['suite'] == 'foreign']
+    chosen = [r for r in records if r['suite'] == suite]
     groups = {kind: [r for r in chosen if r['group'] == kind] for kind in sorted({r['group'] for r in chosen})}
     if chosen:
         groups['all'] = chosen
@@ -258,7 +259,7 @@ def all_figures(records):
     done = finished(records)
     return {'cases': len(records), 'failed': [{'folder': r['folder'], 'why': r['failed']} for r in records if 'failed' in r],
             'nothing_hidden': nothing_hidden(done), 'naming': naming(done), 'pairs': pairs(done), 'power': power(done),
-            'outside': outside(done), 'foreign': foreign(done), 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
+            'outside': outside(done), **{suite: foreign(done, suite) for suite in FOREIGN_SUITES}, 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
             'gap_closed': gap_closed(done), 'wrong_noise': wrong_noise(done), 'confusion': confusion(done),
             'groups': by_group(done), 'probabilities': probabilities.summary(single(done)), 'seconds': {'median': st.median([r['seconds'] for r in records]),
                                                   'largest': max((r['seconds'] for r in records), default=None)}}

@@ -116,8 +116,9 @@ def summary(figures):
         lines += block('Outside the catalogue', ['%-26s %s' % (
             g, ', '.join('%s %s' % (k.replace('_', ' '), share(v)) for k, v in f.items()))
             for g, f in figures['outside'].items()])
-    if figures['foreign']:
-        lines += block('Foreign causes', foreign_lines(figures['foreign']))
+    for suite, title in (('foreign', 'Foreign causes'), ('strangers', 'Foreign causes, the second list')):
+        if figures[suite]:
+            lines += block(title, foreign_lines(figures[suite]))
     if figures['wrong_noise']:
         lines += block('Wrong noise', noise_lines(figures['wrong_noise']))
     if figures['catalogue_called_unknown']['n']:
