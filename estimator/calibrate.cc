@@ -104,12 +104,13 @@ nlohmann::ordered_json CalibrationToJson(const Calibration& calibration, const P
 void WriteCalibration(const Calibration& calibration, const std::string& folder, const Provenance& provenance) {
   const CalibrationProblem& problem = calibration.problem;
   const Estimate& estimate = calibration.estimate;
-  const std::string json = DumpJson(CalibrationToJson(calibration, provenance));
-  const std::string residuals = ResidualsToCsv(problem, estimate);
-  const std::string robot =
-      RunComment(provenance) + RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues()));
+  std::vector<NamedText> files;
+  files.emplace_back("robot.calibrated.yaml",
+                     RunComment(provenance) + RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues())));
+  files.emplace_back("residuals.csv", ResidualsToCsv(problem, estimate));
+  files.emplace_back("estimate.json", DumpJson(CalibrationToJson(calibration, provenance)));
   const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
-  out.Write({{"robot.calibrated.yaml", robot}, {"residuals.csv", residuals}, {"estimate.json", json}});
+  out.Write(files);
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {

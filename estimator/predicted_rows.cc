@@ -4,7 +4,6 @@
 
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
-#include "problems/io/files.h"
 
 namespace sagitta {
 namespace {
@@ -13,9 +12,7 @@ std::vector<AddedColumn> NumberColumns(const std::vector<std::string>& names, co
   std::vector<AddedColumn> columns;
   for (size_t c = 0; c < names.size(); ++c) {
     AddedColumn column{names[c], {}};
-    for (int k = 0; k < values.cols(); ++k) {
-      column.cells.push_back(std::isfinite(values(c, k)) ? FormatNumber(values(c, k)) : "");
-    }
+    for (int k = 0; k < values.cols(); ++k) column.numbers.push_back(values(static_cast<Eigen::Index>(c), k));
     columns.push_back(std::move(column));
   }
   return columns;

@@ -126,6 +126,7 @@ bool CalibrationProblem::sigma_is_stated() const {
 
 std::vector<int> CalibrationProblem::CalibrationObservations() const {
   std::vector<int> indices;
+  indices.reserve(data.observations.size());
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& observation = data.observations[i];
     if (!observation.excluded && !data.IsValidation(observation)) indices.push_back(i);

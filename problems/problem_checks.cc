@@ -133,12 +133,14 @@ void CheckCompensator(const CalibrationProblem& problem) {
 
 void CheckEnoughData(const CalibrationProblem& problem) {
   std::set<int> configurations;
+  int latest = -1;
   std::vector<bool> station_seen(problem.data.stations.size()), marker_seen(problem.data.markers.size());
   const std::vector<int> observations = problem.CalibrationObservations();
   for (const int i : observations) {
     const Observation& observation = problem.data.observations[i];
     const Shot& shot = problem.data.shots[observation.shot];
-    configurations.insert(shot.configuration);
+    if (shot.configuration != latest) configurations.insert(configurations.end(), shot.configuration);
+    latest = shot.configuration;
     station_seen[shot.station] = true;
     marker_seen[observation.marker] = true;
   }

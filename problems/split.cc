@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <map>
 #include <set>
+#include <unordered_map>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -124,14 +125,22 @@ void SplitByFraction(const ValidationSpec& spec, Measurements* data) {
 
 std::vector<std::vector<int>> GroupsOfEqualJointValues(const Measurements& data) {
   std::vector<std::vector<int>> groups;
-  std::map<std::vector<double>, size_t> group_of;
+  std::unordered_multimap<size_t, size_t> groups_of_hash;
+  groups_of_hash.reserve(data.configurations.size());
   for (size_t c = 0; c < data.configurations.size(); ++c) {
     const Eigen::VectorXd& q = data.configurations[c].q;
-    std::vector<double> key(q.data(), q.data() + q.size());
-    for (double& value : key) value += 0.0;  // -0 is 0
-    const auto [entry, is_new] = group_of.try_emplace(key, groups.size());
-    if (is_new) groups.emplace_back();
-    groups[entry->second].push_back(static_cast<int>(c));
+    size_t hash = static_cast<size_t>(q.size());
+    for (const double value : q) hash = (hash ^ std::hash<double>()(value)) * 0x9E3779B97F4A7C15ULL;
+    size_t group = groups.size();
+    for (auto [entry, last] = groups_of_hash.equal_range(hash); entry != last; ++entry) {
+      const Eigen::VectorXd& other = data.configurations[static_cast<size_t>(groups[entry->second].front())].q;
+      if (q.size() == other.size() && q == other) group = entry->second;
+    }
+    if (group == groups.size()) {
+      groups_of_hash.emplace(hash, group);
+      groups.emplace_back();
+    }
+    groups[group].push_back(static_cast<int>(c));
   }
   return groups;
 }

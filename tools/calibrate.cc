@@ -49,11 +49,14 @@ struct ResultFiles {
   static std::vector<std::string> Names() {
     return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
   }
-  void Write(const OutputFolder& folder) const {
-    folder.Write({{"robot.calibrated.yaml", robot},
-                  {"residuals.csv", residuals},
-                  {"report.html", report},
-                  {"estimate.json", DumpJson(json)}});
+  // Hands the texts over: rows of a tracker stream are not copied.
+  void Write(const OutputFolder& folder) {
+    std::vector<NamedText> files;
+    files.emplace_back("robot.calibrated.yaml", robot);
+    files.emplace_back("residuals.csv", std::move(residuals));
+    files.emplace_back("report.html", std::move(report));
+    files.emplace_back("estimate.json", DumpJson(json));
+    folder.Write(files);
   }
 };
 
@@ -79,7 +82,7 @@ int RunCalibrate(const CommandLine& line) {
 
   CheckInterruption();
   const std::vector<Section> sections = CalibrationSections(result);
-  const ResultFiles files(result, sections, {line.text, FLAGS_method, input_files});
+  ResultFiles files(result, sections, {line.text, FLAGS_method, input_files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <set>
 
 namespace sagitta {
 namespace {
@@ -34,6 +33,8 @@ class Splitter {
   }
 
  private:
+  using Clusters = std::vector<char>;  // of each: 1 where it belongs
+
   const Shot& ShotOf(int i) const { return problem_.data.shots[problem_.data.observations[i].shot]; }
 
   // Of an observation, base frame.
@@ -101,28 +102,30 @@ class Splitter {
   // Series: stations that share no configuration; else their rows share the robot's error there.
   void AddStations() {
     const auto n = problem_.data.stations.size();
-    std::vector<std::set<int>> seen(n);
-    for (size_t k = 0; k < rows_.size(); ++k) seen[ShotOf(rows_[k]).station].insert(clusters_[k]);
+    std::vector<Clusters> seen(n, Clusters(static_cast<size_t>(num_clusters_), 0));
+    for (size_t k = 0; k < rows_.size(); ++k) seen[ShotOf(rows_[k]).station][clusters_[k]] = 1;
     for (size_t a = 0; a < n; ++a) {
       for (size_t b = a + 1; b < n && n <= kMostPairs; ++b) {
         AddRows("station", problem_.data.stations[a] + " and " + problem_.data.stations[b], seen[a], seen[b]);
       }
       if (n <= kMostPairs) continue;
-      std::set<int> rest;
+      Clusters rest(static_cast<size_t>(num_clusters_), 0);
       for (size_t b = 0; b < n; ++b) {
-        if (b != a) rest.insert(seen[b].begin(), seen[b].end());
+        for (size_t c = 0; b != a && c < rest.size(); ++c) rest[c] |= seen[b][c];
       }
       AddRows("station", problem_.data.stations[a] + " and the others", seen[a], rest);
     }
   }
 
-  void AddRows(const std::string& by, const std::string& key, const std::set<int>& a, const std::set<int>& b) {
-    if (static_cast<int>(std::min(a.size(), b.size())) < kFewest) return;
-    if (std::any_of(a.begin(), a.end(), [&](int c) { return b.count(c) > 0; })) return;
+  void AddRows(const std::string& by, const std::string& key, const Clusters& a, const Clusters& b) {
+    if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < kFewest) return;
+    for (size_t c = 0; c < a.size(); ++c) {
+      if (a[c] != 0 && b[c] != 0) return;
+    }
     Split split{by, key, {}, {}};
     for (size_t k = 0; k < rows_.size(); ++k) {
-      if (a.count(clusters_[k]) > 0) split.first.push_back(static_cast<int>(k));
-      if (b.count(clusters_[k]) > 0) split.second.push_back(static_cast<int>(k));
+      if (a[clusters_[k]] != 0) split.first.push_back(static_cast<int>(k));
+      if (b[clusters_[k]] != 0) split.second.push_back(static_cast<int>(k));
     }
     splits_.push_back(std::move(split));
   }

@@ -147,6 +147,28 @@ void HoldModel(ParameterSet* parameters) {
   }
 }
 
+// Base poses and markers by Levenberg-Marquardt on rows.
+void Polish(const NormalEquations& equations, const std::vector<FramedObservation>& framed, Candidate* candidate) {
+  ParameterSet polished = candidate->parameters;
+  HoldModel(&polished);
+  MinimizeOptions minimize;
+  minimize.cautious = true;
+  MinimizeSums(equations, minimize, &polished);
+  const double rms = DistanceRms(framed, polished);
+  if (!(rms <= candidate->rms * 1.5)) return;  // weighted and unweighted optimum differ a little
+  for (int s = 0; s < polished.num_stations(); ++s)
+    candidate->parameters.SetBaseInStation(s, polished.BaseInStation(s));
+  for (int m = 0; m < polished.num_markers(); ++m) {
+    candidate->parameters.SetMarkerPoint(m, polished.MarkerPoint(m));
+    candidate->parameters.SetMarkerRotation(m, polished.MarkerRotation(m));
+  }
+  candidate->rms = rms;
+}
+
+NormalEquations EquationsOf(const CalibrationProblem& problem, const std::vector<int>& observations) {
+  return {problem, observations, FitRoots(problem, observations, kFallbackSigma), LatentTreatment::kIgnore, 1};
+}
+
 }  // namespace
 
 Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
@@ -168,8 +190,8 @@ Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3X
 
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
                           const StartingValueOptions& options, ParameterSet* parameters) {
-  const std::vector<FramedObservation> framed =
-      EvaluateFrames(problem, RowsOfStarts(problem, observations), *parameters);
+  const std::vector<int> looked_at = RowsOfStarts(problem, observations);
+  const std::vector<FramedObservation> framed = EvaluateFrames(problem, looked_at, *parameters);
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal(0.0, options.marker_spread);
   std::vector<Candidate> candidates;
@@ -191,28 +213,13 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   candidates[0].rms *= 1.0 - kTie;
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   candidates.resize(std::min<size_t>(candidates.size(), options.polished));
-  const NoiseRoots noise = FitRoots(problem, observations, kFallbackSigma);
-  const NormalEquations equations(problem, observations, noise, LatentTreatment::kIgnore, 1);
+  const NormalEquations equations = EquationsOf(problem, looked_at);
+  for (Candidate& candidate : candidates) Polish(equations, framed, &candidate);
+  Candidate* best = &candidates[0];
   for (Candidate& candidate : candidates) {
-    ParameterSet polished = candidate.parameters;
-    HoldModel(&polished);
-    MinimizeOptions minimize;
-    minimize.cautious = true;
-    MinimizeSums(equations, minimize, &polished);
-    const double rms = DistanceRms(framed, polished);
-    if (!(rms <= candidate.rms * 1.5)) continue;  // weighted and unweighted optimum differ a little
-    for (int s = 0; s < polished.num_stations(); ++s)
-      candidate.parameters.SetBaseInStation(s, polished.BaseInStation(s));
-    for (int m = 0; m < polished.num_markers(); ++m) {
-      candidate.parameters.SetMarkerPoint(m, polished.MarkerPoint(m));
-      candidate.parameters.SetMarkerRotation(m, polished.MarkerRotation(m));
-    }
-    candidate.rms = rms;
-  }
-  const Candidate* best = &candidates[0];
-  for (const Candidate& candidate : candidates) {
     if (candidate.rms < best->rms * (1.0 - kTie)) best = &candidate;
   }
+  if (looked_at.size() < observations.size()) Polish(EquationsOf(problem, observations), framed, best);
   *parameters = best->parameters;
   if (framed.size() == observations.size()) return best->rms;
   return DistanceRms(EvaluateFrames(problem, observations, *parameters), *parameters);

@@ -27,9 +27,10 @@ namespace {
 
 constexpr double kFarBelow = 4.0;  // standard deviations
 
-ResidualSize SizeAt(const CalibrationProblem& problem, const ParameterSet& parameters,
+// predicted: of all observations.
+ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted,
                     const std::vector<int>& observations) {
-  return MeasureReadings(problem.data, observations, PredictPoints(problem, parameters, observations));
+  return MeasureReadings(problem.data, observations, predicted(Eigen::all, observations));
 }
 
 // Where the fit has weights of its own, chi-square is the least that the known noise allows near the estimate.
@@ -362,14 +363,15 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   for (const int i : calibration)
     configurations.insert(problem.data.shots[problem.data.observations[i].shot].configuration);
   estimate->calibration_configurations = static_cast<int>(configurations.size());
-  estimate->fit = SizeAt(problem, parameters, calibration);
-  estimate->validation = SizeAt(problem, parameters, validation);
+  estimate->fit = SizeOf(problem, estimate->predicted, calibration);
+  estimate->validation = SizeOf(problem, estimate->predicted, validation);
   JudgeDeflections(problem, estimate);
   const std::string tie = TieInWords(problem, parameters);
   if (!tie.empty()) estimate->warnings.push_back(tie);
   if (estimate->aligned.num_coordinates() > 0) {
-    estimate->fit_before = SizeAt(problem, estimate->aligned, calibration);
-    estimate->validation_before = SizeAt(problem, estimate->aligned, validation);
+    const Eigen::Matrix3Xd before = PredictPoints(problem, estimate->aligned, all);
+    estimate->fit_before = SizeOf(problem, before, calibration);
+    estimate->validation_before = SizeOf(problem, before, validation);
   }
 }
 

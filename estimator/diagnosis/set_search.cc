@@ -78,9 +78,14 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
 
 // Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
 WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
-  WeightedSet set{given_members, scales, likelihood_.Log(normal_.residual), 0.0};
-  if (set.scales.size() != set.members.size()) set.scales.assign(set.members.size(), 1.0);
-  Members members(normal_, GroupsOf(set.members));
+  Members members(normal_, GroupsOf(given_members));
+  const std::vector<double> ones(given_members.size(), 1.0);
+  if (!given_members.empty()) members.Condition(scales.size() == given_members.size() ? scales : ones);
+  return EvaluateFrom(given_members, std::move(members));
+}
+
+WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
+  WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
   std::vector<double> logs(kNumScales);
   const auto weigh = [&](size_t k) {
     const GivenOthers given = members.Of(k);
@@ -90,7 +95,6 @@ WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std
     }
     return std::max_element(logs.begin(), logs.end()) - logs.begin();
   };
-  if (!set.members.empty()) members.Condition(set.scales);
   bool moved = true;
   for (int round = 0; moved && round < kScaleRounds; ++round) {
     moved = false;
@@ -98,12 +102,12 @@ WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std
       const double best = kScales[weigh(k)];
       if (best == set.scales[k]) continue;
       set.scales[k] = best;
-      members.Condition(set.scales);
+      members.Rescale(k, best);
       moved = true;
     }
   }
   if (!set.members.empty() && set.members.size() <= kAveragedTogether) {
-    set.log_likelihood = AverageOverScales(&members, set.scales);
+    set.log_likelihood = AverageOverScales(&members);
   } else {
     double averages = 0.0;  // of each member's scales, over its best
     for (size_t k = 0; k < set.members.size(); ++k) {
@@ -117,13 +121,14 @@ WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std
 }
 
 // Over all combinations: conditioned on the scales of all but the last, each of the last.
-double SetSearch::AverageOverScales(Members* members, std::vector<double> scales) const {
-  const size_t last = scales.size() - 1;
+double SetSearch::AverageOverScales(Members* members) const {
+  const size_t last = members->scales().size() - 1;
   std::vector<int> at(last, 0);
   std::vector<double> logs;
   while (true) {
-    for (size_t k = 0; k < last; ++k) scales[k] = kScales[at[k]];
-    members->Condition(scales);
+    for (size_t k = 0; k < last; ++k) {
+      if (members->scales()[k] != kScales[at[k]]) members->Rescale(k, kScales[at[k]]);
+    }
     const GivenOthers given = members->Of(last);
     for (const double scale : kScales) {
       const GroupGain gain = GainOf(given.information, given.gradient, scale);
@@ -214,13 +219,11 @@ void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double
   Record(std::move(set));
 }
 
-WeightedSet SetSearch::Without(const WeightedSet& set, size_t member) const {
+WeightedSet SetSearch::Without(const WeightedSet& set, size_t member, const Members& all) const {
   Key members = set.members;
-  std::vector<double> scales = set.scales;
   members.erase(members.begin() + static_cast<long>(member));
-  scales.erase(scales.begin() + static_cast<long>(member));
   const WeightedSet* known = found_.Find(members);
-  return known != nullptr ? *known : Evaluate(members, scales);
+  return known != nullptr ? *known : EvaluateFrom(members, all.Without(member));
 }
 
 // Every member's place for every candidate, by one sweep with all members: each is taken out of what is left of the
@@ -228,11 +231,13 @@ WeightedSet SetSearch::Without(const WeightedSet& set, size_t member) const {
 bool SetSearch::Exchange(const WeightedSet& set) {
   if (set.members.empty() || !exchanged_.emplace(set.members, true).second) return false;
   const Sweep sweep(normal_, GroupsOf(set.members), set.scales);
+  Members all(normal_, GroupsOf(set.members));
+  all.Condition(set.scales);
   std::vector<WeightedSet> without;
   std::vector<Sweep::WithoutOne> sweeps;
   std::vector<double> bases;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    without.push_back(Without(set, m));
+    without.push_back(Without(set, m, all));
     Record(without.back());
     sweeps.push_back(sweep.Without(m));
     std::vector<double> shares = SharesOf(without.back().members);

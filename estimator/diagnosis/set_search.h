@@ -90,7 +90,9 @@ class SetSearch {
     Eigen::VectorXd gradient;
   };
   std::vector<const ColumnGroup*> GroupsOf(const Key& members) const;
-  double AverageOverScales(Members* members, std::vector<double> scales) const;
+  // conditioned: the members, at scales to begin with.
+  WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
+  double AverageOverScales(Members* members) const;
   const Own& OwnOf(size_t candidate) const;
   Own Left(const Sweep& sweep, size_t candidate) const;
   // Log of the evidence that it adds to a residual of this square, averaged over its scale.
@@ -100,7 +102,8 @@ class SetSearch {
   // replaces: an evaluation, which is better than what an addition says.
   void Record(WeightedSet set, bool replaces = false);
   WeightedSet Settled(const WeightedSet& set);
-  WeightedSet Without(const WeightedSet& set, size_t member) const;
+  // all: of the set, at its scales.
+  WeightedSet Without(const WeightedSet& set, size_t member, const Members& all) const;
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
   WeightedSet Climb(WeightedSet from);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "estimator/least_squares/row_sums.h"
 
@@ -78,6 +79,55 @@ void Members::Condition(const std::vector<double>& scales) {
   solved_ = root.solve(along);
   residual_ = residual_given_none_ - along.dot(solved_);
   log_det_ = 2.0 * factor_.diagonal().array().log().sum();
+}
+
+void Members::Rescale(size_t group, double scale) {
+  const long first = first_[group], size = first_[group + 1] - first;
+  const double ratio = scale / scales_[group], extra = 1.0 / (ratio * ratio) - 1.0;
+  Eigen::MatrixXd inner = extra * inverse_.block(first, first, size, size);
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(inner);
+  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = root.solve(beside.transpose());
+  const Eigen::VectorXd own = root.solve(solved_.segment(first, size));
+  solved_.noalias() -= extra * (beside * own);
+  inverse_.noalias() -= extra * (beside * left);
+  // A_k - A_kk e (I + e A_kk)^-1 A_k = (I + e A_kk)^-1 A_k, without a difference of what is nearly equal.
+  inverse_.middleRows(first, size) = left / ratio;
+  inverse_.middleCols(first, size) = left.transpose() / ratio;
+  inverse_.block(first, first, size, size) /= ratio;
+  solved_.segment(first, size) = own / ratio;
+  log_det_ += 2.0 * (root.matrixLLT().diagonal().array().log().sum() + static_cast<double>(size) * std::log(ratio));
+  scales_[group] = scale;
+  SetResidual();
+}
+
+Members Members::Without(size_t group) const {
+  const long first = first_[group], size = first_[group + 1] - first;
+  std::vector<long> kept;
+  for (long c = 0; c < num_columns(); ++c) {
+    if (c < first || c >= first + size) kept.push_back(c);
+  }
+  Members others = *this;
+  others.first_.erase(others.first_.begin() + static_cast<long>(group) + 1);
+  for (size_t k = group + 1; k < others.first_.size(); ++k) others.first_[k] -= size;
+  others.scales_.erase(others.scales_.begin() + static_cast<long>(group));
+  others.information_ = information_(kept, kept);
+  others.gradient_ = gradient_(kept);
+  const Eigen::LLT<Eigen::MatrixXd> root(inverse_.block(first, first, size, size));
+  const Eigen::MatrixXd beside = inverse_(kept, Eigen::seqN(first, size));
+  others.inverse_ = inverse_(kept, kept) - beside * root.solve(beside.transpose());
+  others.solved_ = solved_(kept) - beside * root.solve(solved_.segment(first, size));
+  others.log_det_ = log_det_ + 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  others.SetResidual();
+  return others;
+}
+
+void Members::SetResidual() {
+  residual_ = residual_given_none_;
+  for (size_t k = 0; k < scales_.size(); ++k) {
+    const long first = first_[k], size = first_[k + 1] - first;
+    residual_ -= scales_[k] * gradient_.segment(first, size).dot(solved_.segment(first, size));
+  }
 }
 
 GivenOthers Members::Of(size_t group) const {

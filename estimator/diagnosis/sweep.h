@@ -31,11 +31,21 @@ struct GivenOthers {
 // Groups among themselves, for any scales: with D = diag(s), t = Q^-1 D M'g,
 //
 //   Q = I + D M'GM D;   of group k given the others:  I + s_k^2 G_k = ((Q^-1)_kk)^-1,  s_k g_k = ((Q^-1)_kk)^-1 t_k
+//
+// With A = Q^-1 one group costs the square of all columns, not the cube: its scale times r, e = 1/r^2 - 1,
+//
+//   A <- R^-1 (A - A_k e (I + e A_kk)^-1 A_k') R^-1,   log |Q| += log |I + e A_kk| + 2 n_k log r
+//
+// and without it  A <- A - A_k A_kk^-1 A_k',  log |Q| += log |A_kk|,  of the other groups' rows and columns.
 class Members {
  public:
   Members(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups);
 
   void Condition(const std::vector<double>& scales);
+  // After Condition: the same with another scale of one group; without one of them.
+  void Rescale(size_t group, double scale);
+  Members Without(size_t group) const;
+  const std::vector<double>& scales() const { return scales_; }
   GivenOthers Of(size_t group) const;
   double residual() const { return residual_; }
   int num_columns() const { return static_cast<int>(gradient_.size()); }
@@ -43,12 +53,14 @@ class Members {
  private:
   friend class Sweep;
 
+  void SetResidual();  // of gradient and t
+
   std::vector<long> first_;  // column of each, and the end
   Eigen::MatrixXd information_;
   Eigen::VectorXd gradient_;
   double residual_given_none_;
   std::vector<double> scales_;
-  Eigen::MatrixXd factor_, inverse_;  // L and Q^-1
+  Eigen::MatrixXd factor_, inverse_;  // L, of the last Condition, and Q^-1
   Eigen::VectorXd solved_;            // t
   double residual_ = 0.0, log_det_ = 0.0;
 };

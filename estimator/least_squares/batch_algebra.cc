@@ -226,7 +226,28 @@ void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* 
   }
 }
 
-// Row by row: the new row of the factor, then that row of all columns.
+// One column by the factor, from the first row on; kRows of them in registers, or any number (0).
+template <int kRows>
+void SolveColumn(int num_rows, const double* factor, std::size_t step, double* column) {
+  const Tag d;
+  const int rows = kRows > 0 ? kRows : num_rows;
+  const auto entry = [&](int r, int k) HWY_ATTR {
+    return hn::Load(d, factor + (static_cast<std::size_t>(r) * rows + k) * kBatchLanes);
+  };
+  V solved[kRows > 0 ? kRows : 1];
+  for (int r = 0; r < rows; ++r) {
+    V value = hn::Load(d, column + r * step);
+    for (int k = 0; k < r; ++k) {
+      const V above = kRows > 0 ? solved[kRows > 0 ? k : 0] : hn::Load(d, column + k * step);
+      value = hn::NegMulAdd(entry(r, k), above, value);
+    }
+    value = hn::Mul(value, entry(r, r));
+    solved[kRows > 0 ? r : 0] = value;
+    hn::Store(value, d, column + r * step);
+  }
+}
+
+// The factor row by row, its diagonal as inverse; then all columns.
 void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
   const Tag d;
   const std::size_t step = hn::Lanes(d);
@@ -253,16 +274,10 @@ void MarginaliseRows(int num_rows, int columns, int latent, int count, double* r
         hn::Store(value, d, entry(r, k) + lane);
       }
     }
-    for (int r = 0; r < num_rows; ++r) {
-      const V inverse = hn::Load(d, entry(r, r) + lane);
-      for (int c = 0; c < columns; ++c) {
-        if (c >= latent && c < latent + count) continue;
-        V value = hn::Load(d, own + cell(r, c));
-        for (int k = 0; k < r; ++k) {
-          value = hn::NegMulAdd(hn::Load(d, entry(r, k) + lane), hn::Load(d, own + cell(k, c)), value);
-        }
-        hn::Store(hn::Mul(value, inverse), d, own + cell(r, c));
-      }
+    const auto solve = num_rows == 9 ? SolveColumn<9> : num_rows == 6 ? SolveColumn<6> : num_rows == 3 ? SolveColumn<3> : SolveColumn<0>;
+    for (int c = 0; c < columns; ++c) {
+      if (c == latent) c += count;
+      if (c < columns) solve(num_rows, factor + lane, static_cast<std::size_t>(columns) * kBatchLanes, own + cell(0, c));
     }
   }
 }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
+#include <numeric>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -66,29 +67,36 @@ ClusterSandwich::ClusterSandwich(int columns, int clusters, const Eigen::MatrixX
 
 void ClusterSandwich::Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of) {
   // Clusters that the same fits have side by side, by their numbers of rows.
-  std::map<int, std::vector<int>> observations;
-  for (size_t k = 0; k < cluster_of.size(); ++k) observations[cluster_of[k]].push_back(static_cast<int>(k));
-  std::vector<std::pair<std::vector<bool>, int>> order;
-  for (const auto& [cluster, own] : observations) {
-    std::vector<bool> key;
-    for (const Fit& fit : fits_) key.push_back(Has(fit, cluster));
-    order.emplace_back(std::move(key), cluster);
+  std::vector<int> by_cluster(cluster_of.size());
+  std::iota(by_cluster.begin(), by_cluster.end(), 0);
+  std::stable_sort(by_cluster.begin(), by_cluster.end(), [&](int a, int b) { return cluster_of[a] < cluster_of[b]; });
+  struct Own {
+    std::string fits;  // 1 for each that has it
+    std::vector<int> observations;
+    int cluster = 0;
+  };
+  std::vector<Own> order;
+  for (const int k : by_cluster) {
+    if (order.empty() || order.back().cluster != cluster_of[k]) {
+      order.push_back({{}, {}, cluster_of[k]});
+      for (const Fit& fit : fits_) order.back().fits += Has(fit, cluster_of[k]) ? '1' : '0';
+    }
+    order.back().observations.push_back(k);
   }
-  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-    const auto size = [&](const auto& entry) { return observations[entry.second].size(); };
-    return std::make_tuple(std::cref(a.first), size(a), a.second) <
-           std::make_tuple(std::cref(b.first), size(b), b.second);
+  std::sort(order.begin(), order.end(), [](const Own& a, const Own& b) {
+    const size_t size_a = a.observations.size(), size_b = b.observations.size();
+    return std::tie(a.fits, size_a, a.cluster) < std::tie(b.fits, size_b, b.cluster);
   });
   std::vector<int> clusters;
   std::vector<RowMajorMatrix> own;
   for (size_t i = 0; i < order.size(); ++i) {
-    const std::vector<int>& seen = observations[order[i].second];
+    const std::vector<int>& seen = order[i].observations;
     RowMajorMatrix& block = own.emplace_back(static_cast<Eigen::Index>(3 * seen.size()), columns_ + 1);
     for (size_t k = 0; k < seen.size(); ++k) {
       block.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = rows.middleRows<3>(3 * seen[k]);
     }
     block = Shortened(std::move(block));
-    clusters.push_back(order[i].second);
+    clusters.push_back(order[i].cluster);
     if (clusters.size() < kBatchLanes && i + 1 < order.size()) continue;
     AddLanes(clusters, own);
     clusters.clear();

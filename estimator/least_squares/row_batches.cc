@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <numeric>
+#include <unordered_map>
 
 #include "estimator/least_squares/batch_algebra.h"
 
@@ -18,25 +20,47 @@ double* Aligned(double* p) {
   return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
 }
 
-// Runs of observations that are one shot, by visit or one by one; positions in the list.
-using Shots = std::vector<std::vector<int>>;
-std::vector<Shots> UnitsOf(const CalibrationProblem& problem, const std::vector<int>& observations, bool by_visit) {
-  std::vector<Shots> units;
-  std::map<int, size_t> unit_of_visit;
+// Observations of one shot that follow each other: positions in the list.
+struct Run {
+  int first = 0, last = 0;
+  int size() const { return last - first; }
+};
+
+// Runs, by visit or one by one.
+struct Units {
+  std::vector<Run> runs;   // unit by unit
+  std::vector<int> first;  // run of each unit, and the end
+  int size() const { return static_cast<int>(first.size()) - 1; }
+};
+
+Units UnitsOf(const CalibrationProblem& problem, const std::vector<int>& observations, bool by_visit) {
+  std::vector<Run> runs;
+  std::vector<int> unit_of;  // of each run
+  std::unordered_map<int, int> unit_of_visit;
   int previous = -1;
-  Shots* unit = nullptr;
-  for (size_t k = 0; k < observations.size(); ++k) {
+  for (int k = 0; k < static_cast<int>(observations.size()); ++k) {
     const int shot = problem.data.observations[observations[k]].shot;
     if (shot != previous) {
-      const int visit = by_visit ? problem.latent.visit_of_shot[shot] : static_cast<int>(units.size());
-      const auto [found, is_new] = unit_of_visit.emplace(visit, units.size());
-      if (is_new) units.emplace_back();
-      unit = &units[found->second];
-      unit->emplace_back();
+      runs.push_back({k, k});
+      const int next = static_cast<int>(unit_of_visit.size());
+      if (by_visit) unit_of.push_back(unit_of_visit.emplace(problem.latent.visit_of_shot[shot], next).first->second);
     }
-    unit->back().push_back(static_cast<int>(k));
+    runs.back().last = k + 1;
     previous = shot;
   }
+  Units units;
+  if (!by_visit) {
+    units.first.resize(runs.size() + 1);
+    std::iota(units.first.begin(), units.first.end(), 0);
+    units.runs = std::move(runs);
+    return units;
+  }
+  units.first.assign(unit_of_visit.size() + 1, 0);
+  for (const int unit : unit_of) ++units.first[unit + 1];
+  std::partial_sum(units.first.begin(), units.first.end(), units.first.begin());
+  std::vector<int> place = units.first;
+  units.runs.resize(runs.size());
+  for (size_t r = 0; r < runs.size(); ++r) units.runs[place[unit_of[r]]++] = runs[r];
   return units;
 }
 
@@ -76,70 +100,77 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       against_(against) {
   whiteners_.reserve(noise.size());
   for (const Matrix3<double>& root : noise) whiteners_.push_back(root.inverse());
-  const auto readings_of = [&](const std::vector<int>& run) {
-    std::vector<BatchReading> readings;
-    for (const int k : run) {
+  std::vector<BatchReading> readings;  // of the run that is looked at
+  const auto read = [&](const Run& run) {
+    readings.clear();
+    for (int k = run.first; k < run.last; ++k) {
       const Observation& row = problem.data.observations[observations[k]];
       const Vector3<double> target =
           against_ == RowsAgainst::kMeasured ? row.point_in_station : Vector3<double>::Zero().eval();
       readings.push_back({row.marker, problem.marker_frames[row.marker], target, whiteners_[k]});
     }
-    return readings;
   };
-  const auto shot_of = [&](const std::vector<int>& run) {
-    return problem.data.observations[observations[run.front()]].shot;
-  };
-  const std::vector<Shots> units = UnitsOf(problem, observations, marginalises_);
+  const auto shot_of = [&](const Run& run) { return problem.data.observations[observations[run.first]].shot; };
+  const Units units = UnitsOf(problem, observations, marginalises_);
   std::map<std::vector<std::int64_t>, int> group_of;
   std::vector<std::vector<int>> members;
-  for (size_t u = 0; u < units.size(); ++u) {
-    std::vector<std::int64_t> key;
+  std::vector<std::int64_t> key;
+  for (int u = 0; u < units.size(); ++u) {
+    key.clear();
     bool by_model = false;
-    for (const std::vector<int>& run : units[u]) {
-      const std::vector<BatchReading> readings = readings_of(run);
+    for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
+      const Run& run = units.runs[r];
+      read(run);
       const std::vector<std::int64_t> own = StructureOf(problem.model, problem.shot_inputs[shot_of(run)], readings);
       by_model |= own.empty();
-      for (const int k : run) {
+      for (int k = run.first; k < run.last; ++k) {
         const ReadingKind kind = problem.data.observations[observations[k]].kind;
         by_model |= kind != ReadingKind::kPoint;
         key.push_back(static_cast<int>(kind));
       }
       key.push_back(problem.data.shots[shot_of(run)].station);
-      key.push_back(static_cast<std::int64_t>(readings.size()));
+      key.push_back(run.size());
       for (const BatchReading& reading : readings) key.push_back(reading.id);
       key.insert(key.end(), own.begin(), own.end());
     }
-    const auto [found, is_new] = group_of.emplace(std::move(key), num_groups());
-    if (is_new) {
-      auto group = std::make_unique<Group>();
-      group->by_model = by_model;
-      for (const std::vector<int>& run : units[u]) {
-        const std::vector<BatchReading> readings = readings_of(run);
-        Group::ShotPart part;
-        part.station = problem.data.shots[shot_of(run)].station;
-        for (const BatchReading& reading : readings) part.markers.push_back(reading.id);
-        for (const int k : run) part.kinds.push_back(problem.data.observations[observations[k]].kind);
-        if (!by_model) part.program = MakeShotProgram(problem.model, problem.shot_inputs[shot_of(run)], readings);
-        group->rows += 3 * static_cast<int>(readings.size());
-        group->batch_doubles += part.program.num_data * kBatchLanes;
-        group->shots.push_back(std::move(part));
-      }
-      groups_.push_back(std::move(group));
-      members.emplace_back();
+    const auto found = group_of.find(key);
+    if (found != group_of.end()) {
+      members[found->second].push_back(u);
+      continue;
     }
-    members[found->second].push_back(static_cast<int>(u));
+    group_of.emplace(key, num_groups());
+    auto group = std::make_unique<Group>();
+    group->by_model = by_model;
+    for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
+      const Run& run = units.runs[r];
+      read(run);
+      Group::ShotPart part;
+      part.station = problem.data.shots[shot_of(run)].station;
+      for (const BatchReading& reading : readings) part.markers.push_back(reading.id);
+      for (int k = run.first; k < run.last; ++k) {
+        part.kinds.push_back(problem.data.observations[observations[k]].kind);
+      }
+      if (!by_model) part.program = MakeShotProgram(problem.model, problem.shot_inputs[shot_of(run)], readings);
+      group->rows += 3 * run.size();
+      group->batch_doubles += part.program.num_data * kBatchLanes;
+      group->shots.push_back(std::move(part));
+    }
+    groups_.push_back(std::move(group));
+    members.push_back({u});
   }
   for (size_t g = 0; g < groups_.size(); ++g) {
     Group& group = *groups_[g];
     group.num_units = static_cast<int>(members[g].size());
+    group.observations.reserve(members[g].size() * static_cast<size_t>(group.per_unit()));
     group.memory.assign(static_cast<std::size_t>(group.num_batches()) * group.batch_doubles + kBatchLanes, 0.0);
     for (int i = 0; i < group.num_batches() * kBatchLanes; ++i) {
       // Lanes that are left over repeat the last unit; nobody reads them.
-      const Shots& unit = units[members[g][std::min(i, group.num_units - 1)]];
-      for (size_t s = 0; s < unit.size(); ++s) {
-        if (i < group.num_units) group.observations.insert(group.observations.end(), unit[s].begin(), unit[s].end());
+      const Run* const runs = &units.runs[units.first[members[g][std::min(i, group.num_units - 1)]]];
+      for (size_t s = 0; s < group.shots.size(); ++s) {
+        for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) group.observations.push_back(k);
         if (group.by_model) continue;
-        PackShot(problem.model, group.shots[s].program, problem.shot_inputs[shot_of(unit[s])], readings_of(unit[s]),
+        read(runs[s]);
+        PackShot(problem.model, group.shots[s].program, problem.shot_inputs[shot_of(runs[s])], readings,
                  i % kBatchLanes, const_cast<double*>(group.Data(i / kBatchLanes, static_cast<int>(s))));
       }
     }

@@ -1,6 +1,7 @@
 #include "estimator/least_squares/row_stream.h"
 
-#include <unordered_map>
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace sagitta {
@@ -8,21 +9,52 @@ namespace {
 
 constexpr size_t kObservationsAtOnce = 1024;
 
-// One lane's unit of a batch into rows of the piece.
-void Unpack(const BatchColumns& columns, const std::vector<int>& unit, const double* lane, RowPiece* piece) {
-  const Eigen::Index residual = piece->rows.cols() - 1;
-  for (int row = 0; row < 3 * static_cast<int>(unit.size()); ++row) {
-    const Eigen::Index to = 3 * unit[row / 3] + row % 3;
-    const double* const from = lane + static_cast<size_t>(row) * columns.columns * kBatchLanes;
-    double* const cells = &piece->rows(to, 0);
-    for (int c = 0; c < columns.columns; ++c) {
-      const int column = columns.Of(row, c);
-      if (column >= 0) cells[column] = from[c * kBatchLanes];
+// Where the numbers of a batch go in rows of the piece: one group's, column by column.
+class Unpacker {
+ public:
+  Unpacker(const BatchColumns& columns, int rows_of_unit, RowPiece* piece)
+      : columns_(columns), rows_(rows_of_unit), piece_(*piece) {
+    for (int m = 0; m < rows_ / 3; ++m) {
+      std::vector<Place>& own = places_.emplace_back();
+      for (int c = 0; c < columns.columns; ++c) {
+        if (columns.Of(3 * m, c) >= 0) own.push_back({c * kBatchLanes, columns.Of(3 * m, c)});
+      }
+      own.push_back({columns.residual * kBatchLanes, static_cast<int>(piece->rows.cols()) - 1});
     }
-    cells[residual] = from[columns.residual * kBatchLanes];
-    for (int i = 0; i < columns.latents; ++i) piece->latent(to, i) = from[(columns.latent + i) * kBatchLanes];
+    unused_.resize(static_cast<size_t>(piece->rows.cols()));
   }
-}
+
+  // units: of each lane; empty: filled up.
+  void Unpack(const std::array<std::vector<int>, kBatchLanes>& units, const double* rows) {
+    std::array<double*, kBatchLanes> to;
+    for (int row = 0; row < rows_; ++row, rows += static_cast<size_t>(columns_.columns) * kBatchLanes) {
+      for (size_t lane = 0; lane < units.size(); ++lane) {
+        if (units[lane].empty()) {
+          to[lane] = unused_.data();
+          continue;
+        }
+        const Eigen::Index place = 3 * units[lane][row / 3] + row % 3;
+        to[lane] = &piece_.rows(place, 0);
+        for (int i = 0; i < columns_.latents; ++i) {
+          piece_.latent(place, i) = rows[static_cast<size_t>(columns_.latent + i) * kBatchLanes + lane];
+        }
+      }
+      for (const Place& place : places_[static_cast<size_t>(row / 3)]) {
+        for (size_t lane = 0; lane < to.size(); ++lane) to[lane][place.column] = rows[place.from + lane];
+      }
+    }
+  }
+
+ private:
+  struct Place {
+    int from = 0, column = 0;
+  };
+  const BatchColumns& columns_;
+  const int rows_;
+  RowPiece& piece_;
+  std::vector<std::vector<Place>> places_;  // of each marker
+  std::vector<double> unused_;
+};
 
 // The group of each observation where none is asked for.
 std::vector<int> OwnGroups(const CalibrationProblem& problem, const std::vector<int>& observations,
@@ -44,12 +76,15 @@ RowStream::RowStream(const CalibrationProblem& problem, std::vector<int> observa
     : problem_(problem), observations_(std::move(observations)), noise_(std::move(noise)), treatment_(treatment) {
   const std::vector<int> own = together.empty() ? OwnGroups(problem, observations_, treatment) : std::vector<int>();
   const std::vector<int>& groups = together.empty() ? own : together;
-  std::unordered_map<int, size_t> place;
+  constexpr size_t kNone = static_cast<size_t>(-1);
+  std::vector<size_t> place(groups.empty() ? 0 : 1 + *std::max_element(groups.begin(), groups.end()), kNone);
   std::vector<size_t> first;  // of each group, counted first
   for (const int group : groups) {
-    const auto [found, is_new] = place.emplace(group, first.size());
-    if (is_new) first.push_back(0);
-    ++first[found->second];
+    if (place[group] == kNone) {
+      place[group] = first.size();
+      first.push_back(0);
+    }
+    ++first[place[group]];
   }
   pieces_.push_back(0);
   size_t count = 0;
@@ -79,11 +114,14 @@ bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& 
     piece.latent.setZero(piece.rows.rows(), batches.num_latents());
     for (int g = 0; g < batches.num_groups(); ++g) {
       const BatchColumns& layout = request.columns(g);
+      Unpacker unpacker(layout, batches.rows_of_unit(g), &piece);
       for (int b = 0; b < batches.num_batches(g); ++b) {
         double* const rows =
             buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * layout.columns * kBatchLanes);
         if (!batches.Evaluate(request, g, b, &scratch, rows)) return false;
-        for (int lane = 0; lane < kBatchLanes; ++lane) Unpack(layout, batches.UnitOf(g, b, lane), rows + lane, &piece);
+        std::array<std::vector<int>, kBatchLanes> units;
+        for (int lane = 0; lane < kBatchLanes; ++lane) units[lane] = batches.UnitOf(g, b, lane);
+        unpacker.Unpack(units, rows);
       }
     }
     if (change_) change_(&piece.rows);

@@ -1,11 +1,11 @@
 #include "estimator/results/residuals_csv.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numeric>
 
 #include "estimator/least_squares/linearization.h"
-#include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 
 namespace sagitta {
@@ -34,7 +34,11 @@ std::vector<int> AllObservations(const Measurements& data) {
   return all;
 }
 
-std::string Cell(double number) { return std::isfinite(number) ? FormatNumber(number) : ""; }
+// The shortest text that reads back to the same number.
+void AddNumber(double number, std::string* csv) {
+  char buffer[64];
+  if (std::isfinite(number)) csv->append(buffer, std::to_chars(buffer, buffer + sizeof(buffer), number).ptr);
+}
 
 // Columns <prefix><axis><suffix> of numbers as they are; <prefix>r<axis><rotation_suffix> in the row of its point where
 // any row is a pose.
@@ -51,7 +55,7 @@ std::vector<AddedColumn> AxisColumns(const std::string& prefix, const std::strin
                          {}};
       for (int i = 0; i < numbers.cols(); ++i) {
         const int source = of_rotation ? data.observations[i].partner : i;
-        column.cells.push_back(source < 0 ? "" : Cell(numbers(axis, source)));
+        column.numbers.push_back(source < 0 ? std::nan("") : numbers(axis, source));
       }
       columns.push_back(std::move(column));
     }
@@ -83,6 +87,7 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
     for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
   }
   csv += "\n";
+  size_t first = 0;  // bytes with the first row
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& observation = data.observations[i];
     if (!observation.is_point()) continue;  // in the line of its point
@@ -91,12 +96,18 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
       if (c > 0) csv += ",";
       const int source = index[observation.file][c];
       if (replaced[c] != nullptr) {
-        AddCsvCell(replaced[c]->cells[i], &csv);
+        const AddedColumn& own = *replaced[c];
+        if (own.cells.empty()) AddNumber(own.numbers[i], &csv);
+        if (!own.cells.empty()) AddCsvCell(own.cells[i], &csv);
       } else if (source >= 0) {
         AddCsvCell(cells[source], &csv);
       }
     }
     csv += "\n";
+    if (first == 0) {
+      first = csv.size();
+      csv.reserve(first * data.observations.size() / 8 * 9);  // as if all were as long
+    }
   }
   return csv;
 }
@@ -128,7 +139,7 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const int partner = data.observations[i].partner;
     const double own = estimate.leverage[i];
-    leverage.cells.push_back(Cell(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner])));
+    leverage.numbers.push_back(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner]));
     set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
   }
   append({leverage, set});

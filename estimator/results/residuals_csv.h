@@ -12,7 +12,10 @@ namespace sagitta {
 
 struct AddedColumn {
   std::string name;
-  std::vector<std::string> cells;  // one per observation; those of points are written, one line each
+  // One per observation; those of points are written, one line each. As text or as numbers, of which what is not finite
+  // is an empty cell.
+  std::vector<std::string> cells;
+  std::vector<double> numbers = {};
 };
 
 // A column that the rows already have is replaced where it stands. Several

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "estimator/statistics/distributions.h"
 
@@ -24,7 +23,7 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   UnseenPoints unseen;
   unseen.points = static_cast<int>(observations.size());
   if (observations.empty()) return unseen;
-  std::map<int, double> farthest;  // of each configuration
+  std::vector<double> farthest(problem.data.configurations.size(), -1.0);  // of each configuration; below 0: not seen
   for (size_t k = 0; k < observations.size(); ++k) {
     const double distance = errors.col(static_cast<Eigen::Index>(k)).norm();
     unseen.distances.push_back(distance);
@@ -39,11 +38,17 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   unseen.distance_p50 = Quantile(sorted, 0.5);
   unseen.distance_p95 = Quantile(sorted, 0.95);
   unseen.distance_max = sorted.back();
-  for (const auto& [configuration, distance] : farthest)
-    unseen.worst.push_back({problem.data.configurations[configuration].id, distance});
-  std::stable_sort(unseen.worst.begin(), unseen.worst.end(),
-                   [](const FarPose& a, const FarPose& b) { return a.distance > b.distance; });
-  if (unseen.worst.size() > kWorst) unseen.worst.resize(kWorst);
+  std::vector<int> order;
+  for (size_t c = 0; c < farthest.size(); ++c) {
+    if (farthest[c] >= 0.0) order.push_back(static_cast<int>(c));
+  }
+  const auto shown = order.begin() + static_cast<long>(std::min(kWorst, order.size()));
+  std::partial_sort(order.begin(), shown, order.end(), [&farthest](int a, int b) {
+    return farthest[a] > farthest[b] || (farthest[a] == farthest[b] && a < b);
+  });
+  for (auto c = order.begin(); c != shown; ++c) {
+    unseen.worst.push_back({problem.data.configurations[*c].id, farthest[*c]});
+  }
   return unseen;
 }
 

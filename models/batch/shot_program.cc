@@ -183,7 +183,9 @@ bool TurnsWithFlange(const std::vector<AppliedWrench>& wrenches) {
 std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput& shot,
                                       const std::vector<BatchReading>& readings) {
   if (!shot.prepared || !HasProgram(shot)) return {};
-  std::vector<std::int64_t> key = {model.chain().num_transforms()};
+  std::vector<std::int64_t> key;
+  key.reserve(128);
+  key.push_back(model.chain().num_transforms());
   bool known = true;
   const auto add_wrenches = [&](const std::vector<AppliedWrench>& wrenches) {
     key.push_back(static_cast<std::int64_t>(wrenches.size()));
@@ -248,7 +250,7 @@ void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotI
     set(transform.lane_value, transform.is_rotation ? std::sin(value) : value);
     if (transform.is_rotation) set(transform.lane_value + 1, std::cos(value));
   }
-  std::vector<size_t> next(chain.num_transforms(), 0);
+  std::vector<size_t> next(shot.terms.slots.empty() ? 0 : chain.num_transforms(), 0);
   for (const SlotTerm& term : shot.terms.slots) {
     set(program.transforms[term.transform].terms[next[term.transform]++].data, term.factor);
   }

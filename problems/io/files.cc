@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -60,6 +61,10 @@ thread_local std::unique_ptr<Session> session;
 // All bytes from where the descriptor is; a device that never ends is cut off by the limit.
 std::string ReadAll(int descriptor, const std::string& path) {
   std::string bytes;
+  struct stat status;
+  if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0) {
+    bytes.reserve(std::min(static_cast<size_t>(status.st_size), limits::kFileBytes));
+  }
   std::vector<char> block(1 << 20);
   while (true) {
     const ssize_t count = read(descriptor, block.data(), block.size());
@@ -135,6 +140,9 @@ std::string ReadTextFile(const std::string& path) {
 }
 
 int LineOfInvalidUtf8(const std::string& bytes) {
+  unsigned char all = 0;
+  for (const char c : bytes) all |= static_cast<unsigned char>(c);
+  if (all < 0x80) return 0;  // ASCII, as most files are
   int line = 1;
   for (size_t i = 0; i < bytes.size();) {
     if (static_cast<unsigned char>(bytes[i]) < 0x80) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <string_view>
 #include <unordered_map>
 
 #include "models/effects/effect.h"
@@ -17,14 +18,36 @@ namespace {
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
 
-int IndexOf(const std::string& name, std::unordered_map<std::string, int>* indices, std::vector<std::string>* names) {
-  const auto [entry, is_new] = indices->try_emplace(name, static_cast<int>(names->size()));
-  if (is_new) names->push_back(name);
-  return entry->second;
+// Ids by number, in order of appearance. Most rows say what the row before said, or one of few.
+class Words {
+ public:
+  int IndexOf(std::string_view word) {
+    if (last_ < words_.size() && words_[last_] == word) return static_cast<int>(last_);
+    last_ = words_.size();
+    for (size_t i = 0; i < std::min(words_.size(), kFew); ++i) {
+      if (words_[i] == word) last_ = i;
+    }
+    if (last_ == words_.size()) last_ = indices_.try_emplace(word, words_.size()).first->second;
+    if (last_ == words_.size()) words_.push_back(word);
+    return static_cast<int>(last_);
+  }
+  int size() const { return static_cast<int>(words_.size()); }
+
+ private:
+  static constexpr size_t kFew = 4;
+  std::vector<std::string_view> words_;  // in the memory of the rows
+  std::unordered_map<std::string_view, size_t> indices_;
+  size_t last_ = 0;
+};
+
+int IndexOf(std::string_view name, Words* words, std::vector<std::string>* names) {
+  const int index = words->IndexOf(name);
+  if (index == static_cast<int>(names->size())) names->emplace_back(name);
+  return index;
 }
 
-// Numbers of ids that go together.
-using Ids = std::array<int, 6>;
+// Numbers of ids that go together: configuration, visit, repeat, station, load.
+using Ids = std::array<int, 5>;
 struct IdsHash {
   size_t operator()(const Ids& ids) const {
     size_t sum = 0;
@@ -41,7 +64,7 @@ std::vector<size_t> HashesOf(const std::vector<std::string>& names) {
 
 // The same for rows that say the same in another order of columns. header: hashes of its names.
 size_t RowHash(const MeasurementFile::Row& row, const std::vector<size_t>& header) {
-  const std::hash<std::string> hash;
+  const std::hash<std::string_view> hash;
   size_t sum = 0;
   for (size_t c = 0; c < header.size(); ++c) {
     size_t h = hash(row.cells[c]) ^ header[c];
@@ -97,22 +120,26 @@ class MeasurementsBuilder {
   std::string SourceOf(int observation) const { return data_.SourceOf(data_.observations[observation]); }
   [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const;
 
-  void RefuseCopy();
+  // Shots of equal ids: rows that repeat a marker begin another one.
+  struct Repeated {
+    std::vector<int> shots;
+    std::vector<int> rows;                 // seen of each marker
+    std::unordered_map<size_t, int> seen;  // observations by hash, once a marker is repeated
+  };
+
+  void RefuseCopy(Repeated* shots);
   int ConfigurationIndex(const MeasurementRow& row);
-  int Occurrence(const Ids& ids);
   int ShotIndex(const MeasurementRow& row, int configuration, int station, int marker);
-  int WordIndex(const std::string& word) {
-    return words_.try_emplace(word, static_cast<int>(words_.size())).first->second;
-  }
+  int BeginShot(const MeasurementRow& row, int configuration, int station);
   void CheckShot(const MeasurementRow& row, const Shot& shot) const;
-  void CheckApproach(const MeasurementRow& row, const Shot& shot, const std::string& first) const;
+  void CheckApproach(const MeasurementRow& row, const Shot& shot) const;
 
   Measurements data_;
   int current_ = 0;  // the observation that is being added
-  std::unordered_map<std::string, int> stations_, markers_, configurations_, words_;  // words: visits, repeats, loads
-  std::unordered_map<Ids, int, IdsHash> shots_, occurrences_;
-  std::unordered_map<size_t, int> rows_;
-  std::vector<size_t> header_;  // hashes of the current file's names
+  Words stations_, markers_, configurations_, visits_, repeats_, loads_;
+  std::unordered_map<Ids, Repeated, IdsHash> shots_;
+  std::pair<const Ids, Repeated>* latest_ = nullptr;  // of shots_: of the row before
+  std::vector<std::vector<size_t>> headers_;          // hashes of each file's names
   std::vector<int> first_of_configuration_;
   std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;
@@ -125,8 +152,20 @@ void MeasurementsBuilder::Fail(const std::string& key, const std::string& what, 
   throw InputError({FileOf(current_).path, RowOf(current_).line, key}, what, hint);
 }
 
-void MeasurementsBuilder::RefuseCopy() {
-  const auto [entry, is_new] = rows_.try_emplace(RowHash(RowOf(current_), header_), current_);
+// Rows that are equal have equal ids.
+void MeasurementsBuilder::RefuseCopy(Repeated* shots) {
+  const auto remember = [&](int observation) {
+    return shots->seen.try_emplace(RowHash(RowOf(observation), headers_[data_.observations[observation].file]),
+                                   observation);
+  };
+  if (shots->seen.empty()) {
+    for (const int shot : shots->shots) {
+      for (const int i : data_.shots[shot].observations) {
+        if (data_.observations[i].is_point()) remember(i);
+      }
+    }
+  }
+  const auto [entry, is_new] = remember(current_);
   if (is_new) return;
   const int first = entry->second;
   if (!SameCells(FileOf(current_), RowOf(current_), FileOf(first), RowOf(first))) return;
@@ -135,39 +174,40 @@ void MeasurementsBuilder::RefuseCopy() {
 }
 
 int MeasurementsBuilder::ConfigurationIndex(const MeasurementRow& row) {
-  const auto [entry, is_new] = configurations_.try_emplace(row.config, static_cast<int>(data_.configurations.size()));
-  if (is_new) {
-    data_.configurations.push_back({row.config, row.q, false});
+  const int index = configurations_.IndexOf(row.config);
+  if (index == static_cast<int>(data_.configurations.size())) {
+    data_.configurations.push_back({std::string(row.config), row.q, false});
     first_of_configuration_.push_back(current_);
-    return entry->second;
+    return index;
   }
-  const Eigen::VectorXd difference = row.q - data_.configurations[entry->second].q;
-  for (int j = 0; j < difference.size(); ++j) {
-    if (std::abs(difference[j]) <= kSameJointValue) continue;
+  const Eigen::VectorXd& q = data_.configurations[index].q;
+  for (int j = 0; j < q.size(); ++j) {
+    if (std::abs(row.q[j] - q[j]) <= kSameJointValue) continue;
     Fail("q" + std::to_string(j + 1),
-         "configuration '" + row.config + "' has another joint value at " +
-             SourceOf(first_of_configuration_[entry->second]),
+         "configuration '" + std::string(row.config) + "' has another joint value at " +
+             SourceOf(first_of_configuration_[index]),
          "rows of one config share one commanded joint configuration");
   }
-  return entry->second;
+  return index;
 }
 
-// How many earlier rows have the same ids.
-int MeasurementsBuilder::Occurrence(const Ids& ids) {
-  const int occurrence = occurrences_[ids]++;
-  if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
-  return occurrence;
-}
-
+// A row goes into the first shot of its ids that has no row of its marker yet.
 int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration, int station, int marker) {
-  const int visit = WordIndex(row.visit), repeat = WordIndex(row.repeat), load = WordIndex(row.load);
-  const int occurrence = Occurrence({configuration, visit, repeat, station, load, marker});
-  const auto [entry, is_new] = shots_.try_emplace(Ids{configuration, visit, repeat, station, load, occurrence},
-                                                  static_cast<int>(data_.shots.size()));
-  if (!is_new) {
-    CheckShot(row, data_.shots[entry->second]);
-    return entry->second;
-  }
+  const Ids ids = {configuration, visits_.IndexOf(row.visit), repeats_.IndexOf(row.repeat), station,
+                   loads_.IndexOf(row.load)};
+  if (latest_ == nullptr || latest_->first != ids) latest_ = &*shots_.try_emplace(ids).first;
+  Repeated& own = latest_->second;
+  if (own.rows.size() <= static_cast<size_t>(marker)) own.rows.resize(static_cast<size_t>(marker) + 1, 0);
+  const auto occurrence = static_cast<size_t>(own.rows[static_cast<size_t>(marker)]++);
+  if (occurrence > 0 || !own.seen.empty()) RefuseCopy(&own);
+  if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
+  if (occurrence == own.shots.size()) own.shots.push_back(BeginShot(row, configuration, station));
+  const int shot = own.shots[occurrence];
+  if (!data_.shots[shot].observations.empty()) CheckShot(row, data_.shots[shot]);
+  return shot;
+}
+
+int MeasurementsBuilder::BeginShot(const MeasurementRow& row, int configuration, int station) {
   Shot& shot = data_.shots.emplace_back();
   moments_.emplace_back();
   shot.configuration = configuration;
@@ -177,27 +217,26 @@ int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration,
   shot.load = row.load;
   shot.wrench = row.wrench;
   shot.approach = row.approach;
-  return entry->second;
+  return static_cast<int>(data_.shots.size()) - 1;
 }
 
 void MeasurementsBuilder::CheckShot(const MeasurementRow& row, const Shot& shot) const {
-  const std::string first = SourceOf(shot.observations.front());
   if (row.wrench.force != shot.wrench.force || row.wrench.moment != shot.wrench.moment) {
-    Fail("load", "the wrench differs from that of the same shot at " + first,
+    Fail("load", "the wrench differs from that of the same shot at " + SourceOf(shot.observations.front()),
          "loads on some markers of a shot only; another load state has another load id");
   }
-  CheckApproach(row, shot, first);
+  CheckApproach(row, shot);
 }
 
 // No direction at all is none of any joint.
-void MeasurementsBuilder::CheckApproach(const MeasurementRow& row, const Shot& shot, const std::string& first) const {
+void MeasurementsBuilder::CheckApproach(const MeasurementRow& row, const Shot& shot) const {
   const auto at = [](const std::vector<int>& approach, size_t joint) {
     return approach.empty() ? kApproachNotStated : approach[joint];
   };
   for (size_t j = 0; j < std::max(row.approach.size(), shot.approach.size()); ++j) {
     const int here = at(row.approach, j), there = at(shot.approach, j);
     if (here == there) continue;
-    const std::string column = "approach" + std::to_string(j + 1);
+    const std::string column = "approach" + std::to_string(j + 1), first = SourceOf(shot.observations.front());
     if (here == kApproachNotStated || there == kApproachNotStated) {
       const bool is_here = here == kApproachNotStated;
       Fail(column,
@@ -214,12 +253,12 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
                               const MeasurementReadOptions& options) {
   data_.files.push_back(std::move(table.file));
   const MeasurementFile& file = data_.files.back();
-  header_ = HashesOf(file.header);
-  rows_.reserve(rows_.size() + file.rows.size());
+  headers_.push_back(HashesOf(file.header));
   data_.observations.reserve(data_.observations.size() + file.rows.size());
+  MeasurementRowReader reader(file, columns, options);
   MeasurementRow row;
   for (size_t r = 0; r < file.rows.size(); ++r) {
-    ReadMeasurementRow(file, file.rows[r], columns, options, &row);
+    reader.Read(file.rows[r], &row);
     if (row.lost) {
       if (lost_++ == 0) first_lost_ = file.path + ":" + std::to_string(file.rows[r].line);
       continue;
@@ -231,7 +270,6 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
     observation.point_in_station = row.point;
     observation.sigma = row.sigma;
     observation.rotation_sigma = row.rotation_sigma;
-    RefuseCopy();
     observation.marker = IndexOf(row.marker, &markers_, &data_.markers);
     const int configuration = ConfigurationIndex(row);
     const int station = IndexOf(row.station, &stations_, &data_.stations);

@@ -17,7 +17,8 @@ constexpr double kUnitLength = 5e-3;
 
 class RowReader {
  public:
-  RowReader(const MeasurementFile& file, const MeasurementFile::Row& row) : file_(file), row_(row) {}
+  RowReader(const MeasurementFile& file, const MeasurementFile::Row& row, std::vector<NumberRead>* last)
+      : file_(file), row_(row), last_(*last) {}
 
   [[noreturn]] void Fail(const std::string& column, const std::string& what, const std::string& hint = "") const {
     throw InputError({file_.path, row_.line, column}, what, hint);
@@ -26,20 +27,26 @@ class RowReader {
   // Empty cells of optional columns count as not stated.
   bool IsStated(const NumberColumn& column) const { return column.present() && !row_.cells[column.index].empty(); }
 
-  std::string Text(int column, const std::string& otherwise) const {
+  std::string_view Text(int column, std::string_view otherwise) const {
     return column < 0 || row_.cells[column].empty() ? otherwise : row_.cells[column];
   }
 
-  std::string RequiredText(int column) const {
+  std::string_view RequiredText(int column) const {
     if (row_.cells[column].empty()) Fail(file_.header[column], "the cell is empty");
     return row_.cells[column];
   }
 
   // At most `most`, SI, either sign (problems/limits.h).
   double Number(const NumberColumn& column, double most) const {
-    const std::string& cell = row_.cells[column.index];
-    const std::optional<double> number = ParseNumber(cell);
-    if (number && std::abs(column.unit.ToSi(*number)) <= most) return column.unit.ToSi(*number);
+    const std::string_view text = row_.cells[column.index];
+    NumberRead& last = last_[column.index];
+    if (!text.empty() && text == last.text) return last.si;
+    const std::optional<double> number = ParseNumber(text);
+    if (number && std::abs(column.unit.ToSi(*number)) <= most) {
+      last = {text, column.unit.ToSi(*number)};
+      return last.si;
+    }
+    const std::string cell(text);
     if (number) {
       Fail(column.name, "'" + cell + "' is beyond anything that is measured on a robot",
            "at most " + FormatNumber(ToUnit(most, column.unit)));
@@ -56,7 +63,7 @@ class RowReader {
     const double sigma = Number(column, std::numeric_limits<double>::max());
     if (sigma <= 0.0) Fail(column.name, "a standard deviation is above 0");
     if (sigma < least || sigma > most) {
-      Fail(column.name, "'" + row_.cells[column.index] + "' is no standard deviation of a measurement",
+      Fail(column.name, "'" + std::string(row_.cells[column.index]) + "' is no standard deviation of a measurement",
            "between " + FormatNumber(ToUnit(least, column.unit)) + " and " + FormatNumber(ToUnit(most, column.unit)));
     }
     return sigma;
@@ -76,6 +83,7 @@ class RowReader {
  private:
   const MeasurementFile& file_;
   const MeasurementFile::Row& row_;
+  std::vector<NumberRead>& last_;
 };
 
 void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, const MeasurementReadOptions& options,
@@ -163,18 +171,19 @@ void ReadTorques(const RowReader& reader, const MeasurementColumns& columns, Mea
 
 void CheckSet(const RowReader& reader, const MeasurementColumns& columns) {
   if (columns.set < 0) return;
-  const std::string set = reader.Text(columns.set, "calibration");
-  const std::vector<std::string> sets = {"calibration", "validation"};
-  if (set != sets[0] && set != sets[1]) reader.Fail("set", "'" + set + "' is no set", SpellingHint(set, sets));
+  const std::string_view set = reader.Text(columns.set, "calibration");
+  if (set == "calibration" || set == "validation") return;
+  const std::string cell(set);
+  reader.Fail("set", "'" + cell + "' is no set", SpellingHint(cell, {"calibration", "validation"}));
 }
 
 }  // namespace
 
-void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row& cells,
-                        const MeasurementColumns& columns, const MeasurementReadOptions& options, MeasurementRow* row) {
-  const RowReader reader(file, cells);
+void MeasurementRowReader::Read(const MeasurementFile::Row& cells, MeasurementRow* row) {
+  const MeasurementColumns& columns = columns_;
+  const RowReader reader(file_, cells, &last_);
   const auto is_empty = [&](const NumberColumn& column) { return column.present() && !reader.IsStated(column); };
-  row->lost = options.points_required && std::all_of(columns.point.begin(), columns.point.end(), is_empty);
+  row->lost = options_.points_required && std::all_of(columns.point.begin(), columns.point.end(), is_empty);
   if (row->lost) return;
   row->config = reader.RequiredText(columns.config);
   row->marker = reader.RequiredText(columns.marker);
@@ -185,7 +194,7 @@ void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row&
   for (size_t j = 0; j < columns.q.size(); ++j) {
     row->q[static_cast<Eigen::Index>(j)] = reader.Number(columns.q[j], limits::kJointValue);
   }
-  ReadPoint(reader, columns, options, row);
+  ReadPoint(reader, columns, options_, row);
   ReadRotation(reader, columns, row);
   ReadLoad(reader, columns, row);
   ReadApproach(reader, columns, row);

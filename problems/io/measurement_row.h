@@ -1,7 +1,7 @@
 // One row of a measurement file, in SI.
 #pragma once
 
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "problems/io/measurement_columns.h"
@@ -12,7 +12,7 @@ namespace sagitta {
 
 struct MeasurementRow {
   bool lost = false;  // points are required and x, y, z are all empty; nothing else of the row is read
-  std::string config, marker, station, visit, repeat, load;
+  std::string_view config, marker, station, visit, repeat, load;  // in the memory of the file's rows
   Eigen::VectorXd q;
   Vector3<double> point = Vector3<double>::Zero();  // NaN where not stated
   Vector3<double> sigma = Vector3<double>::Zero();  // 0 where not stated
@@ -26,8 +26,27 @@ struct MeasurementRow {
   Eigen::VectorXd joint_torques;  // N m or N, one per joint; empty where not stated
 };
 
-// Throws InputError naming file, line and column.
-void ReadMeasurementRow(const MeasurementFile& file, const MeasurementFile::Row& cells,
-                        const MeasurementColumns& columns, const MeasurementReadOptions& options, MeasurementRow* row);
+// What was read of a column last: rows of a shot repeat joint values and forces to the letter.
+struct NumberRead {
+  std::string_view text;
+  double si = 0.0;
+};
+
+// Reads rows of one file, which must outlive it and what it reads.
+class MeasurementRowReader {
+ public:
+  MeasurementRowReader(const MeasurementFile& file, const MeasurementColumns& columns,
+                       const MeasurementReadOptions& options)
+      : file_(file), columns_(columns), options_(options), last_(file.header.size()) {}
+
+  // Throws InputError naming file, line and column.
+  void Read(const MeasurementFile::Row& cells, MeasurementRow* row);
+
+ private:
+  const MeasurementFile& file_;
+  const MeasurementColumns& columns_;
+  const MeasurementReadOptions options_;
+  std::vector<NumberRead> last_;  // of each column
+};
 
 }  // namespace sagitta

@@ -2,12 +2,20 @@
 // rows, and with --benchmark_format=json what tests/benchmarks/run turns into BENCHMARKS.md.
 #include <benchmark/benchmark.h>
 #include <ceres/solver.h>
+#include <hwy/targets.h>
+
+#include <random>
 
 #include "estimator/baselines/two_step.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/condensed_cost.h"
+#include "estimator/least_squares/parallel.h"
+#include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/sandwich.h"
+#include "problems/io/files.h"
+#include "problems/io/measurement_file.h"
 #include "tests/benchmarks/loaded_arm.h"
 
 namespace sagitta::benchmarks {
@@ -119,7 +127,10 @@ void RowsByModel(benchmark::State& state) {
 }
 BENCHMARK(RowsByModel)->Unit(benchmark::kMillisecond);
 
+// With the instructions that every machine of this kind has, or with the best of this one.
 void BatchedRows(benchmark::State& state) {
+  if (state.range(0) != 0) hwy::SetSupportedTargetsForTest(HWY_STATIC_TARGET);
+  hwy::GetChosenTarget().DeInit();
   const Setup& setup = SetupOf(1000);
   const RowBatches batches(setup.problem, setup.rows.observations, setup.rows.noise, LatentTreatment::kIgnore);
   const RowBatches::Request request(batches, setup.start, setup.columns);
@@ -136,8 +147,10 @@ void BatchedRows(benchmark::State& state) {
   }
   state.SetLabel(BatchInstructions());
   PerConfiguration(state, setup);
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
-BENCHMARK(BatchedRows)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BatchedRows)->ArgNames({"plain_instructions"})->Args({0})->Args({1})->Unit(benchmark::kMicrosecond);
 
 // Rows and sums.
 void NormalEquationsPass(benchmark::State& state) {
@@ -171,7 +184,24 @@ std::shared_ptr<ceres::ParameterBlockOrdering> EliminateFirst(LatentBlocks& late
   return ordering;
 }
 
-enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate, kTwoSteps };
+enum Way { kJets, kAnalytic, kCondensedWay, kSchur, kWholeEstimate, kTwoSteps, kEliminated };
+
+// Condensed for exact joints, then Gauss-Newton on rows from which the joints' deviations are eliminated, as
+// EstimateFrom does it: from the same start as a bundle adjustment by Ceres' Schur complement, and as near to the
+// optimum.
+int SolveEliminated(const Setup& setup, ParameterSet* parameters) {
+  constexpr double kThere = 3e-3;  // standard deviations: what function_tolerance leaves of a thousand configurations
+  const NormalEquations exact(setup.problem, setup.rows.observations, setup.rows.noise, LatentTreatment::kIgnore, 1);
+  int iterations = MinimizeSums(exact, MinimizeOptions(), parameters).iterations;
+  const NormalEquations equations(setup.problem, setup.rows.observations, setup.rows.noise,
+                                  LatentTreatment::kMarginalise, 1);
+  for (double left = 1.0; left > kThere && iterations < 50; ++iterations) {
+    const LinearSolution solution = SolveLinearization(Condense(equations.Sum(*parameters, setup.columns)));
+    left = solution.step.cwiseQuotient(solution.covariance.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff();
+    Move(setup.columns, solution.step, 1.0, parameters);
+  }
+  return iterations;
+}
 
 void Solve(benchmark::State& state) {
   const auto way = static_cast<Way>(state.range(1));
@@ -184,6 +214,10 @@ void Solve(benchmark::State& state) {
       JointOptions options;
       options.judge = false;
       iterations = EstimateFrom(setup.problem, parameters, options).iterations;
+      continue;
+    }
+    if (way == kEliminated) {
+      iterations = SolveEliminated(setup, &parameters);
       continue;
     }
     if (way == kTwoSteps) {
@@ -240,9 +274,15 @@ BENCHMARK(Solve)
     ->Args({10000, kAnalytic, 0})
     ->Args({10000, kCondensedWay, 0})
     ->Args({10000, kWholeEstimate, 0})
+    ->Args({33333, kCondensedWay, 0})
     ->Args({100000, kCondensedWay, 0})
     ->Args({1000, kSchur, 1})
+    ->Args({1000, kEliminated, 1})
     ->Args({1000, kWholeEstimate, 1})
+    ->Args({10000, kSchur, 1})
+    ->Args({10000, kEliminated, 1})
+    ->Args({10000, kWholeEstimate, 1})
+    ->Args({100000, kEliminated, 1})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
@@ -290,6 +330,52 @@ void CovarianceFromSums(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(SolveLinearization(Condense(sums)).covariance.data());
 }
 BENCHMARK(CovarianceFromSums)->Unit(benchmark::kMicrosecond);
+
+// Full nonlinear refits of 18 configurations, each of other noise.
+void MonteCarlo(benchmark::State& state) {
+  constexpr int kDraws = 64;
+  const Setup& setup = SetupOf(18);
+  ParameterSet optimum = setup.start;
+  SolveEliminated(setup, &optimum);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0.0, 5e-5);
+  std::vector<CalibrationProblem> draws(kDraws, setup.problem);
+  for (CalibrationProblem& draw : draws) {
+    for (Observation& row : draw.data.observations) {
+      for (double& number : row.point_in_station) number += noise(random);
+    }
+  }
+  for (auto _ : state) {
+    ParallelFor(kDraws, static_cast<int>(state.range(0)),
+                [&](int i, int) { benchmark::DoNotOptimize(RefitFrom(draws[i], optimum).chi2); });
+  }
+  state.counters["solves"] = kDraws;
+  state.counters["configurations"] = 18.0 * kDraws;
+}
+BENCHMARK(MonteCarlo)->ArgNames({"threads"})->Args({1})->Args({2})->UseRealTime()->Unit(benchmark::kMillisecond);
+
+// A measurement file of 30,000 rows and 16 columns from text to configurations, shots and observations.
+void Reading(benchmark::State& state) {
+  const CalibrationProblem& problem = SetupOf(10000).problem;
+  std::string text =
+      "config,marker,station,load,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_N,fy_N,fz_N,x_mm,y_mm,z_mm\n";
+  for (const Observation& row : problem.data.observations) {
+    const Shot& shot = problem.data.shots[row.shot];
+    const Configuration& configuration = problem.data.configurations[shot.configuration];
+    text += configuration.id + "," + problem.data.markers[row.marker] + "," + problem.data.stations[shot.station] +
+            "," + shot.load;
+    for (const double q : configuration.q) text += "," + FormatNumber(1e-4 * std::round(1e4 * q * 180.0 / M_PI));
+    for (const double f : shot.wrench.force) text += "," + FormatNumber(f);
+    for (const double x : row.point_in_station) text += "," + FormatNumber(1e-4 * std::round(1e7 * x));
+    text += "\n";
+  }
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(ReadMeasurementsText(problem.robot, text, "rows").observations.data());
+  }
+  state.counters["bytes"] =
+      benchmark::Counter(static_cast<double>(text.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(Reading)->Unit(benchmark::kMillisecond);
 
 void Sandwich(benchmark::State& state) {
   const Setup& setup = SetupOf(1000);

@@ -134,6 +134,41 @@ TEST(Sweep, IsWhatIsLeftBesideTheGivenGroups) {
   EXPECT_NEAR(sweep.log_det(), std::log(noise.determinant()), 1e-9);
 }
 
+// Scales that go through their values one by one, and a group that leaves: as if conditioned anew.
+TEST(Sweep, MembersFollowOneScaleAndOneGroup) {
+  const Small small(15, 3, 6, 31);
+  const ProjectedNormal normal = small.Normal();
+  const ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, third{{3}, {}};
+  const std::vector<const ColumnGroup*> groups = {&first, &second, &third};
+  Members stepwise(normal, groups);
+  stepwise.Condition({1.0, 1.0, 1.0});
+  const auto expect_same = [](const Members& found, const Members& expected) {
+    EXPECT_NEAR(found.residual(), expected.residual(), 1e-9);
+    for (size_t k = 0; k < expected.scales().size(); ++k) {
+      const GivenOthers own = found.Of(k), anew = expected.Of(k);
+      EXPECT_LT((own.information - anew.information).norm(), 1e-8 * anew.information.norm());
+      EXPECT_LT((own.gradient - anew.gradient).norm(), 1e-8 * anew.gradient.norm());
+      EXPECT_NEAR(own.residual, anew.residual, 1e-9);
+      EXPECT_NEAR(own.log_det, anew.log_det, 1e-9);
+    }
+  };
+  for (const double scale : {3.0, 0.03, 1.0, 0.1, 3.0, 0.3}) {
+    for (size_t k = 0; k < groups.size(); ++k) {
+      stepwise.Rescale(k, scale);
+      Members anew(normal, groups);
+      anew.Condition(stepwise.scales());
+      expect_same(stepwise, anew);
+      std::vector<const ColumnGroup*> others = groups;
+      std::vector<double> theirs = stepwise.scales();
+      others.erase(others.begin() + static_cast<long>(k));
+      theirs.erase(theirs.begin() + static_cast<long>(k));
+      Members of_others(normal, others);
+      of_others.Condition(theirs);
+      expect_same(stepwise.Without(k), of_others);
+    }
+  }
+}
+
 // Of three groups each in turn: by leaving it out, and by taking it out of the sweep with all.
 TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
   const Small small(15, 3, 6, 31);
