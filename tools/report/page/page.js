@@ -171,7 +171,7 @@
     return select;
   }
 
-  function drawInSpace(picture, place, menus, kept) {
+  function drawInSpace(picture, place, menus) {
     const colours = theme();
     const {arms, rows, boxes, reach} = picture.data;
     const size = reach.size;
@@ -296,6 +296,17 @@
   // ------------------------------------------------------------------------------------------------------- the page
   const drawn = new Map();  // figure: its picture
 
+  // A picture that fails leaves its table, and the others.
+  function drawnOrExcused(picture, place, menus) {
+    try {
+      return picture.kind === 'workspace' ? drawInSpace(picture, place, menus) : drawWithVega(picture, place, menus);
+    } catch (error) {
+      console.error(picture.kind + ': ' + error.message);
+      place.textContent = 'This picture cannot be drawn here; the table has the numbers.';
+      return {resize() {}, read: () => ({}), take() {}, end() {}};
+    }
+  }
+
   function draw(figure) {
     const place = figure.querySelector('.place'), menus = figure.querySelector('.menus');
     const before = drawn.get(figure);
@@ -304,7 +315,7 @@
     place.textContent = '';
     menus.textContent = '';
     const picture = JSON.parse(figure.querySelector('script').textContent);
-    const now = picture.kind === 'workspace' ? drawInSpace(picture, place, menus) : drawWithVega(picture, place, menus);
+    const now = drawnOrExcused(picture, place, menus);
     if (before) now.take(values);
     drawn.set(figure, now);
     menus.querySelectorAll('.vega-bind-name').forEach((name) => {
