@@ -11,8 +11,7 @@
 #include "problems/io/output_files.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
-#include "tools/report/first_screen.h"
-#include "tools/report/report_html.h"
+#include "tools/report/calibration_report.h"
 
 namespace sagitta::python {
 
@@ -26,8 +25,7 @@ struct CalibratedExperiment {
 
   std::string Json() const { return DumpJson(CalibrationToJson(calibration, provenance)); }
   std::string ReportHtml() const {
-    return SectionsToPage(CalibrationSections(calibration), ResidualCharts(calibration.problem, calibration.estimate),
-                          provenance);
+    return CalibrationToHtml(calibration, provenance);
   }
   std::string RobotYaml() const {
     return RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()));

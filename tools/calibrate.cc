@@ -11,8 +11,8 @@
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/calibration_report.h"
 #include "tools/report/first_screen.h"
-#include "tools/report/report_html.h"
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
@@ -39,12 +39,12 @@ struct ResultFiles {
   nlohmann::ordered_json json;
   std::string residuals, robot, report;
 
-  ResultFiles(const Calibration& calibration, const std::vector<Section>& sections, const Provenance& provenance)
+  ResultFiles(const Calibration& calibration, const Provenance& provenance)
       : json(CalibrationToJson(calibration, provenance)),
         residuals(ResidualsToCsv(calibration.problem, calibration.estimate)),
         robot(RunComment(provenance) +
               RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()))),
-        report(SectionsToPage(sections, ResidualCharts(calibration.problem, calibration.estimate), provenance)) {}
+        report(CalibrationToHtml(calibration, provenance)) {}
 
   static std::vector<std::string> Names() {
     return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
@@ -82,7 +82,7 @@ int RunCalibrate(const CommandLine& line) {
 
   CheckInterruption();
   const std::vector<Section> sections = CalibrationSections(result);
-  ResultFiles files(result, sections, {line.text, FLAGS_method, input_files});
+  ResultFiles files(result, {line.text, FLAGS_method, input_files});
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {

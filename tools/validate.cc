@@ -55,7 +55,7 @@ int RunValidate(const CommandLine& line) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
     out->Write({{"residuals.csv", ValidationToCsv(rows, validation)},
-                {"report.html", SectionsToPage(sections, "", provenance)},
+                {"report.html", SectionsToPage(sections, provenance)},
                 {"validation.json", DumpJson(json)}});
     std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";
   }

@@ -1,86 +1,27 @@
-// The drawn figures themselves: what a reader sees in them, taken from the SVG.
+// The pictures of report pages: the numbers that they are drawn from, and what of them a reader without scripts has.
 #include "tools/report/charts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
-#include <regex>
-#include <set>
+#include <numeric>
 
-#include "estimator/calibration/joint_estimator.h"
-#include "estimator/results/provenance.h"
+#include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
+#include "tools/report/histograms.h"
+#include "tools/report/html_text.h"
+#include "tools/report/page_parts.h"
 #include "tools/report/report_html.h"
+#include "tools/report/residual_pictures.h"
+#include "tools/report/residual_rows.h"
 
 namespace sagitta {
 namespace {
 
 using ::testing::HasSubstr;
-
-struct Dot {
-  double x, y;
-};
-
-std::vector<Dot> DotsOf(const std::string& svg, const std::string& style) {
-  std::smatch path;
-  if (!std::regex_search(svg, path, std::regex("<path class=\"" + style + "\" d=\"([^\"]*)\""))) return {};
-  std::vector<Dot> dots;
-  const std::string d = path[1];
-  const std::regex kMove("M([-0-9.]+) ([-0-9.]+)h0");
-  for (std::sregex_iterator dot(d.begin(), d.end(), kMove), end; dot != end; ++dot)
-    dots.push_back({std::stod((*dot)[1]), std::stod((*dot)[2])});
-  return dots;
-}
-
-struct Bar {
-  double height, rms_mm;
-  std::string name;
-};
-
-std::vector<Bar> BarsOf(const std::string& html, const std::string& style) {
-  const size_t start = html.find("<title>RMS distance per configuration</title>");
-  const std::string svg = html.substr(start, html.find("</svg>", start) - start);
-  std::vector<Bar> bars;
-  const std::regex kBar("<rect class=\"" + style +
-                        "\"[^>]*height=\"([-0-9.]+)\"[^>]*><title>([^<]*): ([0-9.]+) mm</title>");
-  for (std::sregex_iterator bar(svg.begin(), svg.end(), kBar), end; bar != end; ++bar)
-    bars.push_back({std::stod((*bar)[1]), std::stod((*bar)[3]), (*bar)[2]});
-  return bars;
-}
-
-TEST(ScatterChart, OneValueFarOffDoesNotFlattenTheOthers) {
-  std::vector<double> x, y;
-  for (int i = 0; i < 100; ++i) {
-    x.push_back(i);
-    y.push_back(100.0 * std::sin(i));
-  }
-  y[40] = 1e6;
-  y[41] = -3e5;
-  const std::string svg = ScatterChart("deviation", "deg", x, y, {});
-  const std::vector<Dot> dots = DotsOf(svg, "dot"), beyond = DotsOf(svg, "beyond");
-  ASSERT_EQ(dots.size(), 98u);
-  ASSERT_EQ(beyond.size(), 2u);
-  double top = 1e9, bottom = 0.0;
-  for (const Dot& dot : dots) {
-    top = std::min(top, dot.y);
-    bottom = std::max(bottom, dot.y);
-  }
-  EXPECT_GT(bottom - top, 30.0);  // px: a third of the height, three times 95 % of them being the axis
-  EXPECT_LE(beyond[0].y, top);
-  EXPECT_GE(beyond[1].y, bottom);
-  EXPECT_THAT(svg, HasSubstr("2 beyond the axis"));
-  EXPECT_EQ(svg.find("1e+06"), std::string::npos);
-  EXPECT_EQ(svg.find(">1000000<"), std::string::npos);
-}
-
-TEST(ScatterChart, WithoutFarValuesTheAxisEndsAtTheLargest) {
-  const std::string svg = ScatterChart("deviation", "deg", {0, 1, 2, 3}, {10, -40, 20, 5}, {});
-  EXPECT_TRUE(DotsOf(svg, "beyond").empty());
-  EXPECT_THAT(svg, HasSubstr(">40<"));
-  EXPECT_THAT(svg, HasSubstr(">-40<"));
-}
+using ::testing::Not;
+using Json = nlohmann::ordered_json;
 
 // Configurations of one marker, every seventh held out.
 CalibrationProblem Many(int configurations) {
@@ -90,46 +31,162 @@ CalibrationProblem Many(int configurations) {
   Measurements data = test::DesignMeasurements(design);
   test::MeasureKr270(test::Kr270Truth(), design.sigma, 4, &data);
   for (size_t c = 0; c < data.configurations.size(); ++c) data.configurations[c].is_validation = c % 7 == 3;
-  Robot robot;
-  robot.chain = test::Kr270Chain();
   CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
   problem.data.configurations = data.configurations;
   return problem;
 }
 
-TEST(ConfigurationChart, KeepsTheColourOfWhatIsHeldOutAboveFourHundred) {
-  for (const int configurations : {350, 1000}) {
-    const CalibrationProblem problem = Many(configurations);
-    const Estimate estimate = EstimateJointly(problem);
-    ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
-    const std::string html = ReportToHtml(problem, estimate, Provenance());
-    const std::vector<Bar> fitted = BarsOf(html, "bar"), held_out = BarsOf(html, "held-out");
-    // What each bar stands for, summed here: squared distances by group of neighbours.
-    const int groups = std::min(400, configurations);
-    std::map<int, std::pair<double, int>> expected;
-    std::set<int> with_fitted;
-    for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-      const Observation& row = problem.data.observations[i];
-      const int c = problem.data.shots[row.shot].configuration;
-      int group = 0;
-      while ((group + 1) * configurations / groups <= c) ++group;
-      if (!problem.data.IsValidation(row)) {
-        with_fitted.insert(group);
-        continue;
-      }
-      auto& [squares, count] = expected[group];
-      squares += (row.point_in_station - estimate.predicted.col(static_cast<Eigen::Index>(i))).squaredNorm();
-      ++count;
-    }
-    ASSERT_EQ(held_out.size(), expected.size()) << configurations;
-    EXPECT_EQ(fitted.size(), with_fitted.size());
-    size_t k = 0;
-    for (const auto& [group, sum] : expected) {
-      EXPECT_NEAR(held_out[k].rms_mm, 1e3 * std::sqrt(sum.first / sum.second), 1e-4) << held_out[k].name;
-      EXPECT_GT(held_out[k].height, 0.0);
-      ++k;
-    }
+// An estimate that misses row i by (0.1, 0.2, -0.2) mm (1 + i % 5) in its station's frame.
+Estimate Missing(const CalibrationProblem& problem) {
+  Estimate estimate;
+  estimate.parameters = problem.parameters;
+  Pose<double> base;
+  base.rotation = RotationFromRpy(Vector3<double>(0.3, -0.2, 1.1));
+  base.translation = Vector3<double>(1.0, 2.0, 0.5);
+  estimate.parameters.SetBaseInStation(0, base);
+  estimate.predicted.resize(3, static_cast<Eigen::Index>(problem.data.observations.size()));
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    estimate.predicted.col(static_cast<Eigen::Index>(i)) =
+        problem.data.observations[i].point_in_station - Vector3<double>(1e-4, 2e-4, -2e-4) * (1.0 + i % 5);
   }
+  return estimate;
+}
+
+TEST(ResidualsOverDrivers, RowsAreMeasuredMinusPredictedInTheBase) {
+  const CalibrationProblem problem = Many(100);
+  const Estimate estimate = Missing(problem);
+  const Picture picture = ResidualsOverDrivers(problem, estimate);
+  const Json& rows = picture.data["rows"];
+  ASSERT_EQ(rows["distance"].size(), problem.data.observations.size());
+  // Rz(1.1) Ry(-0.2) Rx(0.3) transposed, written out for x: its first column times the miss.
+  const double x_axis[3] = {std::cos(1.1) * std::cos(-0.2), std::sin(1.1) * std::cos(-0.2), -std::sin(-0.2)};
+  for (size_t i = 0; i < rows["distance"].size(); ++i) {
+    const double factor = 1.0 + i % 5;
+    EXPECT_NEAR(rows["distance"][i].get<double>(), 0.3 * factor, 1e-3);
+    EXPECT_NEAR(rows["residual x"][i].get<double>(), factor * (0.1 * x_axis[0] + 0.2 * x_axis[1] - 0.2 * x_axis[2]),
+                1e-3);
+    const Observation& row = problem.data.observations[i];
+    EXPECT_EQ(rows["set"][i], problem.data.IsValidation(row) ? "held out" : "fitted");
+    EXPECT_EQ(rows["pose"][i], problem.data.shots[row.shot].configuration);
+    const std::string first = "over " + problem.robot.chain.joints[0].name;
+    EXPECT_NEAR(rows[first][i].get<double>(), problem.data.ConfigurationOf(row).q[0] / kDegree, 0.05);
+  }
+  // Every choice of a menu is a column, and has its words.
+  for (const PictureMenu& menu : picture.menus) {
+    EXPECT_FALSE(menu.options.empty());
+    for (const auto& [value, label] : menu.options) EXPECT_TRUE(rows.contains(value)) << menu.signal << " " << value;
+  }
+  // The table counts every row once per driver.
+  std::map<std::string, int> counted;
+  for (const auto& cells : picture.rows) counted[cells[0]] += std::stoi(cells[3]);
+  EXPECT_EQ(counted.size(), picture.menus[0].options.size());
+  for (const auto& [driver, count] : counted) EXPECT_EQ(count, static_cast<int>(problem.data.observations.size()));
+}
+
+TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
+  const CalibrationProblem problem = Many(12000);
+  Estimate estimate = Missing(problem);
+  ASSERT_GT(problem.data.observations.size(), kMostDrawn);
+  for (const int far : {1, 7778, 11999}) estimate.predicted.col(far).array() += 0.05;
+  const std::vector<ResidualRow> rows = RowsToDraw(problem, estimate);
+  EXPECT_LE(rows.size(), kMostDrawn);
+  EXPECT_GT(rows.size(), kMostDrawn / 3);
+  for (const int far : {1, 7778, 11999}) {
+    EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [&](const ResidualRow& row) { return row.observation == far; }));
+  }
+  Section section;
+  section.title = "many";
+  section.pictures = {ResidualsOverDrivers(problem, estimate), ResidualsInWorkspace(problem, estimate)};
+  EXPECT_THAT(section.pictures[0].title, HasSubstr("of 12000 points"));
+  EXPECT_LT(SectionsToPage({section}, Provenance()).size(), 4u << 20);
+}
+
+TEST(ResidualsInWorkspace, ArrowsBeginAtThePointAndTheArmEndsAtItsFlange) {
+  const CalibrationProblem problem = Many(30);
+  const Estimate estimate = Missing(problem);
+  const Picture picture = ResidualsInWorkspace(problem, estimate);
+  const Json &rows = picture.data["rows"], &arms = picture.data["arms"];
+  const Pose<double> base = estimate.parameters.BaseInStation(0);
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    const Vector3<double> start(rows["x"][i], rows["y"][i], rows["z"][i]);
+    const Vector3<double> arrow(rows["dx"][i], rows["dy"][i], rows["dz"][i]);
+    const Vector3<double> tip_in_station = base * Vector3<double>(1e-3 * (start + arrow));
+    EXPECT_LT((tip_in_station - problem.data.observations[i].point_in_station).norm(), 1e-3);  // drawn to 1 mm
+  }
+  ASSERT_EQ(arms["polylines"].size(), 30u);
+  for (size_t c = 0; c < 30; ++c) {
+    const Json& line = arms["polylines"][c];
+    const std::vector<double> theta = estimate.parameters.ModelValues();
+    const Pose<double> flange = problem.model.FrameInBase(ShotInput(problem.data.configurations[c].q), theta.data(),
+                                                          problem.robot.chain.FlangeFrame());
+    ASSERT_GE(line.size(), 6u);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(line[line.size() - 3 + axis].get<double>(), 1e3 * flange.translation[axis], 0.51 + 0.5);
+  }
+}
+
+TEST(BeforeAndAfter, BinsHoldEveryPointOnce) {
+  UnseenPoints before, after;
+  for (int i = 1; i <= 40; ++i) {
+    before.distances.push_back(1e-3 * i);
+    after.distances.push_back(1e-5 * i);
+  }
+  before.points = after.points = 40;
+  before.distance_max = 0.04;
+  after.distance_max = 4e-4;
+  const std::vector<Picture> pictures = BeforeAndAfter(before, after);
+  ASSERT_EQ(pictures.size(), 1u);
+  const Json& bins = pictures[0].data["bins"];
+  std::map<std::string, int> points;
+  for (size_t b = 0; b < bins["count"].size(); ++b) {
+    points[bins["series"][b]] += bins["count"][b].get<int>();
+    EXPECT_LT(bins["from"][b].get<double>(), bins["to"][b].get<double>());
+  }
+  EXPECT_EQ(points, (std::map<std::string, int>{{"before", 40}, {"after", 40}}));
+  EXPECT_TRUE(BeforeAndAfter(UnseenPoints(), after).empty());
+}
+
+TEST(Charts, AStageWithoutAValueIsLeftOut) {
+  const Picture picture = WaterfallPicture("gap", "mm", {{"before", 2.0}, {"one", NAN}, {"two", 0.5}}, 0.1, "floor");
+  EXPECT_EQ(picture.data["stages"]["stage"], Json({"before", "two"}));
+  ASSERT_EQ(picture.rows.size(), 3u);
+  EXPECT_EQ(picture.rows.back(), (std::vector<std::string>{"floor", "0.1"}));
+}
+
+TEST(Picture, NumbersAreAsShortAsTheirDigits) {
+  EXPECT_EQ(Rounded(0.123456789).dump(), "0.1235");
+  EXPECT_EQ(Rounded(-123456.0, 3).dump(), "-123000");
+  EXPECT_EQ(Rounded(2.5e-9, 4).dump(), "2.5e-09");
+  EXPECT_EQ(Rounded(0.0).dump(), "0");
+  EXPECT_TRUE(Rounded(NAN).is_null());
+}
+
+TEST(Picture, HostileNamesNeitherEndTheScriptNorBecomeMarkup) {
+  const std::string hostile = "</script><script>alert(1)</script><!--<b>&amp;\xE2\x80\xA8\xE2\x80\xA9\xFF";
+  const std::string json = JsonInScript({{"name", hostile}});
+  for (const char* forbidden : {"<", ">", "&", "\xE2\x80\xA8", "\xE2\x80\xA9", "\xFF"})
+    EXPECT_THAT(json, Not(HasSubstr(forbidden)));
+  const std::string back = Json::parse(json)["name"];
+  EXPECT_EQ(back.substr(0, 30), hostile.substr(0, 30));
+  Picture picture = BarPicture(hostile, hostile, {{hostile, hostile, 1.0}, {"b", hostile, 2.0}});
+  const std::string html = PictureToHtml(picture);
+  EXPECT_THAT(html, Not(HasSubstr("<b>")));
+  EXPECT_THAT(html, Not(HasSubstr("<script>")));
+}
+
+TEST(Page, ForbidsEverythingButItsOwnScripts) {
+  Section section;
+  section.title = "a page";
+  const std::string plain = SectionsToPage({section}, Provenance());
+  EXPECT_THAT(plain, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(plain, HasSubstr("script-src 'none'"));
+  EXPECT_THAT(plain, Not(HasSubstr("<script")));
+  if (!HasPictures()) GTEST_SKIP() << "built without libjs-vega and libjs-three: pages have no scripts";
+  section.pictures = {BarPicture("bars", "x", {{"", "a", 1.0}})};
+  const std::string drawn = SectionsToPage({section}, Provenance());
+  EXPECT_THAT(drawn, HasSubstr("script-src 'sha256-"));
+  for (const char* outside : {"unsafe-eval", "src=\"http", "href=\"http", "sourceMappingURL"})
+    EXPECT_THAT(drawn, Not(HasSubstr(outside)));
 }
 
 }  // namespace

@@ -1,30 +1,40 @@
-// Inline SVG for reports.
+// Small pictures that several reports share, and their tables.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "tools/report/picture.h"
+
 namespace sagitta {
 
-// Values over 0, 1, 2 …; the range is written at the axis.
-std::string LineChart(const std::string& title, const std::vector<double>& values, int decimals);
+// A curve through points.
+Picture CurvePicture(const std::string& title, const std::string& x_label, const std::vector<double>& x,
+                     const std::string& y_label, const std::vector<double>& y);
 
-// Counts in equal bins between the extremes.
-std::string HistogramChart(const std::string& title, const std::vector<double>& values, int decimals);
+// Named values over each x, each in its colour (a point where it is a number), as what was measured and what the model
+// says there.
+struct NamedSeries {
+  std::string name;
+  std::vector<double> values;
+};
+Picture ScatterPicture(const std::string& title, const std::string& x_label, const std::vector<double>& x,
+                       const std::string& y_label, const std::vector<NamedSeries>& series);
 
-// Two values over each x, as what was measured and what the model says there; either may be empty.
-std::string ScatterChart(const std::string& title, const std::string& x_label, const std::vector<double>& x,
-                         const std::vector<double>& blue, const std::vector<double>& red);
+struct Bar {
+  std::string group, name;
+  double value;
+};
+// Where there are several groups, a menu chooses one.
+Picture BarPicture(const std::string& title, const std::string& x_label, const std::vector<Bar>& bars);
 
-// A value after each stage, what each stage took away, and the floor that none can go below.
+// A value after each stage, what each stage took away, and the floor that none can go below. A stage whose value is no
+// number is left out.
 struct Stage {
   std::string name;
   double value;
 };
-std::string WaterfallChart(const std::string& title, const std::vector<Stage>& stages, double floor,
-                           const std::string& floor_name);
-
-// One bar per name, longest first or as given.
-std::string BarChart(const std::string& title, const std::vector<Stage>& bars);
+Picture WaterfallPicture(const std::string& title, const std::string& x_label, const std::vector<Stage>& stages,
+                         double floor, const std::string& floor_name);
 
 }  // namespace sagitta

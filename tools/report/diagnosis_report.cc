@@ -1,12 +1,14 @@
 #include "tools/report/diagnosis_report.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 
 #include "estimator/results/diagnosis_words.h"
 #include "estimator/statistics/median.h"
+#include "tools/report/calibration_report.h"
 #include "tools/report/charts.h"
-#include "tools/report/first_screen.h"
 #include "tools/report/report_html.h"
 #include "tools/report/summary.h"
 
@@ -27,21 +29,39 @@ std::string Labelled(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + ", " + ShownUnit(unit);
 }
 
-std::string Waterfall(const Diagnosis& d) {
+Picture Waterfall(const Diagnosis& d) {
   std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
+  int number = 0;
   for (const DiagnosisStep& step : d.steps) {
-    stages.push_back({Title(d.final.problem->robot, step.candidate.spec), 1e3 * step.holdout_after});
+    stages.push_back({std::to_string(++number) + ": " + Title(d.final.problem->robot, step.candidate.spec),
+                      1e3 * step.holdout_after});
   }
-  return WaterfallChart("hold-out RMS per coordinate, mm", stages, 1e3 * d.final.estimate.noise_floor, "noise floor");
+  return WaterfallPicture("The gap, step by step", "hold-out RMS per coordinate, mm", stages,
+                          1e3 * d.final.estimate.noise_floor, "noise floor");
 }
 
 // Before: what the measurements ask for with the step taken out of the model, and what the step says. After: the rest.
-std::string StepCharts(const StepView& view) {
+std::vector<Picture> StepPictures(const StepView& view) {
   std::vector<double> rest;
   for (size_t k = 0; k < view.x.size(); ++k) rest.push_back(view.measured[k] - view.simulated[k]);
-  const std::string driver = Labelled(view.driver, view.driver_unit);
-  return ScatterChart("before: " + Labelled(view.quantity, view.unit), driver, view.x, view.measured, view.simulated) +
-         ScatterChart("after: " + Labelled("the rest", view.unit), driver, view.x, rest, {});
+  const std::string driver = Labelled(view.driver, view.driver_unit), what = Labelled(view.quantity, view.unit);
+  return {ScatterPicture("Before: one point per visit, what the measurements ask for and what the step says", driver,
+                         view.x, what, {{"measured", view.measured}, {"the step", view.simulated}}),
+          ScatterPicture("After: what is left", driver, view.x, Labelled("the rest", view.unit), {{"the rest", rest}})};
+}
+
+// Of each step, that its name belongs to the set of causes; of what else might be there in its place.
+Picture Probabilities(const Diagnosis& d) {
+  const Robot& robot = d.final.problem->robot;
+  std::vector<Bar> bars;
+  for (size_t i = 0; i < d.steps.size(); ++i) {
+    const std::string number = std::to_string(i + 1) + ": ";
+    bars.push_back({"", number + Title(robot, d.steps[i].candidate.spec), 100.0 * d.steps[i].probability});
+    for (const Alternative& alternative : d.steps[i].alternatives) {
+      bars.push_back({"", number + "or " + Title(robot, alternative.spec), 100.0 * alternative.probability});
+    }
+  }
+  return BarPicture("How probable each name is, and what else it may be", "probability, %", bars);
 }
 
 Section GapSection(const Diagnosis& d) {
@@ -55,6 +75,7 @@ Section GapSection(const Diagnosis& d) {
                   {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""}};
   if (before.validation.observations == 0) {
     section.paragraphs = {"Nothing is held out: what the steps do on other data is not known."};
+    if (!d.steps.empty()) section.pictures = {Probabilities(d)};
     return section;
   }
   const auto add = [&section](const char* what, double was, double is) {
@@ -66,7 +87,8 @@ Section GapSection(const Diagnosis& d) {
   section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
                         Millimetres(after.noise_floor) + " mm per coordinate" +
                         (d.steps.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
-  section.figure = Waterfall(d);
+  section.pictures = {Waterfall(d)};
+  if (!d.steps.empty()) section.pictures.push_back(Probabilities(d));
   return section;
 }
 
@@ -87,10 +109,7 @@ Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number
     section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
                                  ". To separate them: " + SeparateBy(robot, alternative.spec) + ".");
   }
-  section.paragraphs.push_back(
-      "Below, one blue point per visit: what the measurements ask for with the step taken out of the model; red: what "
-      "the step says; beside it, what is left.");
-  section.figure = StepCharts(step.view);
+  section.pictures = StepPictures(step.view);
   return section;
 }
 
@@ -118,29 +137,84 @@ bool IsMeaningless(const JointGap& gap) {
   return Median(sizes) * 1e-6 > kMeaningless;  // urad or um
 }
 
+// The deviation of each joint, as columns over all shots; what may drive them, once each.
+struct GapColumns {
+  explicit GapColumns(size_t of_shots) : shots(of_shots) {}
+
+  void Add(const std::string& name, const std::string& label, const std::string& signal, const std::vector<int>& rows,
+           const std::function<double(size_t)>& value) {
+    PictureMenu& menu = signal == "x" ? across : down;
+    if (columns.count(name) == 0) menu.options.emplace_back(name, label);
+    std::vector<double>& column = columns.emplace(name, std::vector<double>(shots, NAN)).first->second;
+    labels[name] = label;
+    for (size_t i = 0; i < rows.size(); ++i) column[rows[i]] = value(i);
+  }
+
+  size_t shots;
+  PictureMenu across{"x", "over", {}}, down{"y", "of", {}};
+  std::map<std::string, std::vector<double>> columns;
+  nlohmann::ordered_json labels = nlohmann::ordered_json::object();
+};
+
+void AddGap(const JointGap& gap, const std::vector<double>& deviations, GapColumns* columns) {
+  columns->Add("gap " + gap.joint, "deviation of " + Labelled(gap.joint, gap.unit), "y", gap.shots,
+               [&](size_t i) { return deviations[i]; });
+  for (const Driver& driver : gap.over) {
+    columns->Add("over " + driver.name, Labelled(driver.name, driver.unit), "x", gap.shots,
+                 [&](size_t i) { return driver.of_shot[gap.shots[i]]; });
+  }
+}
+
+// Root mean squares, per joint: the table of the map.
+void AddGapRow(const JointGap& gap, Picture* picture) {
+  const auto rms = [](const std::vector<double>& values) {
+    double squares = 0.0;
+    for (const double value : values) squares += value * value;
+    return values.empty() ? std::string("-") : Significant(std::sqrt(squares / values.size()), 3);
+  };
+  picture->rows.push_back({gap.joint, rms(gap.before), rms(gap.after), gap.unit, std::to_string(gap.shots.size())});
+}
+
+Picture GapMap(const Diagnosis& d, const std::vector<const JointGap*>& gaps) {
+  Picture picture;
+  picture.kind = "scatter";
+  picture.title = "Deviation of one joint that would explain the gap";
+  picture.header = {"joint", "RMS beside the believed model", "beside the extended one", "unit", "shots"};
+  nlohmann::ordered_json& rows = picture.data["rows"];
+  for (const JointGap* gap : gaps) AddGapRow(*gap, &picture);
+  for (const bool is_after : {false, true}) {
+    if (is_after && d.steps.empty()) continue;
+    GapColumns columns(d.final.problem->data.shots.size());
+    for (const JointGap* gap : gaps) AddGap(*gap, is_after ? gap->after : gap->before, &columns);
+    for (const auto& [name, values] : columns.columns) {
+      for (const double value : values) rows[name].push_back(Rounded(value));
+    }
+    for (size_t s = 0; s < columns.shots; ++s) rows["model"].push_back(is_after ? "extended" : "believed");
+    picture.settings = {{"labels", columns.labels}, {"trend", false}};
+    picture.menus = {columns.down, columns.across, {"colour", "colour", {{"model", "model"}}}};
+  }
+  return picture;
+}
+
 // The deviation of each joint that would explain the gap, over what may drive it.
 Section GapMapSection(const Diagnosis& d) {
   Section section;
   section.title = "The gap in joint space";
   section.paragraphs = {
       "Per shot, the deviation of one joint alone that would explain best what is measured and not predicted, over "
-      "that joint's angle, the torque of the known loads on it, the direction of its approach and the time, where "
-      "these vary. Blue: beside the believed model" +
-      std::string(d.steps.empty() ? "." : "; red: beside the extended one.")};
+      "the joints' angles, the torques of the known loads, the direction of approach and the time, where these vary; "
+      "beside the believed model" +
+      std::string(d.steps.empty() ? "." : " and beside the extended one.")};
   std::vector<std::string> not_drawn;
+  std::vector<const JointGap*> drawn;
   for (const JointGap& gap : d.gap_map) {
     if (IsMeaningless(gap)) {
       not_drawn.push_back(gap.joint);
-      continue;
-    }
-    const std::vector<double> red = d.steps.empty() ? std::vector<double>() : gap.after;
-    for (const Driver& driver : gap.over) {
-      const Eigen::VectorXd x = driver.of_shot(gap.shots);
-      if (!(x.maxCoeff() > x.minCoeff())) continue;  // it varies over shots that are not shown
-      section.figure += ScatterChart("deviation of " + Labelled(gap.joint, gap.unit),
-                                     Labelled(driver.name, driver.unit), {x.begin(), x.end()}, gap.before, red);
+    } else if (!gap.over.empty()) {
+      drawn.push_back(&gap);
     }
   }
+  if (!drawn.empty()) section.pictures = {GapMap(d, drawn)};
   if (!not_drawn.empty()) {
     section.paragraphs.push_back("Not drawn: " + Enumerate(not_drawn) +
                                  ", which moves the markers too little for its deviation to mean anything.");
@@ -150,17 +224,18 @@ Section GapMapSection(const Diagnosis& d) {
 
 // Share of the excess chi-square by joint, marker, load and so on.
 Section WhereSection(const Diagnosis& d) {
-  std::map<std::string, std::vector<Stage>> families;
+  std::map<std::string, int> of_family;
+  std::vector<Bar> bars;
+  for (const WhereShare& share : d.where) ++of_family[share.by];
+  std::map<std::string, size_t> taken;
   for (const WhereShare& share : d.where) {
-    std::vector<Stage>& bars = families[share.by];
-    if (bars.size() < kBarsPerMap) bars.push_back({share.key, share.share});
+    if (of_family[share.by] > 1 && taken[share.by]++ < kBarsPerMap)
+      bars.push_back({share.by, share.key, 100.0 * share.share});
   }
   Section section;
   section.title = "Where they disagree";
   section.paragraphs = {"Share of the excess chi-square of the believed model."};
-  for (const auto& [family, bars] : families) {
-    if (bars.size() > 1) section.figure += BarChart("by " + family, bars);
-  }
+  if (!bars.empty()) section.pictures = {BarPicture("Where the gap sits", "share, %", bars)};
   return section;
 }
 
@@ -205,8 +280,8 @@ std::string DiagnosisToHtml(const Diagnosis& d, const Calibration& extended, con
   }
   for (size_t i = 0; i < d.steps.size(); ++i) appendix(StepSection(d.final.problem->robot, d.steps[i], i + 1));
   appendix(CandidateSection(d));
-  for (Section& section : CalibrationSections(extended)) appendix(std::move(section));
-  return SectionsToPage(sections, ResidualCharts(extended.problem, extended.estimate), provenance);
+  for (Section& section : CalibrationPage(extended)) appendix(std::move(section));
+  return SectionsToPage(sections, provenance);
 }
 
 }  // namespace sagitta

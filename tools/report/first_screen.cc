@@ -4,46 +4,14 @@
 #include <cmath>
 
 #include "models/constants.h"
-#include "tools/report/svg.h"
+#include "tools/report/histograms.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kShown = 10;  // suspect rows
-constexpr int kBins = 40;
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 3); }
-
-std::vector<int> Counts(const std::vector<double>& distances, double most) {
-  std::vector<int> counts(kBins);
-  for (const double distance : distances) ++counts[std::clamp(static_cast<int>(distance / most * kBins), 0, kBins - 1)];
-  return counts;
-}
-
-// One row of bars from 0 to the largest distance drawn.
-std::string Histogram(const std::string& name, const std::vector<double>& distances, double most, const char* kind) {
-  constexpr double kWidth = 400, kHeight = 150, kFloor = 125;
-  const std::vector<int> counts = Counts(distances, most);
-  const int highest = std::max(1, *std::max_element(counts.begin(), counts.end()));
-  std::string body;
-  for (int b = 0; b < kBins; ++b) {
-    const double height = (kFloor - 20) * counts[b] / highest;
-    body += svg::Rectangle(b * kWidth / kBins, kFloor - height, kWidth / kBins - 1, height, kind,
-                           std::to_string(counts[b])) +
-            "\n";
-  }
-  body += "<line class=\"axis\" x1=\"0\" x2=\"400\" y1=\"125\" y2=\"125\"/>\n";
-  body += svg::Text(0, 140, "start", "0") + "\n";
-  body += svg::Text(kWidth, 140, "end", Millimetres(most) + " mm") + "\n";
-  body += svg::Text(4, 12, "start", name) + "\n";
-  return svg::Picture(kWidth, kHeight, "distances " + name, "\n" + body);
-}
-
-std::string Histograms(const UnseenPoints& before, const UnseenPoints& after) {
-  if (before.points == 0 || !(before.distance_max > 0.0) || !(after.distance_max > 0.0)) return "";
-  return Histogram("before", before.distances, before.distance_max, "held-out") +
-         Histogram("after", after.distances, after.distance_max, "bar");
-}
 
 // In the words of ISO 9283:1998.
 std::string IsoInWords(const Trust& trust) {
@@ -86,7 +54,7 @@ Section Unseen(const Trust& trust) {
                                  ").");
   }
   section.paragraphs.push_back(IsoInWords(trust));
-  section.figure = Histograms(trust.nominal, quoted);
+  section.pictures = BeforeAndAfter(trust.nominal, quoted);
   return section;
 }
 

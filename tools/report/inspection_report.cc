@@ -145,11 +145,17 @@ std::vector<Section> SummariseInspection(const CalibrationProblem& problem, cons
 
 std::string InspectionToHtml(const CalibrationProblem& problem, const Inspection& inspection,
                              const Provenance& provenance) {
-  std::vector<double> leverage;
-  for (const ConfigurationLeverage& entry : inspection.leverage) leverage.push_back(entry.mean);
-  std::string charts;
-  if (leverage.size() > 1) charts = LineChart("leverage of all configurations, highest first", leverage, 3);
-  return SectionsToPage(SummariseInspection(problem, inspection), charts, provenance);
+  std::vector<Section> sections = SummariseInspection(problem, inspection);
+  std::vector<double> rank, leverage;
+  for (const ConfigurationLeverage& entry : inspection.leverage) {
+    rank.push_back(static_cast<double>(rank.size() + 1));
+    leverage.push_back(entry.mean);
+  }
+  if (leverage.size() > 1) {
+    sections.back().pictures = {
+        CurvePicture("Leverage of all configurations, highest first", "rank", rank, "mean leverage", leverage)};
+  }
+  return SectionsToPage(sections, provenance);
 }
 
 }  // namespace sagitta

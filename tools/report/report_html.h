@@ -1,22 +1,20 @@
-// report.html: one self-contained page for people.
+// report.html: one self-contained page for people. It needs no network and asks for none: style, scripts and data are in
+// it, and its content policy forbids everything else.
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "estimator/estimate/estimate.h"
-#include "estimator/results/estimate_json.h"
-#include "problems/calibration_problem.h"
+#include "estimator/results/provenance.h"
 #include "tools/report/summary.h"
 
 namespace sagitta {
 
-// A page of sections, the first one its heading, and charts (SVG).
-std::string SectionsToPage(const std::vector<Section>& sections, const std::string& charts,
-                           const Provenance& provenance);
+// The frame of a page: `style` is added to that of all pages; the scripts are those that the pictures in `body` need.
+std::string PageAround(const std::string& title, const std::string& style, const std::string& body,
+                       const std::vector<const Picture*>& pictures);
 
-// Whitened residuals as histograms, residuals per configuration.
-std::string ResidualCharts(const CalibrationProblem& problem, const Estimate& estimate);
-
-std::string ReportToHtml(const CalibrationProblem& problem, const Estimate& estimate, const Provenance& provenance);
+// A page of sections: the title of the first one is its heading, the first paragraph its verdict.
+std::string SectionsToPage(const std::vector<Section>& sections, const Provenance& provenance);
 
 }  // namespace sagitta

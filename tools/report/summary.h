@@ -9,6 +9,7 @@
 #include "estimator/estimate/parameter_table.h"
 #include "problems/calibration_problem.h"
 #include "problems/text.h"
+#include "tools/report/picture.h"
 
 namespace sagitta {
 
@@ -17,7 +18,7 @@ struct Section {
   std::vector<std::string> paragraphs;
   std::vector<std::string> header;             // of the table; empty: none
   std::vector<std::vector<std::string>> rows;  // the first cell of a row is text, the others numbers
-  std::string figure;                          // SVG, for pages only
+  std::vector<Picture> pictures = {};          // for pages only
   bool folded = false;                         // on a page it opens when asked to
 };
 

@@ -48,7 +48,7 @@ double CentredSquares(const nlohmann::json& q2_deg) {
 }
 
 ReproducedTable TableV(Reproduction* reproduction) {
-  ReproducedTable table{"002-V", "Compensator geometry", {}, {}, ""};
+  ReproducedTable table{"002-V", "Compensator geometry", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-V");
   const double squares = CentredSquares(given.at("q2_deg"));
   const double sigma = given.at("L_ci_mm").get<double>() / 3.0 * std::sqrt(squares);
@@ -120,7 +120,7 @@ Spring FitSpring(const nlohmann::json& geometry, const nlohmann::json& q2_deg, c
 }
 
 ReproducedTable TableVII(Reproduction* reproduction) {
-  ReproducedTable table{"002-VII", "Compensator spring from k21 ... k25", {}, {}, ""};
+  ReproducedTable table{"002-VII", "Compensator spring from k21 ... k25", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-VII");
   const nlohmann::json& compliance = reproduction->table("compliance");
   const nlohmann::json& geometry = reproduction->table("002-V");

@@ -18,7 +18,7 @@ Eigen::VectorXd FitOls(const ElasticRun& run) {
 }
 
 ReproducedTable TableVI(Reproduction* reproduction) {
-  ReproducedTable table{"002-VI", "Ordinary and weighted least squares", {}, {}, ""};
+  ReproducedTable table{"002-VI", "Ordinary and weighted least squares", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("compliance");
   const ElasticRun& run = reproduction->elastic();
   const Eigen::VectorXd ols = PredictOlsSigma(run.design), wls = PredictWlsSigma(run.design);
@@ -44,7 +44,7 @@ ReproducedTable TableVI(Reproduction* reproduction) {
 }
 
 ReproducedTable TableVIII(Reproduction* reproduction) {
-  ReproducedTable table{"002-VIII", "Accuracy after elastostatic calibration, by residuals", {}, {}, ""};
+  ReproducedTable table{"002-VIII", "Accuracy after elastostatic calibration, by residuals", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-VIII");
   const ElasticRun& run = reproduction->elastic();
   const Eigen::VectorXd predicted = run.design.rows * run.truth;
@@ -68,7 +68,7 @@ ReproducedTable TableVIII(Reproduction* reproduction) {
 }
 
 ReproducedTable Figure5(Reproduction* reproduction) {
-  ReproducedTable table{"002-fig5", "Deflections along Z, measured and computed", {}, {}, ""};
+  ReproducedTable table{"002-fig5", "Deflections along Z, measured and computed", {}, {}, {}};
   const ElasticRun& run = reproduction->elastic();
   const Eigen::Matrix3Xd measured = AsPoints(run.measured);
   const Eigen::Matrix3Xd left = AsPoints(run.measured - run.design.rows * FitOls(run));
@@ -113,7 +113,7 @@ SidewaysStage PullSideways(const ElasticRun& run, const Eigen::VectorXd& others,
 }
 
 ReproducedTable TableIX(Reproduction* reproduction) {
-  ReproducedTable table{"002-IX", "Compliances of this and of the previous work", {}, {}, ""};
+  ReproducedTable table{"002-IX", "Compliances of this and of the previous work", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-IX");
   const ElasticRun& run = reproduction->elastic();
   const Eigen::VectorXd ols = FitOls(run) / kMicro;

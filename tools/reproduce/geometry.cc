@@ -1,7 +1,7 @@
 // Paper 002, section IV-A: base, tool, geometric errors, residuals.
 #include <cmath>
 
-#include "tools/report/charts.h"
+#include "tools/report/histograms.h"
 #include "tools/reproduce/data.h"
 #include "tools/reproduce/statistics.h"
 
@@ -51,7 +51,7 @@ void AddMeanRatio(const std::vector<double>& ratios, ReproducedTable* table) {
 }
 
 ReproducedTable TableI(Reproduction* reproduction) {
-  ReproducedTable table{"002-I", "Base transformations", {}, {}, ""};
+  ReproducedTable table{"002-I", "Base transformations", {}, {}, {}};
   std::vector<double> ratios;
   for (const auto& [station, pose] : reproduction->published().kr270_truth.at("stations").items()) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -69,7 +69,7 @@ ReproducedTable TableI(Reproduction* reproduction) {
 }
 
 ReproducedTable TableII(Reproduction* reproduction) {
-  ReproducedTable table{"002-II", "Tool transformations (reference points)", {}, {}, ""};
+  ReproducedTable table{"002-II", "Tool transformations (reference points)", {}, {}, {}};
   std::vector<double> ratios;
   for (const auto& [marker, point] : reproduction->published().kr270_truth.at("markers").items()) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -83,7 +83,7 @@ ReproducedTable TableII(Reproduction* reproduction) {
 }
 
 ReproducedTable TableIII(Reproduction* reproduction) {
-  ReproducedTable table{"002-III", "Geometric parameters", {}, {}, ""};
+  ReproducedTable table{"002-III", "Geometric parameters", {}, {}, {}};
   std::vector<double> ratios;
   int hidden = 0;
   for (const auto& [name, entry] : reproduction->published().kr270_truth.at("geometry").items()) {
@@ -104,20 +104,21 @@ ReproducedTable TableIII(Reproduction* reproduction) {
 }
 
 ReproducedTable TableIV(Reproduction* reproduction) {
-  ReproducedTable table{"002-IV", "Accuracy after geometric calibration, by residuals", {}, {}, ""};
+  ReproducedTable table{"002-IV", "Accuracy after geometric calibration, by residuals", {}, {}, {}};
   AddResiduals(reproduction->table("002-IV"), reproduction->geometric().estimate.fit_before,
                reproduction->geometric().estimate.fit, kNoModelError, &table);
   return table;
 }
 
 ReproducedTable Figure4(Reproduction* reproduction) {
-  ReproducedTable table{"002-fig4", "Residuals after geometric calibration: normal, zero mean", {}, {}, ""};
+  ReproducedTable table{"002-fig4", "Residuals after geometric calibration: normal, zero mean", {}, {}, {}};
   const GeometricRun& run = reproduction->geometric();
+  std::vector<NamedSeries> of_axis;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const int i : run.calibration) values.push_back(run.residuals(axis, i) / kMillimetre);
     const std::string name(1, "xyz"[axis]);
-    table.figures += HistogramChart("residuals in " + name + ", mm", values, 2);
+    of_axis.push_back({name, values});
     table.Compare("sigma " + name + " mm", reproduction->table("002-fig4").at("sigma_mm").at(axis), DeviationOf(values),
                   3, "of 54 residuals; 39 unknowns of 162 rows take up a factor 0.87");
     const double p = NormalityPValue(values);
@@ -125,6 +126,7 @@ ReproducedTable Figure4(Reproduction* reproduction) {
                 p > 0.01 ? Verdict::kReproduced : Verdict::kNotReproducible,
                 "the simulated noise is normal (Jarque-Bera)");
   }
+  table.pictures = {HistogramPicture("Residuals by axis", "residual, mm", of_axis)};
   return table;
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kWeight = 0.25;  // m/rad, as for the disc: chosen to match, neither is printed
 
 ReproducedTable TableI(Reproduction* reproduction) {
-  ReproducedTable table{"000-I", "Full poses (approach 1) against markers (approach 2)", {}, {}, ""};
+  ReproducedTable table{"000-I", "Full poses (approach 1) against markers (approach 2)", {}, {}, {}};
   const nlohmann::json& given = reproduction->published().three_link_truth.at("published_table_1");
   Robot robot = reproduction->published().three_link;
   // The range the configurations were drawn from is not printed; the elbow stays off its ends.
@@ -64,7 +64,7 @@ ReproducedTable TableI(Reproduction* reproduction) {
 }
 
 ReproducedTable TableII(Reproduction* reproduction) {
-  ReproducedTable table{"000-II", "Optimal measurement configurations", {}, {}, ""};
+  ReproducedTable table{"000-II", "Optimal measurement configurations", {}, {}, {}};
   AddConfigurations(reproduction, &table);
   return table;
 }
@@ -96,7 +96,7 @@ void AddEstimate(const Estimate& estimate, const std::string& name, double value
 }
 
 ReproducedTable TableIII(Reproduction* reproduction) {
-  ReproducedTable table{"000-III", "Base and tool transformations", {}, {}, ""};
+  ReproducedTable table{"000-III", "Base and tool transformations", {}, {}, {}};
   const nlohmann::json& scene = reproduction->table("scene");
   const ElasticRun& run = reproduction->elastic();
   const CalibrationProblem problem = BaseAndTool(reproduction->published(), run, false, reproduction->options().seed);
@@ -129,7 +129,7 @@ ReproducedTable TableIII(Reproduction* reproduction) {
 }
 
 ReproducedTable TableIV(Reproduction* reproduction) {
-  ReproducedTable table{"000-IV", "Compliances of the application example, urad/(N m)", {}, {}, ""};
+  ReproducedTable table{"000-IV", "Compliances of the application example, urad/(N m)", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("compliance");
   const ElasticRun& run = reproduction->elastic();
   const Eigen::VectorXd wls = 3.0 * PredictWlsSigma(run.design) / kMicro;

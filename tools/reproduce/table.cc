@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/report/svg.h"
+#include "tools/report/html_text.h"
+#include "tools/report/report_html.h"
 
 namespace sagitta {
 namespace {
@@ -11,15 +12,10 @@ namespace {
 constexpr double kNear = 0.10;
 constexpr double kFactor = 3.0;
 
-constexpr const char* kStyle = R"(body{font:15px/1.5 sans-serif;max-width:72em;margin:2em auto;padding:0 1em;color:#222}
-h1{font-size:1.5em}h2{font-size:1.15em;margin-top:1.8em;border-bottom:1px solid #ccc}
-table{border-collapse:collapse}th,td{padding:.15em .9em .15em 0;text-align:left;vertical-align:top}
-.n{text-align:right}td+td{white-space:nowrap}td.n{font-variant-numeric:tabular-nums;white-space:pre}
-ol{margin:.5em 0;padding-left:1.8em}
-tr:nth-child(even) td{background:#f5f5f5}
-svg{margin:.8em 2em .5em 0}svg text{font:11px sans-serif;fill:#444}.bar{fill:#4a78b0}.axis{stroke:#888}
-.line{stroke:#b33;fill:none;stroke-width:1.5}.reproduced{color:#1a6b2f}.order{color:#8a5a00}.not{color:#a11}.input{color:#555}.note{color:#555}code{background:#f5f5f5}
-@media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}tr{break-inside:avoid}}
+// Beside that of all pages.
+constexpr const char* kStyle = R"(body{max-width:72em}th,td{text-align:left;vertical-align:top;white-space:normal}
+.n{text-align:right}td+td{white-space:nowrap}td.n{white-space:pre}ol{margin:.5em 0;padding-left:1.8em}
+figure td,figure th{text-align:right}.reproduced{color:#1a8b3f}.order{color:#a8701a}.not{color:#d2352b}.note,.input{opacity:.75}
 )";
 
 const char* StyleOf(Verdict verdict) {
@@ -62,7 +58,7 @@ std::string RowToHtml(const ReproducedRow& row, const std::vector<std::string>& 
          StyleOf(row.verdict) + "\">" + VerdictName(row.verdict) + ReasonNumber(row, reasons) + "</td></tr>\n";
 }
 
-std::string TableToHtml(const ReproducedTable& table) {
+std::string ReproducedToHtml(const ReproducedTable& table) {
   const std::vector<std::string> reasons = ReasonsOf(table);
   std::string html = "<h2 id=\"" + EscapeHtml(table.id) + "\">" + EscapeHtml(table.id + "  " + table.title) +
                      "</h2>\n<p class=\"note\">" + EscapeHtml(SimulationNote()) +
@@ -75,7 +71,7 @@ std::string TableToHtml(const ReproducedTable& table) {
     for (const std::string& reason : reasons) html += "<li>" + EscapeHtml(reason) + "</li>\n";
     html += "</ol>\n";
   }
-  html += table.figures;
+  for (const Picture& picture : table.pictures) html += PictureToHtml(picture);
   for (const std::string& note : table.notes) html += Paragraph(note);
   return html;
 }
@@ -208,14 +204,14 @@ nlohmann::ordered_json TableToJson(const ReproducedTable& table) {
 }
 
 std::string ReproductionToHtml(const std::vector<ReproducedTable>& tables, const std::string& command) {
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Published tables side by side - "
-      "sagitta</title>\n<style>" +
-      std::string(kStyle) + "</style></head><body>\n<h1>Published tables side by side</h1>\n";
-  html += Paragraph(SimulationNote()) + OverviewToHtml(tables);
-  for (const ReproducedTable& table : tables) html += TableToHtml(table);
-  return html + "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION "</p>\n<p><code>" + EscapeHtml(command) +
-         "</code></p>\n</body></html>\n";
+  std::string html = "<h1>Published tables side by side</h1>\n" + Paragraph(SimulationNote()) + OverviewToHtml(tables);
+  std::vector<const Picture*> pictures;
+  for (const ReproducedTable& table : tables) {
+    html += ReproducedToHtml(table);
+    for (const Picture& picture : table.pictures) pictures.push_back(&picture);
+  }
+  html += "<h2>Provenance</h2>\n<p>sagitta " SAGITTA_VERSION "</p>\n<p><code>" + EscapeHtml(command) + "</code></p>\n";
+  return PageAround("Published tables side by side", kStyle, html, pictures);
 }
 
 }  // namespace sagitta

@@ -36,7 +36,7 @@ struct ReproducedTable {
   std::string title;
   std::vector<ReproducedRow> rows;
   std::vector<std::string> notes;
-  std::string figures;  // inline SVG, for the page alone
+  std::vector<Picture> pictures;  // for the page alone
 
   int Count(Verdict verdict) const;
 

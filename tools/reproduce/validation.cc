@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "estimator/least_squares/linearization.h"
-#include "tools/report/charts.h"
+#include "tools/report/histograms.h"
 #include "tools/reproduce/ablation.h"
 #include "tools/reproduce/data.h"
 #include "tools/reproduce/statistics.h"
@@ -85,7 +85,7 @@ double PredictedVariance(const GeometricRun& run, int block) {
 
 ReproducedTable TableX(Reproduction* reproduction) {
   ReproducedTable table{
-      "002-X", "Positioning errors after geometric compensation, per validation configuration", {}, {}, ""};
+      "002-X", "Positioning errors after geometric compensation, per validation configuration", {}, {}, {}};
   const GeometricRun& run = reproduction->geometric();
   double variance = 0.0;
   for (int c = 0; c < kConfigurations; ++c) {
@@ -100,7 +100,7 @@ ReproducedTable TableX(Reproduction* reproduction) {
 }
 
 ReproducedTable TableXI(Reproduction* reproduction) {
-  ReproducedTable table{"002-XI", "Accuracy after geometric compensation, validation", {}, {}, ""};
+  ReproducedTable table{"002-XI", "Accuracy after geometric compensation, validation", {}, {}, {}};
   AddResiduals(reproduction->table("002-XI"), reproduction->geometric().estimate.validation_before,
                reproduction->geometric().estimate.validation,
                "validation configurations are not printed; the simulation has the printed noise only", &table);
@@ -108,7 +108,7 @@ ReproducedTable TableXI(Reproduction* reproduction) {
 }
 
 ReproducedTable Figure8(Reproduction* reproduction) {
-  ReproducedTable table{"002-fig8", "Geometric errors of the validation configurations", {}, {}, ""};
+  ReproducedTable table{"002-fig8", "Geometric errors of the validation configurations", {}, {}, {}};
   const GeometricRun& run = reproduction->geometric();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -122,9 +122,10 @@ ReproducedTable Figure8(Reproduction* reproduction) {
 }
 
 ReproducedTable Figure9(Reproduction* reproduction) {
-  ReproducedTable table{"002-fig9", "Histograms after geometric calibration, validation", {}, {}, ""};
+  ReproducedTable table{"002-fig9", "Histograms after geometric calibration, validation", {}, {}, {}};
   const GeometricRun& run = reproduction->geometric();
   const nlohmann::json& given = reproduction->table("002-fig9");
+  std::vector<NamedSeries> of_axis;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> after, before;
     for (const int i : run.validation) {
@@ -132,7 +133,7 @@ ReproducedTable Figure9(Reproduction* reproduction) {
       before.push_back(run.residuals_before(axis, i) / kMillimetre);
     }
     const std::string name(1, "xyz"[axis]);
-    table.figures += HistogramChart("errors in " + name + ", mm", after, 2);
+    of_axis.push_back({name, after});
     table.Compare("sigma " + name + " before, mm", given.at("before_mm").at(axis), DeviationOf(before), 2,
                   kOwnConfigurations, Verdict::kOrderOfMagnitude);
     table.Compare("sigma " + name + " after, mm", given.at("sigma_mm").at(axis), DeviationOf(after), 2,
@@ -142,12 +143,13 @@ ReproducedTable Figure9(Reproduction* reproduction) {
     table.State("normal in " + name, "tend to normal", "P = " + Fixed(p, 2),
                 p > 0.01 ? Verdict::kReproduced : Verdict::kNotReproducible, "60 values, Jarque-Bera");
   }
+  table.pictures = {HistogramPicture("Errors by axis", "error, mm", of_axis)};
   return table;
 }
 
 ReproducedTable TableXII(Reproduction* reproduction) {
   ReproducedTable table{
-      "002-XII", "Positioning errors after elastostatic calibration, per validation configuration", {}, {}, ""};
+      "002-XII", "Positioning errors after elastostatic calibration, per validation configuration", {}, {}, {}};
   const ElasticRun& run = reproduction->elastic();
   const ElasticPrediction prediction = PredictValidation(run, false, reproduction->options().seed);
   for (int c = 0; c < kConfigurations; ++c) {
@@ -161,7 +163,7 @@ ReproducedTable TableXII(Reproduction* reproduction) {
 }
 
 ReproducedTable TableXIII(Reproduction* reproduction) {
-  ReproducedTable table{"002-XIII", "Accuracy after elastostatic compensation, validation", {}, {}, ""};
+  ReproducedTable table{"002-XIII", "Accuracy after elastostatic compensation, validation", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-XIII");
   const std::vector<AblationCase> cases = RunAblation(*reproduction);
   const AblationCase &first = cases.front(), &last = cases.back();
@@ -194,7 +196,7 @@ ReproducedTable TableXIII(Reproduction* reproduction) {
 }
 
 ReproducedTable Figure10(Reproduction* reproduction) {
-  ReproducedTable table{"002-fig10", "Histograms after elastostatic calibration, validation", {}, {}, ""};
+  ReproducedTable table{"002-fig10", "Histograms after elastostatic calibration, validation", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-fig10");
   const ElasticPrediction prediction = PredictValidation(reproduction->elastic(), false, reproduction->options().seed);
   std::vector<double> lengths, of_axis[3];
@@ -208,9 +210,8 @@ ReproducedTable Figure10(Reproduction* reproduction) {
     table.Compare(std::string("RMS ") + "xyz"[axis] + ", mm", given.at("rms_mm").at(axis), RmsOf(of_axis[axis]), 2,
                   kOwnConfigurations, Verdict::kOrderOfMagnitude);
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    table.figures += HistogramChart(std::string("errors in ") + "xyz"[axis] + ", mm", of_axis[axis], 2);
-  }
+  table.pictures = {HistogramPicture("Errors by axis", "error, mm",
+                                     {{"x", of_axis[0]}, {"y", of_axis[1]}, {"z", of_axis[2]}})};
   const MaxwellFit maxwell = FitMaxwell(lengths);
   table.Compare("Maxwell sigma, mm", given.at("maxwell_sigma_mm"), maxwell.sigma, 2,
                 "published RMS per axis of 0.21, 0.44, 0.21 mm make a Maxwell sigma of 0.31 mm, not 0.14",

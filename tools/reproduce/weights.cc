@@ -19,7 +19,7 @@ std::string Triple(const Vector3<double>& values, int decimals) {
 }
 
 ReproducedTable Table1(Reproduction* reproduction) {
-  ReproducedTable table{"003-1", "Dispersions of measurement errors in deflections", {}, {}, ""};
+  ReproducedTable table{"003-1", "Dispersions of measurement errors in deflections", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("003-1");
   const ElasticRun& run = reproduction->elastic();
   const int n = static_cast<int>(run.design.sigma.size()) / 45;
@@ -107,7 +107,7 @@ void AddConfigurations(Reproduction* reproduction, ReproducedTable* table) {
 namespace {
 
 ReproducedTable Table2(Reproduction* reproduction) {
-  ReproducedTable table{"003-2", "Measurement configurations", {}, {}, ""};
+  ReproducedTable table{"003-2", "Measurement configurations", {}, {}, {}};
   AddConfigurations(reproduction, &table);
   return table;
 }
@@ -138,7 +138,7 @@ void AddLambda(Reproduction* reproduction, ReproducedTable* table) {
 }
 
 ReproducedTable Table3(Reproduction* reproduction) {
-  ReproducedTable table{"003-3", "Compliances with intervals, urad/(N m)", {}, {}, ""};
+  ReproducedTable table{"003-3", "Compliances with intervals, urad/(N m)", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("compliance");
   const ElasticRun& run = reproduction->elastic();
   WeightDesign iid = run.design;
@@ -198,7 +198,7 @@ void AddStudies(const std::vector<MethodStudy>& studies, const nlohmann::json& n
 }
 
 ReproducedTable Table4(Reproduction* reproduction) {
-  ReproducedTable table{"003-4", "Benefits of weighted least squares", {}, {}, ""};
+  ReproducedTable table{"003-4", "Benefits of weighted least squares", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("compliance");
   const ElasticRun& run = reproduction->elastic();
   const Eigen::VectorXd ols = PredictOlsSigma(run.design), wls = PredictWlsSigma(run.design);
@@ -234,7 +234,7 @@ ReproducedTable Table4(Reproduction* reproduction) {
 }
 
 ReproducedTable Figure3(Reproduction* reproduction) {
-  ReproducedTable table{"003-fig3", "k21 and its interval, iteration by iteration", {}, {}, ""};
+  ReproducedTable table{"003-fig3", "k21 and its interval, iteration by iteration", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("003-fig3");
   const ElasticRun& run = reproduction->elastic();
   WeightMethod method = KnownWeightMethods().back();
@@ -249,13 +249,15 @@ ReproducedTable Figure3(Reproduction* reproduction) {
                 Verdict::kAddition,
                 "k21 with 3 sigma, urad/(N m), one simulated experiment; the figure has no readable scale");
   }
-  std::vector<double> values, intervals;
+  std::vector<double> iterations, values, intervals;
   for (const WeightedFit& fit : fits) {
+    iterations.push_back(static_cast<double>(iterations.size()));
     values.push_back(fit.value[0] / kMicro);
     intervals.push_back(std::log10(3.0 * fit.sigma[0] / kMicro));
   }
-  table.figures = LineChart("k21 over iterations, urad/(N m)", values, 4) +
-                  LineChart("log10 of its 3-sigma interval", intervals, 1);
+  table.pictures = {CurvePicture("k21 over iterations", "iteration", iterations, "k21, urad/(N m)", values),
+                    CurvePicture("Its interval over iterations", "iteration", iterations,
+                                 "log10 of 3 sigma in urad/(N m)", intervals)};
   const double later = std::abs(fits.back().sigma[0] / fits[10].sigma[0] - 1.0);
   table.Compare("interval shrinks by, this experiment", given.at("factor"), fits.front().sigma[0] / fits[10].sigma[0],
                 1, "eq. 8 over eq. 13, both with |r|, 10 iterations", Verdict::kOrderOfMagnitude);

@@ -1,0 +1,81 @@
+# cmake -DOUT=page_parts.cc -DVEGA=DIR -DTHREE=DIR -P embed.cmake: style, scripts and templates of report pages as C++
+# texts. DIR may be empty: the page then does without.
+set(here ${CMAKE_CURRENT_LIST_DIR})
+
+# In the order in which they need one another. What maps, trees, forces and words need is left out.
+set(vega_modules util time format loader dataflow canvas scale statistics scenegraph expression event-selector selection
+  functions runtime view parser transforms view-transforms encode interpreter)
+
+function(read_script path result)
+  file(READ ${path} text)
+  string(REGEX REPLACE "//# sourceMappingURL=[^\n]*" "" text "${text}")  # a page asks nobody for anything
+  string(FIND "${text}" "</script" ends)
+  string(FIND "${text}" "<!--" comments)
+  if(NOT ends EQUAL -1 OR NOT comments EQUAL -1)
+    message(FATAL_ERROR "${path} cannot stand in a page: it holds </script or <!--")
+  endif()
+  set(${result} "${text}" PARENT_SCOPE)
+endfunction()
+
+# What the package says of authors and licences, as a comment.
+function(read_licence package result)
+  set(path /usr/share/doc/${package}/copyright)
+  set(text "${package}: see its licence")
+  if(EXISTS ${path})
+    file(READ ${path} text)
+    string(REPLACE "*/" "* /" text "${text}")
+  endif()
+  set(${result} "/*\n${text}*/\n" PARENT_SCOPE)
+endfunction()
+
+set(vega "")
+if(VEGA)
+  read_script(${here}/vega_begin.js text)
+  read_licence(libjs-vega vega)
+  string(APPEND vega "${text}")
+  foreach(module ${vega_modules})
+    read_script(${VEGA}/vega-${module}.min.js text)
+    if(module STREQUAL "selection")
+      set(module selections)  # the name that the others know it by
+    endif()
+    string(APPEND vega "next = 'vega-${module}';\n${text}\n")
+  endforeach()
+  read_script(${here}/vega_end.js text)
+  string(APPEND vega "${text}")
+endif()
+
+set(three "")
+if(THREE)
+  read_licence(libjs-three three)
+  read_script(${THREE}/three.min.js text)
+  string(APPEND three "${text}")
+  read_script(${THREE}/examples/js/controls/OrbitControls.js text)
+  string(APPEND three "\n${text}")
+endif()
+
+set(templates "")
+file(GLOB kinds ${here}/pictures/*.json)
+foreach(path ${kinds})
+  get_filename_component(kind ${path} NAME_WE)
+  file(READ ${path} text)
+  string(REGEX REPLACE "\n *" " " text "${text}")
+  string(APPEND templates "${separator}\"${kind}\":${text}")
+  set(separator ",\n")
+endforeach()
+
+file(READ ${here}/page.css style)
+read_script(${here}/page.js drawing)
+
+file(WRITE ${OUT}.new "// Made by tools/report/page/embed.cmake.\n#include \"tools/report/page_parts.h\"\n\nnamespace sagitta::page {\n")
+foreach(part Style:style Templates:templates Vega:vega Three:three Drawing:drawing)
+  string(REPLACE ":" ";" part ${part})
+  list(GET part 0 name)
+  list(GET part 1 variable)
+  set(text "${${variable}}")
+  if(name STREQUAL "Templates")
+    set(text "{${text}}")
+  endif()
+  file(APPEND ${OUT}.new "const std::string_view k${name}(R\"~PAGE~(${text})~PAGE~\");\n")
+endforeach()
+file(APPEND ${OUT}.new "}  // namespace sagitta::page\n")
+file(RENAME ${OUT}.new ${OUT})

@@ -1,0 +1,29 @@
+// The points of a report's pictures with what is left of them, mm, in the robot's base frame.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+struct ResidualRow {
+  int observation = -1;
+  Vector3<double> predicted_in_base, residual_in_base;  // mm; measured - predicted
+  double distance() const { return residual_in_base.norm(); }
+};
+
+// Every point that is neither excluded nor without a measured value; of more than kMostDrawn the farthest and an even
+// choice of the others, in row order.
+constexpr size_t kMostDrawn = 10000, kFarthestKept = 200;
+std::vector<ResidualRow> RowsToDraw(const CalibrationProblem& problem, const Estimate& estimate);
+
+// "C12 P3", with its station where there are several.
+std::string NameOfRow(const Measurements& data, const Observation& row);
+
+// "; drawn: 10000 of 30000 points"; empty: all are.
+std::string LeftOutInWords(const CalibrationProblem& problem, size_t drawn);
+
+}  // namespace sagitta
