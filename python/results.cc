@@ -95,7 +95,7 @@ std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, co
 void BindResults(py::module_& module) {
   py::class_<DiagnosedExperiment, std::shared_ptr<DiagnosedExperiment>>(module, "Diagnosis")
       .def("json", [](const DiagnosedExperiment& d) { return DumpJson(DiagnosisToJson(d.diagnosis, d.significance)); })
-      .def("robot_yaml", [](const DiagnosedExperiment& d) { return RobotToYaml(ExtendedRobot(d.diagnosis)); })
+      .def("robot_yaml", [](const DiagnosedExperiment& d) { return RobotToYaml(RobotOf(d.diagnosis.final)); })
       .def("estimate_json",
            [](const DiagnosedExperiment& d) {
              return DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance));

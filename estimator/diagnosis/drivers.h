@@ -10,6 +10,7 @@ namespace sagitta {
 
 struct Driver {
   std::string name, unit;
+  std::string column;     // as effects name it: q, torque_Nm, time_s, temperature_K
   Eigen::VectorXd of_shot;  // one per Measurements::shots
 
   bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }
@@ -29,6 +30,8 @@ Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters);
 // The same of a weight of 1 N at the flange, shots x joints, m: what gravity makes of the arm's posture.
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters);
+// Unit vector of gravity in the flange frame, shots x 3, at the equilibrium of these parameters.
+Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterSet& parameters);
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques);
 
 }  // namespace sagitta

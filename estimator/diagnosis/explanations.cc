@@ -17,6 +17,7 @@ constexpr int kOrders = 6;       // of waves over another joint's angle, as of t
 constexpr int kPeriods = 8;      // of waves over the time of the campaign
 constexpr int kPlaces = 24;      // of a step along a joint's angle
 constexpr int kFineBumps = 25;   // of a joint's own angle: a bump of 10 degrees
+constexpr int kSeats = 25;       // stretches of visits in which a loose part stays in its seat
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
 constexpr long kPerShape = 4;    // columns of a compensator's shape
 constexpr double kElsewhere = 0.05;  // of the compensators: not against the arm's own weight
@@ -85,7 +86,9 @@ class ListBuilder {
     AddJointFunctions();
     AddPairs();
     AddStations();
+    AddLinks();
     AddMarkers();
+    AddPlate();
     SetShares(prior, &list_);
     return std::move(list_);
   }
@@ -333,6 +336,14 @@ class ListBuilder {
                       Axes(Source::Kind::kStation, owner),
                       time},
                      "station in time");
+        AddFunctions(functions,
+                     {"",
+                      station,
+                      {"time"},
+                      "the base turns in station " + station + " with time",
+                      Axes(Source::Kind::kStationTurn, owner),
+                      time},
+                     "station in time");
         for (const Source& axis : Axes(Source::Kind::kStation, owner)) {
           AddFunctions(functions,
                        {"",
@@ -402,7 +413,27 @@ class ListBuilder {
     return functions;
   }
 
-  // A marker moves in its frame with time or with a joint's angle.
+  // Links grow with time or temperature, each in its own way: one of them, or all.
+  void AddLinks() {
+    std::vector<Source> links;
+    for (int joint = -1; joint < joints(); ++joint) {
+      if (!LengthsOfLink(problem_.robot.chain, joint).empty()) links.push_back({Source::Kind::kLink, joint, 0});
+    }
+    for (const auto& [driver, name] : {std::pair{TimeOf(problem_), "time"}, {TemperatureOf(problem_), "temperature"}}) {
+      const Eigen::VectorXd seen = OnFitted(driver.of_shot);
+      if (links.empty() || !(seen.maxCoeff() > seen.minCoeff())) continue;
+      Functions functions;
+      functions.Append(Bumps(driver.of_shot, seen.minCoeff(), seen.maxCoeff(), kBumps[0]), "time", kBumps[0]);
+      for (const Source& link : links) {
+        const std::string where = link.owner < 0 ? "the foot" : "the link after " + JointName(link.owner);
+        AddFunctions(functions, {"", where, {name}, where + " grows with " + name, {link}, driver}, "link in time");
+      }
+      AddFunctions(functions, {"", "links", {name}, std::string("each link grows with ") + name, links, driver},
+                   "links in time");
+    }
+  }
+
+  // A marker moves in its frame with time or with a joint's angle, or sits loose.
   void AddMarkers() {
     for (size_t m = 0; m < problem_.data.markers.size(); ++m) {
       const std::string& marker = problem_.data.markers[m];
@@ -421,7 +452,31 @@ class ListBuilder {
                      {"", marker, {driver.name}, "marker " + marker + " moves with " + driver.name, sources, driver},
                      "marker");
       }
+      AddLoose("marker " + marker, marker, sources);
     }
+  }
+
+  // What sits loose goes to the side that is down, or to another seat between visits.
+  void AddLoose(const std::string& what, const std::string& acts_on, const std::vector<Source>& sources) {
+    if (down_.size() == 0) down_ = DownInFlange(problem_, parameters_);
+    Functions down;
+    for (const int degree : {1, 3}) {
+      const Eigen::MatrixXd functions = OfDirection(down_, degree);
+      down.Append(functions, "other", static_cast<int>(functions.cols()));
+    }
+    AddFunctions(down, {"", acts_on, {"gravity"}, what + " moves with the direction of gravity", sources, {}}, "loose");
+    Functions seats;
+    const Eigen::MatrixXd stretches = Stretches(ConfigurationNumberOf(problem_).of_shot, kSeats);
+    seats.Append(stretches, "other", static_cast<int>(stretches.cols()));
+    AddFunctions(seats, {"", acts_on, {"visits"}, what + " changes its seat between visits", sources, {}}, "loose");
+  }
+
+  // With one marker it is that marker.
+  void AddPlate() {
+    if (MarkersOnFlange(problem_).size() < 2) return;
+    std::vector<Source> axes;
+    for (int axis = 0; axis < 6; ++axis) axes.push_back({Source::Kind::kPlate, 0, axis});
+    AddLoose("what carries the markers", "flange", axes);
   }
 
   const CalibrationProblem& problem_;
@@ -431,6 +486,7 @@ class ListBuilder {
   std::map<std::string, int> numbers_;
   std::set<int> fitted_;       // shots
   Eigen::MatrixXd of_weight_;  // fitted shots x joints: torque per weight at the flange, m
+  Eigen::MatrixXd down_;       // shots x 3, in the flange frame
 };
 
 }  // namespace

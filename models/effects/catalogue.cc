@@ -35,6 +35,9 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &Hysteresis(),
       &MarkerAcceptance(),
       &StationRefraction(),
+      &LearntDeviation(),
+      &LearntStationMotion(),
+      &LearntMarkerMotion(),
   };
   return catalogue;
 }

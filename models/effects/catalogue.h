@@ -36,6 +36,10 @@ const EffectDefinition& LoadCom();
 const EffectDefinition& Hysteresis();
 const EffectDefinition& MarkerAcceptance();
 const EffectDefinition& StationRefraction();
+// What has no name (learnt_deviation.cc).
+const EffectDefinition& LearntDeviation();
+const EffectDefinition& LearntStationMotion();
+const EffectDefinition& LearntMarkerMotion();
 
 // EffectDefinition::separate_by of several effects.
 constexpr char kSeparateByRange[] =

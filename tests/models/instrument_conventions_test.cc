@@ -82,6 +82,20 @@ TEST(InstrumentConventions, MarkerShiftIsOnTheCampaignsClockInTheFlange) {
   ExpectPoint(scene.Seen(), 0.0, 3.4, 0.5, 1e-12);
 }
 
+// 100 um times pi^(-1/4) at the first knot, the campaign's second 0; 75.112554 um. The station's own axes; a marker's
+// are those of the flange, which looks along the station's y.
+TEST(InstrumentConventions, LearntMotionsOfAStationAndAMarker) {
+  TwoLinkScene scene = Seen2mAway();
+  const std::map<std::string, std::string> by_time = {{"by", "time_s"}, {"from", "0"}, {"to", "100"}, {"knots", "2"}};
+  scene.Add({"learnt_station_motion", scene.shot().station, by_time, {100e-6, 0.0, 0.0, 0.0, 0.0, 0.0}});
+  scene.shot().time = 0.0;
+  scene.shot().station_time = 100.0;
+  ExpectPoint(scene.Seen(), 75.112554e-6, 3.4, 0.5, 1e-11);
+  scene.robot.effects.clear();
+  scene.Add({"learnt_marker_motion", "M1", by_time, {100e-6, 0.0, 0.0, 0.0, 0.0, 0.0}});
+  ExpectPoint(scene.Seen(), 0.0, 3.4 + 75.112554e-6, 0.5, 1e-11);
+}
+
 // 100 urad on J2 lift the flange by 40 um, after the moment of the campaign's clock.
 TEST(InstrumentConventions, JointSlipIsOnTheCampaignsClock) {
   TwoLinkScene scene = Seen2mAway();
