@@ -83,7 +83,8 @@ constexpr const char* kNotACalibratedRobot =
     "# corrections to that simulation, no calibrated robot.\n";
 
 constexpr const char* kLearntFunctions =
-    "# With smooth functions learnt from the rows where no effect of the catalogue explains the gap. They are empirical:\n"
+    "# With smooth functions learnt from the rows where no effect of the catalogue explains the gap. They are "
+    "empirical:\n"
     "# they name no cause, and are zero beyond the measured ranges.\n";
 
 // What an interrupted run knows.
@@ -133,7 +134,9 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
                                   {"diagnosis.json", DumpJson(with_run)}};
   if (diagnosis.next) files.push_back({kNextFile, NextToCsv(diagnosis)});
   if (diagnosis.learnt) {
-    files.push_back({kLearntFile, RunComment(provenance) + kLearntFunctions + RobotToYaml(RobotOf(diagnosis.learnt->model))});
+    const DiagnosedModel& learnt = diagnosis.learnt->model;
+    files.push_back({kLearntEstimateFile, DumpJson(EstimateToJson(*learnt.problem, learnt.estimate, provenance))});
+    files.push_back({kLearntFile, RunComment(provenance) + kLearntFunctions + RobotToYaml(RobotOf(learnt))});
   }
   out.Write(files);
   std::cout << "\nResults in " << FLAGS_out
@@ -145,8 +148,9 @@ int RunDiagnose(const CommandLine& line) {
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) {
-    out.emplace(FLAGS_out, std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html",
-                                                    "estimate.json", "diagnosis.json", kNextFile, kLearntFile});
+    out.emplace(FLAGS_out,
+                std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html", "estimate.json",
+                                         "diagnosis.json", kNextFile, kLearntFile, kLearntEstimateFile});
   }
   const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));
   const SimulationBaseline baseline = BaselineOf(inputs);

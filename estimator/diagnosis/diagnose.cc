@@ -356,7 +356,7 @@ class Session {
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
       Say("learning what has no name");
-      auto learnt = LearnModel(*evidence_, leading_, d_.baseline, lacking_, steps_, d_.final, joint_);
+      auto learnt = LearnModel(*evidence_, leading_, d_.baseline, d_.final, joint_);
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
     }
     d_.noise.is_bound = d_.has_unexplained;

@@ -106,7 +106,7 @@ struct Diagnosis {
   bool has_unexplained = false;
   LearntFunction unexplained;
   std::shared_ptr<const LearntModel> learnt;  // null: no function of one driver stands out
-  std::vector<std::string> cautions;  // what limits the verdict, in words
+  std::vector<std::string> cautions;          // what limits the verdict, in words
 };
 
 // Steps with their probability while the work goes on: refitted, not yet judged by the full estimator.

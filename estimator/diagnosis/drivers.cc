@@ -63,7 +63,8 @@ Driver ApproachOf(const CalibrationProblem& problem, int joint) {
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {
-  return PerShot(problem, "time", "s", "time_s", [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; });
+  return PerShot(problem, "time", "s", "time_s",
+                 [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; });
 }
 
 Driver TemperatureOf(const CalibrationProblem& problem) {

@@ -10,7 +10,7 @@ namespace sagitta {
 
 struct Driver {
   std::string name, unit;
-  std::string column;     // as effects name it: q, torque_Nm, time_s, temperature_K
+  std::string column;       // as effects name it: q, torque_Nm, time_s, temperature_K
   Eigen::VectorXd of_shot;  // one per Measurements::shots
 
   bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }

@@ -99,7 +99,8 @@ std::vector<LengthOfLink> LengthsOfLink(const Chain& chain, int joint) {
   for (const ElementaryTransform& transform : chain.transforms) {
     if (transform.has_joint()) before = transform.joint;
     const bool is_length = !transform.is_rotation() && !transform.has_joint() && transform.nominal != 0.0;
-    if (before == joint && is_length && !transform.error.empty()) lengths.push_back({transform.error, transform.nominal});
+    if (before == joint && is_length && !transform.error.empty())
+      lengths.push_back({transform.error, transform.nominal});
   }
   return lengths;
 }

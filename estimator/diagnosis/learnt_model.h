@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "estimator/diagnosis/evidence.h"
 #include "estimator/diagnosis/gap.h"
-#include "estimator/diagnosis/steps.h"
 
 namespace sagitta {
 
@@ -16,12 +16,11 @@ struct LearntModel {
   GapReport gap;                      // from the believed model
 };
 
-// Beside the steps: unnamed functions of one driver, the best one after the other, while each has odds of 20 for it and
-// does not make untouched rows worse beyond chance; fitted with the prior that their evidence is made of. Nothing where
-// none is left. `final`: the model with the steps alone.
+// Beside the steps that `final` has: unnamed functions, the best one after the other, while each has odds of 20 for it
+// and does not make untouched rows worse beyond chance; fitted with the prior that their evidence is made of. Nothing
+// where none is left, or where all together predict untouched rows no better.
 std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading,
-                                      const DiagnosedModel& baseline, const DiagnosedModel& lacking, 
-                                      const std::vector<ChosenStep>& steps, const DiagnosedModel& final,
+                                      const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint);
 
 }  // namespace sagitta

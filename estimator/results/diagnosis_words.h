@@ -11,6 +11,7 @@ namespace sagitta {
 // Files of a diagnosis that its words name.
 constexpr char kNextFile[] = "next.csv";
 constexpr char kLearntFile[] = "robot.learnt.yaml";
+constexpr char kLearntEstimateFile[] = "estimate.learnt.json";
 
 // "periodic joint error (joint_harmonic, A3, order 1)"; effects of the robot file included.
 std::string Title(const Robot& robot, const EffectSpec& spec);

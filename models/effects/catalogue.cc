@@ -36,6 +36,8 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &MarkerAcceptance(),
       &StationRefraction(),
       &LearntDeviation(),
+      &LearntPairDeviation(),
+      &LearntGrowth(),
       &LearntStationMotion(),
       &LearntMarkerMotion(),
   };

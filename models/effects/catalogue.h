@@ -38,6 +38,8 @@ const EffectDefinition& MarkerAcceptance();
 const EffectDefinition& StationRefraction();
 // What has no name (learnt_deviation.cc).
 const EffectDefinition& LearntDeviation();
+const EffectDefinition& LearntPairDeviation();
+const EffectDefinition& LearntGrowth();
 const EffectDefinition& LearntStationMotion();
 const EffectDefinition& LearntMarkerMotion();
 
