@@ -1,5 +1,6 @@
 #include "estimator/diagnosis/drivers.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace sagitta {
@@ -78,6 +79,12 @@ Driver ConfigurationNumberOf(const CalibrationProblem& problem) {
     driver.of_shot[static_cast<long>(s)] = 1.0 + problem.data.shots[s].configuration;
   }
   return driver;
+}
+
+Driver OrderOf(const CalibrationProblem& problem) {
+  const bool is_timed = std::all_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
+                                    [](const ShotInput& shot) { return shot.conditions.has_time; });
+  return is_timed ? TimeOf(problem) : ConfigurationNumberOf(problem);
 }
 
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {

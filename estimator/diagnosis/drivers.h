@@ -25,6 +25,9 @@ Driver TimeOf(const CalibrationProblem& problem);                 // s since the
 Driver TemperatureOf(const CalibrationProblem& problem);          // K above the mean
 Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
 
+// What puts the visits in order: time, or where not every row states it the configuration's number.
+Driver OrderOf(const CalibrationProblem& problem);
+
 // Torque (force) of the known wrenches on each joint's axis, N m (N), at the equilibrium of these parameters: shots x
 // joints. The spring of a compensator takes no part. Zero where the equilibrium diverges.
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters);

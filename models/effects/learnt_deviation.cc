@@ -14,6 +14,7 @@ namespace {
 constexpr double kTypicalTurn = 75e-6, kTypicalTravel = 50e-6, kTypicalMovement = 30e-6, kTypicalStationTurn = 15e-6,
                  kTypicalGrowth = 50e-6;
 
+constexpr char kSeparateByKnowing[] = "nothing: it is whatever has no name; a cause that is known takes its place";
 constexpr char kDescribes[] = "It describes what was measured and is no cause; beyond its range it is zero.";
 
 // Number of weights along one axis; what a file states is checked to be 2 or more.
@@ -188,6 +189,7 @@ EffectDefinition Learnt(EffectDefinition effect, const std::vector<std::string>&
   effect.missing = Missing;
   effect.is_learnt = true;
   effect.note = kDescribes;
+  effect.separate_by = kSeparateByKnowing;
   effect.sizes = "as a periodic joint error, and as what moves a station or a marker";
   return effect;
 }
@@ -220,6 +222,7 @@ const EffectDefinition& LearntPairDeviation() {
                        {"with", SettingDefinition::Kind::kJoint, "", {}}};
     effect.is_learnt = true;
     effect.note = kDescribes;
+    effect.separate_by = kSeparateByKnowing;
     effect.sizes = "as a periodic joint error";
     return effect;
   }();

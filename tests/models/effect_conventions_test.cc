@@ -272,7 +272,7 @@ TEST(Conventions, BacklashByTorque) {
 }
 
 // Knots at 0 and 180 deg of J1, d = 180 deg: at 90 deg the first bump is pi^(-1/4) exp(-1/8) = 0.66286596: 100 urad
-// make 66.286596 urad, 26.514638 um. From 0 to 100 deg, 300 deg away: exp(-18) of it, nothing.
+// make 66.286596 urad, 26.514638 um. Six distances away it is exp(-18) of that, nothing.
 TEST(Conventions, LearntDeviationByAnAngle) {
   TwoLinkScene scene;
   scene.shot().q << 90 * kDegree, 0.0;
@@ -281,7 +281,7 @@ TEST(Conventions, LearntDeviationByAnAngle) {
              {{"by", "q"}, {"driver", "J1"}, {"from", "0"}, {"to", "180"}, {"knots", "2"}},
              {100e-6, 0.0}});
   EXPECT_NEAR(scene.Seen().z(), 0.5 + 26.514638e-6, 1e-11);
-  scene.robot.effects[0].settings = {{"by", "q"}, {"driver", "J1"}, {"from", "390"}, {"to", "490"}, {"knots", "2"}};
+  scene.robot.effects[0].settings = {{"by", "q"}, {"driver", "J1"}, {"from", "690"}, {"to", "790"}, {"knots", "2"}};
   EXPECT_NEAR(scene.Seen().z(), 0.5, 1e-11);
 }
 

@@ -73,7 +73,7 @@ inline std::vector<EffectSpec> ContractUses(const std::vector<const EffectDefini
       if (setting.name == "from") texts = {"-9000"};  // seen by every driver of ContractShot
       if (setting.name == "to") texts = {"9000"};
       if (setting.kind == SettingDefinition::Kind::kMoment) texts = {"100"};
-      if (setting.kind == SettingDefinition::Kind::kJoint) texts = {"A2"};
+      if (setting.kind == SettingDefinition::Kind::kJoint) texts = {setting.name == "with" ? "A4" : "A2"};
       for (EffectSpec variant : before) {
         if (setting.silent) variants.push_back(variant);
         if (!setting.MeansSomethingFor(variant)) continue;
