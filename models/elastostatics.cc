@@ -93,6 +93,7 @@ double PhiDerivative(const ElasticTerm& term, double torque) {
   if (term.law == ElasticLaw::kCubic) return 3.0 * torque * torque;
   if (term.law == ElasticLaw::kLinear) return 1.0;
   const double phi = ElasticPhi(term, torque);
+  if (term.law == ElasticLaw::kBump) return -phi * (torque - term.centre) / (term.width * term.width);
   return term.width > 0.0 ? (1.0 - phi * phi) / term.width : 0.0;
 }
 

@@ -17,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "models/effects/bump.h"
 #include "models/effects/effect.h"
 #include "models/gravity_compensator.h"
 #include "models/wrench.h"
@@ -83,6 +84,7 @@ T ElasticPhi(const ElasticTerm& term, const T& torque) {
   using std::tanh;
   if (term.law == ElasticLaw::kCubic) return torque * torque * torque;
   if (term.law == ElasticLaw::kLinear) return torque;
+  if (term.law == ElasticLaw::kBump) return Bump(torque, term.centre, term.width);
   if (term.width > 0.0) return tanh(torque / T(term.width));
   return T(torque > T(0) ? 1.0 : torque < T(0) ? -1.0 : 0.0);
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/inspection/inspect.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/inspection_json.h"
@@ -106,7 +107,12 @@ std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, co
 void BindResults(py::module_& module) {
   py::class_<DiagnosedExperiment, std::shared_ptr<DiagnosedExperiment>>(module, "Diagnosis")
       .def("json", [](const DiagnosedExperiment& d) { return DumpJson(DiagnosisToJson(d.diagnosis, d.significance)); })
-      .def("robot_yaml", [](const DiagnosedExperiment& d) { return RobotToYaml(ExtendedRobot(d.diagnosis)); })
+      .def("robot_yaml", [](const DiagnosedExperiment& d) { return RobotToYaml(RobotOf(d.diagnosis.final)); })
+      .def("learnt_robot_yaml",
+           [](const DiagnosedExperiment& d) -> std::optional<std::string> {
+             if (!d.diagnosis.learnt) return std::nullopt;
+             return RobotToYaml(RobotOf(d.diagnosis.learnt->model));
+           })
       .def("estimate_json",
            [](const DiagnosedExperiment& d) {
              return DumpJson(EstimateToJson(*d.diagnosis.final.problem, d.diagnosis.final.estimate, d.provenance));

@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/simulation_baseline.h"
 #include "estimator/results/diagnosis_json.h"
 #include "estimator/results/diagnosis_words.h"
@@ -81,6 +82,11 @@ constexpr const char* kNotACalibratedRobot =
     "# The nominal robot with the effects that explain the gap to another simulation (--simulation=columns):\n"
     "# corrections to that simulation, no calibrated robot.\n";
 
+constexpr const char* kLearntFunctions =
+    "# With smooth functions learnt from the rows where no effect of the catalogue explains the gap. They are "
+    "empirical:\n"
+    "# they name no cause, and are zero beyond the measured ranges.\n";
+
 // What an interrupted run knows.
 std::string InWords(const Robot& robot, const FoundSoFar& found) {
   if (found.empty()) return "sagitta: nothing was found so far\n";
@@ -114,7 +120,7 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
   Calibration extended = Extended(diagnosis);
   const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
   const std::string robot =
-      RunComment(provenance) + (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(ExtendedRobot(diagnosis));
+      RunComment(provenance) + (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(RobotOf(diagnosis.final));
   const std::string report = DiagnosisToHtml(diagnosis, extended, provenance);
   const std::string estimate_json = DumpJson(CalibrationToJson(extended, provenance));
   if (IsAgainstColumns()) baseline.Unshift(&extended.problem, &extended.estimate);
@@ -127,6 +133,11 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
                                   {"estimate.json", estimate_json},
                                   {"diagnosis.json", DumpJson(with_run)}};
   if (diagnosis.next) files.push_back({kNextFile, NextToCsv(diagnosis)});
+  if (diagnosis.learnt) {
+    const DiagnosedModel& learnt = diagnosis.learnt->model;
+    files.push_back({kLearntEstimateFile, DumpJson(EstimateToJson(*learnt.problem, learnt.estimate, provenance))});
+    files.push_back({kLearntFile, RunComment(provenance) + kLearntFunctions + RobotToYaml(RobotOf(learnt))});
+  }
   out.Write(files);
   std::cout << "\nResults in " << FLAGS_out
             << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
@@ -137,8 +148,9 @@ int RunDiagnose(const CommandLine& line) {
   const std::vector<Requirement> requirements = ParseRequirements(FLAGS_require);
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) {
-    out.emplace(FLAGS_out, std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html",
-                                                    "estimate.json", "diagnosis.json", kNextFile});
+    out.emplace(FLAGS_out,
+                std::vector<std::string>{"robot.extended.yaml", "residuals.csv", "report.html", "estimate.json",
+                                         "diagnosis.json", kNextFile, kLearntFile, kLearntEstimateFile});
   }
   const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));
   const SimulationBaseline baseline = BaselineOf(inputs);

@@ -249,6 +249,7 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
   const std::set<std::string> compliant = CompliantJoints(problem, estimated);
   const Knowledge known{AnyLoad(problem), !compliant.empty(), IsLevelled(problem.experiment)};
   for (const EffectDefinition* definition : EffectsOf(problem.robot)) {
+    if (definition->is_learnt) continue;
     if (definition->name == "link_gravity") AppendCompensators(problem, compliant, &list);
     if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;
     const std::string unmet = UnmetNeed(definition->needs, known);

@@ -13,8 +13,9 @@ namespace sagitta {
 struct Candidate {
   EffectSpec spec;                      // values empty: neutral
   std::vector<std::string> vague = {};  // parameters that the data cannot tell
-  // Those, and what the data tell poorly: refitted with a prior of three typical sizes.
+  // Those, and what the data tell poorly: refitted with a prior.
   std::vector<std::string> loose = {};
+  double prior_scale = 3.0;  // typical sizes, of that prior
   bool keeps_shape = false;  // of a spring: the data hardly tell its shape, it stays near the start's
 };
 

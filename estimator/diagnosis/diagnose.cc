@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/diagnosis/cautions.h"
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/moments.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
@@ -352,7 +353,12 @@ class Session {
         d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose && !d_.noise.repeatability_is_overstated;
     const bool is_far = IsFarFromFloor(d_.final, IsSigmaStated(problem_), options_.significance);
     d_.has_unexplained |= misfits || is_far || (is_ambiguous && steps_.empty());
-    if (d_.has_unexplained) d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
+    if (d_.has_unexplained) {
+      d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
+      Say("learning what has no name");
+      auto learnt = LearnModel(*evidence_, leading_, d_.baseline, d_.final, joint_);
+      if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
+    }
     d_.noise.is_bound = d_.has_unexplained;
     if (!steps_.empty()) {
       d_.verdict = d_.has_unexplained ? "partly" : "explained";

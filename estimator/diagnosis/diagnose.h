@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -84,6 +85,8 @@ struct ReportedPosterior {
   std::vector<ReportedFlip> flips;
 };
 
+struct LearntModel;  // learnt_model.h
+
 struct Diagnosis {
   std::string verdict;  // consistent, noise, explained, partly, unknown
   Status status = Status::kNoConvergence;
@@ -102,7 +105,8 @@ struct Diagnosis {
   std::optional<NextPoses> next;  // that would decide between what shares the probability
   bool has_unexplained = false;
   LearntFunction unexplained;
-  std::vector<std::string> cautions;  // what limits the verdict, in words
+  std::shared_ptr<const LearntModel> learnt;  // null: no function of one driver stands out
+  std::vector<std::string> cautions;          // what limits the verdict, in words
 };
 
 // Steps with their probability while the work goes on: refitted, not yet judged by the full estimator.

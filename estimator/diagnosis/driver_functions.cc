@@ -1,19 +1,21 @@
 #include "estimator/diagnosis/driver_functions.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <set>
+
+#include "models/effects/bump.h"
 
 namespace sagitta {
 
 Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count) {
+  const Knots knots{low, high, count};
   Eigen::MatrixXd bumps(x.size(), count);
-  const double apart = (high - low) / (count - 1);
-  for (int c = 0; c < count; ++c) {
-    bumps.col(c) = (-0.5 * ((x.array() - (low + c * apart)) / apart).square()).exp();
+  for (int k = 0; k < count; ++k) {
+    bumps.col(k) = x.unaryExpr([&](double at) { return knots.Value(k, at); });
   }
-  // The sum over an endless row of squared bumps is sqrt(pi).
-  return bumps / std::pow(3.14159265358979323846, 0.25);
+  return bumps;
 }
 
 Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders) {
@@ -40,6 +42,36 @@ std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most) {
   const size_t stride = sorted.size() / static_cast<size_t>(most) + 1;
   for (size_t i = stride; i < sorted.size(); i += stride) places.push_back(0.5 * (sorted[i - 1] + sorted[i]));
   return places;
+}
+
+// (u . v)^d is the sum over i + j + k = d of d! / (i! j! k!) (u_x v_x)^i (u_y v_y)^j (u_z v_z)^k.
+Eigen::MatrixXd OfDirection(const Eigen::MatrixXd& directions, int degree) {
+  std::vector<Eigen::VectorXd> columns;
+  const auto power = [&](int axis, int n) { return directions.col(axis).array().pow(n); };
+  for (int d = 1; d <= degree; ++d) {
+    for (int i = d; i >= 0; --i) {
+      for (int j = d - i; j >= 0; --j) {
+        const int k = d - i - j;
+        const double ways = std::tgamma(d + 1) / (std::tgamma(i + 1) * std::tgamma(j + 1) * std::tgamma(k + 1));
+        columns.push_back(std::sqrt(ways / degree) * (power(0, i) * power(1, j) * power(2, k)).matrix());
+      }
+    }
+  }
+  Eigen::MatrixXd functions(directions.rows(), static_cast<long>(columns.size()));
+  for (size_t c = 0; c < columns.size(); ++c) functions.col(static_cast<long>(c)) = columns[c];
+  return functions;
+}
+
+Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {
+  const std::set<double> distinct(x.data(), x.data() + x.size());
+  const std::vector<double> sorted(distinct.begin(), distinct.end());
+  const long count = std::min<long>(most, static_cast<long>(sorted.size()));
+  Eigen::MatrixXd stretches = Eigen::MatrixXd::Zero(x.size(), count);
+  for (long s = 0; s < x.size(); ++s) {
+    const long place = std::lower_bound(sorted.begin(), sorted.end(), x[s]) - sorted.begin();
+    stretches(s, place * count / static_cast<long>(sorted.size())) = 1.0;
+  }
+  return stretches;
 }
 
 // F = U S V', by the eigenvectors of the smaller of F'F and FF':  basis F V = U S, mixing V' = S^-1 U' F.

@@ -1,5 +1,6 @@
 #include "estimator/diagnosis/drivers.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace sagitta {
@@ -8,8 +9,8 @@ namespace {
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
 Driver PerShot(const CalibrationProblem& problem, const std::string& name, const std::string& unit,
-               const std::function<double(const ShotConditions&)>& value) {
-  Driver driver{name, unit, Eigen::VectorXd(static_cast<long>(problem.shot_inputs.size()))};
+               const std::string& column, const std::function<double(const ShotConditions&)>& value) {
+  Driver driver{name, unit, column, Eigen::VectorXd(static_cast<long>(problem.shot_inputs.size()))};
   for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
     driver.of_shot[static_cast<long>(s)] = value(problem.shot_inputs[s].conditions);
   }
@@ -51,32 +52,39 @@ bool Turns(const CalibrationProblem& problem, int joint) {
 
 Driver AngleOf(const CalibrationProblem& problem, int joint) {
   const double scale = Turns(problem, joint) ? kDegreesPerRadian : 1e3;
-  return PerShot(problem, problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "deg" : "mm",
+  return PerShot(problem, problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "deg" : "mm", "q",
                  [&](const ShotConditions& shot) { return scale * shot.q[joint]; });
 }
 
 Driver ApproachOf(const CalibrationProblem& problem, int joint) {
-  return PerShot(problem, "approach of " + problem.robot.chain.joints[joint].name, "",
+  return PerShot(problem, "approach of " + problem.robot.chain.joints[joint].name, "", "",
                  [joint](const ShotConditions& shot) -> double {
                    return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
                  });
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {
-  return PerShot(problem, "time", "s", [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; });
+  return PerShot(problem, "time", "s", "time_s",
+                 [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; });
 }
 
 Driver TemperatureOf(const CalibrationProblem& problem) {
-  return PerShot(problem, "temperature above its mean", "K",
+  return PerShot(problem, "temperature above its mean", "K", "temperature_K",
                  [](const ShotConditions& shot) { return shot.has_temperature ? shot.temperature : 0.0; });
 }
 
 Driver ConfigurationNumberOf(const CalibrationProblem& problem) {
-  Driver driver{"configuration", "", Eigen::VectorXd(static_cast<long>(problem.data.shots.size()))};
+  Driver driver{"configuration", "", "", Eigen::VectorXd(static_cast<long>(problem.data.shots.size()))};
   for (size_t s = 0; s < problem.data.shots.size(); ++s) {
     driver.of_shot[static_cast<long>(s)] = 1.0 + problem.data.shots[s].configuration;
   }
   return driver;
+}
+
+Driver OrderOf(const CalibrationProblem& problem) {
+  const bool is_timed = std::all_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
+                                    [](const ShotInput& shot) { return shot.conditions.has_time; });
+  return is_timed ? TimeOf(problem) : ConfigurationNumberOf(problem);
 }
 
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -103,8 +111,24 @@ Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const Parame
   return torques;
 }
 
+Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  const int flange = problem.model.chain().FlangeFrame();
+  const std::vector<double> theta = parameters.ModelValues();
+  Eigen::MatrixXd down = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs.size()), 3);
+  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+    const ShotInput& shot = problem.shot_inputs[s];
+    const Matrix3<double> rotation = parameters.BaseInStation(problem.data.shots[s].station).rotation;
+    const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
+    if (!equilibrium.converged) continue;
+    Vector3<double> in_base = shot.conditions.gravity.normalized();
+    if (shot.conditions.gravity_frame == WrenchFrame::kMeasurement) in_base = rotation.transpose() * in_base;
+    down.row(static_cast<long>(s)) = equilibrium.state.frames[flange].rotation.transpose() * in_base;
+  }
+  return down;
+}
+
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques) {
-  return {"torque on " + problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "N m" : "N",
+  return {"torque on " + problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "N m" : "N", "torque_Nm",
           joint_torques.col(joint)};
 }
 

@@ -10,6 +10,7 @@ namespace sagitta {
 
 struct Driver {
   std::string name, unit;
+  std::string column;       // as effects name it: q, torque_Nm, time_s, temperature_K
   Eigen::VectorXd of_shot;  // one per Measurements::shots
 
   bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }
@@ -24,11 +25,16 @@ Driver TimeOf(const CalibrationProblem& problem);                 // s since the
 Driver TemperatureOf(const CalibrationProblem& problem);          // K above the mean
 Driver ConfigurationNumberOf(const CalibrationProblem& problem);  // from 1
 
+// What puts the visits in order: time, or where not every row states it the configuration's number.
+Driver OrderOf(const CalibrationProblem& problem);
+
 // Torque (force) of the known wrenches on each joint's axis, N m (N), at the equilibrium of these parameters: shots x
 // joints. The spring of a compensator takes no part. Zero where the equilibrium diverges.
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters);
 // The same of a weight of 1 N at the flange, shots x joints, m: what gravity makes of the arm's posture.
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters);
+// Unit vector of gravity in the flange frame, shots x 3, at the equilibrium of these parameters.
+Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterSet& parameters);
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques);
 
 }  // namespace sagitta

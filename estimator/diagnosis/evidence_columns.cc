@@ -61,6 +61,50 @@ std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std:
 
 }  // namespace
 
+double TypicalSizeOf(const Source& source, const Chain& chain) {
+  switch (source.kind) {
+    case Source::Kind::kJoint:
+      return chain.joints[source.owner].type == JointType::kRevolute ? kTypicalTurn : kTypicalTravel;
+    case Source::Kind::kStation:
+    case Source::Kind::kMarker:
+      return kTypicalMovement;
+    case Source::Kind::kStationTurn:
+      return kTypicalStationTurn;
+    case Source::Kind::kPlate:
+      return source.axis < 3 ? kTypicalMovement : kTypicalPlateTurn;
+    case Source::Kind::kLink:
+      return kTypicalGrowthOfLink;
+  }
+  return 0.0;
+}
+
+const char* UnitOf(const Source& source, const Chain& chain) {
+  const bool is_turn = source.kind == Source::Kind::kStationTurn ||
+                       (source.kind == Source::Kind::kPlate && source.axis >= 3) ||
+                       (source.kind == Source::Kind::kJoint && chain.joints[source.owner].type == JointType::kRevolute);
+  return is_turn ? "urad" : source.kind == Source::Kind::kLink ? "ppm" : "um";
+}
+
+std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
+  std::vector<int> markers;
+  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
+    if (problem.marker_frames[m] == problem.model.chain().FlangeFrame()) markers.push_back(static_cast<int>(m));
+  }
+  return markers;
+}
+
+std::vector<LengthOfLink> LengthsOfLink(const Chain& chain, int joint) {
+  std::vector<LengthOfLink> lengths;
+  int before = -1;  // the joint that was passed last
+  for (const ElementaryTransform& transform : chain.transforms) {
+    if (transform.has_joint()) before = transform.joint;
+    const bool is_length = !transform.is_rotation() && !transform.has_joint() && transform.nominal != 0.0;
+    if (before == joint && is_length && !transform.error.empty())
+      lengths.push_back({transform.error, transform.nominal});
+  }
+  return lengths;
+}
+
 JointScatter StatedScatter(const CalibrationProblem& problem) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot.num_joints());
   JointScatter scatter{none, none};
@@ -105,8 +149,17 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
       if (there.count(block.first_coordinate + i) == 0) linearized_.push_back(block.first_coordinate + i);
     }
   };
-  for (int s = 0; s < all.num_stations(); ++s) append(all.station_translation(s));
+  for (int s = 0; s < all.num_stations(); ++s) {
+    append(all.station_translation(s));
+    append(all.station_rotation(s));
+  }
   for (int m = 0; m < all.num_markers(); ++m) append(all.marker(m));
+  for (int joint = -1; joint < extended_.robot.num_joints(); ++joint) {
+    for (const LengthOfLink& length : LengthsOfLink(extended_.robot.chain, joint)) {
+      const int coordinate = all.FindCoordinate("geometry/" + length.error);
+      if (coordinate >= 0 && there.count(coordinate) == 0) linearized_.push_back(coordinate);
+    }
+  }
 
   const Measurements& data = extended_.data;
   std::vector<int> pose_of_configuration(data.configurations.size(), -1);
@@ -186,18 +239,51 @@ const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch
   return *scratch;
 }
 
+std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& source) const {
+  const ParameterSet& all = extended_.parameters;
+  const double size = TypicalSizeOf(source, extended_.robot.chain);
+  const Vector3<double> axis = Vector3<double>::Unit(source.axis % 3);
+  std::vector<std::pair<int, double>> moved;
+  switch (source.kind) {
+    case Source::Kind::kJoint:
+      break;
+    case Source::Kind::kStation:
+      moved.emplace_back(all.station_translation(source.owner).first_coordinate + source.axis, size);
+      break;
+    case Source::Kind::kStationTurn:
+      moved.emplace_back(all.station_rotation(source.owner).first_coordinate + source.axis, size);
+      break;
+    case Source::Kind::kMarker:
+      moved.emplace_back(all.marker(source.owner).first_coordinate + source.axis, size);
+      break;
+    case Source::Kind::kPlate:
+      for (const int m : MarkersOnFlange(extended_)) {
+        const Vector3<double> motion = source.axis < 3 ? axis : Vector3<double>(axis.cross(all.MarkerPoint(m)));
+        for (int k = 0; k < 3; ++k) moved.emplace_back(all.marker(m).first_coordinate + k, size * motion[k]);
+      }
+      break;
+    case Source::Kind::kLink:
+      for (const LengthOfLink& length : LengthsOfLink(extended_.robot.chain, source.owner)) {
+        const int coordinate = all.FindCoordinate("geometry/" + length.error);
+        if (coordinate >= 0) moved.emplace_back(coordinate, size * length.nominal);
+      }
+      break;
+  }
+  return moved;
+}
+
 // What a unit of the source does to the rows of a block; a station's and a marker's are other coordinates for other
 // rows.
 Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& source) const {
   if (source.kind == Source::Kind::kJoint) {
-    const bool turns = extended_.robot.chain.joints[source.owner].type == JointType::kRevolute;
-    return (turns ? kTypicalTurn : kTypicalTravel) * block.here.latent.col(source.owner);
+    return TypicalSizeOf(source, extended_.robot.chain) * block.here.latent.col(source.owner);
   }
-  const ParameterBlock& own = source.kind == Source::Kind::kStation
-                                  ? extended_.parameters.station_translation(source.owner)
-                                  : extended_.parameters.marker(source.owner);
-  const auto at = std::find(linearized_.begin(), linearized_.end(), own.first_coordinate + source.axis);
-  return kTypicalMovement * block.here.jacobian.col(at - linearized_.begin());
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
+  for (const auto& [coordinate, size] : MovedBy(source)) {
+    const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate);
+    rows += size * block.here.jacobian.col(at - linearized_.begin());
+  }
+  return rows;
 }
 
 void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const {

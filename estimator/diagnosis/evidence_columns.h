@@ -18,16 +18,39 @@
 namespace sagitta {
 
 struct Source {
-  enum class Kind { kJoint, kStation, kMarker };
+  enum class Kind {
+    kJoint,        // a joint deviates
+    kStation,      // the readings of a station move along an axis
+    kStationTurn,  // the base turns in a station about an axis
+    kMarker,       // a marker moves along an axis of its frame
+    kPlate,        // all markers on the flange move along an axis (0 to 2), turn about an axis of the flange (3 to 5)
+    kLink          // the lengths between a joint and the next grow
+  };
   Kind kind = Kind::kJoint;
-  int owner = 0;  // index of the joint, station or marker
-  int axis = 0;   // of the latter two
+  int owner = 0;  // index of the joint, station or marker; of a link that of the joint before it, -1: the base
+  int axis = 0;   // of all but joints and links
 };
 
 // Sizes of an unnamed deviation: those of a harmonic (joint_harmonic.cc), of what moves a station or a marker.
-constexpr double kTypicalTurn = 75e-6;      // rad
-constexpr double kTypicalTravel = 50e-6;    // m, of a joint that slides
-constexpr double kTypicalMovement = 30e-6;  // m
+constexpr double kTypicalTurn = 75e-6;          // rad
+constexpr double kTypicalTravel = 50e-6;        // m, of a joint that slides
+constexpr double kTypicalMovement = 30e-6;      // m
+constexpr double kTypicalStationTurn = 15e-6;   // rad: what that makes at 2 m
+constexpr double kTypicalPlateTurn = 150e-6;    // rad: what that makes at 0.2 m
+constexpr double kTypicalGrowthOfLink = 50e-6;  // of its length: 5 K of steel or 2 K of aluminium (thermal_growth.cc)
+
+// SI, and what it is millionths of, in words: urad, um or ppm.
+double TypicalSizeOf(const Source& source, const Chain& chain);
+const char* UnitOf(const Source& source, const Chain& chain);
+
+std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
+
+struct LengthOfLink {
+  std::string error;     // its name
+  double nominal = 0.0;  // m
+};
+// Between a joint (-1: the base) and the next, or the flange.
+std::vector<LengthOfLink> LengthsOfLink(const Chain& chain, int joint);
 
 struct FunctionFamily {
   Source source;
@@ -101,6 +124,8 @@ class EvidenceColumns {
 
   Block LinearizeBlock(const std::vector<int>& observations) const;
   const Block& BlockOf(int index, Block* scratch) const;
+  // What a unit of the source moves: coordinates, and by how much, SI.
+  std::vector<std::pair<int, double>> MovedBy(const Source& source) const;
   Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
   // of: null for all columns.
   void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;

@@ -8,22 +8,12 @@
 #include <vector>
 
 #include "estimator/diagnosis/candidates.h"
-#include "estimator/diagnosis/drivers.h"
 #include "estimator/diagnosis/evidence_columns.h"
 #include "estimator/diagnosis/set_search.h"
+#include "estimator/diagnosis/unnamed_functions.h"
 #include "problems/prior_masses.h"
 
 namespace sagitta {
-
-// A deviation outside the catalogue.
-struct UnnamedFunction {
-  std::string kind;                     // smooth, periodic, step, time, other
-  std::string acts_on;                  // joint, station or marker
-  std::vector<std::string> depends_on;  // joints, time, temperature, a station or a marker
-  std::string words;
-  std::vector<Source> sources;  // each with the same functions
-  Driver driver;                // of one driver; else empty
-};
 
 // What shares of the prior are equal over, level by level; settings are the last level.
 struct PlaceInPrior {

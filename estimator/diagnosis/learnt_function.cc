@@ -15,8 +15,6 @@ namespace {
 constexpr size_t kTableRows = 41;
 constexpr double kPerMicro = 1e-6;
 constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
-// Log evidence that an unnamed function needs beside a set that has none of its own: odds of 20.
-constexpr double kStandsOut = 3.0;
 
 std::string Rounded(double value) {
   char text[32];
@@ -214,11 +212,8 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
     best = s;
   }
   const Source& source = what.sources[static_cast<size_t>(best)];
-  const bool is_turn = source.kind == Source::Kind::kJoint && Turns(problem, source.owner);
-  learnt.unit = is_turn ? "urad" : "um";
-  const double typical = is_turn                               ? kTypicalTurn
-                         : source.kind == Source::Kind::kJoint ? kTypicalTravel
-                                                               : kTypicalMovement;
+  const double typical = TypicalSizeOf(source, problem.robot.chain);
+  learnt.unit = UnitOf(source, problem.robot.chain);
   std::vector<int> shots(fitted.begin(), fitted.end());
   std::sort(shots.begin(), shots.end(), [&](int a, int b) { return what.driver.of_shot[a] < what.driver.of_shot[b]; });
   const auto equal = [&](int a, int b) { return what.driver.of_shot[a] == what.driver.of_shot[b]; };

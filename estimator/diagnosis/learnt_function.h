@@ -9,6 +9,9 @@
 
 namespace sagitta {
 
+// Log evidence that an unnamed function needs beside a set that has none of its own: odds of 20.
+constexpr double kStandsOut = 3.0;
+
 struct FunctionPoint {
   double at = 0.0;     // of the driver, in its unit
   double value = 0.0;  // urad or um

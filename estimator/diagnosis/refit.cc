@@ -37,7 +37,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
       const int i = problem.parameters.FindCoordinate(name);
       Coordinate& coordinate = problem.parameters.coordinate(i);
       coordinate.free = coordinate.free && sizes[i] > 0.0;  // nothing excites it
-      if (coordinate.free) coordinate.prior_sigma = kScales[kNumScales - 1] * sizes[i];
+      if (coordinate.free) coordinate.prior_sigma = candidate.prior_scale * sizes[i];
     }
   }
   for (const Candidate& candidate : added) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <set>
 
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/results/diagnosis_words.h"
 #include "models/constants.h"
 #include "problems/io/effect_entries.h"
@@ -148,8 +149,21 @@ std::string NextCell(const std::string& column, const std::string& cell, const P
   return text;
 }
 
-Json UnexplainedToJson(const LearntFunction& learnt) {
-  Json json = {{"words", UnexplainedInWords(learnt)}, {"depends_on", learnt.depends_on}, {"kind", learnt.kind}};
+Json LearntToJson(const Robot& robot, const LearntModel& learnt) {
+  Json functions = Json::array();
+  for (const EffectSpec& spec : learnt.functions) functions.push_back(SpecToJson(robot, spec));
+  const Estimate& after = learnt.model.estimate;
+  return {{"functions", functions},
+          {"file", kLearntFile},
+          {"holdout_rms_mm", HeldOut(after, after.validation.rms)},
+          {"gap_closed", Finite(learnt.gap.closed)}};
+}
+
+Json UnexplainedToJson(const Diagnosis& d) {
+  const LearntFunction& learnt = d.unexplained;
+  Json json = {{"words", UnexplainedInWords(d)}, {"depends_on", learnt.depends_on}, {"kind", learnt.kind}};
+  json["learnt"] = nullptr;
+  if (d.learnt) json["learnt"] = LearntToJson(d.final.problem->robot, *d.learnt);
   json["function"] = nullptr;
   if (learnt.table.empty()) return json;
   Json table = Json::array();
@@ -255,8 +269,8 @@ std::string NextToCsv(const Diagnosis& d) {
   return text;
 }
 
-Robot ExtendedRobot(const Diagnosis& diagnosis) {
-  Robot robot = diagnosis.final.problem->model.WithValues(diagnosis.final.estimate.parameters.ModelValues());
+Robot RobotOf(const DiagnosedModel& model) {
+  Robot robot = model.problem->model.WithValues(model.estimate.parameters.ModelValues());
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
     if (spec.effect != "joint_compliance" || !MoveHome(spec, &robot)) others.push_back(spec);
@@ -292,7 +306,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(robot, step));
   json["final"] = FinalToJson(d);
   json["unexplained"] = nullptr;
-  if (d.verdict == "unknown" || d.verdict == "partly") json["unexplained"] = UnexplainedToJson(d.unexplained);
+  if (d.verdict == "unknown" || d.verdict == "partly") json["unexplained"] = UnexplainedToJson(d);
   json["posterior"] = PosteriorToJson(robot, d.posterior);
   json["sets"] = SetsToJson(robot, d.posterior);
   json["prior"] = PriorToJson(robot, d.posterior);

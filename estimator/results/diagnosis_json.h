@@ -11,9 +11,8 @@ namespace sagitta {
 nlohmann::ordered_json DiagnosisToJson(const Diagnosis& diagnosis, double significance);
 
 // The robot with what was found, compliances in their homes.
-Robot ExtendedRobot(const Diagnosis& diagnosis);
+Robot RobotOf(const DiagnosedModel& model);
 
-constexpr char kNextFile[] = "next.csv";
 // The proposed poses (Diagnosis::next) as a measurement file to fill in: the columns of the first one, rows of the
 // configurations that they are like.
 std::string NextToCsv(const Diagnosis& diagnosis);

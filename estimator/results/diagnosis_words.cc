@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/estimate/parameter_table.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
@@ -256,9 +257,17 @@ std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
   return title + " on " + Enumerate(targets, kMostTargets);
 }
 
-std::string UnexplainedInWords(const LearntFunction& learnt) {
+std::string UnexplainedInWords(const Diagnosis& d) {
+  const LearntFunction& learnt = d.unexplained;
   if (learnt.acts_on.empty()) return "no driving variable stands out";
   return learnt.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
+}
+
+std::string LearntInWords(const Diagnosis& d) {
+  const size_t count = d.learnt->functions.size();
+  return "With " + std::to_string(count) + (count == 1 ? " smooth function" : " smooth functions") +
+         " learnt from the rows (" + kLearntFile + ") the " + HoldoutInWords(d.learnt->model.estimate) + "; " +
+         ClosedInWords(d.learnt->gap) + ". They describe and name no cause; beyond the measured ranges they are zero.";
 }
 
 std::string NoiseInWords(const NoiseFinding& noise) {
@@ -350,7 +359,8 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "\n";
   if (!std::isnan(d.gap.before)) text << GapInWords(d);
   text << "Noise: " << NoiseInWords(d.noise) << "\n";
-  if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d.unexplained) << "\n";
+  if (d.has_unexplained) text << "Unexplained: " << UnexplainedInWords(d) << "\n";
+  if (d.learnt) text << "Learnt: " << LearntInWords(d) << "\n";
   if (d.next) text << "Next: " << NextInWords(*d.next) << "\n";
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";

@@ -8,6 +8,11 @@
 
 namespace sagitta {
 
+// Files of a diagnosis that its words name.
+constexpr char kNextFile[] = "next.csv";
+constexpr char kLearntFile[] = "robot.learnt.yaml";
+constexpr char kLearntEstimateFile[] = "estimate.learnt.json";
+
 // "periodic joint error (joint_harmonic, A3, order 1)"; effects of the robot file included.
 std::string Title(const Robot& robot, const EffectSpec& spec);
 // The verdict as one sentence or two; as lines, five at most: the first, then causes, strongest first, each with its
@@ -21,7 +26,9 @@ std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
 std::string HalvesInWords(const Confirmation& confirmation);
 std::string NoiseInWords(const NoiseFinding& noise);
 // What a rest without a name depends on.
-std::string UnexplainedInWords(const LearntFunction& learnt);
+std::string UnexplainedInWords(const Diagnosis& d);
+// What the learnt functions do; only where there are any.
+std::string LearntInWords(const Diagnosis& d);
 std::string NextInWords(const NextPoses& next);
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 // "periodic joint error on A1, A2 and A3".

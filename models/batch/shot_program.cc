@@ -166,9 +166,11 @@ class Builder {
   ShotProgram program_;
 };
 
-// Lines of sight, measured torques and smooth signs are left to the model.
+// Lines of sight, measured torques, smooth signs and bumps are left to the model.
 bool HasProgram(const ShotInput& shot) {
-  const auto is_smooth = [](const ElasticTerm& term) { return term.law == ElasticLaw::kSign && term.width > 0.0; };
+  const auto is_smooth = [](const ElasticTerm& term) {
+    return (term.law == ElasticLaw::kSign && term.width > 0.0) || term.law == ElasticLaw::kBump;
+  };
   return shot.terms.sights.empty() && shot.terms.torques.empty() &&
          std::none_of(shot.terms.elastic.begin(), shot.terms.elastic.end(), is_smooth);
 }

@@ -35,6 +35,11 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &Hysteresis(),
       &MarkerAcceptance(),
       &StationRefraction(),
+      &LearntDeviation(),
+      &LearntPairDeviation(),
+      &LearntGrowth(),
+      &LearntStationMotion(),
+      &LearntMarkerMotion(),
   };
   return catalogue;
 }

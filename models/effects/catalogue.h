@@ -36,6 +36,12 @@ const EffectDefinition& LoadCom();
 const EffectDefinition& Hysteresis();
 const EffectDefinition& MarkerAcceptance();
 const EffectDefinition& StationRefraction();
+// What has no name (learnt_deviation.cc).
+const EffectDefinition& LearntDeviation();
+const EffectDefinition& LearntPairDeviation();
+const EffectDefinition& LearntGrowth();
+const EffectDefinition& LearntStationMotion();
+const EffectDefinition& LearntMarkerMotion();
 
 // EffectDefinition::separate_by of several effects.
 constexpr char kSeparateByRange[] =

@@ -39,8 +39,8 @@ struct SlotTerm {
   double factor;
 };
 
-// phi(tau) = tau, tau^3, tanh(tau / width); the last is sign(tau) where the width is 0.
-enum class ElasticLaw { kLinear, kCubic, kSign };
+// phi(tau) = tau, tau^3, tanh(tau / width), which is sign(tau) where the width is 0, or a bump (bump.h).
+enum class ElasticLaw { kLinear, kCubic, kSign, kBump };
 
 // v_e += factor * theta * phi(tau_e)
 struct ElasticTerm {
@@ -48,7 +48,8 @@ struct ElasticTerm {
   int parameter;
   double factor;
   ElasticLaw law = ElasticLaw::kLinear;
-  double width = 0.0;  // N m, of kSign
+  double width = 0.0;   // N m, of kSign and kBump
+  double centre = 0.0;  // N m, of kBump
 };
 
 // v_e += theta * (torque of these wrenches alone on e)
@@ -167,6 +168,8 @@ struct SettingDefinition {
   bool silent = false;
   std::string (*fallback_of)(const Robot& robot) = nullptr;  // where it depends on the robot
   double above = -1e300;                                     // of kNumber: values are greater, but for the fallback
+  int least = 1;                                             // of kInteger
+  std::string greater_than = {};                             // of kNumber: another setting, stated before it
   std::string only_with = {};  // "by=torque": means something only where that setting has that value
 
   bool MeansSomethingFor(const EffectSpec& spec) const;
@@ -219,6 +222,8 @@ struct EffectDefinition {
   // Null: nothing of the kind.
   std::vector<double> (*remember)(const Robot& robot, const EffectSpec& spec,
                                   const std::vector<const ShotConditions*>& campaign) = nullptr;
+  // A description for what no effect explains: the diagnosis does not weigh it against the others.
+  bool is_learnt = false;
   bool on_prismatic = false;  // of kJoint: what it does to a joint that slides is defined
   double largest = 5.0;       // that machines show, in hold limits (QuantityTraits) of its parameters
 };

@@ -36,8 +36,8 @@ std::string ReadSetting(const SettingDefinition& setting, const Robot& robot, co
   switch (setting.kind) {
     case SettingDefinition::Kind::kInteger: {
       const double number = value.Number();
-      if (number != std::round(number) || number < 1 || number > 1000)
-        value.Fail("a whole number from 1 to 1000 is needed");
+      if (number != std::round(number) || number < setting.least || number > 1000)
+        value.Fail("a whole number from " + std::to_string(setting.least) + " to 1000 is needed");
       return std::to_string(static_cast<int>(number));
     }
     case SettingDefinition::Kind::kNumber:
@@ -87,6 +87,9 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
     if (value) {
       if (!setting.MeansSomethingFor(spec)) value->Fail("this goes with " + setting.only_with + " only");
       const std::string text = ReadSetting(setting, robot, *value);
+      if (!setting.greater_than.empty() && std::stod(text) <= spec.NumberSetting(setting.greater_than, 0.0)) {
+        value->Fail("this must be greater than '" + setting.greater_than + "'");
+      }
       if (!setting.silent || text != setting.FallbackFor(robot)) spec.settings[setting.name] = text;
     } else if (setting.silent || !setting.MeansSomethingFor(spec)) {
       continue;

@@ -384,6 +384,11 @@ class Diagnosis(_WithJson):
         return self._core.robot_yaml()
 
     @property
+    def learnt_robot_yaml(self):
+        """The extended robot with smooth functions where something has no name; None: none stands out."""
+        return self._core.learnt_robot_yaml()
+
+    @property
     def known(self):
         return Known(self._core.known())
 

@@ -9,7 +9,9 @@
 
 #include "estimator/diagnosis/cautions.h"
 #include "estimator/diagnosis/diagnose.h"
+#include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
+#include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -299,6 +301,40 @@ TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
   const Diagnosis diagnosis = Diagnose(Hidden(4, bump), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, "unknown");
   EXPECT_EQ(diagnosis.unexplained.depends_on, std::vector<std::string>{"A3"});
+}
+
+// It is learnt as a function of the joint's angle: on untouched rows little is left of it, and its shape is that of the
+// bump (its mean is part of the joint's zero).
+TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
+  const auto bump = [](double q) { return 300e-6 * std::exp(-0.5 * std::pow((q - 0.3) / 0.15, 2)); };
+  const Diagnosis diagnosis = Diagnose(Hidden(4, bump), DiagnosisOptions());
+  ASSERT_NE(diagnosis.learnt, nullptr);
+  const LearntModel& learnt = *diagnosis.learnt;
+  EXPECT_GT(learnt.gap.closed, 0.8);
+  EXPECT_LT(HoldoutRms(learnt.model), 0.6 * HoldoutRms(diagnosis.final));
+  const EffectSpec& function = learnt.functions.at(0);
+  EXPECT_EQ(function.effect, "learnt_deviation");
+  EXPECT_EQ(function.target, "A3");
+  EXPECT_EQ(function.settings.at("driver"), "A3");
+  const double from = function.NumberSetting("from", 0.0) * kDegree, to = function.NumberSetting("to", 0.0) * kDegree;
+  const int count = function.IntegerSetting("knots", 0);
+  ASSERT_EQ(function.values.size(), static_cast<size_t>(count));
+  const auto value = [&](double q) {
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) {
+      const double apart = (to - from) / (count - 1), off = (q - from - k * apart) / apart;
+      sum += function.values[static_cast<size_t>(k)] * std::pow(kPi, -0.25) * std::exp(-0.5 * off * off);
+    }
+    return sum;
+  };
+  EXPECT_NEAR(value(0.3) - 0.5 * (value(-0.3) + value(0.9)), 300e-6, 75e-6);
+}
+
+// Where nothing without a name is left, nothing is learnt.
+TEST(Diagnosis, WhatHasANameIsNotLearnt) {
+  const Diagnosis diagnosis = Diagnose(Hidden(2, [](double q) { return 200e-6 * std::cos(2.0 * q); }), {});
+  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.learnt, nullptr);
 }
 
 // A cause with a name on joint 5, with a ripple that has none, beside a larger one without a name on joint 1: the

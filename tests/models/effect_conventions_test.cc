@@ -271,6 +271,47 @@ TEST(Conventions, BacklashByTorque) {
   EXPECT_NEAR(scene.Seen().z(), 0.5 + 9.2423431e-6, 1e-12);
 }
 
+// Knots at 0 and 180 deg of J1, d = 180 deg: at 90 deg the first bump is pi^(-1/4) exp(-1/8) = 0.66286596: 100 urad
+// make 66.286596 urad, 26.514638 um. Six distances away it is exp(-18) of that, nothing.
+TEST(Conventions, LearntDeviationByAnAngle) {
+  TwoLinkScene scene;
+  scene.shot().q << 90 * kDegree, 0.0;
+  scene.Add({"learnt_deviation",
+             "J2",
+             {{"by", "q"}, {"driver", "J1"}, {"from", "0"}, {"to", "180"}, {"knots", "2"}},
+             {100e-6, 0.0}});
+  EXPECT_NEAR(scene.Seen().z(), 0.5 + 26.514638e-6, 1e-11);
+  scene.robot.effects[0].settings = {{"by", "q"}, {"driver", "J1"}, {"from", "690"}, {"to", "790"}, {"knots", "2"}};
+  EXPECT_NEAR(scene.Seen().z(), 0.5, 1e-11);
+}
+
+// 30 deg and 60 deg: cos(90 deg) = 0, sin(90 deg) = 1, cos(-30 deg) = 0.8660254, sin(-30 deg) = -0.5. 100 urad each,
+// one after the other, turn J2; at 60 deg the end rises by 0.4 cos 60 = 0.2 m per rad.
+TEST(Conventions, LearntDeviationByAPair) {
+  const double sines[4] = {0.0, 1.0, 0.86602540378, -0.5};
+  for (size_t k = 0; k < 4; ++k) {
+    TwoLinkScene scene;
+    scene.shot().q << 30 * kDegree, 60 * kDegree;
+    const double rigid = scene.Seen().z();
+    std::vector<double> values(4, 0.0);
+    values[k] = 100e-6;
+    scene.Add({"learnt_pair_deviation", "J2", {{"driver", "J1"}, {"with", "J2"}}, values});
+    EXPECT_NEAR(scene.Seen().z(), rigid + 20e-6 * sines[k], 4e-9) << k;
+  }
+}
+
+// -100 N at 0.4 m are 40 N m about the transform's axis (y, down). Knots at 40 and 120 N m: the first is at its middle,
+// pi^(-1/4) = 0.75112554: 75.112554 urad, 30.045022 um up; the second a distance away, exp(-1/2): 18.223227 um.
+TEST(Conventions, LearntDeviationByTheTorque) {
+  TwoLinkScene scene;
+  scene.Load({0.0, 0.0, -100.0});
+  scene.Add(
+      {"learnt_deviation", "J2", {{"by", "torque_Nm"}, {"from", "40"}, {"to", "120"}, {"knots", "2"}}, {100e-6, 0.0}});
+  EXPECT_NEAR(scene.Seen().z(), 0.5 + 30.045022e-6, 1e-10);
+  scene.robot.effects[0].values = {0.0, 100e-6};
+  EXPECT_NEAR(scene.Seen().z(), 0.5 + 18.223227e-6, 1e-10);
+}
+
 // Play of 2 deg (r = 1 deg) on J2, 100 urad. q2 = 0 -> 3 -> 2.5 -> 1 deg: y = 0, 2, 2, 2 - clamped to [0, 2] at 1 deg;
 // (y - q) / r = 0, -1, -0.5, +1. At q2 the end moves by 0.4 cos q2 per rad of q2.
 TEST(Conventions, Hysteresis) {

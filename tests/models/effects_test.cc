@@ -42,7 +42,12 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "load_com",
                                              "hysteresis",
                                              "marker_acceptance",
-                                             "station_refraction"};
+                                             "station_refraction",
+                                             "learnt_deviation",
+                                             "learnt_pair_deviation",
+                                             "learnt_growth",
+                                             "learnt_station_motion",
+                                             "learnt_marker_motion"};
   EXPECT_EQ(EffectNames(), expected);
 }
 

@@ -24,6 +24,13 @@ TwoLinkScene Seen2mAway() {
   return scene;
 }
 
+// So many weights, one of them 100e-6.
+std::vector<double> AtWeight(size_t count, size_t which) {
+  std::vector<double> weights(count, 0.0);
+  weights[which] = 100e-6;
+  return weights;
+}
+
 TEST(InstrumentConventions, TheScene) { ExpectPoint(Seen2mAway().Seen(), 0.0, 3.4, 0.5); }
 
 // 10 ppm/K, 5 K: 50 ppm of the point in the base frame, (70, 0, 25) um there: (0, 70, 25) um in the station.
@@ -80,6 +87,41 @@ TEST(InstrumentConventions, MarkerShiftIsOnTheCampaignsClockInTheFlange) {
   scene.shot().time = 50.0;
   scene.shot().station_time = 150.0;
   ExpectPoint(scene.Seen(), 0.0, 3.4, 0.5, 1e-12);
+}
+
+// 100 um times pi^(-1/4) at the first knot, the campaign's second 0; 75.112554 um. The station's own axes; a marker's
+// are those of the flange, which looks along the station's y.
+TEST(InstrumentConventions, LearntMotionsOfAStationAndAMarker) {
+  TwoLinkScene scene = Seen2mAway();
+  const std::map<std::string, std::string> by_time = {{"by", "time_s"}, {"from", "0"}, {"to", "100"}, {"knots", "2"}};
+  scene.Add({"learnt_station_motion", scene.shot().station, by_time, AtWeight(12, 0)});
+  scene.shot().time = 0.0;
+  scene.shot().station_time = 100.0;
+  ExpectPoint(scene.Seen(), 75.112554e-6, 3.4, 0.5, 1e-11);
+  scene.robot.effects.clear();
+  scene.Add({"learnt_marker_motion", "M1", by_time, AtWeight(6, 0)});
+  ExpectPoint(scene.Seen(), 0.0, 3.4 + 75.112554e-6, 0.5, 1e-11);
+}
+
+// 100 urad times pi^(-1/4) about z of the station: (0, 3.4) moves by -3.4 * 75.112554 urad along x.
+TEST(InstrumentConventions, LearntTurnOfAStationIsAboutTheMeasurementFrame) {
+  TwoLinkScene scene = Seen2mAway();
+  scene.shot().time = 0.0;
+  scene.Add({"learnt_station_motion",
+             scene.shot().station,
+             {{"by", "time_s"}, {"from", "0"}, {"to", "100"}, {"knots", "2"}},
+             AtWeight(12, 10)});
+  ExpectPoint(scene.Seen(), -3.4 * 75.112554e-6, 3.4, 0.5, 1e-11);
+}
+
+// The column (0.5 m, link 0), the boom (1 m, link 1) and what is after J2 (0.4 m, link 2) have two knots each. 100 ppm
+// of the boom at the first: 75.112554 um away from the column, which is along the station's y.
+TEST(InstrumentConventions, LearntGrowthIsByLink) {
+  TwoLinkScene scene = Seen2mAway();
+  scene.shot().time = 0.0;
+  scene.Add(
+      {"learnt_growth", "robot", {{"by", "time_s"}, {"from", "0"}, {"to", "100"}, {"knots", "2"}}, AtWeight(6, 2)});
+  ExpectPoint(scene.Seen(), 0.0, 3.4 + 75.112554e-6, 0.5, 1e-11);
 }
 
 // 100 urad on J2 lift the flange by 40 um, after the moment of the campaign's clock.

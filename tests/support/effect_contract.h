@@ -68,10 +68,12 @@ inline std::vector<EffectSpec> ContractUses(const std::vector<const EffectDefini
       const std::vector<EffectSpec> before = std::move(variants);
       variants.clear();
       std::vector<std::string> texts = setting.choices;
-      if (setting.kind == SettingDefinition::Kind::kInteger) texts = {"1", "3"};
+      if (setting.kind == SettingDefinition::Kind::kInteger) texts = {std::to_string(setting.least), "3"};
       if (setting.kind == SettingDefinition::Kind::kNumber) texts = {setting.choices.empty() ? "100" : texts.back()};
+      if (setting.name == "from") texts = {"-9000"};  // seen by every driver of ContractShot
+      if (setting.name == "to") texts = {"9000"};
       if (setting.kind == SettingDefinition::Kind::kMoment) texts = {"100"};
-      if (setting.kind == SettingDefinition::Kind::kJoint) texts = {"A2"};
+      if (setting.kind == SettingDefinition::Kind::kJoint) texts = {setting.name == "with" ? "A4" : "A2"};
       for (EffectSpec variant : before) {
         if (setting.silent) variants.push_back(variant);
         if (!setting.MeansSomethingFor(variant)) continue;

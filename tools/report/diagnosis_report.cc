@@ -246,7 +246,8 @@ Section VerdictSection(const Diagnosis& d) {
   section.paragraphs = VerdictLines(d);
   section.paragraphs.push_back("Noise: " + NoiseInWords(d.noise));
   if (d.has_unexplained) {
-    section.paragraphs.push_back("Without a name: " + UnexplainedInWords(d.unexplained) + ".");
+    section.paragraphs.push_back("Without a name: " + UnexplainedInWords(d) + ".");
+    if (d.learnt) section.paragraphs.push_back(LearntInWords(d));
   }
   for (const std::string& caution : d.cautions) section.paragraphs.push_back("Caution: " + caution);
   return section;

@@ -173,6 +173,17 @@ def foreign(records, suite):
             for kind, rows in groups.items()}
 
 
+def closed_by_learning(records):
+    """Causes without a name, NC >= 200: share of the squared gap on untouched rows that the model with the learnt
+    functions closes; that of the steps where none was learnt."""
+    rows = [r for r in records if r['expects'] == 'outside' and r['nc'] >= 200]
+    closed = [(r.get('learnt') or {}).get('gap_closed') for r in rows]
+    closed = [(c if c is not None else r['gap_closed']) or 0.0 for c, r in zip(closed, rows)]
+    return {'n': len(rows), 'learnt': rate(rows, lambda r: bool(r.get('learnt'))),
+            'median': st.median(closed) if closed else None,
+            'most': rate(closed, lambda c: c >= 0.9)}
+
+
 def holdout_is_worse(record):
     before, after = record['holdout_rms_mm']
     return after > before
@@ -259,7 +270,9 @@ def all_figures(records):
     done = finished(records)
     return {'cases': len(records), 'failed': [{'folder': r['folder'], 'why': r['failed']} for r in records if 'failed' in r],
             'nothing_hidden': nothing_hidden(done), 'naming': naming(done), 'pairs': pairs(done), 'power': power(done),
-            'outside': outside(done), **{suite: foreign(done, suite) for suite in FOREIGN_SUITES}, 'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
+            'outside': outside(done), **{suite: foreign(done, suite) for suite in FOREIGN_SUITES},
+            'closed_by_learning': closed_by_learning(done),
+            'catalogue_called_unknown': unknown_wrongly(done), 'intervals': intervals(done),
             'gap_closed': gap_closed(done), 'wrong_noise': wrong_noise(done), 'confusion': confusion(done),
             'groups': by_group(done), 'probabilities': probabilities.summary(single(done)), 'seconds': {'median': st.median([r['seconds'] for r in records]),
                                                   'largest': max((r['seconds'] for r in records), default=None)}}

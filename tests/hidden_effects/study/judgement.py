@@ -61,6 +61,7 @@ def judge(case, sized, answer, diagnosis, separations):
             'scale': answer['sigma_factor'], 'repeatability_urad': answer['undeclared_repeatability_urad'],
             'outliers': answer['outliers']},
         'unexplained': {k: unexplained.get(k) for k in ('words', 'kind', 'depends_on')} if unexplained else None,
+        'learnt': unexplained.get('learnt'),
         'baseline_reduced_chi2': diagnosis['baseline'].get('reduced_chi2'),
         'final_reduced_chi2': diagnosis['final'].get('reduced_chi2'),
         'holdout_rms_mm': [diagnosis[when].get('holdout_rms_mm') for when in ('baseline', 'final')]}

@@ -119,6 +119,11 @@ def summary(figures):
     for suite, title in (('foreign', 'Foreign causes'), ('strangers', 'Foreign causes, the second list')):
         if figures[suite]:
             lines += block(title, foreign_lines(figures[suite]))
+    learnt = figures['closed_by_learning']
+    if learnt['n']:
+        lines += block('Without a name, NC >= 200: the gap on untouched rows', [
+            'functions learnt %s; squared gap closed, median %.3f; 0.9 or more of it %s' % (
+                share(learnt['learnt']), learnt['median'], share(learnt['most']))])
     if figures['wrong_noise']:
         lines += block('Wrong noise', noise_lines(figures['wrong_noise']))
     if figures['catalogue_called_unknown']['n']:

@@ -1,0 +1,34 @@
+// What has no name: random functions of what a pose, a load, a time or a place may drive, of everything that may
+// deviate.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/drivers.h"
+#include "estimator/diagnosis/evidence_columns.h"
+#include "estimator/diagnosis/sweep.h"
+
+namespace sagitta {
+
+// A deviation outside the catalogue.
+struct UnnamedFunction {
+  std::string kind;                     // smooth, periodic, step, time, other
+  std::string acts_on;                  // joint, station or marker
+  std::vector<std::string> depends_on;  // joints, time, temperature, a station or a marker
+  std::string words;
+  std::vector<Source> sources;  // each with the same functions
+  Driver driver;                // of one driver; else empty
+};
+
+struct UnnamedGroup {
+  ColumnGroup group;
+  UnnamedFunction function;
+  std::string family;  // that shares a part of the prior
+};
+
+// Adds their columns.
+std::vector<UnnamedGroup> ListUnnamed(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                      EvidenceColumns* columns);
+
+}  // namespace sagitta
