@@ -4,12 +4,14 @@
 #include <cmath>
 
 #include "models/constants.h"
+#include "tools/report/direction_words.h"
 #include "tools/report/svg.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kShown = 10;  // suspect rows
+constexpr size_t kShownDirections = 3;  // of one remedy, and remedies
 constexpr int kBins = 40;
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 3); }
@@ -92,9 +94,8 @@ Section Unseen(const Trust& trust) {
 
 Section NotMeasured(const Estimate& estimate) {
   Section section;
-  section.title = "Not measured";
-  for (const Direction& direction : estimate.identifiability.unidentifiable)
-    section.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
+  section.title = "Not measured (held): " + std::to_string(estimate.identifiability.unidentifiable.size());
+  section.paragraphs = DirectionsInWords(estimate.identifiability.unidentifiable, kShownDirections);
   return section;
 }
 
@@ -149,7 +150,7 @@ std::vector<Section> CorrectedTable(const Calibration& calibration) {
 std::vector<Section> CalibrationSections(const Calibration& calibration) {
   std::vector<Section> sections = FirstScreen(calibration);
   for (Section& section : CorrectedTable(calibration)) sections.push_back(std::move(section));
-  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate, calibration.trust.model_error);
+  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate, calibration.trust.model_error_sigma);
   rest.front().title = "Estimate";
   for (Section& section : rest) sections.push_back(std::move(section));
   return sections;

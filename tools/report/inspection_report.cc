@@ -34,9 +34,9 @@ std::string MisfitInWords(const Inspection& inspection) {
   const double misfit = inspection.aligned.distance_rms;
   if (!std::isfinite(misfit))
     return "The nominal robot finds no equilibrium under its loads: nothing can be predicted.";
-  return "The aligned nominal robot misses by " + Fixed(1e3 * misfit, 3) +
-         " mm RMS distance; a linear fit of all unknowns would leave " + Fixed(1e3 * inspection.linear_rms, 4) +
-         " mm RMS per coordinate. " + NoiseInWords(inspection);
+  return "The nominal robot, base and markers fitted, misses by " + Fixed(1e3 * misfit, 3) +
+         " mm (RMS of distances); a linear fit of all unknowns would leave " +
+         Fixed(1e3 * std::sqrt(3.0) * inspection.linear_rms, 3) + " mm. " + NoiseInWords(inspection);
 }
 
 Section Overview(const CalibrationProblem& problem, const Inspection& inspection) {

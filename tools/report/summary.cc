@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "estimator/statistics/median.h"
+#include "tools/report/direction_words.h"
 
 namespace sagitta {
 namespace {
@@ -252,9 +253,7 @@ void AddIdentifiability(const CalibrationProblem& problem, const Estimate& estim
   const Identifiability& found = estimate.identifiability;
   Section held, weak;
   held.title = "What the data do not determine (held)";
-  for (const Direction& direction : found.unidentifiable) {
-    held.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
-  }
+  held.paragraphs = DirectionsInWords(found.unidentifiable, found.unidentifiable.size());
   if (!held.paragraphs.empty()) sections->push_back(held);
   weak.title = "What the data determine poorly (worse than 1 mm, 1 mrad or half its value)";
   for (const Direction& direction : found.weak) {
