@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include "models/constants.h"
-#include "tools/report/direction_words.h"
+#include "tools/report/remedies.h"
 #include "tools/report/svg.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kShown = 10;  // suspect rows
-constexpr size_t kShownDirections = 3;  // of one remedy, and remedies
+constexpr size_t kShownDirections = 3;  // of one remedy
 constexpr int kBins = 40;
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 3); }
@@ -152,7 +152,15 @@ std::vector<Section> CalibrationSections(const Calibration& calibration) {
   for (Section& section : CorrectedTable(calibration)) sections.push_back(std::move(section));
   std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate, calibration.trust.model_error_sigma);
   rest.front().title = "Estimate";
-  for (Section& section : rest) sections.push_back(std::move(section));
+  // What the first screen has said in full is not said again.
+  const auto is_said = [&](const Section& section) {
+    return !section.paragraphs.empty() && section.header.empty() &&
+           std::any_of(sections.begin(), sections.end(),
+                       [&](const Section& other) { return other.paragraphs == section.paragraphs; });
+  };
+  for (Section& section : rest) {
+    if (!is_said(section)) sections.push_back(std::move(section));
+  }
   return sections;
 }
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "estimator/statistics/median.h"
-#include "tools/report/direction_words.h"
+#include "tools/report/remedies.h"
 
 namespace sagitta {
 namespace {
@@ -227,8 +227,8 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
                         "robot fits best. calibrated: nominal + correction."};
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.push_back(
-        "not measured: held where the data fit best; the value means nothing by itself. tied: moves with such a one; "
-        "its ± takes that one as exact; with what that one may be: `unconditional` in estimate.json.");
+        "not measured: held where the data fit best; the value means nothing by itself. tied: moves together with one "
+        "that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does not).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
