@@ -1,5 +1,5 @@
-// Model error as what it is: each part of the data has a robot of its own. With x_a = x + e_a + noise, where the model's
-// error e has covariance T and is another in every part,
+// Model error as what it is: each part of the data has a robot of its own. With x_a = x + e_a + noise, where the
+// model's error e has covariance T and is another in every part,
 //
 //   d = x_a - x_b,   E d d' = C_a + C_b + 2 T,   T = mean over the splits of (d d' - C_a - C_b) / 2
 //

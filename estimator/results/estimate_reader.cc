@@ -244,8 +244,8 @@ KnownRobot ReadEstimateFile(const std::string& path) { return ReadEstimateText(R
 std::string ModelErrorInWords(const KnownRobot& known) {
   if (!(known.model_error > 1.0)) return "";
   return "Standard deviations carry the model error that the calibration found: those of the parameters are about " +
-         Significant(known.model_error, 2) + " times as large as noise alone makes them (model_error in " +
-         known.file + ").";
+         Significant(known.model_error, 2) + " times as large as noise alone makes them (model_error in " + known.file +
+         ").";
 }
 
 ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem) {

@@ -59,7 +59,8 @@ struct Widening {
   double interval = 1.0;
 };
 
-// s^2 + t^2 in place of s^2, t^2 = `between` with `draws` degrees of freedom, s^2 = `noise` with `dof`; Student's t with
+// s^2 + t^2 in place of s^2, t^2 = `between` with `draws` degrees of freedom, s^2 = `noise` with `dof`; Student's t
+// with
 //   (s^2 + t^2)^2 / (s^4 / dof + t^4 / draws)      (Welch 1947, Satterthwaite 1946)
 Widening BetweenPartsWiden(double noise, double dof, double between, double draws) {
   if (!(between > 0.0 && noise > 0.0 && draws > 0.0)) return {};
@@ -123,8 +124,8 @@ std::string ModelErrorInWords(const Estimate& estimate, const std::vector<Wideni
     reason = reason.empty() ? parts : parts + ", and " + reason;
   }
   const auto& name = estimate.parameters.coordinates()[estimate.estimated[at - widenings.begin()]].name;
-  std::string words = "the intervals are " + Significant(trust->model_error, 2) +
-                      " times as wide as noise alone would make them";
+  std::string words =
+      "the intervals are " + Significant(trust->model_error, 2) + " times as wide as noise alone would make them";
   if (at->interval > 1.05 * trust->model_error)
     words += " (median; at most " + Significant(at->interval, 2) + " times, " + name + ")";
   return words + ": " + reason + "; 'sagitta diagnose' may find why";

@@ -7,8 +7,8 @@
 // Counted: geometric errors that both parts estimate and whose difference lies within the root of the sum of the
 // squared halves of the two intervals. A value tied to a held one counts by its unconditional interval.
 //
-// Each half also predicts the other one's points, as `sagitta predict` does: coordinates within 1.96 standard deviations
-// of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without.
+// Each half also predicts the other one's points, as `sagitta predict` does: coordinates within 1.96 standard
+// deviations of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without.
 //
 // simulated: so many clean data sets of the KR 270 besides (60 configurations): how often ci95 holds the truth, and in
 // how many data sets any of it differs from ci95_noise_only.
@@ -54,11 +54,12 @@ struct Predicted {
   void Print(const std::string& what) {
     std::sort(deviations.begin(), deviations.end());
     const double middle = deviations.empty() ? 0.0 : deviations[deviations.size() / 2];
-    std::printf("%-28s %5d predicted coordinates, within 95 %% %5.1f %%, without model error %5.1f %%; RMS %.3f mm, "
-                "median psig %.3f mm\n",
-                what.c_str(), coordinates, 100.0 * inside / std::max(1, coordinates),
-                100.0 * inside_noise_only / std::max(1, coordinates),
-                1e3 * std::sqrt(squares / std::max(1, coordinates)), 1e3 * middle);
+    std::printf(
+        "%-28s %5d predicted coordinates, within 95 %% %5.1f %%, without model error %5.1f %%; RMS %.3f mm, "
+        "median psig %.3f mm\n",
+        what.c_str(), coordinates, 100.0 * inside / std::max(1, coordinates),
+        100.0 * inside_noise_only / std::max(1, coordinates), 1e3 * std::sqrt(squares / std::max(1, coordinates)),
+        1e3 * middle);
     std::fflush(stdout);
   }
 };

@@ -10,7 +10,7 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kShown = 10;  // suspect rows
+constexpr size_t kShown = 10;           // suspect rows
 constexpr size_t kShownDirections = 3;  // of one remedy
 constexpr int kBins = 40;
 
