@@ -33,8 +33,7 @@ struct KnownRobot {
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
   PredictionNoise noise;
-  double model_error =
-      1.0;  // factor on standard deviations away from the calibrated configurations (agreement.inflation)
+  double model_error = 1.0;  // by what factor model error widens intervals, their median; `uncertainty` carries it
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };
@@ -44,7 +43,7 @@ struct KnownRobot {
 
 nlohmann::ordered_json SizeToJson(const ResidualSize& size);
 
-// What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.
+// That standard deviations of predictions carry model error; "" where there is none.
 std::string ModelErrorInWords(const KnownRobot& known);
 
 // Throws InputError.
