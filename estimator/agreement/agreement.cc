@@ -134,13 +134,14 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     fits.push_back(FitParts(whole, splits[s], sums.empty() ? nullptr : &sums[s]));
     if (splits[s].by == "random" || whole.by_sandwich) with_sandwich.push_back(static_cast<int>(s));
   }
+  const Eigen::VectorXd variances = whole.turns.VariancesOf(whole.estimate.covariance);
   const RobustCovariance robust = AddSandwiches(whole, splits, with_sandwich, &fits);
   for (size_t s = 0; s < splits.size(); ++s) {
     const Split& split = splits[s];
     const bool is_random = split.by == "random";
     const auto& [first, second] = fits[s];
     if (!first.usable || !second.usable) continue;
-    const Differences found = Compare(whole, first, second, whole.by_sandwich);
+    Differences found = Compare(whole, first, second, whole.by_sandwich);
     if (is_random) {
       random[whole.by_sandwich].Add(found);
       random[!whole.by_sandwich].Add(Compare(whole, first, second, !whole.by_sandwich));
@@ -148,6 +149,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     if (found.over_interval.empty()) continue;
     kinds[split.by].Add(found);
     if (is_random) continue;
+    found.share = ShareOfWhole(variances, found);
     moments.try_emplace(split.by, whole.num_columns()).first->second.Add(found);
     Pool own;
     own.Add(found);

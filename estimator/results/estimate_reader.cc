@@ -109,9 +109,10 @@ class EstimateReader {
       if (!known_.parameters.emplace(name.Text(), parameter).second) {
         name.Fail("the parameter '" + name.Text() + "' stands twice");
       }
-      const auto without_model_error = row.Find("sigma_noise_only");
-      const JsonValue sigma = without_model_error ? *without_model_error : row.Get("sigma");
+      const JsonValue sigma = row.Get("sigma");
       deviations_[name.Text()] = sigma.IsNull() ? std::nan("") : sigma.NotNegativeNumber() * unit;
+      const auto noise_only = row.Find("sigma_noise_only");
+      if (noise_only && !sigma.IsNull()) deviations_[name.Text()] = noise_only->NotNegativeNumber() * unit;
       const auto free = row.Find("free");
       if (free && free->Flag() && !sigma.IsNull()) free_.push_back(name.Text());
     }
