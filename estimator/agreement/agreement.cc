@@ -19,6 +19,8 @@
 namespace sagitta {
 namespace {
 
+// Every split of the measured robots beside the tree (UR5, UR10 A to D, and their halves) is above it.
+constexpr double kPoorHalves = 0.25;
 constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
 
 // Differences of what both parts know, by one covariance.
@@ -74,6 +76,22 @@ Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool
     found.over_interval.push_back(std::abs(found.value[i]) / (t * std::sqrt(found.covariance(i, i))));
   }
   found.p_value = TestAtOnce(whole, a, b, sandwich, found);
+  return found;
+}
+
+// Halves of n independent rows have C_a + C_b = 4 C of the whole. Where they know most parameters far worse than that,
+// they turn the same misfit into far larger errors than the whole does, as they do with noise: then counts of their
+// squares what the whole has of the noise's, the median of 4 C / (C_a + C_b). whole: its variances by noise alone.
+PartDifference AsOfTheWhole(const Eigen::VectorXd& whole, PartDifference found) {
+  std::vector<double> ratios;
+  for (size_t i = 0; i < found.columns.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    ratios.push_back(4.0 * whole[found.columns[i]] / found.covariance(k, k));
+  }
+  const double share = Median(ratios);
+  if (share >= kPoorHalves) return found;
+  found.value *= std::sqrt(share);
+  found.covariance *= share;
   return found;
 }
 
@@ -141,7 +159,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     const bool is_random = split.by == "random";
     const auto& [first, second] = fits[s];
     if (!first.usable || !second.usable) continue;
-    Differences found = Compare(whole, first, second, whole.by_sandwich);
+    const Differences found = Compare(whole, first, second, whole.by_sandwich);
     if (is_random) {
       random[whole.by_sandwich].Add(found);
       random[!whole.by_sandwich].Add(Compare(whole, first, second, !whole.by_sandwich));
@@ -149,8 +167,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     if (found.over_interval.empty()) continue;
     kinds[split.by].Add(found);
     if (is_random) continue;
-    found.share = ShareOfWhole(variances, found);
-    moments.try_emplace(split.by, whole.num_columns()).first->second.Add(found);
+    moments.try_emplace(split.by, whole.num_columns()).first->second.Add(AsOfTheWhole(variances, found));
     Pool own;
     own.Add(found);
     report->splits.push_back(own.Result(split.by, split.key));

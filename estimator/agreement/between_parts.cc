@@ -1,24 +1,6 @@
 #include "estimator/agreement/between_parts.h"
 
-#include "estimator/statistics/median.h"
-
 namespace sagitta {
-namespace {
-
-// Every split of the measured robots beside the tree (UR5, UR10 A to D, and their halves) is above it.
-constexpr double kPoorHalves = 0.25;
-
-}  // namespace
-
-double ShareOfWhole(const Eigen::VectorXd& whole, const PartDifference& difference) {
-  std::vector<double> ratios;
-  for (size_t i = 0; i < difference.columns.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    ratios.push_back(4.0 * whole[difference.columns[i]] / difference.covariance(k, k));
-  }
-  const double share = Median(ratios);
-  return share < kPoorHalves ? share : 1.0;
-}
 
 PartMoments::PartMoments(int coordinates)
     : whole_(Eigen::MatrixXd::Zero(coordinates, coordinates)),
@@ -26,8 +8,7 @@ PartMoments::PartMoments(int coordinates)
       times_(Eigen::VectorXd::Zero(coordinates)) {}
 
 void PartMoments::Add(const PartDifference& difference) {
-  const Eigen::MatrixXd beyond =
-      difference.share * (difference.value * difference.value.transpose() - difference.covariance);
+  const Eigen::MatrixXd beyond = difference.value * difference.value.transpose() - difference.covariance;
   const std::vector<int>& at = difference.columns;
   each_(at, at) += beyond;
   times_(at).array() += 1.0;

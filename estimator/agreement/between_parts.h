@@ -28,13 +28,7 @@ struct PartDifference {
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
   bool is_complete = false;  // each coordinate is seen by both parts or held in both
-  double share = 1.0;        // of it that the whole has as well (ShareOfWhole)
 };
-
-// Halves of n independent rows have C_a + C_b = 4 C of the whole. Where they know most parameters far worse than that,
-// they turn the same misfit into far larger errors than the whole does, as they do with noise: then 4 C / (C_a + C_b),
-// its median. whole: variances of the whole by noise alone.
-double ShareOfWhole(const Eigen::VectorXd& whole, const PartDifference& difference);
 
 // Moments over splits of one kind, in the base's own axes.
 class PartMoments {

@@ -19,7 +19,8 @@ namespace sagitta {
 struct CompensationInput {
   CalibrationProblem problem;        // the estimated robot; one shot per target
   Chain nominal;                     // what the controller computes with: rigid, without errors
-  ParameterUncertainty uncertainty;  // of the estimate, with its model error
+  ParameterUncertainty uncertainty;  // of the estimate
+  double model_error = 1.0;          // factor on standard deviations
 };
 
 struct CompensatedTarget {

@@ -33,7 +33,8 @@ struct KnownRobot {
   Experiment loading;                         // loads, tool, gravity, noise; nothing else of it
   ParameterUncertainty uncertainty;
   PredictionNoise noise;
-  double model_error = 1.0;  // by what factor model error widens intervals, their median; `uncertainty` carries it
+  double model_error =
+      1.0;  // factor on standard deviations away from the calibrated configurations (agreement.inflation)
   struct Parameter {
     double value = 0.0, nominal = 0.0;  // SI
   };
@@ -43,7 +44,7 @@ struct KnownRobot {
 
 nlohmann::ordered_json SizeToJson(const ResidualSize& size);
 
-// That standard deviations of predictions carry model error; "" where there is none.
+// What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.
 std::string ModelErrorInWords(const KnownRobot& known);
 
 // Throws InputError.
