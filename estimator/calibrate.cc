@@ -68,6 +68,7 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
   joint.num_threads = options.num_threads;
   joint.progress = options.progress;
   ResolvedEstimate resolved = EstimateWithNoise(std::move(problem), joint);
+  BetweenParts between;
   Calibration result{std::move(resolved.problem), std::move(resolved.estimate), {}};
   Estimate& estimate = result.estimate;
   if (options.method != "joint" && IsUsable(estimate.status)) {
@@ -78,20 +79,22 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
   AddIntervals(result.problem, {options.num_threads, options.progress}, &estimate);
   if (options.method == "joint") {
     say("comparing parts of the data");
-    CheckAgreement(result.problem, {options.seed, RandomHalves(result.problem)}, &estimate);
+    between = CheckAgreement(result.problem, {options.seed, RandomHalves(result.problem)}, &estimate);
   }
   const std::string misfit = WarningOfMisfit(result.problem, estimate.fit.distance_rms);
   if (!misfit.empty()) estimate.warnings.push_back(misfit);
   const std::string large = WarningOfLargeCorrections(result.problem, estimate.table);
   if (!large.empty()) estimate.warnings.push_back(large);
   say("cross-validating");
-  result.trust = JudgeTrust(result.problem, options.seed, &estimate);
+  result.trust = JudgeTrust(result.problem, options.seed, &estimate, between);
   return result;
 }
 
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) {
   Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
-  extended.trust = JudgeTrust(extended.problem, seed, &extended.estimate);
+  const BetweenParts between =
+      CheckAgreement(extended.problem, {seed, RandomHalves(extended.problem)}, &extended.estimate);
+  extended.trust = JudgeTrust(extended.problem, seed, &extended.estimate, between);
   return extended;
 }
 

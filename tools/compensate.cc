@@ -89,7 +89,7 @@ int RunProgram(const CommandLine& line) {
   program_out.Write(result.text);
   std::cout << SummaryOf(result) << "Program: " << FLAGS_program_out << "\n";
   const std::string model_error = ModelErrorInWords(known);
-  if (!model_error.empty()) std::cout << model_error << " The uncertainties here are multiplied by it.\n";
+  if (!model_error.empty()) std::cout << model_error << "\n";
   return any ? 0 : kNumericalFailure;
 }
 
@@ -115,7 +115,7 @@ int RunCompensate(const CommandLine& line) {
   out.Write(csv);
   Summarise(results);
   const std::string model_error = ModelErrorInWords(known);
-  if (!model_error.empty()) std::cout << model_error << " The uncertainties here are multiplied by it.\n";
+  if (!model_error.empty()) std::cout << model_error << "\n";
   const bool any = std::any_of(results.begin(), results.end(), [](const CompensatedTarget& r) {
     return r.solution.status == TargetStatus::kOk || r.solution.status == TargetStatus::kSingular;
   });

@@ -46,9 +46,10 @@ Command PredictCommand() {
 Adds to every row (x, y, z of the rows may be absent; all in the frame of the row's station):
 
   pred_x_mm …                the point
-  psig_x_mm …                its standard deviation from the uncertainty of the parameters; the noise of a
-                             measurement is not in it. What the calibration could not tell (held parameters) is:
-                             where it matters, the figure is as large as that parameter's possible range
+  psig_x_mm …                its standard deviation from the uncertainty of the parameters, their model error
+                             included (as in ci95); the noise of a measurement is not in it. What the calibration
+                             could not tell (held parameters) is: where it matters, the figure is as large as that
+                             parameter's possible range
   psig_distance_mm           RMS of the 3-D distance, sqrt(x² + y² + z²) of psig
   pcov_xy_mm2 …              covariances beside the squares of psig
   paxis1_mm, paxis1_x …      semi-axis of the one-sigma ellipsoid and its direction, largest first; 95 % of such

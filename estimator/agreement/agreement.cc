@@ -19,12 +19,12 @@
 namespace sagitta {
 namespace {
 
+// Every split of the measured robots beside the tree (UR5, UR10 A to D, and their halves) is above it.
+constexpr double kPoorHalves = 0.25;
 constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
 
 // Differences of what both parts know, by one covariance.
-struct Differences {
-  Eigen::VectorXd value;
-  Eigen::MatrixXd covariance;
+struct Differences : PartDifference {
   std::vector<double> over_interval;  // |value| over the 95 % half-width
   double p_value = 1.0;
   int freedom = 0;  // of the test's denominator; 0: not tested
@@ -60,8 +60,10 @@ Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool
     if (same == b.columns.end()) continue;
     in_a.push_back(static_cast<int>(i));
     in_b.push_back(static_cast<int>(same - b.columns.begin()));
+    found.columns.push_back(a.columns[i]);
   }
   if (in_a.empty()) return found;
+  found.is_complete = a.columns == b.columns;
   const Eigen::MatrixXd& ca = sandwich ? a.sandwich.covariance : a.model;
   const Eigen::MatrixXd& cb = sandwich ? b.sandwich.covariance : b.model;
   const Eigen::VectorXd& dof_a = sandwich ? a.sandwich.dof : a.model_dof;
@@ -74,6 +76,22 @@ Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool
     found.over_interval.push_back(std::abs(found.value[i]) / (t * std::sqrt(found.covariance(i, i))));
   }
   found.p_value = TestAtOnce(whole, a, b, sandwich, found);
+  return found;
+}
+
+// Halves of n independent rows have C_a + C_b = 4 C of the whole. Where they know most parameters far worse than that,
+// they turn the same misfit into far larger errors than the whole does, as they do with noise: then counts of their
+// squares what the whole has of the noise's, the median of 4 C / (C_a + C_b). whole: its variances by noise alone.
+PartDifference AsOfTheWhole(const Eigen::VectorXd& whole, PartDifference found) {
+  std::vector<double> ratios;
+  for (size_t i = 0; i < found.columns.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    ratios.push_back(4.0 * whole[found.columns[i]] / found.covariance(k, k));
+  }
+  const double share = Median(ratios);
+  if (share >= kPoorHalves) return found;
+  found.value *= std::sqrt(share);
+  found.covariance *= share;
   return found;
 }
 
@@ -100,9 +118,30 @@ struct Pool {
   }
 };
 
+// Random halves share the model's error.
+bool Contradict(const PartComparison& kind, double level) {
+  return kind.by != "random" && kind.p_value < level && kind.inflation > 1.0;
+}
+
+// Of the kinds whose parts contradict each other.
+BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::map<std::string, PartMoments>& moments,
+                          const Whole& whole) {
+  BetweenParts found;
+  PartMoments all(whole.num_columns());
+  for (const PartComparison& kind : kinds) {
+    if (!Contradict(kind, whole.problem.experiment.significance)) continue;
+    all.Add(moments.at(kind.by));
+    TakeLarger(moments.at(kind.by).Result(whole.turns), &found);
+  }
+  if (found.known()) found.covariance = all.Result(whole.turns).covariance;
+  return found;
+}
+
 // Returns the sandwich of the whole.
-RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, AgreementReport* report) {
+RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, AgreementReport* report,
+                               BetweenParts* between) {
   std::map<std::string, Pool> kinds;
+  std::map<std::string, PartMoments> moments;
   Pool random[2];  // by the model's covariance, by the sandwich
   const SumsOfParts sums = SumParts(splits, given);
   if (!given->valid) return {};
@@ -113,6 +152,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     fits.push_back(FitParts(whole, splits[s], sums.empty() ? nullptr : &sums[s]));
     if (splits[s].by == "random" || whole.by_sandwich) with_sandwich.push_back(static_cast<int>(s));
   }
+  const Eigen::VectorXd variances = whole.turns.VariancesOf(whole.estimate.covariance);
   const RobustCovariance robust = AddSandwiches(whole, splits, with_sandwich, &fits);
   for (size_t s = 0; s < splits.size(); ++s) {
     const Split& split = splits[s];
@@ -127,6 +167,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     if (found.over_interval.empty()) continue;
     kinds[split.by].Add(found);
     if (is_random) continue;
+    moments.try_emplace(split.by, whole.num_columns()).first->second.Add(AsOfTheWhole(variances, found));
     Pool own;
     own.Add(found);
     report->splits.push_back(own.Result(split.by, split.key));
@@ -134,6 +175,7 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
   for (const char* by : {"random", "region", "station", "time"}) {
     if (kinds.count(by) > 0) report->kinds.push_back(kinds[by].Result(by, ""));
   }
+  *between = ModelErrorOf(report->kinds, moments, whole);
   report->random_share_model = random[false].Result("", "").share();
   report->random_share_sandwich = random[true].Result("", "").share();
   return robust;
@@ -187,28 +229,29 @@ bool SandwichIsLarger(const Whole& whole, const RobustCovariance& robust, double
 
 }  // namespace
 
-void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
+BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
   Whole whole(problem, *estimate);
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();
   report.covariance = whole.by_sandwich ? "sandwich" : "model";
   report.seed = options.seed;
-  if (!whole.valid || whole.num_columns() == 0) return;
+  if (!whole.valid || whole.num_columns() == 0) return {};
   const std::vector<Split> splits = MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves);
-  const RobustCovariance robust = CompareSplits(splits, &whole, &report);
+  BetweenParts between;
+  const RobustCovariance robust = CompareSplits(splits, &whole, &report, &between);
   report.repeats = TestRepeats(whole);
   const bool larger = SandwichIsLarger(whole, robust, &report.sandwich_ratio);
   report.known = !report.kinds.empty();
   const double level = problem.experiment.significance;
   for (const PartComparison& kind : report.kinds) {
-    const bool differs = kind.p_value < level && kind.inflation > 1.0;
-    if (kind.by == "random") continue;
-    report.disagrees |= differs;
-    if (differs) report.inflation = std::max(report.inflation, kind.inflation);
+    if (!Contradict(kind, level)) continue;
+    report.disagrees = true;
+    report.inflation = std::max(report.inflation, kind.inflation);
   }
   const bool repeats_lie = report.repeats.known && report.repeats.p_value < level;
   report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie);
   DescribeAgreement(problem, &report);
+  return between;
 }
 
 }  // namespace sagitta

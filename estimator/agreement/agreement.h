@@ -6,12 +6,13 @@
 //
 // are independent, so that x_a - x_b has the covariance C_a + C_b. Random halves share every model error: they test the
 // noise. Halves by a joint or by the place of the flange, series (stations with configurations of their own) and times
-// do not: what their differences need beyond 1, as a factor on the intervals, is what the model's error adds.
+// do not: what their differences have beyond noise is the model's error (between_parts.h).
 //
 // Both parts hold what either cannot tell; priors are left out, the parts would share them. All differences of one
 // split at once are tested by Hotelling's F (the model's covariance: the Chow test).
 #pragma once
 
+#include "estimator/agreement/between_parts.h"
 #include "estimator/estimate/agreement_report.h"
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
@@ -23,7 +24,8 @@ struct AgreementOptions {
   int random_halves = 20;
 };
 
-// Fills estimate->agreement of a judged estimate (with its intervals), words included.
-void CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate);
+// Fills estimate->agreement of a judged estimate (with its intervals), words included. Returns the model error where
+// parts contradict each other.
+BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate);
 
 }  // namespace sagitta

@@ -91,12 +91,12 @@ void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* repor
     return;
   }
   report->words.push_back(
-      "Parts of the data contradict each other: the model's error differs between them. For 95 % of the differences "
-      "the intervals would have to be " +
+      "Parts of the data contradict each other: the model's error differs between them. By noise alone, 95 % of the "
+      "differences would need intervals " +
       Number("%.2g", report->inflation) + " times as wide (largest: " + Worst(*report) +
-      "). The intervals of 95 % carry model error already; standard deviations, those that predict gives too, hold for "
-      "the configurations as they were measured: for another region or series take them times " +
-      Number("%.2g", report->inflation) + ", or find what the model lacks (sagitta diagnose).");
+      "). What the differences have beyond noise is the variance of the model's error between parts; the 95 % "
+      "intervals, the standard deviations and those of predictions carry it. 'sagitta diagnose' may find what the "
+      "model lacks.");
 }
 
 }  // namespace sagitta

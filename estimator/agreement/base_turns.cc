@@ -27,4 +27,12 @@ Eigen::VectorXd BaseTurns::VariancesOf(const Eigen::MatrixXd& covariance) const 
   return variances;
 }
 
+Eigen::MatrixXd BaseTurns::TurnBack(Eigen::MatrixXd covariance) const {
+  for (const auto& [columns, rotation] : triples_) {
+    covariance(columns, Eigen::all) = Eigen::MatrixXd(rotation * covariance(columns, Eigen::all));
+    covariance(Eigen::all, columns) = Eigen::MatrixXd(covariance(Eigen::all, columns) * rotation.transpose());
+  }
+  return covariance;
+}
+
 }  // namespace sagitta

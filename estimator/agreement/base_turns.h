@@ -22,6 +22,8 @@ class BaseTurns {
       (*jacobian)(Eigen::all, columns) = Eigen::MatrixXd((*jacobian)(Eigen::all, columns) * rotation);
     }
   }
+  // Of a covariance along the new axes: along those of the coordinates.
+  Eigen::MatrixXd TurnBack(Eigen::MatrixXd covariance) const;
   // Of a covariance of the coordinates: its diagonal along the new axes.
   Eigen::VectorXd VariancesOf(const Eigen::MatrixXd& covariance) const;
 

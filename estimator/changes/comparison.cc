@@ -266,7 +266,7 @@ Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, 
     return size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   };
   std::vector<Eigen::MatrixXd> parts;
-  if (!u.estimated.empty()) parts.push_back(known.model_error * estimated * root(u.covariance));
+  if (!u.estimated.empty()) parts.push_back(estimated * root(u.covariance));
   if (!u.held.empty()) {
     parts.push_back((Columns(u.held, problem, all) + estimated * u.slopes) * root(u.second_moment));
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/least_squares/ceres_problem.h"
@@ -141,6 +142,14 @@ void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& ins
   findings->push_back(finding);
 }
 
+// What `calibrate` calls before: base poses and markers of the nominal robot fitted to the calibration rows.
+ResidualSize AlignedSize(const CalibrationProblem& problem) {
+  ParameterSet nominal = problem.parameters;
+  AlignNominal(problem, &nominal);
+  const std::vector<int> rows = problem.CalibrationObservations();
+  return MeasureReadings(problem.data, rows, PredictPoints(problem, nominal, rows));
+}
+
 // What a linear fit leaves, unweighted.
 double LinearRms(const LinearState& state, const NoiseRoots& noise) {
   Eigen::VectorXd residual = state.estimated.residual;
@@ -182,7 +191,7 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
                              inspection.reading.findings.end());
   say("linearizing at the aligned nominal robot");
   const LinearState state = Align(problem, inspection.reading.is_suspicious, &inspection.findings);
-  inspection.aligned = state.aligned;
+  inspection.aligned = AlignedSize(problem);
   inspection.torques = CompareTorques(state.problem, state.parameters);
   if (!inspection.torques.joints.empty()) {
     inspection.findings.push_back({Severity::kNote, "torques", inspection.torques.words, "", {}});

@@ -104,17 +104,10 @@ void TakeLinearStep(LinearState* state) {
   if (state->all.valid) DecideRank(false, state);
 }
 
-// Residuals of the aligned robot on the rows that are left.
-ResidualSize AlignedSize(const LinearState& state) {
-  const std::vector<int> rows = state.problem.CalibrationObservations();
-  const Eigen::Matrix3Xd predicted = PredictPoints(state.problem, state.parameters, rows);
-  return MeasureReadings(state.problem.data, rows, predicted);
-}
-
 }  // namespace
 
 LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Finding>* findings) {
-  LinearState state{problem, NominalValues(problem), {}, {}, 1.0, {}, {}};
+  LinearState state{problem, NominalValues(problem), {}, {}, 1.0, {}};
   const ResidualSelection rows = CalibrationResiduals(problem, kUnstatedSigma);
   std::vector<int> outliers;
   std::vector<Finding> found;
@@ -138,7 +131,6 @@ LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Fi
     for (const int k : outliers) state.problem.data.ExcludeRow(rows.observations[k]);
   }
   findings->insert(findings->end(), found.begin(), found.end());
-  state.aligned = AlignedSize(state);
   if (!misfit && state.all.valid) TakeLinearStep(&state);
   return state;
 }

@@ -18,7 +18,6 @@ struct LinearState {
   Linearization estimated;     // what the data can tell of them
   double scale = 1.0;          // of the whitening sigmas
   Unidentifiable lost;
-  ResidualSize aligned;  // of the aligned nominal robot, on the rows that are left
 };
 
 // Rows that are far off are named, left out, and the rest aligned again until the same rows are. `misfit`: the robot

@@ -49,7 +49,7 @@ Chain NominalChain(const KnownRobot& known) {
 
 CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
   CompensationInput input{CalibrationProblem(known.robot, targets.shots, known.loading), NominalChain(known),
-                          known.uncertainty, known.model_error};
+                          known.uncertainty};
   CalibrationProblem& problem = input.problem;
   for (size_t s = 0; s < problem.data.stations.size(); ++s) {
     const std::string& name = problem.data.stations[s];

@@ -1,4 +1,5 @@
 // The half of estimate_json.h that reads.
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -43,8 +44,6 @@ class EstimateReader {
     if (const auto noise = root_.Find("prediction_noise")) {
       known_.noise = ReadPredictionNoise(*noise, &known_.loading);
     }
-    const auto agreement = root_.Find("agreement");
-    if (agreement && agreement->IsMap()) known_.model_error = agreement->Get("inflation").PositiveNumber();
     return known_;
   }
 
@@ -111,6 +110,8 @@ class EstimateReader {
       }
       const JsonValue sigma = row.Get("sigma");
       deviations_[name.Text()] = sigma.IsNull() ? std::nan("") : sigma.NotNegativeNumber() * unit;
+      const auto noise_only = row.Find("sigma_noise_only");
+      if (noise_only && !sigma.IsNull()) deviations_[name.Text()] = noise_only->NotNegativeNumber() * unit;
       const auto free = row.Find("free");
       if (free && free->Flag() && !sigma.IsNull()) free_.push_back(name.Text());
     }
@@ -146,9 +147,39 @@ class EstimateReader {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       correlation.Get("names").Fail("the free parameter '" + name + "' is missing");
     }
-    known_.uncertainty.covariance =
-        deviations.asDiagonal() * correlation.Get("matrix").Correlation(n, false) * deviations.asDiagonal();
+    known_.uncertainty.covariance = deviations.asDiagonal() *
+                                    WithModelError(correlation.Get("matrix").Correlation(n, false)) *
+                                    deviations.asDiagonal();
     if (HasNoNoise()) known_.uncertainty.covariance.setConstant(std::nan(""));
+  }
+
+  static double FactorOf(const JsonValue& json) {
+    const double factor = json.PositiveNumber();
+    if (factor < 1.0) json.Fail("model error makes nothing more certain: a factor of at least 1 is expected");
+    return factor;
+  }
+
+  // The covariance of noise alone, in units of its deviations, and model error (between_parts.h): with R = L L' and
+  // L^-1 T L'^-1 = U diag(t) U', t as far as it is above 0 and the excess of points that were not fitted:
+  //   L U diag(max(excess^2, 1 + t)) U' L'
+  Eigen::MatrixXd WithModelError(const Eigen::MatrixXd& correlation) {
+    const auto json = root_.Find("model_error");
+    if (!json || correlation.size() == 0) return correlation;
+    known_.model_error = FactorOf(json->Get("factor"));
+    const auto excess = json->Find("excess");
+    const double square = std::pow(excess ? FactorOf(*excess) : known_.model_error, 2);
+    const auto between = json->Find("between_parts");
+    if (!between || between->IsNull()) return square * correlation;
+    const Eigen::MatrixXd ratios = between->Matrix(correlation.rows(), correlation.cols(), false);
+    if ((ratios - ratios.transpose()).cwiseAbs().maxCoeff() > 1e-6 * ratios.cwiseAbs().maxCoeff())
+      between->Fail("a symmetric matrix is expected");
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(correlation);
+    const Eigen::VectorXd sizes = own.eigenvalues().cwiseMax(1e-12 * own.eigenvalues().maxCoeff()).cwiseSqrt();
+    const Eigen::MatrixXd root = own.eigenvectors() * sizes.asDiagonal();
+    const Eigen::MatrixXd inverse = sizes.cwiseInverse().asDiagonal() * own.eigenvectors().transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> beyond(inverse * ratios * inverse.transpose());
+    const Eigen::MatrixXd spread = root * beyond.eigenvectors();
+    return spread * (1.0 + beyond.eigenvalues().array()).max(square).matrix().asDiagonal() * spread.transpose();
   }
 
   const JsonValue& root_;
@@ -203,10 +234,9 @@ KnownRobot ReadEstimateFile(const std::string& path) { return ReadEstimateText(R
 
 std::string ModelErrorInWords(const KnownRobot& known) {
   if (!(known.model_error > 1.0)) return "";
-  return "Parts of the calibration data contradict each other (agreement in " + known.file +
-         "): what the model lacks is in no standard deviation; away from the configurations that were calibrated take "
-         "those of the parameters times " +
-         Significant(known.model_error, 2) + ".";
+  return "Standard deviations carry the model error that the calibration found: those of the parameters are about " +
+         Significant(known.model_error, 2) + " times as large as noise alone makes them (model_error in " + known.file +
+         ").";
 }
 
 ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem) {

@@ -48,6 +48,23 @@ Json Iso9283ToJson(const Trust& trust) {
   return json;
 }
 
+// between_parts: T of each two coordinates over their standard deviations of noise alone, as in `correlation`.
+Json ModelErrorToJson(const Estimate& estimate, const Trust& trust) {
+  Json json = {{"factor", trust.model_error}, {"words", trust.model_error_words}, {"excess", trust.excess}};
+  const Eigen::MatrixXd& covariance = trust.between.covariance;
+  json["between_parts"] = covariance.size() > 0 ? Json::array() : Json(nullptr);
+  const Eigen::VectorXd deviations = estimate.covariance.diagonal().cwiseSqrt();
+  for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
+    Json row = Json::array();
+    for (Eigen::Index c = 0; c < covariance.cols(); ++c) {
+      const double ratio = covariance(r, c) / (deviations[r] * deviations[c]);
+      row.push_back(std::isfinite(ratio) ? ratio : 0.0);
+    }
+    json["between_parts"].push_back(row);
+  }
+  return json;
+}
+
 Json PairOf(const Interval& interval, double unit) { return Json::array({interval.low / unit, interval.high / unit}); }
 
 }  // namespace
@@ -61,7 +78,7 @@ void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
   (*json)["suspects"] = Json::array();
   for (const Suspect& suspect : trust.suspects)
     (*json)["suspects"].push_back({{"row", suspect.row}, {"words", suspect.words}});
-  (*json)["model_error"] = {{"factor", trust.model_error}, {"words", trust.model_error_words}};
+  (*json)["model_error"] = ModelErrorToJson(estimate, trust);
   for (size_t i = 0; i < estimate.table.size() && i < trust.ci95_noise_only.size(); ++i) {
     Json& row = (*json)["parameters"][i];
     const double unit = TraitsOf(estimate.table[i].quantity).si_per_unit;
@@ -69,7 +86,7 @@ void AddTrustTo(const Estimate& estimate, const Trust& trust, Json* json) {
     row["ci95_noise_only"] = known ? PairOf(trust.ci95_noise_only[i], unit) : Json(nullptr);
     if (!known) continue;
     row["sigma_noise_only"] = row.at("sigma");
-    row["sigma"] = trust.model_error * row.at("sigma").get<double>();
+    row["sigma"] = trust.sigma[i] / unit;
     // Ends that a profile likelihood did not find stay open.
     for (int end = 0; end < 2; ++end) {
       if (row.at("ci95")[end].is_null()) row["ci95_noise_only"][end] = nullptr;

@@ -5,7 +5,9 @@
 //   7.2.1  AP_p = | barycentre of the attained positions - commanded position |
 //   7.2.2  RP_l = mean(l) + 3 S_l,   l_j = | position j - barycentre |,   S_l^2 = sum_j (l_j - mean(l))^2 / (n - 1)
 //
-// The standard asks for n = 30 arrivals; how many there were is stated beside the figures.
+// As restated by Slamani, Nubiola and Bonev (Industrial Robot 39(1), 2012) and in J. Leland's ISO9283TestAnalyzer (MIT
+// Media Lab, 2016: mean of l plus three corrected sample standard deviations). The standard asks for n = 30 arrivals;
+// how many there were is stated beside the figures.
 #pragma once
 
 #include <vector>

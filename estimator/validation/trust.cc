@@ -8,6 +8,7 @@
 #include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -16,7 +17,8 @@ namespace {
 // m per coordinate: interferometric length measurement in a workshop is not better (1 um and more per metre), and no
 // industrial arm returns to a point within it.
 constexpr double kBelowAnyInstrument = 1e-6;
-constexpr double kBetter = 1.0;
+// Share by which errors differ before one is called better: of a hundred points an RMS is known to some 5 %.
+constexpr double kBetter = 0.05;
 
 std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
@@ -51,51 +53,108 @@ UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& est
   return holdout;
 }
 
-// What parts of the data ask for, as the spread of a model error of which each split is one draw: Student's t with as
-// many degrees of freedom as there are splits, instead of the normal quantile.
-double FactorBetweenParts(const AgreementReport& agreement) {
-  const auto splits = std::count_if(agreement.splits.begin(), agreement.splits.end(),
-                                    [](const PartComparison& split) { return split.by != "random"; });
-  const auto draws = std::max(1.0, static_cast<double>(splits));
-  return agreement.inflation * StudentQuantile(0.975, draws) / NormalQuantile(0.975);
+// By what model error widens one coordinate: its standard deviation and its interval.
+struct Widening {
+  double sigma = 1.0;
+  double interval = 1.0;
+};
+
+// s^2 + t^2 in place of s^2, t^2 = `between` with `draws` degrees of freedom, s^2 = `noise` with `dof`; Student's t
+// with
+//   (s^2 + t^2)^2 / (s^4 / dof + t^4 / draws)      (Welch 1947, Satterthwaite 1946)
+Widening BetweenPartsWiden(double noise, double dof, double between, double draws) {
+  if (!(between > 0.0 && noise > 0.0 && draws > 0.0)) return {};
+  const double ratio = between / noise;
+  const double together = (1.0 + ratio) * (1.0 + ratio) / (1.0 / dof + ratio * ratio / draws);
+  Widening widening;
+  widening.sigma = std::sqrt(1.0 + ratio);
+  widening.interval = widening.sigma * StudentQuantile(0.975, together) / StudentQuantile(0.975, dof);
+  return widening;
 }
 
-// The largest of what was found; its reason in one line.
-void JudgeModelError(const Estimate& estimate, double significance, Trust* trust) {
-  const auto take = [trust](double factor, const std::string& words) {
-    if (!(factor > trust->model_error)) return;
-    trust->model_error = factor;
-    trust->model_error_words = words;
-  };
-  if (estimate.agreement.disagrees)
-    take(FactorBetweenParts(estimate.agreement), "parts of the data contradict each other");
-  const auto excess = [&](const UnseenPoints& unseen, const char* name) {
-    if (unseen.points > 0 && unseen.p_value < significance)
-      take(unseen.Excess(), std::string(name) + " larger than predicted");
-  };
-  excess(trust->holdout, "errors on the points held out are");
-  excess(trust->cross_validation.unseen, "errors in the cross-validation are");
-  if (trust->model_error > 1.0) {
-    trust->model_error_words = "the intervals are " + Significant(trust->model_error, 2) +
-                               " times as wide as noise alone would make them: " + trust->model_error_words +
-                               "; 'sagitta diagnose' may find why";
+// One per estimated coordinate. What no parts tell is widened like the median of the others.
+std::vector<Widening> WideningsOf(const Estimate& estimate, const BetweenParts& between, double excess) {
+  std::vector<Widening> all(estimate.estimated.size());
+  std::vector<double> sigmas, intervals;
+  for (size_t p = 0; between.known() && p < all.size(); ++p) {
+    const auto i = static_cast<Eigen::Index>(p);
+    if (!(between.draws[i] > 0.0)) continue;
+    const double noise = estimate.covariance(i, i), dof = estimate.interval_dof[i];
+    all[p] = BetweenPartsWiden(noise, dof, between.variance[i], between.draws[i]);
+    sigmas.push_back(all[p].sigma);
+    intervals.push_back(all[p].interval);
   }
+  for (size_t p = 0; p < all.size(); ++p) {
+    const bool is_told = !between.known() || between.draws[static_cast<Eigen::Index>(p)] > 0.0;
+    if (!is_told && !sigmas.empty()) all[p] = {Median(sigmas), Median(intervals)};
+    all[p].sigma = std::max(all[p].sigma, excess);
+    all[p].interval = std::max(all[p].interval, excess);
+  }
+  return all;
 }
 
-void Widen(Trust* trust, Estimate* estimate) {
-  const auto widen = [&](double value, double lower, Interval* interval) {
-    interval->low = std::max(lower, value - trust->model_error * (value - interval->low));
-    interval->high = value + trust->model_error * (interval->high - value);
+// How much points that were not fitted are off beyond what was predicted for them, and which.
+std::string FindExcess(double significance, Trust* trust) {
+  std::string words;
+  const auto take = [&](const UnseenPoints& unseen, const char* name) {
+    if (!(unseen.points > 0 && unseen.p_value < significance && unseen.Excess() > trust->excess)) return;
+    trust->excess = unseen.Excess();
+    words = std::string(name) + " larger than predicted";
   };
-  for (size_t i = 0; i < estimate->table.size(); ++i) {
-    ParameterEstimate& row = estimate->table[i];
+  take(trust->holdout, "errors on the points held out are");
+  take(trust->cross_validation.unseen, "errors in the cross-validation are");
+  return words;
+}
+
+std::string ModelErrorInWords(const Estimate& estimate, const std::vector<Widening>& widenings, std::string reason,
+                              Trust* trust) {
+  if (widenings.empty()) return "";
+  const auto at = std::max_element(widenings.begin(), widenings.end(),
+                                   [](const Widening& a, const Widening& b) { return a.interval < b.interval; });
+  if (!(at->interval > 1.0)) return "";
+  std::vector<double> sigmas, intervals;
+  for (const Widening& widening : widenings) {
+    sigmas.push_back(widening.sigma);
+    intervals.push_back(widening.interval);
+  }
+  trust->model_error_sigma = Median(sigmas);
+  trust->model_error = Median(intervals);
+  if (trust->between.known()) {
+    const std::string parts = "parts of the data contradict each other";
+    reason = reason.empty() ? parts : parts + ", and " + reason;
+  }
+  const auto& name = estimate.parameters.coordinates()[estimate.estimated[at - widenings.begin()]].name;
+  std::string words =
+      "the intervals are " + Significant(trust->model_error, 2) + " times as wide as noise alone would make them";
+  if (at->interval > 1.05 * trust->model_error)
+    words += " (median; at most " + Significant(at->interval, 2) + " times, " + name + ")";
+  return words + ": " + reason + "; 'sagitta diagnose' may find why";
+}
+
+void Widen(const std::vector<Widening>& widenings, Trust* trust, Estimate* estimate) {
+  for (const ParameterEstimate& row : estimate->table) {
+    trust->sigma.push_back(row.sigma);
     trust->ci95_noise_only.push_back(row.ci95);
-    if (trust->model_error == 1.0 || !row.free) continue;
-    const double lower = estimate->parameters.coordinates()[i].lower;
-    widen(row.value, lower, &row.ci95);
-    widen(row.value, lower, &row.unconditional_ci95);
+  }
+  for (size_t p = 0; p < widenings.size(); ++p) {
+    const int i = estimate->estimated[p];
+    ParameterEstimate& row = estimate->table[i];
+    const double lower = estimate->parameters.coordinates()[i].lower, factor = widenings[p].interval;
+    if (factor == 1.0) continue;
+    trust->sigma[i] *= widenings[p].sigma;
+    for (Interval* interval : {&row.ci95, &row.unconditional_ci95}) {
+      interval->low = std::max(lower, row.value - factor * (row.value - interval->low));
+      interval->high = row.value + factor * (interval->high - row.value);
+    }
     row.at_bound |= row.ci95.low <= lower;
   }
+}
+
+void AddModelError(double significance, Trust* trust, Estimate* estimate) {
+  const std::string reason = FindExcess(significance, trust);
+  const std::vector<Widening> widenings = WideningsOf(*estimate, trust->between, trust->excess);
+  trust->model_error_words = ModelErrorInWords(*estimate, widenings, reason, trust);
+  Widen(widenings, trust, estimate);
 }
 
 std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const Estimate& estimate,
@@ -108,8 +167,9 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
                       " times what the estimate predicted for them (p = " + Significant(trust.holdout.p_value, 2) +
                       ")");
   }
-  if (quoted.points > 0 && trust.nominal.distance_rms < kBetter * quoted.distance_rms)
-    reasons.push_back("on points that it has not seen it is no better than the nominal robot");
+  if (quoted.points > 0 && trust.nominal.distance_rms < (1.0 - kBetter) * quoted.distance_rms)
+    reasons.push_back("on points that it has not seen it is worse than the robot file was already (" +
+                      Millimetres(trust.nominal.distance_rms) + ")");
   if (estimate.dof <= 0) reasons.push_back("there are as many unknowns as readings: the data cannot check themselves");
   if (estimate.dof > 0 && estimate.fit.rms < kBelowAnyInstrument) {
     reasons.push_back("residuals of " + Significant(1e6 * estimate.fit.rms, 2) +
@@ -142,7 +202,9 @@ std::string FirstSentence(const CalibrationProblem& problem, const Trust& trust)
   std::string words = "On poses it has not seen this robot is now within " + Millimetres(quoted.distance_rms) +
                       " (RMS; 95 % of points within " + Millimetres(quoted.distance_p95) + ", worst " +
                       Millimetres(quoted.distance_max) + " at config " + quoted.worst.front().configuration + ")";
-  if (better > 1.0) words += ", " + Significant(better, 2) + " times better than nominal";
+  if (better > 1.0 + kBetter) words += ", " + Significant(better, 2) + " times better than nominal";
+  if (std::abs(better - 1.0) <= kBetter)
+    words += "; the robot file was as good already (" + Millimetres(trust.nominal.distance_rms) + ")";
   if (quoted.predicted_rms > 0.0) {
     const bool agrees = quoted.p_value >= problem.experiment.significance;
     words += agrees ? "; the prediction agrees"
@@ -153,8 +215,10 @@ std::string FirstSentence(const CalibrationProblem& problem, const Trust& trust)
 
 }  // namespace
 
-Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate) {
+Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
+                 const BetweenParts& between) {
   Trust trust;
+  trust.between = between;
   trust.suspects = FindSuspects(problem, *estimate);
   trust.cross_validation = CrossValidate(problem, *estimate, seed);
   trust.holdout = JudgeHoldout(problem, *estimate);
@@ -163,8 +227,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
   if (estimate->aligned.num_coordinates() > 0)
     trust.nominal = MeasureUnseen(problem, quoted, Errors(problem, estimate->aligned, quoted));
-  JudgeModelError(*estimate, problem.experiment.significance, &trust);
-  Widen(&trust, estimate);
+  AddModelError(problem.experiment.significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
   trust.verdict.words = FirstSentence(problem, trust);

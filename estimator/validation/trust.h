@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/agreement/between_parts.h"
 #include "estimator/validation/cross_validation.h"
 #include "estimator/validation/suspects.h"
 
@@ -24,16 +25,24 @@ struct Trust {
   UnseenPoints nominal;              // of the aligned nominal robot, on the points that are quoted
   PoseRepeatability repeatability;   // RP of ISO 9283, of all points
   std::vector<Suspect> suspects;
-  double model_error = 1.0;               // factor by which model error widens the intervals; 1: none was found
+  // Model error: what it is between parts of the data, at least the excess where points that were not fitted are off by
+  // more than predicted.
+  BetweenParts between;                   // not known: the parts agree
+  double excess = 1.0;                    // 1: none
+  double model_error = 1.0;               // factor by which it widens the intervals, their median; 1: none was found
   std::string model_error_words;          // empty: none
-  std::vector<Interval> ci95_noise_only;  // of each line of the estimate's table
+  double model_error_sigma = 1.0;         // the same of standard deviations
+  std::vector<double> sigma;              // SI, with model error, of each line of the estimate's table
+  std::vector<Interval> ci95_noise_only;  // the same without
   Verdict verdict;
 
   // What the verdict quotes: the hold-out where there is one, else the cross-validation.
   const UnseenPoints& Quoted() const { return holdout.points > 0 ? holdout : cross_validation.unseen; }
 };
 
-// Of a judged estimate with its intervals and agreement. Widens the intervals of its table by the model error.
-Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate);
+// Of a judged estimate with its intervals; between: what CheckAgreement found. Widens the intervals of its table by the
+// model error.
+Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
+                 const BetweenParts& between = {});
 
 }  // namespace sagitta

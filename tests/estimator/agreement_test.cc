@@ -95,6 +95,12 @@ TEST(Agreement, SeesWhatTheModelLacksAndByHowMuch) {
   EXPECT_TRUE(report.disagrees);
   EXPECT_GT(report.inflation, 1.2);
   EXPECT_LT(SplitBy(report, "A3").p_value, 1e-6);
+  const BetweenParts between = CheckAgreement(misfit.problem, {1, 0}, &estimate);
+  ASSERT_EQ(between.variance.size(), estimate.covariance.rows());
+  const int at = estimate.parameters.FindCoordinate("geometry/dq3");
+  const auto p = std::find(estimate.estimated.begin(), estimate.estimated.end(), at) - estimate.estimated.begin();
+  ASSERT_LT(p, between.variance.size());
+  EXPECT_GT(between.variance[p], estimate.covariance(p, p));  // where the error is, more than noise
   EXPECT_THAT(report.words.back(), HasSubstr("contradict each other"));
   // The same halves refitted from scratch, by another route to the same figure.
   std::vector<double> q3;
@@ -124,6 +130,7 @@ TEST(Agreement, SmallDataSetsSayThatTheyAreTooSmall) {
   Estimate estimate;
   const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, Experiment()), &estimate);
   EXPECT_FALSE(report.known);
+  EXPECT_FALSE(CheckAgreement(test::Kr270ProblemOf(data, Experiment()), {1, 0}, &estimate).known());
   EXPECT_FALSE(report.disagrees);
   EXPECT_THAT(report.words.back(), HasSubstr("Too few"));
 }

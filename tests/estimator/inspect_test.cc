@@ -285,7 +285,11 @@ TEST(Inspect, LoadsWithoutCounterpartAndCompliancesWithoutTorque) {
   Measurements data = test::LoadedRows(design, truth);
   test::Measure(test::ExactPoints(truth, data), design.sigma, 3, &data);
   const test::LoadedSetup setup = test::SetupFor(truth);
-  Inspection inspection = Inspect(MakeCalibrationProblem(setup.robot, data, setup.experiment));
+  const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
+  Inspection inspection = Inspect(problem);
+  // The nominal robot before, loaded rows included, is what an estimate calls before.
+  const double before = EstimateJointly(problem).fit_before.distance_rms;
+  EXPECT_NEAR(inspection.aligned.distance_rms / before, 1.0, 1e-9);
   EXPECT_THAT(Codes(inspection, Severity::kSerious), ElementsAre());
   EXPECT_EQ(Find(inspection, "load_without_unloaded"), nullptr);
   const Finding* finding = Find(inspection, "unidentifiable");

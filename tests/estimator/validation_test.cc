@@ -120,5 +120,17 @@ TEST(Trust, PointsThatWereNeverMeasuredAreDoubted) {
   EXPECT_THAT(trust.verdict.words, HasSubstr("below any instrument's noise"));
 }
 
+// A robot file that is as good as its own calibration is called that, not worse than itself.
+TEST(Trust, ARobotFileThatIsCalibratedAlreadyIsAsGoodAsBefore) {
+  CalibrationProblem problem = Problem();
+  Estimate estimate = EstimateJointly(problem);
+  estimate.aligned = estimate.parameters;
+  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  ASSERT_LT(trust.nominal.distance_rms, trust.Quoted().distance_rms);
+  const bool is_close = trust.nominal.distance_rms > 0.95 * trust.Quoted().distance_rms;
+  EXPECT_EQ(trust.verdict.trusted, is_close);
+  EXPECT_THAT(trust.verdict.words, HasSubstr(is_close ? "the robot file was as good already" : "worse than the robot"));
+}
+
 }  // namespace
 }  // namespace sagitta

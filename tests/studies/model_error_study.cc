@@ -1,16 +1,24 @@
 // Real robots: does `ci95`, the interval with model error that calibrate gives, hold elsewhere?
 //
-//   sagitta_model_error_study
+//   sagitta_model_error_study [simulated=0]
 //
 // Every part is calibrated by itself, as `sagitta calibrate` does, and states its own intervals: the halves of a series
 // (UR5; UR10 A, B, C, D) above and below the median of each joint and of x, y, z; the UR10's series against each other.
 // Counted: geometric errors that both parts estimate and whose difference lies within the root of the sum of the
 // squared halves of the two intervals. A value tied to a held one counts by its unconditional interval.
+//
+// Each half also predicts the other one's points, as `sagitta predict` does: coordinates within 1.96 standard
+// deviations of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without.
+//
+// simulated: so many clean data sets of the KR 270 besides (60 configurations): how often ci95 holds the truth, and in
+// how many data sets any of it differs from ci95_noise_only.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "estimator/sagitta.h"
+#include "estimator/statistics/distributions.h"
+#include "tests/support/noise_experiment.h"
 #include "tests/support/real_data.h"
 
 namespace {
@@ -30,6 +38,60 @@ struct Tally {
     std::fflush(stdout);
   }
 };
+
+// Points of another part, predicted.
+struct Predicted {
+  int coordinates = 0, inside = 0, inside_noise_only = 0;
+  double squares = 0.0;
+  std::vector<double> deviations;  // psig, m
+  void Add(const Predicted& other) {
+    coordinates += other.coordinates;
+    inside += other.inside;
+    inside_noise_only += other.inside_noise_only;
+    squares += other.squares;
+    deviations.insert(deviations.end(), other.deviations.begin(), other.deviations.end());
+  }
+  void Print(const std::string& what) {
+    std::sort(deviations.begin(), deviations.end());
+    const double middle = deviations.empty() ? 0.0 : deviations[deviations.size() / 2];
+    std::printf(
+        "%-28s %5d predicted coordinates, within 95 %% %5.1f %%, without model error %5.1f %%; RMS %.3f mm, "
+        "median psig %.3f mm\n",
+        what.c_str(), coordinates, 100.0 * inside / std::max(1, coordinates),
+        100.0 * inside_noise_only / std::max(1, coordinates), 1e3 * std::sqrt(squares / std::max(1, coordinates)),
+        1e3 * middle);
+    std::fflush(stdout);
+  }
+};
+
+// Rows of `part` that were excluded, by the calibration of the others.
+Predicted PredictTheRest(const Calibration& part) {
+  Measurements rows = part.problem.data;
+  for (Observation& observation : rows.observations) observation.excluded = false;
+  Calibration noise_only = part;
+  noise_only.trust.between = {};
+  noise_only.trust.excess = 1.0;
+  const Prediction with = Predict(KnownFrom(part), rows), without = Predict(KnownFrom(noise_only), rows);
+  Predicted found;
+  for (size_t k = 0; k < rows.observations.size(); ++k) {
+    if (!part.problem.data.observations[k].excluded) continue;
+    const auto column = static_cast<Eigen::Index>(k);
+    const Vector3<double> error = rows.observations[k].point_in_station - with.points.col(column);
+    const Matrix3<double> reading = with.covariances[k].arm + with.instrument[k] * with.instrument[k].transpose();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto is_inside = [&](const Prediction& by) {
+        return std::abs(error[axis]) <=
+               NormalQuantile(0.975) * std::sqrt(by.covariances[k].mean()(axis, axis) + reading(axis, axis));
+      };
+      ++found.coordinates;
+      found.inside += is_inside(with);
+      found.inside_noise_only += is_inside(without);
+      found.squares += error[axis] * error[axis];
+      found.deviations.push_back(std::sqrt(with.covariances[k].mean()(axis, axis)));
+    }
+  }
+  return found;
+}
 
 double HalfWidth(const Interval& interval) { return 0.5 * (interval.high - interval.low); }
 
@@ -61,7 +123,7 @@ CalibrationProblem Part(CalibrationProblem problem, const std::function<bool(con
 }
 
 // Halves by a joint (0, 1, …) or, beyond them, by x, y, z.
-Tally Halves(const CalibrationProblem& problem, int by) {
+Tally Halves(const CalibrationProblem& problem, int by, Predicted* predicted) {
   const int joints = problem.robot.chain.num_joints();
   const auto value_of = [&](const Observation& observation) {
     return by < joints ? problem.data.ConfigurationOf(observation).q[by] : observation.point_in_station[by - joints];
@@ -75,17 +137,49 @@ Tally Halves(const CalibrationProblem& problem, int by) {
         Part(problem, [&](const Observation& observation) { return (value_of(observation) >= middle) == above; }));
   };
   const Calibration low = half(false), high = half(true);
-  return IsUsable(low.estimate.status) && IsUsable(high.estimate.status) ? Compare(low, high) : Tally();
+  if (!IsUsable(low.estimate.status) || !IsUsable(high.estimate.status)) return {};
+  for (const Calibration* part : {&low, &high}) predicted->Add(PredictTheRest(*part));
+  return Compare(low, high);
+}
+
+void StudyClean(int trials) {
+  test::Kr270Design design;
+  design.configurations = 60;
+  design.stations = 1;
+  Measurements data = test::DesignMeasurements(design);
+  const test::Kr270Truth truth;
+  int inside = 0, inside_noise_only = 0, compared = 0, wide = 0;
+  for (int t = 0; t < trials; ++t) {
+    test::MeasureKr270(truth, design.sigma, 9000 + t, &data);
+    const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
+    const Calibration result = Calibrate(problem);
+    const auto holds = [](const Interval& interval, double value) {
+      return interval.low <= value && value <= interval.high;
+    };
+    wide += result.trust.model_error > 1.0;
+    for (const int i : result.estimate.estimated) {
+      const double value = result.estimate.table[i].value - test::NoiseErrorOf(result.estimate, truth, i);
+      ++compared;
+      inside += holds(result.estimate.table[i].ci95, value);
+      inside_noise_only += holds(result.trust.ci95_noise_only[i], value);
+    }
+  }
+  std::printf("clean: %d data sets, %d intervals: ci95 holds %.2f %%, ci95_noise_only %.2f %%; they differ in %d\n",
+              trials, compared, 100.0 * inside / std::max(1, compared),
+              100.0 * inside_noise_only / std::max(1, compared), wide);
 }
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const int simulated = argc > 1 ? std::atoi(argv[1]) : 0;
+  if (simulated > 0) StudyClean(simulated);
   if (!test::HasRealData()) {
     std::printf("no ../shared/data: nothing to study\n");
     return 0;
   }
   Tally regions, series;
+  Predicted points;
   std::vector<Calibration> alone;
   for (const auto& [folder, file] : {std::pair<const char*, const char*>{"ur5_gts3800", "measurements.csv"},
                                      {"ur10_leica", "series_A.csv"},
@@ -94,9 +188,12 @@ int main() {
                                      {"ur10_leica", "series_D.csv"}}) {
     const CalibrationProblem problem = test::RealProblem(folder, {file}, Experiment());
     Tally own;
-    for (int by = 0; by < problem.robot.chain.num_joints() + 3; ++by) own.Add(Halves(problem, by));
+    Predicted of_halves;
+    for (int by = 0; by < problem.robot.chain.num_joints() + 3; ++by) own.Add(Halves(problem, by, &of_halves));
     own.Print(std::string("halves of ") + folder + " " + file);
+    of_halves.Print("");
     regions.Add(own);
+    points.Add(of_halves);
     if (std::string(folder) == "ur10_leica") alone.push_back(Calibrate(problem));
   }
   for (size_t a = 0; a < alone.size(); ++a) {
@@ -106,6 +203,7 @@ int main() {
       series.Add(own);
     }
   }
+  points.Print("the other half");
   regions.Print("between regions");
   series.Print("between series");
   return 0;

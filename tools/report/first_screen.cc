@@ -5,11 +5,13 @@
 
 #include "models/constants.h"
 #include "tools/report/histograms.h"
+#include "tools/report/remedies.h"
 
 namespace sagitta {
 namespace {
 
-constexpr size_t kShown = 10;  // suspect rows
+constexpr size_t kShown = 10;           // suspect rows
+constexpr size_t kShownDirections = 3;  // of one remedy
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 3); }
 
@@ -60,9 +62,8 @@ Section Unseen(const Trust& trust) {
 
 Section NotMeasured(const Estimate& estimate) {
   Section section;
-  section.title = "Not measured";
-  for (const Direction& direction : estimate.identifiability.unidentifiable)
-    section.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
+  section.title = "Not measured (held): " + std::to_string(estimate.identifiability.unidentifiable.size());
+  section.paragraphs = DirectionsInWords(estimate.identifiability.unidentifiable, kShownDirections);
   return section;
 }
 
@@ -117,9 +118,17 @@ std::vector<Section> CorrectedTable(const Calibration& calibration) {
 std::vector<Section> CalibrationSections(const Calibration& calibration) {
   std::vector<Section> sections = FirstScreen(calibration);
   for (Section& section : CorrectedTable(calibration)) sections.push_back(std::move(section));
-  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate, calibration.trust.model_error);
+  std::vector<Section> rest = Summarise(calibration.problem, calibration.estimate, calibration.trust.model_error_sigma);
   rest.front().title = "Estimate";
-  for (Section& section : rest) sections.push_back(std::move(section));
+  // What the first screen has said in full is not said again.
+  const auto is_said = [&](const Section& section) {
+    return !section.paragraphs.empty() && section.header.empty() &&
+           std::any_of(sections.begin(), sections.end(),
+                       [&](const Section& other) { return other.paragraphs == section.paragraphs; });
+  };
+  for (Section& section : rest) {
+    if (!is_said(section)) sections.push_back(std::move(section));
+  }
   return sections;
 }
 

@@ -5,6 +5,7 @@
 
 #include "models/constants.h"
 #include "tools/report/charts.h"
+#include "tools/report/remedies.h"
 #include "tools/report/report_html.h"
 
 namespace sagitta {
@@ -34,9 +35,9 @@ std::string MisfitInWords(const Inspection& inspection) {
   const double misfit = inspection.aligned.distance_rms;
   if (!std::isfinite(misfit))
     return "The nominal robot finds no equilibrium under its loads: nothing can be predicted.";
-  return "The aligned nominal robot misses by " + Fixed(1e3 * misfit, 3) +
-         " mm RMS distance; a linear fit of all unknowns would leave " + Fixed(1e3 * inspection.linear_rms, 4) +
-         " mm RMS per coordinate. " + NoiseInWords(inspection);
+  return "The nominal robot, base and markers fitted, misses by " + Fixed(1e3 * misfit, 3) +
+         " mm (RMS of distances); a linear fit of all unknowns would leave " +
+         Fixed(1e3 * std::sqrt(3.0) * inspection.linear_rms, 3) + " mm. " + NoiseInWords(inspection);
 }
 
 Section Overview(const CalibrationProblem& problem, const Inspection& inspection) {
@@ -56,13 +57,19 @@ Section Overview(const CalibrationProblem& problem, const Inspection& inspection
 Section FindingSection(const Inspection& inspection, Severity severity, const std::string& title) {
   Section section;
   section.title = title;
+  std::vector<WordsAndRemedy> of_all_rows;
   for (const Finding& finding : inspection.findings) {
     if (finding.severity != severity) continue;
+    if (finding.rows.empty() && !finding.remedy.empty()) {
+      of_all_rows.emplace_back(finding.words, finding.remedy);
+      continue;
+    }
     std::string words = "- " + finding.words + ".";
     if (!finding.remedy.empty()) words += " Remedy: " + finding.remedy + ".";
     if (!finding.rows.empty()) words += " Rows: " + Enumerate(finding.rows, kShownRows) + ".";
     section.paragraphs.push_back(words);
   }
+  for (const std::string& words : GroupedByRemedy(of_all_rows, kShownRows)) section.paragraphs.push_back(words);
   return section;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "estimator/statistics/median.h"
+#include "tools/report/remedies.h"
 
 namespace sagitta {
 namespace {
@@ -226,8 +227,8 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
                         "robot fits best. calibrated: nominal + correction."};
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.push_back(
-        "not measured: held where the data fit best; the value means nothing by itself. tied: moves with such a one; "
-        "its ± takes that one as exact; with what that one may be: `unconditional` in estimate.json.");
+        "not measured: held where the data fit best; the value means nothing by itself. tied: moves together with one "
+        "that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does not).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
@@ -252,9 +253,7 @@ void AddIdentifiability(const CalibrationProblem& problem, const Estimate& estim
   const Identifiability& found = estimate.identifiability;
   Section held, weak;
   held.title = "What the data do not determine (held)";
-  for (const Direction& direction : found.unidentifiable) {
-    held.paragraphs.push_back("- " + direction.words + ". Remedy: " + direction.remedy + ".");
-  }
+  held.paragraphs = DirectionsInWords(found.unidentifiable, found.unidentifiable.size());
   if (!held.paragraphs.empty()) sections->push_back(held);
   weak.title = "What the data determine poorly (worse than 1 mm, 1 mrad or half its value)";
   for (const Direction& direction : found.weak) {
