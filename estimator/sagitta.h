@@ -48,6 +48,7 @@ void CheckReadings(const CalibrationProblem& problem, const std::string& remedy)
 // Sets 30 % of the configurations aside where the experiment does not say which, as a diagnosis needs.
 void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment);
 
+// How Calibrate goes about it.
 struct CalibrateOptions {
   std::string method = "joint";  // one of MethodNames() (estimator/baselines/compare_methods.h)
   int num_threads = 1;
@@ -55,6 +56,7 @@ struct CalibrateOptions {
   std::function<void(const std::string&)> progress = {};
 };
 
+// What Calibrate found.
 struct Calibration {
   CalibrationProblem problem;  // with the noise that was found and outliers excluded: judge and refit with this one
   Estimate estimate;
@@ -82,6 +84,7 @@ KnownRobot KnownFrom(const Calibration& calibration);
 // A truth that an experiment states: its robot, `stations` and `markers`. Throws InputError where one is missing.
 KnownRobot KnownFrom(const std::string& file, const Robot& robot, const Experiment& experiment);
 
+// Predicted readings, one per row.
 struct Prediction {
   // m, one column per observation, in its station's frame; of a rotation its rotation vector, rad.
   Eigen::Matrix3Xd points;
@@ -107,6 +110,8 @@ struct Validation {
   std::vector<std::string> warnings;
 };
 
+// The estimate against rows that it has not seen. Throws InputError for a station, marker or load that it does not
+// know.
 Validation Validate(const KnownRobot& known, const Measurements& rows);
 // validation.json, and the rows with prediction and residual.
 nlohmann::ordered_json ValidationToJson(const Validation& validation, const Provenance& provenance);
@@ -120,6 +125,7 @@ struct SimulateOptions {
   std::optional<double> sigma = {};
   std::uint64_t seed = 1;
 };
+// Rows with simulated readings: the known robot, with noise and repeatability as the experiment states them.
 Measurements Simulate(const KnownRobot& known, const Measurements& rows, const Experiment& experiment,
                       const SimulateOptions& options = {});
 

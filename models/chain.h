@@ -21,6 +21,7 @@ namespace sagitta {
 
 enum class JointType { kRevolute, kPrismatic };
 
+// A joint as the robot file has it; its value drives one transform.
 struct Joint {
   std::string name;
   JointType type = JointType::kRevolute;
@@ -28,8 +29,10 @@ struct Joint {
   std::optional<double> max;  // rad or m
 };
 
+// What an elementary transform does with respect to its axis.
 enum class Motion { kTranslation, kRotation };
 
+// One of Tx Ty Tz Rx Ry Rz: value = nominal + sign (joint value) + error, m or rad.
 struct ElementaryTransform {
   Motion motion = Motion::kTranslation;
   Axis axis = Axis::kX;
@@ -51,6 +54,7 @@ struct Coupling {
   double ratio = 0.0;
 };
 
+// Transforms from the base to the flange, in their order.
 struct Chain {
   std::vector<Joint> joints;
   std::vector<ElementaryTransform> transforms;

@@ -17,6 +17,7 @@ namespace sagitta {
 
 enum class DhConvention { kStandard, kModified };
 
+// One row of a DH table, m and rad.
 struct DhLink {
   int joint = -1;      // index into the joints
   double a = 0.0;      // m

@@ -70,6 +70,7 @@ struct PointPrediction {
 
 class MarkerVelocities;  // forward_model.cc
 
+// Predicts readings of one robot, with their derivatives.
 class ForwardModel {
  public:
   // `markers`: names, for effects that act on one.

@@ -45,6 +45,7 @@ Eigen::Quaternion<T> QuaternionFromRotationVector(const Vector3<T>& v) {
   return {T(1) - squared_angle / T(8), T(0.5) * v.x(), T(0.5) * v.y(), T(0.5) * v.z()};
 }
 
+// R = exp([v]x), v in rad.
 template <typename T>
 Matrix3<T> RotationFromVector(const Vector3<T>& v) {
   return QuaternionFromRotationVector(v).toRotationMatrix();
@@ -59,6 +60,7 @@ inline Vector3<double> RotationVector(const Eigen::Quaterniond& rotation) {
   return 2.0 * std::atan2(n, sign * rotation.w()) / n * v;
 }
 
+// v with R = exp([v]x), rad.
 inline Vector3<double> RotationVector(const Matrix3<double>& rotation) {
   return RotationVector(Eigen::Quaterniond(rotation));
 }

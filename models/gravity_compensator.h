@@ -24,6 +24,7 @@ struct CompensatorParameters {
   T Kc;               // N/m
 };
 
+// Length of the spring, m, at joint value q, rad (law of cosines).
 template <typename T>
 T CompensatorSpringLength(const CompensatorParameters<T>& p, const T& q) {
   using std::cos;

@@ -25,6 +25,7 @@ enum class Quantity {
   kCurvature,         // rad/m
 };
 
+// How a quantity is written, and when it counts as held or weak.
 struct QuantityTraits {
   const char* unit;    // in results
   double si_per_unit;  // SI value of one unit
@@ -32,6 +33,7 @@ struct QuantityTraits {
   double weak_limit;   // SI; known worse than this is "weak"; 0: worse than half its value
 };
 
+// The traits of a quantity.
 const QuantityTraits& TraitsOf(Quantity quantity);
 
 // SI value of one unit of results ("mm", "urad/Nm"); 0 for an unknown unit.

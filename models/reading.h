@@ -14,6 +14,7 @@ namespace sagitta {
 
 enum class ReadingKind { kPoint, kRotation };
 
+// What was read of a target: its point, m, or its rotation, in the station frame.
 struct TargetReading {
   ReadingKind kind = ReadingKind::kPoint;
   Vector3<double> point = Vector3<double>::Zero();         // m; of a rotation: where its target is

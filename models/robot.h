@@ -50,6 +50,7 @@ struct GravityCompensator {
 
 struct EffectDefinition;  // models/effects/effect.h
 
+// A robot as its file states it: geometry, elasticity, effects; SI.
 struct Robot {
   std::string name;
   Chain chain;
@@ -63,6 +64,7 @@ struct Robot {
   int num_joints() const { return chain.num_joints(); }
 };
 
+// The chain of a table of DH rows, one joint per row.
 Chain ChainFromDhTable(const std::vector<Joint>& joints, const std::vector<Coupling>& couplings, const DhTable& table);
 
 // The robot with geometric errors (SI, by error name) moved into its nominal

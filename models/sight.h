@@ -60,6 +60,7 @@ struct SightGradient {
   Vector3<double> displacement;
   Matrix3<double> by_point, by_axis;
 };
+// At a point, m, of a marker with that axis.
 SightGradient DifferentiateSight(const SightTerm& term, const Vector3<double>& point, const Vector3<double>& axis);
 
 }  // namespace sagitta

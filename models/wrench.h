@@ -21,6 +21,7 @@ namespace sagitta {
 // given in the flange turns with the flange.
 enum class WrenchFrame { kMeasurement, kBase, kFlange };
 
+// Force and moment at a point that rides on the arm.
 struct AppliedWrench {
   int frame = 0;                                     // chain frame its point rides on
   Vector3<double> point = Vector3<double>::Zero();   // m, in that frame
@@ -36,6 +37,7 @@ struct WrenchInBase {
   Vector3<T> point, force, moment;
 };
 
+// base_rotation: R of base_in_station, for wrenches given in the measurement frame.
 template <typename T>
 WrenchInBase<T> ToBase(const AppliedWrench& wrench, const ChainState<T>& state, const Matrix3<T>& base_rotation) {
   WrenchInBase<T> result;

@@ -17,6 +17,9 @@
 namespace sagitta {
 
 struct CalibrationProblem {
+  // Complete: places of markers, what acts in each shot and stated repeatability follow from the three; unknowns are at
+  // their nominal values. Throws InputError. MakeCalibrationProblem also checks the data and takes start values and
+  // what is free from the experiment.
   CalibrationProblem(Robot robot, Measurements data, Experiment experiment);
 
   Robot robot;

@@ -17,6 +17,7 @@ struct JointRange {
   std::vector<double> levels;
 };
 
+// A box; its faces belong to it.
 struct CellBox {
   std::string name;
   Pose<double> base_from_box;  // its centre and edges
@@ -39,6 +40,7 @@ struct LinkCapsule {
   double radius = 0.0;
 };
 
+// An axis that must stay within an angle of a direction.
 struct DirectionCone {
   Vector3<double> axis;       // unit, in the frame of what carries it
   double half_angle = 0.0;    // rad
@@ -51,6 +53,7 @@ struct SightRange {
   double min_elevation = -1.6, max_elevation = 1.6;  // rad
 };
 
+// What poses must keep to.
 struct Cell {
   std::string file;
   std::vector<JointRange> joints;  // one per joint of the robot

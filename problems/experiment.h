@@ -19,6 +19,7 @@ struct LoadSpec {
   WrenchFrame frame = WrenchFrame::kMeasurement;
 };
 
+// A marker as stated: where it sits and on what.
 struct MarkerSpec {
   std::optional<Vector3<double>> point;   // m, in the frame it is on
   std::string on = "flange";              // flange, base, world or a joint's name
@@ -27,6 +28,7 @@ struct MarkerSpec {
   std::optional<double> spring_sigma;     // m, per coordinate: how well it sits on that end
 };
 
+// A station as stated: where the base is seen from it.
 struct StationSpec {
   std::optional<Vector3<double>> base_xyz;        // m; base pose in the station frame
   std::optional<Vector3<double>> base_rotvec;     // rad
@@ -34,6 +36,7 @@ struct StationSpec {
   std::optional<bool> levelled;
 };
 
+// Where the noise of the readings comes from.
 struct NoiseSpec {
   enum class From { kDefault, kSigma, kRows, kRepeats, kResiduals, kInstrument, kVarianceComponents };
   From from = From::kDefault;   // rows where stated, else estimated
@@ -46,6 +49,7 @@ struct NoiseSpec {
   double range = 0.0, range_per_m = 0.0, angle = 0.0, angle_per_m = 0.0;  // m, m/m
 };
 
+// Standard deviation of what a joint repeats by from arrival to arrival.
 struct RepeatabilitySpec {
   // Of the revolute joints in rad, of the prismatic ones in m.
   struct OfKind {
@@ -82,6 +86,7 @@ struct Selection {
   std::vector<std::string> names;
 };
 
+// What is unknown.
 struct EstimateSpec {
   bool base = true;
   bool markers = true;
@@ -93,11 +98,13 @@ struct EstimateSpec {
   std::vector<std::string> free;
 };
 
+// Knowledge from elsewhere of one parameter.
 struct Prior {
   double value = 0.0;  // in the parameter's unit of FORMATS section 4
   double sigma = 0.0;
 };
 
+// Which configurations are set aside.
 struct ValidationSpec {
   enum class Kind { kSetColumn, kNone, kColumn, kFraction };
   Kind kind = Kind::kSetColumn;  // the column `set` where the data have one
@@ -115,6 +122,7 @@ struct BootstrapSpec {
   unsigned long long seed = 1;
 };
 
+// Everything that the file states; each default is the one that FORMATS.md gives.
 struct Experiment {
   std::string file;  // "" when put together from the command line
   std::string sha256;

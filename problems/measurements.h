@@ -29,18 +29,21 @@ struct MeasurementFile {
   int FindColumn(const std::string& name) const;  // -1: none
 };
 
+// What a row states of its load, N and N m.
 struct Wrench {
   Vector3<double> force = Vector3<double>::Zero();   // N
   Vector3<double> moment = Vector3<double>::Zero();  // N m
   bool IsZero() const { return force.isZero(0.0) && moment.isZero(0.0); }
 };
 
+// Joint values that were commanded, and whether they are set aside.
 struct Configuration {
   std::string id;
   Eigen::VectorXd q;  // commanded, rad or m, one per joint
   bool is_validation = false;
 };
 
+// One look at the arm: a configuration, loaded or not, from one station.
 struct Shot {
   int configuration = -1;
   int station = -1;
@@ -59,6 +62,7 @@ struct Shot {
   std::vector<int> observations;
 };
 
+// One reading of one marker in a shot.
 struct Observation {
   int shot = -1;
   int marker = -1;
@@ -80,6 +84,7 @@ struct Observation {
   void Read(const Vector3<double>& exact, const Vector3<double>& error);
 };
 
+// All rows, as configurations, shots and observations that refer to each other by index.
 struct Measurements {
   std::vector<MeasurementFile> files;
   std::vector<std::string> stations;  // names, in order of appearance

@@ -37,12 +37,14 @@ struct Coordinate {
   bool estimated() const { return free && !held; }
 };
 
+// What the values of a block are.
 enum class BlockKind { kStationTranslation, kStationRotation, kMarker, kMarkerRotation, kModelParameter };
 // Unit quaternions with a left perturbation.
 inline bool IsRotation(BlockKind kind) {
   return kind == BlockKind::kStationRotation || kind == BlockKind::kMarkerRotation;
 }
 
+// Values that the solver moves together; a rotation is a quaternion with three tangent directions.
 struct ParameterBlock {
   std::string name;  // base/<station>/position, base/<station>/rotation, marker/<id>, geometry/<error>
   BlockKind kind = BlockKind::kModelParameter;
@@ -52,6 +54,7 @@ struct ParameterBlock {
   int tangent_size = 1;
 };
 
+// All unknowns of a problem, by name and by coordinate.
 class ParameterSet {
  public:
   ParameterSet() = default;

@@ -25,6 +25,7 @@ struct JointOptions {
   bool judge = true;  // step 4; false between the rounds of an outer loop
 };
 
+// All unknowns in one solve, from the aligned nominal robot. Numerical failure is a status.
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options = {});
 
 // Steps 2 to 4 from a start of one's own: base, markers and model values of

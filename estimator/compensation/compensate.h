@@ -23,6 +23,7 @@ struct CompensationInput {
   double model_error = 1.0;          // factor on standard deviations
 };
 
+// A target with the joint values that reach it, and what is left.
 struct CompensatedTarget {
   FlangeSolution solution;       // by the estimated model
   Eigen::VectorXd q_nominal;     // where the nominal model has the target; empty: nowhere

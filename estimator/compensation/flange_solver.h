@@ -38,6 +38,7 @@ class LoadedArm {
   std::vector<double> theta_;
 };
 
+// How a target came out.
 enum class TargetStatus { kOk, kSingular, kLimit, kUnreachable, kEquilibriumDiverged, kNotConverged };
 // "ok", "singular", ...
 const char* StatusName(TargetStatus status);
@@ -45,6 +46,7 @@ const char* StatusName(TargetStatus status);
 // On target within these: 1e-6 mm, and 1e-6 mrad, a nanometre at one metre.
 constexpr double kOnTarget = 1e-9;  // m and rad
 
+// Joint values for a flange pose.
 struct FlangeSolution {
   TargetStatus status = TargetStatus::kNotConverged;
   Eigen::VectorXd q;

@@ -19,17 +19,20 @@ struct Candidate {
   bool keeps_shape = false;  // of a spring: the data hardly tell its shape, it stays near the start's
 };
 
+// An effect that these data cannot show, and what is missing.
 struct NotTestable {
   std::string effect;
   std::string target;
   std::string needs;  // a column, or words
 };
 
+// The catalogue on this robot and these data.
 struct CandidateList {
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;
 };
 
+// Their specs, in their order.
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 
 // `estimated`: values of the believed model; what acts through a compliance of zero there cannot be tested.

@@ -22,6 +22,7 @@ namespace sagitta {
 
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
+// Where the misfit is: the share of one configuration, marker, joint, ….
 struct WhereShare {
   std::string by;  // config, marker, axis, joint, load, station, time
   std::string key;
@@ -39,6 +40,7 @@ struct ScreenedCandidate {
   std::optional<double> holdout_rms;  // m; of those with a share of the probability
 };
 
+// An effect that the diagnosis names, with what it explains and what speaks for it.
 struct DiagnosisStep {
   Candidate candidate;  // vague: parameters that the data cannot tell
   double probability = 0.0;
@@ -77,6 +79,7 @@ struct ReportedFlip {
   ReportedSet more, fewer;  // than is named
 };
 
+// The probabilities by name, and what they would be under another prior.
 struct ReportedPosterior {
   double nothing = 1.0, noise = 0.0, unnamed = 0.0;
   std::vector<std::pair<EffectSpec, double>> explanations;
@@ -87,6 +90,7 @@ struct ReportedPosterior {
 
 struct LearntModel;  // learnt_model.h
 
+// All that a diagnosis found; the verdict is pessimistic until it is done.
 struct Diagnosis {
   std::string verdict;  // consistent, noise, explained, partly, unknown
   Status status = Status::kNoConvergence;
@@ -112,6 +116,7 @@ struct Diagnosis {
 // Steps with their probability while the work goes on: refitted, not yet judged by the full estimator.
 using FoundSoFar = std::vector<std::pair<EffectSpec, double>>;
 
+// How Diagnose searches, and whom it tells of its progress.
 struct DiagnosisOptions {
   double significance = 0.01;
   PriorMasses prior;
@@ -122,8 +127,10 @@ struct DiagnosisOptions {
   std::function<void(const FoundSoFar&)> found;  // whenever the steps change; may be empty
 };
 
+// Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis).
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);
 
+// Where the chi-square beyond the noise is, by configuration, marker, joint, …; largest shares first.
 std::vector<WhereShare> FindWhere(const DiagnosedModel& model);
 
 }  // namespace sagitta

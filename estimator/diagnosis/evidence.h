@@ -44,12 +44,14 @@ struct WeightedModel {
 // Sorted by weight, with probabilities that sum to 1.
 void Normalise(std::vector<WeightedModel>* models);
 
+// Normal equations of the explanations in one view of the noise.
 struct ViewedNormal {
   NoiseView view;
   JointScatter scatter;
   BesideBelieved beside;
 };
 
+// What the rows say of all explanations, for every view of the noise.
 class Evidence {
  public:
   // sigma_dof: what states the noise (ResidualLikelihood).

@@ -52,6 +52,7 @@ struct LengthOfLink {
 // Between a joint (-1: the base) and the next, or the flange.
 std::vector<LengthOfLink> LengthsOfLink(const Chain& chain, int joint);
 
+// Functions of the shots that one source may follow, each a column.
 struct FunctionFamily {
   Source source;
   Eigen::MatrixXd functions;  // one row per shot of the data
@@ -79,6 +80,7 @@ struct BesideBelieved {
   double log_constant = 0.0;  // -1/2 (log |C| + log |J' C^-1 J|): compares ways to whiten
 };
 
+// The columns of everything that is believed or may explain, and their sums over the rows.
 class EvidenceColumns {
  public:
   // Candidates without columns of their own (the gravity compensator) are left out.

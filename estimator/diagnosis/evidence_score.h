@@ -37,9 +37,11 @@ struct GroupGain {
   double log_det = 0.0;
 };
 
+// Of a group with prior standard deviation `scale`, in typical sizes, from its information and gradient.
 GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
                  const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale);
 
+// log of the sum of exponentials, without overflow.
 double LogSumExp(const std::vector<double>& logs);
 
 // A wrong unit's decades: mm for 10 um, or a sigma of the last digit. Where the true factor lay beyond, what no factor

@@ -21,6 +21,7 @@ struct PlaceInPrior {
   double weight = 0.0;  // in its family; 0 in all of them: equal
 };
 
+// Everything that may be missing, with its share of the prior; lists of equal length.
 struct ExplanationList {
   std::vector<Explanation> math;
   std::vector<int> candidate;         // of each, index into `candidates`; -1: unnamed

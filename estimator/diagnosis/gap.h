@@ -17,6 +17,7 @@ struct GapReport {
 // RMS over the coordinates of the hold-out, m; not a number without one.
 double HoldoutRms(const DiagnosedModel& model);
 
+// How much of the gap of the baseline the extended model closes on the hold-out.
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated);
 
 }  // namespace sagitta

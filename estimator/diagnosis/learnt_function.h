@@ -18,6 +18,7 @@ struct FunctionPoint {
   double sigma = 0.0;
 };
 
+// A function of the data that no effect of the catalogue is.
 struct LearntFunction {
   std::string kind = "other";  // smooth, periodic, step, time, other
   std::string acts_on;         // joint, station or marker; empty: no cause stands out

@@ -23,6 +23,7 @@ struct ProposedPose {
   int like = 0;       // configuration of the data whose loads, stations and markers it is measured with
 };
 
+// What to measure next, and what it is expected to decide.
 struct NextPoses {
   std::vector<ProposedPose> poses;
   double decides = 0.0;  // probability that the right explanation is expected to have after measuring them

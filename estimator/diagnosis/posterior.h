@@ -18,12 +18,14 @@ struct NameSet {
   std::vector<int> models;  // all of them
 };
 
+// A name with the probability that its explanation holds.
 struct NamedProbability {
   std::string name;
   int explanation = 0;  // the most probable of that name
   double probability = 0.0;
 };
 
+// Probabilities of names and of sets of names.
 struct Posterior {
   double nothing = 0.0;                        // no explanation, noise as stated
   double noise = 0.0;                          // no explanation, noise other than stated

@@ -15,6 +15,7 @@ struct QuickRefit {
   Eigen::VectorXd sigmas;  // per coordinate of `parameters`, SI, at the stated noise; 0 unless estimated
 };
 
+// Estimates what `start` estimates, beginning there.
 QuickRefit RefitQuickly(const CalibrationProblem& problem, const ParameterSet& start);
 
 }  // namespace sagitta

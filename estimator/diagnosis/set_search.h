@@ -21,6 +21,7 @@ struct FewExplanations {
   std::vector<int> columns;
   std::vector<Explanation> explanations;
 };
+// Of a list, those at the places `chosen`.
 FewExplanations WithTheirColumns(const std::vector<Explanation>& list, const std::vector<int>& chosen);
 
 // nothing: no explanation holds. further: each one beside the first. P(set of m) = (1 - nothing) further^(m-1) m! times
@@ -32,6 +33,7 @@ struct SetPrior {
   double Log(const std::vector<double>& shares) const;
 };
 
+// A set of explanations and how probable it is.
 struct WeightedSet {
   std::vector<int> members;     // ascending
   std::vector<double> scales;   // the best of each
@@ -66,6 +68,7 @@ class FoundSets {
   std::set<Place> by_weight_;
 };
 
+// Climbs and grows sets of explanations by their marginal likelihood.
 class SetSearch {
  public:
   SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,

@@ -48,11 +48,13 @@ struct HalfResult {
   Eigen::MatrixXd covariance;
 };
 
+// Do two halves of the poses say the same of a step?
 struct Confirmation {
   std::vector<HalfResult> halves;
   double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare
 };
 
+// in_place: what else could stand in the place of the member, with its probability.
 Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int member,
                      const std::vector<NamedProbability>& in_place);
 

@@ -18,6 +18,7 @@ struct StepView {
   std::vector<double> simulated;    // what the step says
 };
 
+// Of a model that has the effect.
 StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec);
 
 }  // namespace sagitta

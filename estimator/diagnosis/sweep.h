@@ -109,6 +109,7 @@ struct GroupValues {
   Eigen::VectorXd values;
   Eigen::MatrixXd covariance;
 };
+// scales: prior standard deviation of each group, in typical sizes.
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                      const std::vector<double>& scales);
 

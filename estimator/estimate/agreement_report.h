@@ -25,6 +25,7 @@ struct RepeatFit {
   int between_dof = 0, within_dof = 0;
 };
 
+// What the comparison of parts of the data found.
 struct AgreementReport {
   bool known = false;                                            // there was enough to divide
   std::string covariance = "model";                              // of the intervals that were compared: model, sandwich

@@ -45,11 +45,13 @@ ResidualSize MeasureResiduals(const Eigen::Matrix3Xd& residuals);
 ResidualSize MeasureReadings(const Measurements& data, const std::vector<int>& observations,
                              const Eigen::Matrix3Xd& predicted);
 
+// From low to high.
 struct Interval {
   double low = 0.0;
   double high = 0.0;
 };
 
+// One line of the table: a coordinate with its value and intervals.
 struct ParameterEstimate {
   std::string name;
   Quantity quantity = Quantity::kLength;
@@ -85,6 +87,7 @@ struct IntervalReport {
   bool is_empirical() const { return method == "sandwich" || kind == "configurations"; }
 };
 
+// The noise that the estimate goes by, against what was stated.
 struct SigmaReport {
   bool stated = false;        // by rows, experiment or flag
   double estimated = 0.0;     // m, the common sigma where none is stated
@@ -93,6 +96,7 @@ struct SigmaReport {
   double p_value = 1.0;       // of chi-square at the stated sigmas
 };
 
+// What any method returns; pessimistic until it has converged.
 struct Estimate {
   Status status = Status::kNoConvergence;
   std::string message = "not run";

@@ -22,6 +22,7 @@ struct VarianceComponent {
   double low = 0.0, high = 0.0;  // 95 %, by the likelihood ratio; low is 0 where the data cannot exclude none
 };
 
+// Rows that share one standard deviation.
 struct NoiseGroup {
   std::string name;    // "C7/x"
   double sigma = 0.0;  // m, spread of its residuals
@@ -36,6 +37,7 @@ struct Outlier {
   int swapped_with = -1;  // observation of the same shot whose reading it has
 };
 
+// Where the noise comes from and what was found of it.
 struct NoiseReport {
   std::string source = "stated";  // stated, estimated, repeats, residuals, instrument, variance-components, eq14, equal
   int rounds = 0;                 // of fit -> noise -> fit

@@ -26,8 +26,10 @@ struct ParameterUncertainty {
   Eigen::MatrixXd second_moment;  // S, SI
 };
 
+// Of an estimate that was judged.
 ParameterUncertainty UncertaintyOf(const Estimate& estimate);
 
+// Covariance of a predicted point, m^2, by where it comes from.
 struct PredictionCovariance {
   Matrix3<double> parameters = Matrix3<double>::Zero();  // m^2
   Matrix3<double> held = Matrix3<double>::Zero();

@@ -16,6 +16,7 @@ enum class CostGranularity {
   kMarker,  // one cost per marker: the reference and public building block
 };
 
+// Which readings become residuals, and how they are whitened.
 struct ResidualSelection {
   std::vector<int> observations;  // indices into Measurements::observations
   NoiseRoots noise;               // one per observation, m

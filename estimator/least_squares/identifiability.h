@@ -22,6 +22,7 @@ struct Direction {
   std::string remedy;
 };
 
+// What the data can tell, in numbers and directions.
 struct Identifiability {
   int rank = 0;
   double condition = 0.0;  // of the column-normalised Jacobian of what is estimated

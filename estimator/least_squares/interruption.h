@@ -29,6 +29,7 @@ class Interruptible {
   const std::atomic<bool>* before_;
 };
 
+// Whether the flag of this thread is set.
 bool IsInterrupted();
 // Throws Interruption.
 void CheckInterruption();

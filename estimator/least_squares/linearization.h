@@ -16,6 +16,7 @@ namespace sagitta {
 // its sigma) or ignored (rows stay those of their observations).
 enum class LatentTreatment { kMarginalise, kIgnore };
 
+// Whitened rows at one point: residual + jacobian * (change of the coordinates).
 struct Linearization {
   Eigen::VectorXd residual;       // S^-1 (predicted - measured), 3 rows per observation (a pose is two), then priors
   Eigen::MatrixXd jacobian;       // d residual / d coordinate, 1/SI; one column per entry of `columns`
@@ -71,6 +72,7 @@ struct LinearSolution {
   double condition = 0.0;              // of the column-normalised Jacobian
   bool full_rank = true;
 };
+// By QR of the rows, of many by their sums; full_rank is false where columns depend on each other.
 LinearSolution SolveLinearization(const Linearization& linearization);
 
 }  // namespace sagitta

@@ -18,6 +18,7 @@ struct MinimizeOptions {
   bool IsValid(std::string* error) const;
 };
 
+// How a solve went.
 struct MinimizeSummary {
   bool usable = false;  // pessimistic until Ceres says otherwise
   bool converged = false;
@@ -28,6 +29,7 @@ struct MinimizeSummary {
   std::string message = "not run";
 };
 
+// Moves `parameters` to the optimum of the selected residuals; deviations of joints are estimated along.
 MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const ResidualSelection& selection,
                                 const MinimizeOptions& options, ParameterSet* parameters);
 

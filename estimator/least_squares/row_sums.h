@@ -46,6 +46,7 @@ class SumOfRows {
   GramSums sums_;
 };
 
+// root_weights: of each row; null: once.
 NormalSums SumRows(const Linearization& rows, const Eigen::VectorXd* root_weights = nullptr);
 // What the sums say of some of their columns (positions).
 NormalSums SelectColumns(const NormalSums& sums, const std::vector<int>& columns);

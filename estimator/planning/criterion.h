@@ -26,6 +26,7 @@ namespace sagitta {
 
 enum class CriterionKind { kI, kD, kA, kE, kO1, kO2, kO3, kO4, kO5, kDiscriminate };
 
+// A cost of the covariance, the less the better.
 struct Criterion {
   CriterionKind kind = CriterionKind::kI;
   Eigen::MatrixXd weight;     // W, of I

@@ -34,6 +34,7 @@ struct CandidateSet {
 // d_i = tr(A_i G A_i') of every candidate.
 Eigen::VectorXd GainsOf(const CandidateSet& set, const Eigen::MatrixXd& slope);
 
+// Weights of the candidates, and the bound that they prove.
 struct ApproximateDesign {
   Eigen::VectorXd weights;  // sum 1
   double cost = 0.0;        // at N times the weights
@@ -49,12 +50,14 @@ ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixX
                                    double poses, double tolerance, int max_iterations = 3000,
                                    const Eigen::VectorXd* start = nullptr);
 
+// A list of candidates to measure.
 struct ExactDesign {
   std::vector<int> picks;      // candidates, in the order of the list; some may come twice
   Eigen::MatrixXd covariance;  // scaled
   double cost = 0.0;
 };
 
+// How the exchange searches.
 struct ExactOptions {
   int starts = 3;
   int rounds = 20;       // of exchange, at most
@@ -63,6 +66,7 @@ struct ExactOptions {
   std::uint64_t seed = 1;
 };
 
+// From the approximate design by exchange; known: M0, positive definite.
 ExactDesign SolveExact(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, int poses,
                        const ApproximateDesign& approximate, const ExactOptions& options = {});
 

@@ -45,6 +45,7 @@ struct PlanRequest {
   std::function<void(const std::string&)> progress = {};
 };
 
+// What a parameter is expected to be known to.
 struct PlannedParameter {
   std::string name;
   Quantity quantity = Quantity::kLength;
@@ -58,6 +59,7 @@ struct PosesAndAccuracy {
   double position_rms = 0.0;  // m
 };
 
+// Poses to measure, with what they are expected to bring.
 struct Plan {
   Measurements rows;  // the chosen configurations in the order of their measurement, with the points that are expected
   Criterion criterion;

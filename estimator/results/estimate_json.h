@@ -19,6 +19,7 @@ namespace sagitta {
 nlohmann::ordered_json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
                                       const Provenance& provenance);
 
+// What the data can tell, as estimate.json has it.
 nlohmann::ordered_json IdentifiabilityToJson(const CalibrationProblem& problem, const Identifiability& identifiability);
 
 // Pretty enough to read, one line per parameter.
@@ -42,6 +43,7 @@ struct KnownRobot {
   std::vector<std::string> input_hashes;        // SHA-256 of the files it was estimated from
 };
 
+// In mm and mrad.
 nlohmann::ordered_json SizeToJson(const ResidualSize& size);
 
 // What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.

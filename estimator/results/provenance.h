@@ -16,6 +16,7 @@ std::string RunId(const Provenance& provenance);
 // "# run: …", a comment of a YAML file.
 std::string RunComment(const Provenance& provenance);
 
+// What a result was made of, and by which command.
 struct Provenance {
   std::string command;
   std::string method = "joint";

@@ -21,6 +21,7 @@ struct PoseAccuracy {
   double mean = 0.0, largest = 0.0;  // AP_p over the poses, m
 };
 
+// RP of ISO 9283, as far as repeated arrivals show it.
 struct PoseRepeatability {
   int poses = 0;                     // with two arrivals or more
   int fewest = 0, most = 0;          // arrivals at one of them

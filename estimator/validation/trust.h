@@ -19,6 +19,7 @@ struct Verdict {
   std::vector<std::string> reasons;  // why not
 };
 
+// Whether the calibrated robot may be used, and on what grounds.
 struct Trust {
   CrossValidation cross_validation;  // on calibration rows
   UnseenPoints holdout;              // on validation rows; no points: nothing is held out

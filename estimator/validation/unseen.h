@@ -16,6 +16,7 @@ struct FarPose {
   double distance = 0.0;  // m, the largest of its points
 };
 
+// Errors on points that were not fitted.
 struct UnseenPoints {
   int points = 0;
   double rms = 0.0;                                                                       // m, per coordinate
@@ -59,6 +60,7 @@ class PredictedSums {
   double trace_ = 0.0, square_ = 0.0;  // of the noise
 };
 
+// Sets predicted_rms and p_value; nothing where the noise is not known.
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen);
 
 // Root of what a reading scatters by, m: instrument and joints' deviations, at the noise that the estimate goes by.

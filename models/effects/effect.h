@@ -109,6 +109,7 @@ struct StatedTorque {
   double torque;  // N m, or N
 };
 
+// All terms of all effects in one shot.
 struct ShotTerms {
   std::vector<SlotTerm> slots;
   std::vector<ElasticTerm> elastic;
@@ -144,8 +145,10 @@ struct ShotConditions {
   bool StatesApproachOf(int joint) const { return !approach.empty() && approach[joint] != kApproachNotStated; }
 };
 
+// What kind of thing an effect acts on; its specs name one of these.
 enum class EffectTarget { kJoint, kError, kBase, kRobot, kStation, kLoad, kMarker };
 
+// An unknown of an effect, linear in its terms.
 struct EffectParameter {
   std::string name;  // cos; with its unit cos_urad in files
   Quantity quantity;
@@ -156,6 +159,7 @@ struct EffectParameter {
   bool of_motion = false;
 };
 
+// A choice that is made in the robot file and not estimated.
 struct SettingDefinition {
   // kMoment: s of the campaign's clock.
   enum class Kind { kInteger, kNumber, kMoment, kJoint, kChoice };

@@ -24,8 +24,10 @@ struct ExperimentInputs {
 ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths,
                                       const MeasurementReadOptions& options = {});
 
+// Whether it is YAML with the schema of an experiment.
 bool IsExperimentFile(const std::string& path);
 
+// Path and SHA-256 of a file. Throws InputError where it cannot be read.
 InputFile DescribeInput(const std::string& path);
 
 }  // namespace sagitta

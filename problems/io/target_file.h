@@ -18,6 +18,7 @@ struct Target {
   std::optional<Pose<double>> flange_in_base;
 };
 
+// Targets as their file lists them, and the shots in which they are to be reached.
 struct Targets {
   std::vector<Target> rows;
   std::vector<JointType> joint_types;
