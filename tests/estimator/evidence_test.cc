@@ -73,6 +73,27 @@ TEST(EvidenceScore, IsTheMarginalLikelihoodOverThatOfNothing) {
   }
 }
 
+// The density averaged over the sizes a column may have, each as likely.
+TEST(EvidenceScore, AGroupAloneIsAveragedOverItsSizes) {
+  Small small(12, 4, 2, 5);
+  small.residual += 1.5 * small.columns.col(0);
+  const ProjectedNormal normal = small.Normal();
+  const ResidualLikelihood known(normal.dof, kInfinity, 0.0);
+  double mean = 0.0, most = 0.0, best = 0.0;
+  for (const double scale : kScales) {
+    const double density = std::exp(small.LogDensity(Scaled(2, scale)));
+    mean += density / kNumScales;
+    if (density <= most) continue;
+    most = density;
+    best = scale;
+  }
+  double scale = 0.0;
+  const double gain = AverageGain(known, normal.residual, normal.information, normal.gradient, &scale);
+  EXPECT_NEAR(gain, std::log(mean) - small.LogDensity(Scaled(2, 0.0)), 1e-9);
+  EXPECT_EQ(scale, best);
+  EXPECT_GT(most, 1.1 * mean);
+}
+
 TEST(EvidenceScore, StudentIsTheGammaMixtureOfSigmas) {
   const Small small(12, 4, 2, 9);
   const ProjectedNormal normal = small.Normal();
