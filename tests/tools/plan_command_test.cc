@@ -75,7 +75,7 @@ TEST_F(PlanCommandTest, WhatAFormerEstimateIsOffByIsPartOfThePlan) {
       {"rms_mm": )" + std::to_string(rms) +
                      ", \"predicted_rms_mm\": " + std::to_string(predicted) + "}}");
   };
-  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--pool=20", "--model_error=" + former(0.25, 0.15)}).status, 0);
+  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + former(0.25, 0.15)}).status, 0);
   const nlohmann::json plan = ReadJson("plan/plan.json");
   EXPECT_NEAR(plan.at("predicted").at("model_field").at("rms_mm"), 0.2, 1e-9);
   EXPECT_GT(plan.at("predicted").at("model_field").at("urad"), 10.0);
@@ -85,10 +85,10 @@ TEST_F(PlanCommandTest, WhatAFormerEstimateIsOffByIsPartOfThePlan) {
   // A prediction that was scaled by twice the stated noise was half of that: sqrt(0.25^2 - 0.10^2).
   std::string scaled = ReadAll(former(0.25, 0.20));
   scaled.insert(1, R"("sigma": {"scaled": true, "a_posteriori": 2.0}, )");
-  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--pool=20", "--model_error=" + Write("scaled.json", scaled)}).status, 0);
+  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + Write("scaled.json", scaled)}).status, 0);
   EXPECT_NEAR(ReadJson("plan/plan.json").at("predicted").at("model_field").at("rms_mm"), 0.2291288, 1e-6);
   // Points that are no farther off than predicted leave the factor.
-  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--pool=20", "--model_error=" + former(0.15, 0.16)}).status, 0);
+  ASSERT_EQ(Plan({"--poses=16", "--nomove", "--model_error=" + former(0.15, 0.16)}).status, 0);
   EXPECT_FALSE(ReadJson("plan/plan.json").at("predicted").contains("model_field"));
 }
 
