@@ -123,24 +123,17 @@ class Campaign:
 
     def weighed(self, rows):
         """Probability of the truth against its rival and the lead of the truth over neither: Schwarz' criterion."""
-        merit, self.values = {}, {}
+        merit = {}
         for robot in ("first", "second", "robot"):
             estimate = self.sagitta.calibrate(self.sagitta.read(str(self.experiment(robot, rows, robot + ".csv", False))))
             fit = estimate.to_dict()["fit"]
-            self.values[robot] = [p["value"] for p in estimate.to_dict()["parameters"] if p["name"].startswith("effect/")]
-            free = len(self.values[robot])
+            free = sum(p["free"] and p["name"].startswith("effect/") for p in estimate.to_dict()["parameters"])
             merit[robot] = -0.5 * fit["chi2"] - 0.5 * free * math.log(3 * len(rows))
         lead = max(-500.0, min(500.0, merit["second"] - merit["first"]))
         return 1 / (1 + math.exp(lead)), merit["first"] - merit["robot"]
 
     def planned(self, rows):
-        """Six poses beside these rows, for effects of the sizes that were fitted to them."""
-        sized = [(effect, ", ".join("%s: %.9g" % (pair.split(": ")[0], value) for pair, value in zip(
-            values.split(", "), self.values[robot])))
-                 for robot, (effect, values) in (("first", self.truth), ("second", self.rival))]
-        (self.folder / "both.yaml").write_text(rigid_robot() + (COMPLIANCE if self.load else "") + "effects: [%s]\n" % (
-            ", ".join("{effect: %s, %s}" % one for one in sized)))
-        experiment = self.experiment("both", rows, "both.csv", False)
+        experiment = self.experiment("robot", rows, "robot.csv", False)
         plan, planned = self.program.plan(
             self.folder, experiment.name, "--augment", "--poses=%d" % MORE, "--pool=300",
             "--discriminate=%s,%s" % (path_of(self.truth[0]), path_of(self.rival[0])))
