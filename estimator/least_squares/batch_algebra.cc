@@ -274,10 +274,14 @@ void MarginaliseRows(int num_rows, int columns, int latent, int count, double* r
         hn::Store(value, d, entry(r, k) + lane);
       }
     }
-    const auto solve = num_rows == 9 ? SolveColumn<9> : num_rows == 6 ? SolveColumn<6> : num_rows == 3 ? SolveColumn<3> : SolveColumn<0>;
+    const auto solve = num_rows == 9   ? SolveColumn<9>
+                       : num_rows == 6 ? SolveColumn<6>
+                       : num_rows == 3 ? SolveColumn<3>
+                                       : SolveColumn<0>;
     for (int c = 0; c < columns; ++c) {
       if (c == latent) c += count;
-      if (c < columns) solve(num_rows, factor + lane, static_cast<std::size_t>(columns) * kBatchLanes, own + cell(0, c));
+      if (c < columns)
+        solve(num_rows, factor + lane, static_cast<std::size_t>(columns) * kBatchLanes, own + cell(0, c));
     }
   }
 }

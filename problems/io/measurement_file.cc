@@ -123,8 +123,15 @@ class MeasurementsBuilder {
   // Shots of equal ids: rows that repeat a marker begin another one.
   struct Repeated {
     std::vector<int> shots;
-    std::vector<int> rows;                 // seen of each marker
-    std::unordered_map<size_t, int> seen;  // observations by hash, once a marker is repeated
+    std::vector<std::pair<int, size_t>> rows;  // marker, and how many rows it has; ascending
+    std::unordered_map<size_t, int> seen;      // observations by hash, once a marker is repeated
+
+    // One more row of a marker; returns how many it had.
+    size_t Count(int marker) {
+      auto own = std::lower_bound(rows.begin(), rows.end(), std::make_pair(marker, size_t{0}));
+      if (own == rows.end() || own->first != marker) own = rows.insert(own, {marker, 0});
+      return own->second++;
+    }
   };
 
   void RefuseCopy(Repeated* shots);
@@ -197,8 +204,7 @@ int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration,
                    loads_.IndexOf(row.load)};
   if (latest_ == nullptr || latest_->first != ids) latest_ = &*shots_.try_emplace(ids).first;
   Repeated& own = latest_->second;
-  if (own.rows.size() <= static_cast<size_t>(marker)) own.rows.resize(static_cast<size_t>(marker) + 1, 0);
-  const auto occurrence = static_cast<size_t>(own.rows[static_cast<size_t>(marker)]++);
+  const size_t occurrence = own.Count(marker);
   if (occurrence > 0 || !own.seen.empty()) RefuseCopy(&own);
   if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
   if (occurrence == own.shots.size()) own.shots.push_back(BeginShot(row, configuration, station));
@@ -217,6 +223,7 @@ int MeasurementsBuilder::BeginShot(const MeasurementRow& row, int configuration,
   shot.load = row.load;
   shot.wrench = row.wrench;
   shot.approach = row.approach;
+  shot.observations.reserve(std::min<size_t>(data_.markers.size(), 8));
   return static_cast<int>(data_.shots.size()) - 1;
 }
 
