@@ -97,7 +97,7 @@ TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
   Section section;
   section.title = "many";
   section.pictures = {ResidualsOverDrivers(problem, estimate), ResidualsInWorkspace(problem, estimate)};
-  EXPECT_THAT(section.pictures[0].title, HasSubstr("of 12000 points"));
+  EXPECT_THAT(section.pictures[0].title, HasSubstr("of 36000 points"));
   EXPECT_LT(SectionsToPage({section}, Provenance()).size(), 4u << 20);
 }
 

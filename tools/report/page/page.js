@@ -194,7 +194,7 @@
     controls.enableKeys = false;
     const render = () => renderer.render(scene, camera);
     const lookFrom = (x, y, z) => {
-      camera.position.set(x, y, z).normalize().multiplyScalar(1.75 * size).add(middle);
+      camera.position.set(x, y, z).normalize().multiplyScalar(1.4 * size).add(middle);
       controls.target.copy(middle);
       controls.update();
       render();
