@@ -254,7 +254,6 @@
       camera.updateProjectionMatrix();
       render();
     };
-    controls.addEventListener('change', render);
     // A click near an arrow's foot picks its pose.
     const projected = new THREE.Vector3();
     let pressed = null;
@@ -273,8 +272,9 @@
       });
       showPose(found);
     });
-    lookFrom(1, -1.4, 0.8);
     resize();
+    lookFrom(1, -1.4, 0.8);
+    controls.addEventListener('change', render);
     const workspace = {
       select: (number) => {
         const i = arms.poses.indexOf(number);
