@@ -24,9 +24,7 @@ struct CalibratedExperiment {
   Provenance provenance;
 
   std::string Json() const { return DumpJson(CalibrationToJson(calibration, provenance)); }
-  std::string ReportHtml() const {
-    return CalibrationToHtml(calibration, provenance);
-  }
+  std::string ReportHtml() const { return CalibrationToHtml(calibration, provenance); }
   std::string RobotYaml() const {
     return RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()));
   }

@@ -40,7 +40,8 @@ Picture ScatterPicture(const std::string& title, const std::string& x_label, con
     picture.rows.push_back(cells);
   }
   picture.settings = {{"labels", {{"x", x_label}, {"y", y_label}}}, {"trend", false}};
-  picture.menus = {{"x", "over", {{"x", x_label}}}, {"y", "what", {{"y", y_label}}}, {"colour", "colour", {{"series", ""}}}};
+  picture.menus = {
+      {"x", "over", {{"x", x_label}}}, {"y", "what", {{"y", y_label}}}, {"colour", "colour", {{"series", ""}}}};
   return picture;
 }
 
@@ -62,7 +63,8 @@ Picture BarPicture(const std::string& title, const std::string& x_label, const s
     rows["name"].push_back(bar.name);
     rows["value"].push_back(Rounded(bar.value));
     const std::pair<std::string, std::string> option{bar.group, bar.group};
-    if (std::find(menu.options.begin(), menu.options.end(), option) == menu.options.end()) menu.options.push_back(option);
+    if (std::find(menu.options.begin(), menu.options.end(), option) == menu.options.end())
+      menu.options.push_back(option);
   }
   picture.menus = {menu};
   const bool grouped = menu.options.size() > 1;

@@ -105,7 +105,8 @@ Picture HistogramPicture(const std::string& title, const std::string& x_label, c
   picture.header = {"", "from", "to", "count"};
   const Bins bins = BinsOver(series, kPlainBins);
   for (const NamedSeries& one : series)
-    AddSeries(one.name, bins, one.values, [](double edge) { return Significant(edge, 3); }, &picture);
+    AddSeries(
+        one.name, bins, one.values, [](double edge) { return Significant(edge, 3); }, &picture);
   return picture;
 }
 
@@ -126,7 +127,8 @@ Picture WhitenedHistogram(const CalibrationProblem& problem, const Estimate& est
     for (const int i : problem.CalibrationObservations()) {
       if (std::isfinite(whitened(axis, i))) values.push_back(whitened(axis, i) / scale);
     }
-    AddSeries(series, bins, values, [](double edge) { return Fixed(edge, 2); }, &picture);
+    AddSeries(
+        series, bins, values, [](double edge) { return Fixed(edge, 2); }, &picture);
     // The density times what a bar stands for.
     const double peak = values.size() * (2.0 * kRange / kWhitenedBins) / std::sqrt(2.0 * M_PI);
     for (int i = 0; i <= 80; ++i) {

@@ -28,7 +28,8 @@ std::vector<Picture> KnownParameters(const Estimate& estimate) {
   Picture picture;
   picture.kind = "parameters";
   picture.title =
-      "Corrections with their 95 % intervals (hollow: weak or at a bound), and how many times better they are known than "
+      "Corrections with their 95 % intervals (hollow: weak or at a bound), and how many times better they are known "
+      "than "
       "what counts as weak: 1 mm, 1 mrad or half the value; below 1 in the second colour";
   picture.header = {"parameter", "correction", "95 % from", "to", "unit", "times better known", ""};
   PictureMenu menu{"group", "of", {}};
@@ -42,7 +43,8 @@ std::vector<Picture> KnownParameters(const Estimate& estimate) {
                  high = scale * (row.ci95.high - row.nominal);
     const std::string state = row.at_bound ? "at bound" : row.weak ? "weak" : "";
     const std::pair<std::string, std::string> option{group, group};
-    if (std::find(menu.options.begin(), menu.options.end(), option) == menu.options.end()) menu.options.push_back(option);
+    if (std::find(menu.options.begin(), menu.options.end(), option) == menu.options.end())
+      menu.options.push_back(option);
     picture.settings["units"][group] = unit;
     data["name"].push_back(row.name);
     data["group"].push_back(group);

@@ -54,7 +54,8 @@ std::string PolicyFor(const std::vector<std::string_view>& scripts) {
 
 std::string ScriptsToHtml(const std::vector<std::string_view>& scripts) {
   if (scripts.empty()) return "";
-  std::string html = "<script type=\"application/json\" id=\"templates\">" + std::string(page::kTemplates) + "</script>\n";
+  std::string html =
+      "<script type=\"application/json\" id=\"templates\">" + std::string(page::kTemplates) + "</script>\n";
   for (const std::string_view script : scripts) html += "<script>" + std::string(script) + "</script>\n";
   return html;
 }

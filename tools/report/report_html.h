@@ -1,5 +1,5 @@
-// report.html: one self-contained page for people. It needs no network and asks for none: style, scripts and data are in
-// it, and its content policy forbids everything else.
+// report.html: one self-contained page for people. It needs no network and asks for none: style, scripts and data are
+// in it, and its content policy forbids everything else.
 #pragma once
 
 #include <string>

@@ -37,7 +37,9 @@ std::vector<Driver> DriversOf(const CalibrationProblem& problem, const Estimate&
   return drivers;
 }
 
-std::string Labelled(const Driver& driver) { return driver.unit.empty() ? driver.name : driver.name + ", " + driver.unit; }
+std::string Labelled(const Driver& driver) {
+  return driver.unit.empty() ? driver.name : driver.name + ", " + driver.unit;
+}
 
 // The distances over equal slices of each driver.
 void AddSlices(const Driver& driver, const std::vector<double>& x, const std::vector<double>& distances,
@@ -100,8 +102,8 @@ Picture ResidualsOverDrivers(const CalibrationProblem& problem, const Estimate& 
   const std::vector<ResidualRow> rows = RowsToDraw(problem, estimate);
   Picture picture;
   picture.kind = "scatter";
-  picture.title = "What is left of each point, over what may drive it; the line is the mean" +
-                  LeftOutInWords(problem, rows.size());
+  picture.title =
+      "What is left of each point, over what may drive it; the line is the mean" + LeftOutInWords(problem, rows.size());
   picture.header = {"over", "from", "to", "points", "RMS distance, mm", "largest, mm"};
   Json& data = picture.data["rows"];
   Json names = Json::array(), poses = Json::array();
@@ -156,7 +158,7 @@ Picture ResidualsInWorkspace(const CalibrationProblem& problem, const Estimate& 
     poses.push_back(problem.data.shots[observation.shot].configuration);
     held_out.push_back(problem.data.IsValidation(observation) ? 1 : 0);
   }
-  picture.data["rows"] = {{"x", x[0]},  {"y", x[1]},  {"z", x[2]},      {"dx", d[0]},
+  picture.data["rows"] = {{"x", x[0]},  {"y", x[1]},  {"z", x[2]},     {"dx", d[0]},
                           {"dy", d[1]}, {"dz", d[2]}, {"pose", poses}, {"heldOut", held_out}};
   workspace.Draw(nullptr, &picture);
   std::stable_sort(rows.begin(), rows.end(),

@@ -26,10 +26,11 @@ std::vector<ResidualRow> RowsToDraw(const CalibrationProblem& problem, const Est
   for (const ResidualRow& row : rows) distances.push_back(row.distance());
   std::nth_element(distances.begin(), distances.end() - kFarthestKept, distances.end());
   const double far = *(distances.end() - kFarthestKept);
-  const size_t step = (rows.size() + kMostDrawn - kFarthestKept - 1) / (kMostDrawn - kFarthestKept);
+  constexpr size_t kEven = kMostDrawn - kFarthestKept;
   std::vector<ResidualRow> drawn;
   for (size_t i = 0; i < rows.size(); ++i) {
-    if (i % step == 0 || (rows[i].distance() >= far && drawn.size() < kMostDrawn)) drawn.push_back(rows[i]);
+    const bool is_next = i * kEven / rows.size() != (i + 1) * kEven / rows.size();  // kEven of them, evenly
+    if (is_next || rows[i].distance() > far) drawn.push_back(rows[i]);
   }
   return drawn;
 }

@@ -17,13 +17,13 @@ struct ResidualRow {
 
 // Every point that is neither excluded nor without a measured value; of more than kMostDrawn the farthest and an even
 // choice of the others, in row order.
-constexpr size_t kMostDrawn = 10000, kFarthestKept = 200;
+constexpr size_t kMostDrawn = 9000, kFarthestKept = 200;
 std::vector<ResidualRow> RowsToDraw(const CalibrationProblem& problem, const Estimate& estimate);
 
 // "C12 P3", with its station where there are several.
 std::string NameOfRow(const Measurements& data, const Observation& row);
 
-// "; drawn: 10000 of 30000 points"; empty: all are.
+// "; drawn: 9000 of 30000 points"; empty: all are.
 std::string LeftOutInWords(const CalibrationProblem& problem, size_t drawn);
 
 }  // namespace sagitta

@@ -16,7 +16,8 @@ Json PointToJson(const Vector3<double>& point) {
 }
 
 // Where the joints are, without those that coincide.
-std::vector<Vector3<double>> ArmOf(const ForwardModel& model, const std::vector<double>& theta, const Eigen::VectorXd& q) {
+std::vector<Vector3<double>> ArmOf(const ForwardModel& model, const std::vector<double>& theta,
+                                   const Eigen::VectorXd& q) {
   const std::vector<double> values = model.TransformValues(ShotInput(q), theta.data());
   ChainState<double> state;
   EvaluateChain(model.chain(), values.data(), &state);

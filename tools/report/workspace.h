@@ -15,7 +15,8 @@ constexpr size_t kMostArms = 2000;
 
 class Workspace {
  public:
-  Workspace(const ForwardModel& model, const std::vector<double>& theta, const std::vector<Configuration>& configurations);
+  Workspace(const ForwardModel& model, const std::vector<double>& theta,
+            const std::vector<Configuration>& configurations);
   void Include(const Vector3<double>& point_in_base);
   // Fills data: arms, reach, boxes (of `cell`, which may be null, as far as they are near), and no rows.
   void Draw(const Cell* cell, Picture* picture) const;

@@ -210,8 +210,8 @@ ReproducedTable Figure10(Reproduction* reproduction) {
     table.Compare(std::string("RMS ") + "xyz"[axis] + ", mm", given.at("rms_mm").at(axis), RmsOf(of_axis[axis]), 2,
                   kOwnConfigurations, Verdict::kOrderOfMagnitude);
   }
-  table.pictures = {HistogramPicture("Errors by axis", "error, mm",
-                                     {{"x", of_axis[0]}, {"y", of_axis[1]}, {"z", of_axis[2]}})};
+  table.pictures = {
+      HistogramPicture("Errors by axis", "error, mm", {{"x", of_axis[0]}, {"y", of_axis[1]}, {"z", of_axis[2]}})};
   const MaxwellFit maxwell = FitMaxwell(lengths);
   table.Compare("Maxwell sigma, mm", given.at("maxwell_sigma_mm"), maxwell.sigma, 2,
                 "published RMS per axis of 0.21, 0.44, 0.21 mm make a Maxwell sigma of 0.31 mm, not 0.14",

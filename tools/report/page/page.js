@@ -194,7 +194,7 @@
     controls.enableKeys = false;
     const render = () => renderer.render(scene, camera);
     const lookFrom = (x, y, z) => {
-      camera.position.set(x, y, z).normalize().multiplyScalar(1.75 * size).add(middle);
+      camera.position.set(x, y, z).normalize().multiplyScalar(1.4 * size).add(middle);
       controls.target.copy(middle);
       controls.update();
       render();
@@ -254,7 +254,6 @@
       camera.updateProjectionMatrix();
       render();
     };
-    controls.addEventListener('change', render);
     // A click near an arrow's foot picks its pose.
     const projected = new THREE.Vector3();
     let pressed = null;
@@ -273,8 +272,9 @@
       });
       showPose(found);
     });
-    lookFrom(1, -1.4, 0.8);
     resize();
+    lookFrom(1, -1.4, 0.8);
+    controls.addEventListener('change', render);
     const workspace = {
       select: (number) => {
         const i = arms.poses.indexOf(number);
