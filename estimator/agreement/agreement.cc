@@ -19,8 +19,8 @@
 namespace sagitta {
 namespace {
 
-// Every split of the measured robots beside the tree (UR5, UR10 A to D, and their halves) is above it.
-constexpr double kPoorHalves = 0.25;
+// Every split of the measured robots beside the tree (UR5, UR10 A to D, and their halves) is below it.
+constexpr double kPoorHalves = 4.0;
 constexpr double kSurplus = 2.0;  // standard errors by which the sandwich has to exceed the model
 
 // Differences of what both parts know, by one covariance.
@@ -81,15 +81,11 @@ Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool
 
 // Halves of n independent rows have C_a + C_b = 4 C of the whole. Where they know most parameters far worse than that,
 // they turn the same misfit into far larger errors than the whole does, as they do with noise: then counts of their
-// squares what the whole has of the noise's, the median of 4 C / (C_a + C_b). whole: its variances by noise alone.
+// squares what the whole has of the noise's, by the mean of (C_a + C_b) / 4 C. whole: its variances by noise alone.
 PartDifference AsOfTheWhole(const Eigen::VectorXd& whole, PartDifference found) {
-  std::vector<double> ratios;
-  for (size_t i = 0; i < found.columns.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    ratios.push_back(4.0 * whole[found.columns[i]] / found.covariance(k, k));
-  }
-  const double share = Median(ratios);
-  if (share >= kPoorHalves) return found;
+  const Eigen::VectorXd ratios = found.covariance.diagonal().cwiseQuotient(4.0 * whole(found.columns));
+  if (ratios.size() == 0 || Median({ratios.begin(), ratios.end()}) <= kPoorHalves) return found;
+  const double share = 1.0 / ratios.mean();
   found.value *= std::sqrt(share);
   found.covariance *= share;
   return found;
