@@ -43,8 +43,10 @@ constexpr double kTypicalGrowthOfLink = 50e-6;  // of its length: 5 K of steel o
 double TypicalSizeOf(const Source& source, const Chain& chain);
 const char* UnitOf(const Source& source, const Chain& chain);
 
+// Indices of the markers that are on the flange.
 std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
 
+// A translation of the chain that has an error.
 struct LengthOfLink {
   std::string error;     // its name
   double nominal = 0.0;  // m

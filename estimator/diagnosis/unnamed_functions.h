@@ -21,6 +21,7 @@ struct UnnamedFunction {
   Driver driver;                // of one driver; else empty
 };
 
+// One of them with its columns.
 struct UnnamedGroup {
   ColumnGroup group;
   UnnamedFunction function;
