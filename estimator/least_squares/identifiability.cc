@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/least_squares/identifiability_words.h"
+#include "estimator/report/least_squares_words.h"
 #include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {

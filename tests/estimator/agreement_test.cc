@@ -45,8 +45,8 @@ void ExpectNominal(const std::string& covariance, bool stated) {
   const test::Kr270Design design = ManyConfigurations();
   Measurements data = test::DesignMeasurements(design);
   Experiment experiment;
-  experiment.covariance = covariance;
-  if (!stated) experiment.weights = "equal";
+  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+  if (!stated) experiment.weights = Weights::kEqual;
   int below_tenth = 0;
   double share = 0.0;
   for (int t = 0; t < kTrials; ++t) {
