@@ -1,5 +1,6 @@
-// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_svd.cc) rather than in each
-// file that uses them. Precompiled into every source of the library: most of the build's time went into these.
+// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_svd.cc) rather
+// than in each file that uses them. Precompiled into every source of the library: most of the build's time went into
+// these.
 #pragma once
 
 #include <Eigen/Cholesky>

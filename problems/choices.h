@@ -1,5 +1,5 @@
-// What an experiment can choose between, each with the words that files, flags and results use for it. Readers check the
-// word once (FindChoice); everything behind them asks the enum.
+// What an experiment can choose between, each with the words that files, flags and results use for it. Readers check
+// the word once (FindChoice); everything behind them asks the enum.
 #pragma once
 
 #include <iterator>

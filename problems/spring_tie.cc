@@ -21,7 +21,8 @@ int FindEnd(const CalibrationProblem& problem, SpringEnd end, int frame) {
     const std::string key = "markers." + problem.data.markers[m] + ".spring";
     if (says == end) {
       const std::string word = WordOf(end);
-      if (stated >= 0) FailProblem(problem, key, "the spring has one " + word + " only", "leave one marker its " + word);
+      if (stated >= 0)
+        FailProblem(problem, key, "the spring has one " + word + " only", "leave one marker its " + word);
       stated = static_cast<int>(m);
     }
     if (says || problem.marker_frames[m] != frame) continue;

@@ -8,11 +8,11 @@
 #include <map>
 #include <tuple>
 
-#include "estimator/report/agreement_words.h"
 #include "estimator/agreement/part_fits.h"
 #include "estimator/agreement/splits.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/sandwich.h"
+#include "estimator/report/agreement_words.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
 

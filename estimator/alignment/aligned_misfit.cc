@@ -75,5 +75,4 @@ double RotationMisfit(const std::vector<TargetRotation>& readings) {
   return std::sqrt(squares / static_cast<double>(readings.size()));
 }
 
-
 }  // namespace sagitta

@@ -31,5 +31,4 @@ struct TargetRotation {
 };
 double RotationMisfit(const std::vector<TargetRotation>& readings);
 
-
 }  // namespace sagitta

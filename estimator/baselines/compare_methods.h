@@ -12,13 +12,13 @@
 
 namespace sagitta {
 
-// The joint estimate, the papers' two halves (exact; as published; linearised anew), poses fitted to the markers of each
-// shot, differences of loaded rows.
+// The joint estimate, the papers' two halves (exact; as published; linearised anew), poses fitted to the markers of
+// each shot, differences of loaded rows.
 enum class Method { kJoint, kTwoStep, kTwoStepLiteral, kTwoStepRelinearised, kFullPose, kDifferencing };
 template <>
 struct ChoiceWords<Method> {
-  static constexpr const char* kWords[] = {
-      "joint", "two-step", "two-step-literal", "two-step-relinearised", "full-pose", "differencing"};
+  static constexpr const char* kWords[] = {"joint",     "two-step",    "two-step-literal", "two-step-relinearised",
+                                           "full-pose", "differencing"};
 };
 
 struct MethodResult {

@@ -187,7 +187,7 @@ Linearization Known(const CalibrationProblem& problem, const Linearization& fit,
   return known;
 }
 
-RowStream::Noise Weights(const CalibrationProblem& problem) {
+RowStream::Noise RootsOfFit(const CalibrationProblem& problem) {
   return [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
 }
 
@@ -202,7 +202,7 @@ RobustCovariance SandwichOfFit(const CalibrationProblem& problem, const Lineariz
   fit.solution = solution;
   ClusterSandwich sandwich(columns, 1 + *std::max_element(clusters.begin(), clusters.end()), solution.covariance_root,
                            {fit});
-  const RowStream stream(problem, observations, Weights(problem), LatentTreatment::kMarginalise, clusters);
+  const RowStream stream(problem, observations, RootsOfFit(problem), LatentTreatment::kMarginalise, clusters);
   sandwich.Add(stream, estimate.parameters, estimate.estimated, clusters);
   return sandwich.Result(0, PriorsOf(estimate.parameters, estimate.estimated).jacobian);
 }
@@ -235,7 +235,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
     estimate->held = influence_in(linearization);
   } else {
     estimate->held =
-        influence_in(FittedOnce(problem, estimate->parameters, observations, columns, Weights(problem)).rows);
+        influence_in(FittedOnce(problem, estimate->parameters, observations, columns, RootsOfFit(problem)).rows);
   }
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
@@ -321,7 +321,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const auto fitted_by = [&](const RowStream::Noise& roots) {
     return FittedOnce(problem, parameters, calibration, estimate->estimated, roots);
   };
-  FittedRows fitted = fitted_by(Weights(problem));
+  FittedRows fitted = fitted_by(RootsOfFit(problem));
   const Linearization& fit = fitted.rows;
   if (!fit.valid) {  // the last step to the optimum folded the arm
     estimate->status = Status::kEquilibriumDiverged;

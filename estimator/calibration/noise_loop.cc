@@ -6,13 +6,13 @@
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/report/noise_words.h"
 #include "estimator/noise/outliers.h"
 #include "estimator/noise/repeatability.h"
 #include "estimator/noise/residual_noise.h"
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/robust.h"
 #include "estimator/noise/weighting.h"
+#include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {

@@ -70,7 +70,8 @@ void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautio
   std::vector<std::string> keys;
   if (experiment.loss != LossKind::kNone) keys.push_back("loss: " + WordOf(experiment.loss));
   if (experiment.weights != Weights::kSigma) keys.push_back("weights: " + WordOf(experiment.weights));
-  const bool is_judged = experiment.covariance == CovarianceKind::kModel || experiment.covariance == CovarianceKind::kSandwich;
+  const bool is_judged =
+      experiment.covariance == CovarianceKind::kModel || experiment.covariance == CovarianceKind::kSandwich;
   if (!is_judged) keys.push_back("covariance: " + WordOf(experiment.covariance));
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (keys.empty()) return;

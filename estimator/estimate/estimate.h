@@ -77,10 +77,10 @@ struct ParameterEstimate {
 struct IntervalReport {
   CovarianceKind method = CovarianceKind::kModel;
   std::optional<BootstrapKind> kind;  // bootstrap: parametric or configurations
-  int clusters = 0;              // sandwich and bootstrap of configurations
-  int replicates = 0;            // bootstrap: refits used
-  int failed = 0;                // refits that did not converge, ends that did not close
-  unsigned long long seed = 0;   // bootstrap
+  int clusters = 0;                   // sandwich and bootstrap of configurations
+  int replicates = 0;                 // bootstrap: refits used
+  int failed = 0;                     // refits that did not converge, ends that did not close
+  unsigned long long seed = 0;        // bootstrap
   std::string words;
 
   // Seen in the residuals of whole configurations instead of scaled into the model's covariance.

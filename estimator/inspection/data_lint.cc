@@ -62,8 +62,8 @@ void LintOrientation(const CalibrationProblem& problem, std::vector<Finding>* fi
   if (variety.most < kConstantOrientation) {
     findings->push_back(Found(Severity::kSerious, "constant_orientation", OrientationIsConstant(variety.stations)));
   } else if (variety.least < kOneAxis) {
-    findings->push_back(Found(Severity::kWarning, "one_axis_orientation",
-                              OrientationAboutOneAxis(variety.still, variety.stations)));
+    findings->push_back(
+        Found(Severity::kWarning, "one_axis_orientation", OrientationAboutOneAxis(variety.still, variety.stations)));
   }
 }
 
@@ -118,8 +118,8 @@ void LintCopiedPoints(const CalibrationProblem& problem, std::vector<Finding>* f
   }
   if (rows.empty()) return;
   const bool are_many = rows.size() >= kManyCopies * data.observations.size();
-  findings->push_back(Found(are_many ? Severity::kSerious : Severity::kWarning, "copied_points",
-                            PointsAreCopied(rows.size()), rows));
+  findings->push_back(
+      Found(are_many ? Severity::kSerious : Severity::kWarning, "copied_points", PointsAreCopied(rows.size()), rows));
 }
 
 void LintLoads(const CalibrationProblem& problem, std::vector<Finding>* findings) {

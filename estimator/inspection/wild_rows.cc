@@ -59,8 +59,7 @@ double RmsOf(const std::vector<double>& distances, const std::vector<int>& place
 Finding Describe(const CalibrationProblem& problem, const std::vector<int>& far, size_t all, double near_rms,
                  double far_median) {
   const std::string first = problem.data.SourceOf(problem.data.observations[far.front()]);
-  Finding finding =
-      Found(Severity::kSerious, "wild_rows", RowsAreWild(far.size(), all, far_median, near_rms, first));
+  Finding finding = Found(Severity::kSerious, "wild_rows", RowsAreWild(far.size(), all, far_median, near_rms, first));
   for (size_t k = 0; k < std::min(kMostShown, far.size()); ++k) {
     finding.rows.push_back(problem.data.SourceOf(problem.data.observations[far[k]]));
   }

@@ -56,7 +56,8 @@ Eigen::MatrixXd ScoresOf(const Setup& setup, const Refit& refit, const std::vect
     for (int i = 0; i < piece.num_observations(); ++i) {
       const int k = piece.positions[i];
       const auto rows = piece.rows.middleRows(3 * i, 3);
-      scores.row(setup.clusters[k]) += (weights.empty() ? 1.0 : weights[k]) * rows.col(n).transpose() * rows.leftCols(n);
+      scores.row(setup.clusters[k]) +=
+          (weights.empty() ? 1.0 : weights[k]) * rows.col(n).transpose() * rows.leftCols(n);
     }
   });
   return scores;

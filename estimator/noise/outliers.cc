@@ -5,8 +5,8 @@
 #include <functional>
 #include <map>
 
+#include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -36,8 +36,7 @@ void TestCategory(const std::string& what, const std::vector<int>& events, const
     const double share = rows[name] / static_cast<double>(all.size());
     const int n = static_cast<int>(events.size());
     if (BinomialSurvival(count, n, share) * static_cast<double>(rows.size()) >= level) continue;
-    words->push_back(std::to_string(count) + " of " + std::to_string(n) + " are of " + what + " " + name +
-                     ", which has " + WholePercent(share) + " of the rows");
+    words->push_back(OutliersAreOf(count, n, what + " " + name, share));
   }
 }
 
@@ -61,9 +60,7 @@ void TestNumber(const std::string& what, const std::string& unit, double scale, 
   const double n = static_cast<double>(hits.size()) * rows.size() / (hits.size() + rows.size());
   if (KolmogorovSurvival(distance, n) >= level) return;
   const size_t eighth = hits.size() / 8;
-  words->push_back("they lie at " + what + " from " + Significant(scale * hits[eighth], 4) + " to " +
-                   Significant(scale * hits[hits.size() - 1 - eighth], 4) + " " + unit +
-                   " more often than the rows do");
+  words->push_back(OutliersLieAt(what, scale * hits[eighth], scale * hits[hits.size() - 1 - eighth], unit));
 }
 
 void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parameters, std::vector<Outlier>* outliers) {
@@ -113,7 +110,7 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
   const std::vector<int> events = Events(outliers);
   std::vector<std::string> words;
   if (static_cast<double>(events.size()) > kMostOutliers * static_cast<double>(all.size())) {
-    words.push_back(WholePercent(events.size() / static_cast<double>(all.size())) + " % of the rows are no minority");
+    words.push_back(AreNoMinority(events.size() / static_cast<double>(all.size())));
   }
   const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
   const int joints = problem.robot.num_joints();

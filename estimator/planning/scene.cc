@@ -189,10 +189,10 @@ std::vector<std::string> ReasonsInWords(const std::map<std::string, int>& reason
 [[noreturn]] void FailInfeasible(const PlanScene& scene, const PlanRequest& request) {
   const bool is_listed = request.candidates != nullptr;
   const std::string file = request.cell != nullptr ? request.cell->file : "";
-  const std::string what =
-      is_listed ? "none of the listed candidates can be measured" : "no pose that was drawn can be measured";
   throw InputError({file, 0, request.cell != nullptr ? "--cell" : "--candidates"},
-                   what + ": " + Enumerate(ReasonsInWords(scene.infeasible), 4),
+                   std::string(is_listed ? "none of the listed candidates can be measured: "
+                                         : "no pose that was drawn can be measured: ") +
+                       Enumerate(ReasonsInWords(scene.infeasible), 4),
                    request.cell != nullptr
                        ? "widen what forbids most of them; frames and units of the cell are those of "
                          "the robot's base, mm and deg"

@@ -56,7 +56,8 @@ void DescribeSandwich(AgreementReport* report) {
       Significant(report->sandwich_ratio, 2) + " times as wide (median)";
   if (report->random_share_model > 0.0) {
     words += "; of the differences between random halves their joint 95 % intervals hold " +
-             WholePercent(report->random_share_model) + ", with the sandwich " + WholePercent(report->random_share_sandwich);
+             WholePercent(report->random_share_model) + ", with the sandwich " +
+             WholePercent(report->random_share_sandwich);
   }
   report->words.push_back(words + ". covariance: sandwich is recommended.");
 }

@@ -30,9 +30,7 @@ std::string SomeMarkersHeld() {
   return "some marker coordinates are fixed or held and others free; full-pose wants all or none";
 }
 
-std::string NoFullPose() {
-  return "no shot sees three markers that are not on one line; there is no full pose";
-}
+std::string NoFullPose() { return "no shot sees three markers that are not on one line; there is no full pose"; }
 
 std::string FewFullPoses(size_t poses, int unknowns) {
   return std::to_string(poses) + " full poses are fewer equations than " + std::to_string(unknowns) + " unknowns";

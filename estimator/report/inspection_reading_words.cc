@@ -19,9 +19,9 @@ Advice JointsFlipped(const std::vector<std::string>& joints) {
 
 Advice ZeroTurned(const std::string& joint, int quarters, bool is_flipped) {
   const std::string degrees = std::to_string(90 * quarters);
-  return {"joint " + joint + " with its zero " + degrees + " deg away" +
-              (is_flipped ? " and counted the other way" : ""),
-          "add " + degrees + " deg to the joint's theta_deg or offset_deg" + (is_flipped ? ", and turn its sign" : "")};
+  return {
+      "joint " + joint + " with its zero " + degrees + " deg away" + (is_flipped ? " and counted the other way" : ""),
+      "add " + degrees + " deg to the joint's theta_deg or offset_deg" + (is_flipped ? ", and turn its sign" : "")};
 }
 
 Advice TableIn(DhConvention convention) {

@@ -1,5 +1,5 @@
-// Other ways to read the same robot file and rows (inspection/readings.h), in words that complete "it would fit with …",
-// and what to change then.
+// Other ways to read the same robot file and rows (inspection/readings.h), in words that complete "it would fit with
+// …", and what to change then.
 #pragma once
 
 #include <string>

@@ -27,8 +27,7 @@ Advice JointNeverMoved(const Joint& joint, double least, double most) {
 Advice JointCoversLittle(const Joint& joint, double least, double most, double share) {
   std::string words = "joint " + joint.name + " covers " + RangeInWords(joint, least, most) + " only";
   if (share > 0.0) words += ", " + Fixed(100.0 * share, 0) + " % of its limits";
-  return {words + ": beyond it the model extrapolates",
-          "spread " + joint.name + " over the range that is used later"};
+  return {words + ": beyond it the model extrapolates", "spread " + joint.name + " over the range that is used later"};
 }
 
 Advice OrientationIsConstant(const std::string& stations) {
@@ -71,24 +70,27 @@ Advice LoadedWithoutUnloaded(size_t shots) {
 Advice MissingFromData(Missing what) {
   switch (what) {
     case Missing::kSigma:
-      return {"no standard deviation is stated: one for all coordinates is estimated, and nothing can tell a "
-              "wrong model from noise",
-              "add sigma_x_mm, sigma_y_mm, sigma_z_mm, state noise: {sigma_mm: …}, or give --sigma_mm"};
+      return {
+          "no standard deviation is stated: one for all coordinates is estimated, and nothing can tell a "
+          "wrong model from noise",
+          "add sigma_x_mm, sigma_y_mm, sigma_z_mm, state noise: {sigma_mm: …}, or give --sigma_mm"};
     case Missing::kApproach:
       return {"no column says from which side the joints arrived: backlash cannot be told",
               "add approach1 … approachN (-1, 0, +1) and reach some configurations from both sides"};
     case Missing::kVisits:
-      return {"no configuration was visited twice: the robot's repeatability cannot be told from the "
-              "instrument's noise by repeats",
-              "reach some configurations again, with the same config and another visit"};
+      return {
+          "no configuration was visited twice: the robot's repeatability cannot be told from the "
+          "instrument's noise by repeats",
+          "reach some configurations again, with the same config and another visit"};
     case Missing::kTime:
       return {"no column time_s: drift and slips cannot be told", "add time_s"};
     case Missing::kTemperature:
       return {"no column temperature_degC: thermal growth cannot be told", "add temperature_degC"};
     case Missing::kMarkers:
-      return {"fewer than three markers: the flange's orientation is not measured, and the instrument's noise "
-              "cannot be checked against the markers' rigid arrangement",
-              "measure three markers off one line in each shot"};
+      return {
+          "fewer than three markers: the flange's orientation is not measured, and the instrument's noise "
+          "cannot be checked against the markers' rigid arrangement",
+          "measure three markers off one line in each shot"};
   }
   return {};
 }

@@ -3,8 +3,8 @@
 namespace sagitta {
 
 std::string BootstrapInWords(const IntervalReport& report, int configurations) {
-  const std::string how = std::to_string(report.replicates) + " refits, seed " + std::to_string(report.seed) +
-                          ", studentised intervals";
+  const std::string how =
+      std::to_string(report.replicates) + " refits, seed " + std::to_string(report.seed) + ", studentised intervals";
   if (report.kind == BootstrapKind::kConfigurations) {
     return "bootstrap of whole configurations (" + std::to_string(configurations) + "), " + how;
   }

@@ -118,7 +118,8 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   if (report.loss == LossKind::kNone) return;
   const Measurements& data = problem.data;
-  report.words.push_back("Loss: " + WordOf(report.loss) + " on the whitened distance of each marker point, turning at " +
+  report.words.push_back("Loss: " + WordOf(report.loss) +
+                         " on the whitened distance of each marker point, turning at " +
                          Significant(report.loss_tuning, 3) + " standard deviations; it widens the intervals by " +
                          Fixed(100.0 * (std::sqrt(report.loss_inflation) - 1.0), 1) + " %.");
   if (report.outliers.empty()) {
@@ -189,6 +190,18 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
 }
 
 }  // namespace
+
+std::string OutliersAreOf(int hits, int outliers, const std::string& category, double share) {
+  return std::to_string(hits) + " of " + std::to_string(outliers) + " are of " + category + ", which has " +
+         WholePercent(share) + " of the rows";
+}
+
+std::string OutliersLieAt(const std::string& what, double from, double to, const std::string& unit) {
+  return "they lie at " + what + " from " + Significant(from, 4) + " to " + Significant(to, 4) + " " + unit +
+         " more often than the rows do";
+}
+
+std::string AreNoMinority(double share) { return WholePercent(share) + " of the rows are no minority"; }
 
 std::string RobotScatterInWords(double tau) {
   return "Beside the stated sigmas every coordinate scatters by " + InMillimetres(tau) +

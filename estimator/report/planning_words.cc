@@ -7,6 +7,23 @@
 
 namespace sagitta {
 
+std::string InWords(CriterionKind kind) {
+  switch (kind) {
+    case CriterionKind::kI:
+      return "mean squared position error at the test poses after compensation";
+    case CriterionKind::kD:
+      return "volume of the confidence ellipsoid of the robot's parameters";
+    case CriterionKind::kA:
+      return "sum of the variances of the robot's parameters, scaled";
+    case CriterionKind::kE:
+      return "largest variance of any direction of the robot's parameters, scaled";
+    case CriterionKind::kDiscriminate:
+      return "information about which of the stated effects it is";
+    default:
+      return std::string("observability index ") + NameOf(kind) + " (Sun and Hollerbach 2008)";
+  }
+}
+
 std::string OrderIsMixed() {
   return "The order is mixed at random, so that what goes with time is not taken for what goes with the place.";
 }
@@ -18,8 +35,8 @@ std::string OrderIsShort(double share) {
 
 std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_are_drawn) {
   std::vector<std::string> words;
-  words.push_back("Checked of each pose: " + Enumerate(plan.checked) + ". Not checked: " +
-                  Enumerate(plan.not_checked) + ".");
+  words.push_back("Checked of each pose: " + Enumerate(plan.checked) + ". Not checked: " + Enumerate(plan.not_checked) +
+                  ".");
   if (candidates_are_drawn) {
     words.push_back(
         "Candidates are poses spread evenly in the joint limits, each with every way in which the rows measure one" +

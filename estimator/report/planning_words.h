@@ -8,6 +8,9 @@
 
 namespace sagitta {
 
+// What a plan by this criterion makes small or large.
+std::string InWords(CriterionKind kind);
+
 // share: of the way in the order in which poses were found.
 std::string OrderIsMixed();
 std::string OrderIsShort(double share);

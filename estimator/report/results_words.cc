@@ -18,4 +18,12 @@ std::string InputOfTheEstimate(const std::string& file) {
          "validation";
 }
 
+std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95) {
+  std::string words =
+      dialect + ": " + std::to_string(corrected) + " of " + std::to_string(points) + " points corrected";
+  if (corrected == 0) return words;
+  return words + "; off target before by at most " + InMillimetres(before) +
+         "; 95 % uncertainty of the estimate at most " + InMillimetres(u95);
+}
+
 }  // namespace sagitta

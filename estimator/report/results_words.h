@@ -13,4 +13,7 @@ std::string ModelErrorInWords(const KnownRobot& known);
 // A measurement file that is validated against although the estimate was made of it.
 std::string InputOfTheEstimate(const std::string& file);
 
+// Of a program's points; largest distance off target before, largest 95 % uncertainty, m.
+std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95);
+
 }  // namespace sagitta

@@ -43,8 +43,7 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
   std::string reason;
   if (excess == ExcessOf::kHoldout) reason = "errors on the points held out are larger than predicted";
   if (excess == ExcessOf::kCrossValidation) reason = "errors in the cross-validation are larger than predicted";
-  if (parts_disagree)
-    reason = "parts of the data contradict each other" + (reason.empty() ? "" : ", and " + reason);
+  if (parts_disagree) reason = "parts of the data contradict each other" + (reason.empty() ? "" : ", and " + reason);
   std::string words = "the intervals are " + Significant(median, 2) + " times as wide as noise alone would make them";
   if (largest > 1.05 * median) words += " (median; at most " + Significant(largest, 2) + " times, " + name + ")";
   return words + ": " + reason + "; 'sagitta diagnose' may find why";
@@ -70,8 +69,8 @@ std::string BelowAnyInstrument(double rms) {
 }
 
 std::string RowsAreSuspect(size_t rows, const std::string& first) {
-  return std::to_string(rows) + (rows == 1 ? " row is" : " rows are") + " suspect (" + first +
-         (rows > 1 ? ", …" : "") + ")";
+  return std::to_string(rows) + (rows == 1 ? " row is" : " rows are") + " suspect (" + first + (rows > 1 ? ", …" : "") +
+         ")";
 }
 
 std::string RobotStillMisses(double distance_rms) {

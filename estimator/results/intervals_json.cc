@@ -30,7 +30,8 @@ Json IntervalsToJson(const IntervalReport& intervals) {
     json["seed"] = intervals.seed;
   }
   if (intervals.clusters > 0) json["clusters"] = intervals.clusters;
-  if (intervals.method == CovarianceKind::kBootstrap || intervals.method == CovarianceKind::kProfile) json["failed"] = intervals.failed;
+  if (intervals.method == CovarianceKind::kBootstrap || intervals.method == CovarianceKind::kProfile)
+    json["failed"] = intervals.failed;
   if (!intervals.words.empty()) json["words"] = intervals.words;
   return json;
 }

@@ -58,9 +58,9 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
 Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
   const NoiseReport& report = estimate.noise_report;
   Json json = {{"source", report.source},
-               {"weights", problem.weight_roots.empty()            ? "sigma"
+               {"weights", problem.weight_roots.empty()                    ? "sigma"
                            : problem.experiment.weights == Weights::kEqual ? "equal"
-                                                                   : "eq14"},
+                                                                           : "eq14"},
                {"rounds", report.rounds},
                {"converged", report.converged}};
   if (!report.components.empty()) json["variance"] = ComponentsToJson(problem, report);

@@ -80,8 +80,7 @@ void TryLabels(const Rows& rows, int k, Proposals* proposals) {
     if (row.shot == rows.at(k).shot) {
       proposals->TryDistance(distance, FitsAsMarker(data.markers[row.marker], data.SourceOf(row)));
     } else if (row.marker == rows.at(k).marker && rows.shot(other).station == rows.shot(k).station) {
-      proposals->TryDistance(distance,
-                             FitsConfiguration(data.ConfigurationOf(row).id, data.SourceOf(row)));
+      proposals->TryDistance(distance, FitsConfiguration(data.ConfigurationOf(row).id, data.SourceOf(row)));
     }
   }
   const int own = rows.shot(k).station;
@@ -200,8 +199,7 @@ std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estim
     Proposals proposals(distances[k], rows.predicted(k));
     TryNumbers(rows.measured(k), &proposals);
     TryLabels(rows, k, &proposals);
-    const std::string off =
-        RowIsOff(distances[k], distances[k] / median);
+    const std::string off = RowIsOff(distances[k], distances[k] / median);
     const bool explained = !proposals.words().empty();
     suspects.push_back({observation, problem.data.SourceOf(rows.at(k)),
                         off + "; " + (explained ? proposals.words() : MeasureAgain())});

@@ -118,8 +118,7 @@ void SayModelError(const Estimate& estimate, const std::vector<Widening>& wideni
   trust->model_error_sigma = Median(sigmas);
   trust->model_error = Median(intervals);
   const auto& name = estimate.parameters.coordinates()[estimate.estimated[at - widenings.begin()]].name;
-  trust->model_error_words =
-      ModelErrorInWords(trust->model_error, at->interval, name, trust->between.known(), excess);
+  trust->model_error_words = ModelErrorInWords(trust->model_error, at->interval, name, trust->between.known(), excess);
 }
 
 void Widen(const std::vector<Widening>& widenings, Trust* trust, Estimate* estimate) {
@@ -188,8 +187,8 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
   AddModelError(problem.experiment.significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
-  trust.verdict.words = VerdictInWords(trust, problem.experiment.significance, kBetter,
-                                       estimate->identifiability.unidentifiable.size());
+  trust.verdict.words =
+      VerdictInWords(trust, problem.experiment.significance, kBetter, estimate->identifiability.unidentifiable.size());
   return trust;
 }
 
