@@ -4,12 +4,12 @@
 #include <cmath>
 #include <random>
 
+#include "models/constants.h"
 #include "models/kinematics.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kParallel = 3.0 * kPi / 180.0;
 constexpr double kExactlyParallel = 1e-10;  // rad: nearer, the common normal is rounding
 constexpr double kZero = 1e-12;             // m, rad: rounding of a chain of poses

@@ -8,6 +8,7 @@
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/report/calibration_words.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -19,7 +20,6 @@ constexpr double kMisfit = 0.01;      // of the reach
 // few millimetres where a length was taken from a drawing.
 constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
 constexpr double kImprovement = 10.0;
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 
 struct Reading {
   bool is_joint = true;  // joint columns, else x, y, z
@@ -31,8 +31,8 @@ struct Reading {
 };
 
 const Reading kReadings[] = {
-    {true, "_deg", "_rad", "radians", 1.0 / kRadiansPerDegree, 0.0, 7.0},
-    {true, "_rad", "_deg", "degrees", kRadiansPerDegree, 7.0, 1e4},
+    {true, "_deg", "_rad", "radians", 1.0 / kDegree, 0.0, 7.0},
+    {true, "_rad", "_deg", "degrees", kDegree, 7.0, 1e4},
     {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
     {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
 };

@@ -10,14 +10,14 @@
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"
+#include "models/constants.h"
 #include "problems/split.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
-constexpr double kStill = 5.0 / kDegreesPerRadian;  // rad: a joint that moves less is taken as standing
-constexpr double kStillLength = 0.05;               // m, prismatic
+constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is taken as standing
+constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr int kFewHeldOut = 3;
 constexpr double kFarAboveFloor = 1.5;
