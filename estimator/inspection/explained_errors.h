@@ -15,7 +15,7 @@
 
 namespace sagitta {
 
-constexpr double kErrorLength = 5e-3;                               // m, size of an error that robots have
+constexpr double kErrorLength = 5e-3;          // m, size of an error that robots have
 constexpr double kErrorAngle = 1.0 * kDegree;  // rad
 
 struct ExplainedErrors {
