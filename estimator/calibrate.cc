@@ -20,11 +20,7 @@ int RandomHalves(const CalibrationProblem& problem) {
   return std::clamp(40000 / static_cast<int>(problem.data.observations.size() + 1), 4, 20);
 }
 
-void CheckMethod(const CalibrationProblem& problem, const std::string& method) {
-  const std::vector<std::string>& known = MethodNames();
-  if (std::find(known.begin(), known.end(), method) == known.end()) {
-    throw InputError({"", 0, "--method"}, "there is no method '" + method + "'", SpellingHint(method, known));
-  }
+void CheckMethod(const CalibrationProblem& problem, Method method) {
   const std::string obstacle = MethodObstacle(problem, method);
   if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
   CheckIntervalsFit(problem, method);
@@ -71,13 +67,13 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
   BetweenParts between;
   Calibration result{std::move(resolved.problem), std::move(resolved.estimate), {}};
   Estimate& estimate = result.estimate;
-  if (options.method != "joint" && IsUsable(estimate.status)) {
-    say("running " + options.method);
+  if (options.method != Method::kJoint && IsUsable(estimate.status)) {
+    say("running " + WordOf(options.method));
     estimate = RunMethod(result.problem, options.method, estimate, options.progress).estimate;
   }
   if (!IsUsable(estimate.status)) return result;
   AddIntervals(result.problem, {options.num_threads, options.progress}, &estimate);
-  if (options.method == "joint") {
+  if (options.method == Method::kJoint) {
     say("comparing parts of the data");
     between = CheckAgreement(result.problem, {options.seed, RandomHalves(result.problem)}, &estimate);
   }

@@ -65,9 +65,7 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   for (const MeasurementFile& file : rows.files) {
     const auto& seen = known.input_hashes;
     if (std::find(seen.begin(), seen.end(), file.sha256) == seen.end()) continue;
-    validation.warnings.push_back(file.path +
-                                  " is an input of the estimate: unless its rows were held out, these are "
-                                  "residuals of the fit, not a validation");
+    validation.warnings.push_back(InputOfTheEstimate(file.path));
   }
   return validation;
 }

@@ -50,7 +50,7 @@ void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment);
 
 // How Calibrate goes about it.
 struct CalibrateOptions {
-  std::string method = "joint";  // one of MethodNames() (estimator/baselines/compare_methods.h)
+  Method method = Method::kJoint;
   int num_threads = 1;
   std::uint64_t seed = 1;  // of the random halves that are compared
   std::function<void(const std::string&)> progress = {};

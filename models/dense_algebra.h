@@ -1,5 +1,6 @@
-// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc) rather than in each
-// file that uses them. Precompiled into every source of the library: most of the build's time went into these.
+// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_svd.cc) rather
+// than in each file that uses them. Precompiled into every source of the library: most of the build's time went into
+// these.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -13,6 +14,9 @@
 #ifndef SAGITTA_TEMPLATE
 #define SAGITTA_TEMPLATE extern template
 #endif
+#ifndef SAGITTA_SVD_TEMPLATE
+#define SAGITTA_SVD_TEMPLATE extern template
+#endif
 
 namespace Eigen {
 
@@ -23,8 +27,8 @@ SAGITTA_TEMPLATE class PartialPivLU<MatrixXd>;
 SAGITTA_TEMPLATE class HouseholderQR<MatrixXd>;
 SAGITTA_TEMPLATE class ColPivHouseholderQR<MatrixXd>;
 SAGITTA_TEMPLATE class CompleteOrthogonalDecomposition<MatrixXd>;
-SAGITTA_TEMPLATE class JacobiSVD<MatrixXd>;
-SAGITTA_TEMPLATE class BDCSVD<MatrixXd>;
+SAGITTA_SVD_TEMPLATE class JacobiSVD<MatrixXd>;
+SAGITTA_SVD_TEMPLATE class BDCSVD<MatrixXd>;
 SAGITTA_TEMPLATE class SelfAdjointEigenSolver<MatrixXd>;
 
 namespace internal {

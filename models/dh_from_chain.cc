@@ -4,29 +4,18 @@
 #include <cmath>
 #include <random>
 
+#include "models/constants.h"
 #include "models/kinematics.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kParallel = 3.0 * kPi / 180.0;
 constexpr double kExactlyParallel = 1e-10;  // rad: nearer, the common normal is rounding
 constexpr double kZero = 1e-12;             // m, rad: rounding of a chain of poses
 constexpr double kLengthPrior = 5e-3, kAnglePrior = 5e-3;
 constexpr double kToolReach = 0.1;  // m
 constexpr int kPoses = 400;
-
-std::vector<Pose<double>> Frames(const Chain& chain, const Eigen::VectorXd& q) {
-  const Eigen::VectorXd coupled = chain.CoupledJointValues(q);
-  std::vector<double> values;
-  for (const ElementaryTransform& transform : chain.transforms) {
-    values.push_back(transform.nominal + (transform.has_joint() ? transform.sign * coupled[transform.joint] : 0.0));
-  }
-  ChainState<double> state;
-  EvaluateChain(chain, values.data(), &state);
-  return state.frames;
-}
 
 struct Line {
   Vector3<double> point, direction;
@@ -122,7 +111,7 @@ void CloseTable(const Pose<double>& flange, int joint, DhTable* table) {
 
 // `parallel`: rad, within which axes count as parallel and take beta.
 std::optional<DhTable> StandardTable(const Chain& chain, double parallel, std::string* why_not) {
-  const std::vector<Pose<double>> frames = Frames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
+  const std::vector<Pose<double>> frames = NominalFrames(chain, Eigen::VectorXd::Zero(chain.num_joints()));
   const Line first = AxisLine(chain, frames, 0);
   const bool slides = chain.joints[0].type == JointType::kPrismatic;
   const double off = slides ? 0.0 : first.point.head<2>().norm();
@@ -215,7 +204,7 @@ std::vector<Eigen::VectorXd> RandomPoses(const Chain& chain) {
 Eigen::VectorXd Points(const Chain& chain, const std::vector<Eigen::VectorXd>& poses) {
   Eigen::VectorXd points(9 * poses.size());
   for (size_t p = 0; p < poses.size(); ++p) {
-    const Pose<double> flange = Frames(chain, poses[p]).back();
+    const Pose<double> flange = NominalFrames(chain, poses[p]).back();
     points.segment<3>(9 * p) = flange.translation;
     points.segment<3>(9 * p + 3) = flange * Vector3<double>(kToolReach, 0, 0);
     points.segment<3>(9 * p + 6) = flange * Vector3<double>(0, kToolReach, 0);

@@ -63,6 +63,9 @@ void EvaluateChain(const Chain& chain, const T* values, ChainState<T>* state) {
   }
 }
 
+// base_from_frame of every frame f of the nominal chain at joint values q (SI): num_transforms() + 1 poses.
+std::vector<Pose<double>> NominalFrames(const Chain& chain, const Eigen::VectorXd& q);
+
 // dp / dv_e of a point beyond transform e.
 template <typename T>
 Vector3<T> PointVelocity(const Chain& chain, const ChainState<T>& state, int e, const Vector3<T>& point_in_base) {

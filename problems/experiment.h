@@ -10,6 +10,7 @@
 
 #include "models/geometry.h"
 #include "models/wrench.h"
+#include "problems/choices.h"
 
 namespace sagitta {
 
@@ -24,7 +25,7 @@ struct MarkerSpec {
   std::optional<Vector3<double>> point;   // m, in the frame it is on
   std::string on = "flange";              // flange, base, world or a joint's name
   std::optional<Vector3<double>> rotvec;  // rad, frame_from_target, of a target whose pose is read
-  std::string spring;                     // end of the compensator's spring: lever, anchor, none; "": not stated
+  std::optional<SpringEnd> spring;        // end of the compensator's spring that it is; empty: not stated
   std::optional<double> spring_sigma;     // m, per coordinate: how well it sits on that end
 };
 
@@ -44,7 +45,7 @@ struct NoiseSpec {
   bool replaces_rows = false;   // --sigma_mm
   double lambda = 1.0;          // paper 003 eq. (14)
   double sigma0 = 1e-5;         // m
-  std::string group = "config-axis";
+  ResidualGroup group = ResidualGroup::kConfigAxis;
   int iterations = 10;
   double range = 0.0, range_per_m = 0.0, angle = 0.0, angle_per_m = 0.0;  // m, m/m
 };
@@ -117,7 +118,7 @@ struct ValidationSpec {
 
 // How `covariance: bootstrap` draws.
 struct BootstrapSpec {
-  std::string kind = "automatic";  // automatic | parametric | configurations
+  BootstrapKind kind = BootstrapKind::kAutomatic;
   int replicates = 999;
   unsigned long long seed = 1;
 };
@@ -140,10 +141,10 @@ struct Experiment {
   std::map<std::string, StationSpec> stations;
   NoiseSpec noise;
   RepeatabilitySpec repeatability;
-  std::string weights = "sigma";     // sigma | equal | eq14; others than sigma: estimator/noise/weighting.h
-  std::string covariance = "model";  // model | sandwich | bootstrap | profile
+  Weights weights = Weights::kSigma;
+  CovarianceKind covariance = CovarianceKind::kModel;
   BootstrapSpec bootstrap;
-  std::string loss = "none";  // none | huber | cauchy
+  LossKind loss = LossKind::kNone;
   EstimateSpec estimate;
   std::map<std::string, Prior> priors;
   ValidationSpec validation;

@@ -12,8 +12,6 @@ namespace {
 
 using From = NoiseSpec::From;
 
-const std::vector<std::string> kGroups = {"axis", "config-axis", "marker-axis", "station-axis", "residual"};
-
 // The noise differs between rows or axes: equal weights are not those of the noise.
 bool RowsDiffer(const CalibrationProblem& problem) {
   const From from = problem.experiment.noise.from;
@@ -40,15 +38,11 @@ void CheckInstrument(const CalibrationProblem& problem) {
 void CheckResiduals(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
   if (experiment.noise.from != From::kResiduals) return;
-  const std::string& group = experiment.noise.group;
-  if (std::find(kGroups.begin(), kGroups.end(), group) == kGroups.end()) {
-    FailProblem(problem, "noise.group", "'" + group + "' is no way to group residuals", SpellingHint(group, kGroups));
-  }
   if (!experiment.repeatability.IsZero()) {
     FailProblem(problem, "noise.from", "the residuals contain the repeatability already, which is asked for beside",
                 "use {from: variance-components}, or leave repeatability out");
   }
-  if (experiment.loss != "none") {
+  if (experiment.loss != LossKind::kNone) {
     FailProblem(problem, "loss", "a loss needs noise that outliers do not widen; that of residuals they do",
                 "state noise: {sigma_mm: …}, or use loss: none");
   }
@@ -60,19 +54,19 @@ void CheckWeights(const CalibrationProblem& problem) {
   const From from = experiment.noise.from;
   const std::vector<bool> oriented = problem.data.OrientedMarkers();
   const bool has_poses = std::find(oriented.begin(), oriented.end(), true) != oriented.end();
-  if (has_poses && (experiment.weights != "sigma" || from == From::kResiduals)) {
-    FailProblem(problem, experiment.weights != "sigma" ? "weights" : "noise.from",
+  if (has_poses && (experiment.weights != Weights::kSigma || from == From::kResiduals)) {
+    FailProblem(problem, experiment.weights != Weights::kSigma ? "weights" : "noise.from",
                 "these weights are of points, the data have rotations of poses too: the two compare by standard "
                 "deviations only",
                 "use weights: sigma, with sigma columns or noise: {sigma_mm: …}");
   }
-  if (experiment.weights == "sigma" || from == From::kResiduals || from == From::kVarianceComponents) {
-    if (experiment.weights == "eq14" && from == From::kVarianceComponents) {
+  if (experiment.weights == Weights::kSigma || from == From::kResiduals || from == From::kVarianceComponents) {
+    if (experiment.weights == Weights::kEq14 && from == From::kVarianceComponents) {
       FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", "use weights: sigma");
     }
     return;
   }
-  const bool is_eq14 = experiment.weights == "eq14";
+  const bool is_eq14 = experiment.weights == Weights::kEq14;
   const char* kHint = "use weights: sigma";
   if (is_eq14 && (from == From::kInstrument || from == From::kRepeats)) {
     FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", kHint);
@@ -84,10 +78,10 @@ void CheckWeights(const CalibrationProblem& problem) {
   if (!is_eq14 && !RowsDiffer(problem)) return;  // the noise's own weights, or sigma is estimated
   const std::string which = is_eq14 ? "eq. (14)" : "eq. (8) for equal weights";
   if (!experiment.repeatability.IsZero()) FailProblem(problem, "weights", which + " knows no repeatability", kHint);
-  if (experiment.loss != "none") FailProblem(problem, "weights", which + " does not go with a loss", kHint);
-  if (experiment.covariance == "profile") {
+  if (experiment.loss != LossKind::kNone) FailProblem(problem, "weights", which + " does not go with a loss", kHint);
+  if (experiment.covariance == CovarianceKind::kProfile) {
     FailProblem(problem, "covariance",
-                "a profile likelihood weighs by the noise, the fit by weights: " + experiment.weights,
+                "a profile likelihood weighs by the noise, the fit by weights: " + WordOf(experiment.weights),
                 "use covariance: model, sandwich or bootstrap");
   }
 }

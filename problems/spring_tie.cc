@@ -8,22 +8,24 @@
 namespace sagitta {
 namespace {
 
-std::string StatedEnd(const CalibrationProblem& problem, int marker) {
+std::optional<SpringEnd> StatedEnd(const CalibrationProblem& problem, int marker) {
   const auto spec = problem.experiment.markers.find(problem.data.markers[marker]);
-  return spec == problem.experiment.markers.end() ? "" : spec->second.spring;
+  return spec == problem.experiment.markers.end() ? std::nullopt : spec->second.spring;
 }
 
 // The marker that is this end of the spring; -1: none, or no single one.
-int FindEnd(const CalibrationProblem& problem, const std::string& end, int frame) {
+int FindEnd(const CalibrationProblem& problem, SpringEnd end, int frame) {
   int stated = -1, candidate = -1, candidates = 0;
   for (size_t m = 0; m < problem.data.markers.size(); ++m) {
-    const std::string says = StatedEnd(problem, static_cast<int>(m));
+    const std::optional<SpringEnd> says = StatedEnd(problem, static_cast<int>(m));
     const std::string key = "markers." + problem.data.markers[m] + ".spring";
     if (says == end) {
-      if (stated >= 0) FailProblem(problem, key, "the spring has one " + end + " only", "leave one marker its " + end);
+      const std::string word = WordOf(end);
+      if (stated >= 0)
+        FailProblem(problem, key, "the spring has one " + word + " only", "leave one marker its " + word);
       stated = static_cast<int>(m);
     }
-    if (!says.empty() || problem.marker_frames[m] != frame) continue;
+    if (says || problem.marker_frames[m] != frame) continue;
     candidate = static_cast<int>(m);
     ++candidates;
   }
@@ -57,7 +59,7 @@ int FrameBefore(const Chain& chain, int joint_transform) {
 // A spring end that is named although there is no spring.
 void CheckNoEnds(const CalibrationProblem& problem) {
   for (const auto& [name, spec] : problem.experiment.markers) {
-    if (spec.spring.empty() || spec.spring == "none") continue;
+    if (!spec.spring || *spec.spring == SpringEnd::kNone) continue;
     FailProblem(problem, "markers." + name + ".spring", "the robot has no gravity_compensator",
                 "describe it in the robot file");
   }
@@ -106,15 +108,15 @@ void TieSpringMarkers(CalibrationProblem* problem) {
   const GravityCompensator& spring = *problem->robot.gravity_compensator;
   const int joint = chain.JointTransform(spring.joint);
   SpringTie tie;
-  tie.lever_marker = FindEnd(*problem, "lever", chain.FrameAfterJoint(spring.joint));
-  tie.anchor_marker = FindEnd(*problem, "anchor", FrameBefore(chain, joint));
+  tie.lever_marker = FindEnd(*problem, SpringEnd::kLever, chain.FrameAfterJoint(spring.joint));
+  tie.anchor_marker = FindEnd(*problem, SpringEnd::kAnchor, FrameBefore(chain, joint));
   if (tie.lever_marker < 0 || tie.anchor_marker < 0) return;
   CheckFrames(*problem, tie, joint);
   FillChain(*problem, joint, &tie);
   const std::optional<double> lever = SigmaOfEnd(*problem, tie.lever_marker);
   const std::optional<double> anchor = SigmaOfEnd(*problem, tie.anchor_marker);
   tie.stated = {spring.L, spring.a_x, spring.a_y};
-  tie.is_assumed = StatedEnd(*problem, tie.lever_marker).empty() || StatedEnd(*problem, tie.anchor_marker).empty();
+  tie.is_assumed = !StatedEnd(*problem, tie.lever_marker) || !StatedEnd(*problem, tie.anchor_marker);
   tie.sigma_is_stated = lever && anchor;
   tie.covariance = CovarianceOfEnds(spring, lever.value_or(kMarkerIsTheEnd), anchor.value_or(kMarkerIsTheEnd));
   problem->parameters.SetSpringTie(tie);

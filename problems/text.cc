@@ -30,6 +30,12 @@ std::string Significant(double value, int digits) {
   return would_be_a_power && std::abs(rounded) < 1e6 ? Fixed(rounded, 0) : WithoutSignOfZero(text);
 }
 
+std::string InMillimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
+
+std::string WholeMillimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }
+
+std::string WholePercent(double share) { return Fixed(100.0 * share, 0) + " %"; }
+
 std::string Enumerate(const std::vector<std::string>& items, size_t most) {
   std::string words;
   const size_t shown = std::min(items.size(), most);

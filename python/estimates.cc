@@ -58,7 +58,7 @@ std::shared_ptr<CalibratedExperiment> CalibrateInputs(const ExperimentInputs& in
                                                       int threads, std::uint64_t seed, bool force,
                                                       const std::string& command, const py::object& progress) {
   Calibration calibration = ResultOf<Calibration>(progress, [&](const Say& say) {
-    return Calibrate(ProblemOf(inputs, force), {method, threads, seed, say});
+    return Calibrate(ProblemOf(inputs, force), {MethodNamed(method), threads, seed, say});
   });
   const Estimate& estimate = calibration.estimate;
   if (!IsUsable(estimate.status)) {

@@ -53,6 +53,8 @@ def undocumented(text):
     for i, line in enumerate(lines):
         if OTHER.match(line) or FORWARD.match(line) or not DECLARATION.match(line):
             continue
+        if i > 0 and lines[i - 1] == 'template <>':  # its template says what it is
+            continue
         if re.match(r'[^(]*::\w+\(', line) or re.match(r'[^(]*\w::operator', line):
             continue
         if not has_comment(lines, i, is_first):
@@ -70,6 +72,7 @@ def self_test():
         (head + '// A.\nstruct A {};\nstruct B {};\n', ['struct B {};'][:0]),
         (head + 'class Forward;\n\n// A template.\ntemplate <typename T>\nT Twice(const T& x);\n', []),
         (head + 'struct First {};\n\ntemplate <typename T>\nT Twice(const T& x);\n', ['T Twice(const T& x);']),
+        (head + '// A template.\ntemplate <typename T>\nstruct Of;\n\ntemplate <>\nstruct Of<int> {};\n', []),
         (head + 'int First();\n\ninline int Next(int i) { return i + 1; }  // the one after\n', []),
         ('#pragma once\nnamespace sagitta {\nint First();\n', ['int First();']),
     ]

@@ -22,6 +22,9 @@ EXAMPLES = 'tools/examples'  # programs of somebody else: <sagitta/sagitta.h> an
 ROOMS = ['statistics', 'least_squares', 'alignment', 'estimate', 'noise', 'calibration', 'baselines', 'intervals',
          'compensation', 'planning', 'agreement', 'inspection', 'validation', 'diagnosis', 'results', 'changes']
 
+# Sentences of all rooms: a file ROOM_…words of this folder may use what that room may, and who may use the room may use it.
+WORDS = 'report'
+
 # Libraries a layer may include and link. What reads files (yaml-cpp, urdfdom, expat) and OpenSSL stay behind problems/.
 LIBRARIES = {
     'models': {'Eigen', 'hwy'},
@@ -85,12 +88,23 @@ def why_not_room(path, header):
         return ''
     if len(used) < 3:
         return 'estimator/%s/ may not use the front door %s' % (own[1], header)
-    for room in (own[1], used[1]):
+    own_room, used_room = room_of(own), room_of(used)
+    for room in (own_room, used_room):
         if room not in ROOMS:
             return "'estimator/%s' is no room: add it to ROOMS of tests/layering_test.py" % room
-    if ROOMS.index(used[1]) > ROOMS.index(own[1]):
-        return 'estimator/%s/ may not use estimator/%s/' % (own[1], used[1])
+    if ROOMS.index(used_room) > ROOMS.index(own_room):
+        return 'estimator/%s/ may not use estimator/%s/' % (own_room, used_room)
     return ''
+
+
+def room_of(parts):
+    """The room of a file of estimator/; of a file of sentences the one that its name begins with."""
+    if parts[1] != WORDS:
+        return parts[1]
+    for room in sorted(ROOMS, key=len, reverse=True):
+        if re.fullmatch(room + r'_(\w+_)?words\.(h|cc)', parts[2]):
+            return room
+    return '/'.join(parts[1:])
 
 
 def violations_of_source(layer, text, path=''):
@@ -199,6 +213,11 @@ PLANTED = [  # (file, text, what the message must say; None: no violation)
     ('estimator/noise/a.cc', '#include "estimator/statistics/b.h"\n', None),
     ('estimator/noise/a.cc', '#include "estimator/diagnosis/b.h"\n', 'may not use estimator/diagnosis/'),
     ('estimator/noise/a.cc', '#include "estimator/sagitta.h"\n', 'may not use the front door'),
+    ('estimator/noise/a.cc', '#include "estimator/report/noise_words.h"\n', None),
+    ('estimator/noise/a.cc', '#include "estimator/report/diagnosis_gap_words.h"\n', 'may not use estimator/diagnosis/'),
+    ('estimator/report/noise_words.cc', '#include "estimator/diagnosis/b.h"\n', 'may not use estimator/diagnosis/'),
+    ('estimator/report/least_squares_words.h', '#include "estimator/statistics/b.h"\n', None),
+    ('estimator/report/else_words.cc', '#include "estimator/statistics/b.h"\n', 'is no room'),
     ('estimator/loft/a.cc', '#include "estimator/noise/b.h"\n', "is no room"),
     ('estimator/a.cc', '#include "problems/b.h"\n#include <ceres/ceres.h>\n', None),
     ('estimator/a.cc', '#include "tools/b.h"\n', 'estimator/ may not use tools/'),

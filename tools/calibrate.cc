@@ -65,7 +65,7 @@ Calibration CalibrateWithProgress(CalibrationProblem problem) {
   Progress progress(
       FLAGS_quiet,
       {{"aligning", 2.0}, {"solving", 3.0}, {"intervals", 1.0}, {"comparing parts", 4.0}, {"cross-validating", 2.0}});
-  return Calibrate(std::move(problem), {FLAGS_method, FLAGS_threads, FLAGS_seed,
+  return Calibrate(std::move(problem), {MethodNamed(FLAGS_method), FLAGS_threads, FLAGS_seed,
                                         [&progress](const std::string& what) { progress.Say(what); }});
 }
 

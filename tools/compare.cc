@@ -26,22 +26,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<std::string> MethodsAsked() {
-  const std::vector<std::string>& known = MethodNames();
-  std::vector<std::string> methods;
-  if (!FLAGS_methods.empty()) methods = SplitText(FLAGS_methods, ',');
-  for (const std::string& method : methods) {
-    if (std::find(known.begin(), known.end(), method) != known.end()) continue;
-    throw InputError({"", 0, "--methods"}, "there is no method '" + method + "'", SpellingHint(method, known));
-  }
+std::vector<Method> MethodsAsked() {
+  std::vector<Method> methods;
+  if (FLAGS_methods.empty()) return methods;
+  for (const std::string& word : SplitText(FLAGS_methods, ',')) methods.push_back(MethodNamed(word, "--methods"));
   return methods;
 }
 
 // All of them; differences exist where rows are loaded.
-std::vector<std::string> DefaultMethods(const Measurements& data) {
-  std::vector<std::string> methods = MethodNames();
-  const bool loaded = std::any_of(data.shots.begin(), data.shots.end(), IsLoaded);
-  if (!loaded) methods.erase(std::find(methods.begin(), methods.end(), "differencing"));
+std::vector<Method> DefaultMethods(const Measurements& data) {
+  std::vector<Method> methods = {Method::kJoint, Method::kTwoStep, Method::kTwoStepLiteral,
+                                 Method::kTwoStepRelinearised, Method::kFullPose};
+  if (std::any_of(data.shots.begin(), data.shots.end(), IsLoaded)) methods.push_back(Method::kDifferencing);
   return methods;
 }
 
@@ -110,7 +106,7 @@ Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
 
 int RunCompare(const CommandLine& line) {
   ExpectArguments(line, CompareCommand(), 1, 1000);
-  std::vector<std::string> methods = MethodsAsked();
+  std::vector<Method> methods = MethodsAsked();
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"comparison.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
@@ -120,7 +116,7 @@ int RunCompare(const CommandLine& line) {
   std::vector<MethodResult> results;
   {
     std::vector<ProgressStep> steps = {{"fitting jointly", 1.0}};
-    for (const std::string& method : methods) steps.push_back({"running " + method, 1.0});
+    for (const Method method : methods) steps.push_back({"running " + WordOf(method), 1.0});
     Progress progress(FLAGS_quiet, steps);
     progress.Say("fitting jointly, to compare with");
     JointOptions options;
@@ -132,8 +128,8 @@ int RunCompare(const CommandLine& line) {
                 << "\n";
       return kNumericalFailure;
     }
-    for (const std::string& method : methods) {
-      progress.Say("running " + method);
+    for (const Method method : methods) {
+      progress.Say("running " + WordOf(method));
       results.push_back(
           RunMethod(resolved.problem, method, joint, [&progress](const std::string& what) { progress.Say(what); }));
     }

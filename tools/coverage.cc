@@ -41,11 +41,7 @@ void CheckFlags() {
     throw InputError({"", 0, "--trials"}, "between 1 and " + std::to_string(limits::kTrials) + " trials are possible");
   }
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
-  const std::vector<std::string>& methods = MethodNames();
-  if (std::find(methods.begin(), methods.end(), FLAGS_method) == methods.end()) {
-    throw InputError({"", 0, "--method"}, "there is no method '" + FLAGS_method + "'",
-                     SpellingHint(FLAGS_method, methods));
-  }
+  MethodNamed(FLAGS_method);
 }
 
 // What makes two runs the same: everything but how many trials, threads and words.
@@ -54,7 +50,7 @@ Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& proble
                    {"version", SAGITTA_VERSION},
                    {"seed", FLAGS_seed},
                    {"method", FLAGS_method},
-                   {"covariance", problem.experiment.covariance},
+                   {"covariance", WordOf(problem.experiment.covariance)},
                    {"inputs", Json::array()},
                    {"flags", Json::object()}};
   for (const InputFile& input : inputs.files) identity["inputs"].push_back(input.sha256);
@@ -131,7 +127,7 @@ Json ResultToJson(const std::string& command, const ExperimentInputs& inputs, co
   json["level"] = kLevel;
   json["seed"] = FLAGS_seed;
   json["method"] = FLAGS_method;
-  json["covariance"] = problem.experiment.covariance;
+  json["covariance"] = WordOf(problem.experiment.covariance);
   json["status"] = Json::object();
   for (const CoverageTrial& trial : trials) json["status"][trial.status] = json["status"].value(trial.status, 0) + 1;
   json["parameters"] = Json::array();
@@ -179,8 +175,9 @@ int RunCoverage(const CommandLine& line) {
   const OutputFolder out(FLAGS_out, {"coverage.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = PlausibleProblem(inputs);
-  CheckIntervalsFit(problem, FLAGS_method);
-  const std::string obstacle = MethodObstacle(problem, FLAGS_method);
+  const Method method = MethodNamed(FLAGS_method);
+  CheckIntervalsFit(problem, method);
+  const std::string obstacle = MethodObstacle(problem, method);
   if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
   Progress progress(FLAGS_quiet);
   JointOptions options;
@@ -192,7 +189,7 @@ int RunCoverage(const CommandLine& line) {
     std::cerr << "sagitta: no estimate to simulate at: " << StatusName(truth.status) << ": " << truth.message << "\n";
     return kNumericalFailure;
   }
-  const CoverageStudy study(resolved.problem, truth, FLAGS_method, FLAGS_seed);
+  const CoverageStudy study(resolved.problem, truth, method, FLAGS_seed);
   CoverageState state(FLAGS_out, IdentityOf(inputs, problem), study.coordinates().size());
   RunTrials(study, problem, &state, &progress);
   const std::vector<CoverageTrial> trials = FirstTrials(state);

@@ -9,8 +9,8 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/simulation_baseline.h"
+#include "estimator/report/diagnosis_words.h"
 #include "estimator/results/diagnosis_json.h"
-#include "estimator/results/diagnosis_words.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"

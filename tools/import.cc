@@ -16,6 +16,7 @@
 #include "problems/io/measurement_file.h"
 #include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
+#include "problems/text.h"
 #include "tools/commands.h"
 #include "tools/convert_options.h"
 #include "tools/import_choice.h"

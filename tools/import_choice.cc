@@ -12,6 +12,7 @@
 #include "problems/input_error.h"
 #include "problems/io/import/imported_rows.h"
 #include "problems/io/measurement_file.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -46,8 +47,6 @@ double MisfitOf(const Robot& robot, const TextTable& table, const ImportPlan& pl
 }
 
 }  // namespace
-
-std::string InMillimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
 
 std::set<std::string> LoadsOf(const Measurements& data) {
   std::set<std::string> loads;

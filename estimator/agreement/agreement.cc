@@ -8,11 +8,11 @@
 #include <map>
 #include <tuple>
 
-#include "estimator/agreement/agreement_words.h"
 #include "estimator/agreement/part_fits.h"
 #include "estimator/agreement/splits.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/sandwich.h"
+#include "estimator/report/agreement_words.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
 
@@ -102,7 +102,7 @@ struct Pool {
     least_p = std::min(least_p, found.p_value);
     ++splits;
   }
-  PartComparison Result(const std::string& by, const std::string& key) const {
+  PartComparison Result(SplitBy by, const std::string& key) const {
     PartComparison result{by, key};
     std::vector<double> sorted = over_interval;
     std::sort(sorted.begin(), sorted.end());
@@ -116,11 +116,11 @@ struct Pool {
 
 // Random halves share the model's error.
 bool Contradict(const PartComparison& kind, double level) {
-  return kind.by != "random" && kind.p_value < level && kind.inflation > 1.0;
+  return kind.by != SplitBy::kRandom && kind.p_value < level && kind.inflation > 1.0;
 }
 
 // Of the kinds whose parts contradict each other.
-BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::map<std::string, PartMoments>& moments,
+BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::map<SplitBy, PartMoments>& moments,
                           const Whole& whole) {
   BetweenParts found;
   PartMoments all(whole.num_columns());
@@ -136,8 +136,8 @@ BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::m
 // Returns the sandwich of the whole.
 RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, AgreementReport* report,
                                BetweenParts* between) {
-  std::map<std::string, Pool> kinds;
-  std::map<std::string, PartMoments> moments;
+  std::map<SplitBy, Pool> kinds;
+  std::map<SplitBy, PartMoments> moments;
   Pool random[2];  // by the model's covariance, by the sandwich
   const SumsOfParts sums = SumParts(splits, given);
   if (!given->valid) return {};
@@ -146,13 +146,13 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
   std::vector<int> with_sandwich;
   for (size_t s = 0; s < splits.size(); ++s) {
     fits.push_back(FitParts(whole, splits[s], sums.empty() ? nullptr : &sums[s]));
-    if (splits[s].by == "random" || whole.by_sandwich) with_sandwich.push_back(static_cast<int>(s));
+    if (splits[s].by == SplitBy::kRandom || whole.by_sandwich) with_sandwich.push_back(static_cast<int>(s));
   }
   const Eigen::VectorXd variances = whole.turns.VariancesOf(whole.estimate.covariance);
   const RobustCovariance robust = AddSandwiches(whole, splits, with_sandwich, &fits);
   for (size_t s = 0; s < splits.size(); ++s) {
     const Split& split = splits[s];
-    const bool is_random = split.by == "random";
+    const bool is_random = split.by == SplitBy::kRandom;
     const auto& [first, second] = fits[s];
     if (!first.usable || !second.usable) continue;
     const Differences found = Compare(whole, first, second, whole.by_sandwich);
@@ -168,12 +168,12 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     own.Add(found);
     report->splits.push_back(own.Result(split.by, split.key));
   }
-  for (const char* by : {"random", "region", "station", "time"}) {
+  for (const SplitBy by : {SplitBy::kRandom, SplitBy::kRegion, SplitBy::kStation, SplitBy::kTime}) {
     if (kinds.count(by) > 0) report->kinds.push_back(kinds[by].Result(by, ""));
   }
   *between = ModelErrorOf(report->kinds, moments, whole);
-  report->random_share_model = random[false].Result("", "").share();
-  report->random_share_sandwich = random[true].Result("", "").share();
+  report->random_share_model = random[false].Result(SplitBy::kRandom, "").share();
+  report->random_share_sandwich = random[true].Result(SplitBy::kRandom, "").share();
   return robust;
 }
 
@@ -229,7 +229,7 @@ BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOp
   Whole whole(problem, *estimate);
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();
-  report.covariance = whole.by_sandwich ? "sandwich" : "model";
+  report.covariance = whole.by_sandwich ? CovarianceKind::kSandwich : CovarianceKind::kModel;
   report.seed = options.seed;
   if (!whole.valid || whole.num_columns() == 0) return {};
   const std::vector<Split> splits = MakeSplits(problem, *estimate, whole.clusters, options.seed, options.random_halves);

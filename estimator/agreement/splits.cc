@@ -25,7 +25,7 @@ class Splitter {
     for (int i = 0; i < random_halves; ++i) AddRandom(&random);
     for (int j = 0; j < problem_.robot.num_joints(); ++j) AddJoint(j);
     for (int axis = 0; axis < 3; ++axis) {
-      AddMedian("region", std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i)[axis]; }));
+      AddMedian(SplitBy::kRegion, std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i)[axis]; }));
     }
     AddStations();
     AddTime();
@@ -57,7 +57,7 @@ class Splitter {
     return sum;
   }
 
-  void Add(const std::string& by, const std::string& key, const std::vector<bool>& first) {
+  void Add(SplitBy by, const std::string& key, const std::vector<bool>& first) {
     const auto many = static_cast<double>(std::count(first.begin(), first.end(), true));
     const double least = std::max<double>(kFewest, kSmallestPart * num_clusters_);
     if (std::min(many, num_clusters_ - many) < least) return;
@@ -74,10 +74,10 @@ class Splitter {
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[(*random)() % i]);
     std::vector<bool> first(num_clusters_, false);
     for (int i = 0; i < num_clusters_ / 2; ++i) first[order[i]] = true;
-    Add("random", "", first);
+    Add(SplitBy::kRandom, "", first);
   }
 
-  void AddMedian(const std::string& by, const std::string& key, const std::vector<double>& value) {
+  void AddMedian(SplitBy by, const std::string& key, const std::vector<double>& value) {
     std::vector<double> sorted = value;
     std::sort(sorted.begin(), sorted.end());
     if (sorted.empty() || sorted.front() == sorted.back()) return;
@@ -96,7 +96,7 @@ class Splitter {
     const std::vector<double> q =
         MeanOf([&](int i) { return problem_.data.ConfigurationOf(problem_.data.observations[i]).q[j]; });
     if (q.empty() || *std::max_element(q.begin(), q.end()) - *std::min_element(q.begin(), q.end()) < kStill) return;
-    AddMedian("region", problem_.robot.chain.joints[j].name, q);
+    AddMedian(SplitBy::kRegion, problem_.robot.chain.joints[j].name, q);
   }
 
   // Series: stations that share no configuration; else their rows share the robot's error there.
@@ -106,18 +106,18 @@ class Splitter {
     for (size_t k = 0; k < rows_.size(); ++k) seen[ShotOf(rows_[k]).station][clusters_[k]] = 1;
     for (size_t a = 0; a < n; ++a) {
       for (size_t b = a + 1; b < n && n <= kMostPairs; ++b) {
-        AddRows("station", problem_.data.stations[a] + " and " + problem_.data.stations[b], seen[a], seen[b]);
+        AddRows(SplitBy::kStation, problem_.data.stations[a] + " and " + problem_.data.stations[b], seen[a], seen[b]);
       }
       if (n <= kMostPairs) continue;
       Clusters rest(static_cast<size_t>(num_clusters_), 0);
       for (size_t b = 0; b < n; ++b) {
         for (size_t c = 0; b != a && c < rest.size(); ++c) rest[c] |= seen[b][c];
       }
-      AddRows("station", problem_.data.stations[a] + " and the others", seen[a], rest);
+      AddRows(SplitBy::kStation, problem_.data.stations[a] + " and the others", seen[a], rest);
     }
   }
 
-  void AddRows(const std::string& by, const std::string& key, const Clusters& a, const Clusters& b) {
+  void AddRows(SplitBy by, const std::string& key, const Clusters& a, const Clusters& b) {
     if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < kFewest) return;
     for (size_t c = 0; c < a.size(); ++c) {
       if (a[c] != 0 && b[c] != 0) return;
@@ -134,7 +134,7 @@ class Splitter {
   void AddTime() {
     if (rows_.empty() || problem_.data.stations.size() > 1) return;
     if (!std::all_of(rows_.begin(), rows_.end(), [&](int i) { return ShotOf(i).has_time; })) return;
-    AddMedian("time", "", MeanOf([&](int i) { return ShotOf(i).time; }));
+    AddMedian(SplitBy::kTime, "", MeanOf([&](int i) { return ShotOf(i).time; }));
   }
 
   const CalibrationProblem& problem_;

@@ -10,7 +10,8 @@
 namespace sagitta {
 
 struct Split {
-  std::string by, key;     // as in PartComparison
+  SplitBy by = SplitBy::kRandom;
+  std::string key;         // as in PartComparison
   std::vector<int> first;  // positions in the list of calibration observations
   std::vector<int> second;
 };

@@ -75,6 +75,4 @@ double RotationMisfit(const std::vector<TargetRotation>& readings) {
   return std::sqrt(squares / static_cast<double>(readings.size()));
 }
 
-std::string WholeMillimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }
-
 }  // namespace sagitta

@@ -31,6 +31,4 @@ struct TargetRotation {
 };
 double RotationMisfit(const std::vector<TargetRotation>& readings);
 
-std::string WholeMillimetres(double metres);
-
 }  // namespace sagitta

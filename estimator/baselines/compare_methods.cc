@@ -1,7 +1,5 @@
 #include "estimator/baselines/compare_methods.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "estimator/baselines/two_step.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/noise/residual_noise.h"
+#include "problems/input_error.h"
 
 namespace sagitta {
 namespace {
@@ -63,63 +62,60 @@ double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
 
 }  // namespace
 
-const std::vector<std::string>& MethodNames() {
-  static const std::vector<std::string> names = {
-      "joint", "two-step", "two-step-literal", "two-step-relinearised", "full-pose", "differencing"};
-  return names;
+Method MethodNamed(const std::string& word, const std::string& key) {
+  if (const auto method = FindChoice<Method>(word)) return *method;
+  throw InputError({"", 0, key}, "there is no method '" + word + "'", SpellingHint(word, WordsOf<Method>()));
 }
 
-std::string MethodObstacle(const CalibrationProblem& problem, const std::string& method) {
-  if (method == "joint") return "";
-  if (problem.experiment.loss != "none") return method + " knows no robust loss";
-  if (method == "two-step") return "";  // exact halves whiten as the joint estimate does
+std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
+  const std::string name = WordOf(method);
+  if (method == Method::kJoint) return "";
+  if (problem.experiment.loss != LossKind::kNone) return name + " knows no robust loss";
+  if (method == Method::kTwoStep) return "";  // exact halves whiten as the joint estimate does
   const std::vector<bool> oriented = problem.data.OrientedMarkers();
   if (std::find(oriented.begin(), oriented.end(), true) != oriented.end()) {
-    return method + " knows measured points, not the rotation of a pose";
+    return name + " knows measured points, not the rotation of a pose";
   }
-  const bool takes_rows_only = method == "full-pose" || method == "two-step-literal";
-  if (takes_rows_only && HasPriors(problem.parameters, "")) return method + " knows no priors";
+  const bool takes_rows_only = method == Method::kFullPose || method == Method::kTwoStepLiteral;
+  if (takes_rows_only && HasPriors(problem.parameters, "")) return name + " knows no priors";
   for (const char* family : {"base/", "marker/"}) {  // in its first half, which solves for these
-    const bool is_ignored = method == "two-step-relinearised" && HasPriors(problem.parameters, family);
-    if (is_ignored) return method + " knows no priors of " + family + "…";
+    const bool is_ignored = method == Method::kTwoStepRelinearised && HasPriors(problem.parameters, family);
+    if (is_ignored) return name + " knows no priors of " + family + "…";
   }
-  if (method == "full-pose" && problem.experiment.covariance == "sandwich") return "full-pose knows no sandwich";
+  if (method == Method::kFullPose && problem.experiment.covariance == CovarianceKind::kSandwich)
+    return name + " knows no sandwich";
   if (!problem.latent.empty() || problem.experiment.repeatability.IsEstimated()) {
-    return method + " knows no joint deviations (repeatability)";
+    return name + " knows no joint deviations (repeatability)";
   }
   if (!IsDiagonal(CalibrationResiduals(problem).noise)) {
-    return method + " knows standard deviations per axis, not an instrument's covariances";
+    return name + " knows standard deviations per axis, not an instrument's covariances";
   }
   return "";
 }
 
-MethodResult RunMethod(const CalibrationProblem& problem, const std::string& method, const Estimate& joint,
+MethodResult RunMethod(const CalibrationProblem& problem, Method method, const Estimate& joint,
                        const std::function<void(const std::string&)>& progress) {
-  MethodResult result{method, {}, kNone, kNone, kNone};
+  MethodResult result{WordOf(method), {}, kNone, kNone, kNone};
   const std::string obstacle = MethodObstacle(problem, method);
-  if (method == "joint") {
+  if (method == Method::kJoint) {
     result.estimate = joint;
   } else if (!obstacle.empty()) {
     result.estimate.parameters = result.estimate.aligned = problem.parameters;
     result.estimate.message = "not run: " + obstacle;
-  } else if (method == "full-pose") {
+  } else if (method == Method::kFullPose) {
     result.estimate = EstimateFromFullPoses(WithHeld(problem, joint));
-  } else if (method == "differencing") {
+  } else if (method == Method::kDifferencing) {
     result.estimate = EstimateByDifferencing(WithHeld(problem, joint), progress);
   } else {
     TwoStepOptions options;
     options.progress = progress;
-    if (method == "two-step-literal")
-      options.variant = TwoStepVariant::kLiteral;
-    else if (method == "two-step-relinearised")
-      options.variant = TwoStepVariant::kRelinearised;
-    else
-      CHECK_EQ(method, "two-step") << "no such method";
+    if (method == Method::kTwoStepLiteral) options.variant = TwoStepVariant::kLiteral;
+    if (method == Method::kTwoStepRelinearised) options.variant = TwoStepVariant::kRelinearised;
     TwoStepResult two_step = EstimateInTwoSteps(WithHeld(problem, joint), options);
     result.estimate = std::move(two_step.estimate);
     result.rate_measured = two_step.rate;
-    if (method == "two-step") result.rate_predicted = PredictedRate(problem, joint);
-    if (method == "two-step" && IsUsable(result.estimate.status)) TakeNoise(problem, joint, &result.estimate);
+    if (method == Method::kTwoStep) result.rate_predicted = PredictedRate(problem, joint);
+    if (method == Method::kTwoStep && IsUsable(result.estimate.status)) TakeNoise(problem, joint, &result.estimate);
   }
   if (IsUsable(result.estimate.status)) {
     result.estimate.identifiability.unidentifiable = joint.identifiability.unidentifiable;

@@ -8,8 +8,18 @@
 
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
+#include "problems/choices.h"
 
 namespace sagitta {
+
+// The joint estimate, the papers' two halves (exact; as published; linearised anew), poses fitted to the markers of
+// each shot, differences of loaded rows.
+enum class Method { kJoint, kTwoStep, kTwoStepLiteral, kTwoStepRelinearised, kFullPose, kDifferencing };
+template <>
+struct ChoiceWords<Method> {
+  static constexpr const char* kWords[] = {"joint",     "two-step",    "two-step-literal", "two-step-relinearised",
+                                           "full-pose", "differencing"};
+};
 
 struct MethodResult {
   std::string name;
@@ -19,17 +29,17 @@ struct MethodResult {
   double rate_predicted = 0.0;       // c1^2 at the joint optimum, two-step only; NaN: none
 };
 
-// joint, two-step, two-step-literal, two-step-relinearised, full-pose, differencing.
-const std::vector<std::string>& MethodNames();
+// The method that a word names; `key`: where the word was given. Throws InputError where it names none.
+Method MethodNamed(const std::string& word, const std::string& key = "--method");
 
 // Why a method cannot honour the noise of the problem (joint deviations, full covariances, estimated noise, a loss);
 // empty: it can. The literal methods of the papers know sigmas per axis only.
-std::string MethodObstacle(const CalibrationProblem& problem, const std::string& method);
+std::string MethodObstacle(const CalibrationProblem& problem, Method method);
 
-// `method` is one of MethodNames(). `joint` is the joint estimate of the problem:
+// `joint` is the joint estimate of the problem:
 // what it held is held by every method, at the same values. Judge a method by
 // estimate.status: one that cannot run on the data says so there.
-MethodResult RunMethod(const CalibrationProblem& problem, const std::string& method, const Estimate& joint,
+MethodResult RunMethod(const CalibrationProblem& problem, Method method, const Estimate& joint,
                        const std::function<void(const std::string&)>& progress = {});
 
 }  // namespace sagitta

@@ -2,20 +2,6 @@
 
 namespace sagitta {
 
-const char* StepOutcomeInWords(StepOutcome outcome) {
-  switch (outcome) {
-    case StepOutcome::kTaken:
-      return "a step was taken";
-    case StepOutcome::kSingular:
-      return "a step's linear system is singular";
-    case StepOutcome::kNoDescent:
-      return "no step lowers the cost, however short: the start is too far off";
-    case StepOutcome::kEquilibriumDiverged:
-      return "the equilibrium of a loaded shot diverges";
-  }
-  return "";
-}
-
 StepOutcome DampedStep(const RowsAt& rows_at, const std::vector<int>& coordinates, ParameterSet* parameters) {
   if (coordinates.empty()) return StepOutcome::kTaken;
   Linearization here = rows_at(*parameters, coordinates).rows;

@@ -7,9 +7,6 @@
 
 namespace sagitta {
 
-// "a step's linear system is singular", ...
-const char* StepOutcomeInWords(StepOutcome outcome);
-
 // A column of zeros (a spring on a joint that is still rigid) waits.
 StepOutcome DampedStep(const RowsAt& rows_at, const std::vector<int>& coordinates, ParameterSet* parameters);
 

@@ -9,6 +9,7 @@
 #include "estimator/baselines/damped_step.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/report/baselines_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/loads.h"
 
@@ -184,20 +185,17 @@ void StateIntervals(const DifferenceContext& context, const std::vector<int>& el
     row.at_bound = row.ci95.low < lower;
     row.ci95.low = std::max(row.ci95.low, lower);
   }
-  estimate->warnings.push_back(
-      "its intervals of compliances and compensator take geometry, base poses and markers of the unloaded rows as "
-      "exact");
+  estimate->warnings.push_back(DifferencesTakeRestAsExact());
   const auto& spring = context.problem.robot.gravity_compensator;
   if ((spring && spring->preload) || context.problem.experiment.tool_mass > 0.0) {
-    estimate->warnings.push_back(
-        "what bends the unloaded arm (the spring's preload, the tool) went into the geometry of its first step");
+    estimate->warnings.push_back(PreloadWentIntoGeometry());
   }
 }
 
 Estimate NotRun(const CalibrationProblem& problem, const std::string& why) {
   Estimate estimate;
   estimate.parameters = estimate.aligned = problem.parameters;
-  estimate.message = "not run: " + why;
+  estimate.message = NotRunBecause(why);
   return estimate;
 }
 
@@ -208,13 +206,13 @@ Estimate EstimateByDifferencing(const CalibrationProblem& problem,
   const auto start = std::chrono::steady_clock::now();
   const DifferenceContext context = MakeContext(problem);
   if (context.num_differences == 0) {
-    return NotRun(problem, "no marker is measured loaded and unloaded at one visit, so there is no difference");
+    return NotRun(problem, NoDifferences());
   }
   std::vector<int> elastic;
   for (const int i : problem.parameters.EstimatedCoordinates()) {
     if (IsElastic(problem, problem.parameters, i)) elastic.push_back(i);
   }
-  if (elastic.empty()) return NotRun(problem, "no compliance and no compensator is estimated");
+  if (elastic.empty()) return NotRun(problem, NothingElastic());
   if (progress) progress("differencing: geometry from the unloaded rows");
   Estimate estimate = EstimateUnloaded(problem);
   if (!IsUsable(estimate.status)) {

@@ -11,6 +11,7 @@
 #include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/report/baselines_words.h"
 
 namespace sagitta {
 namespace {
@@ -97,17 +98,14 @@ void AverageShape(const Context& context, ParameterSet* parameters) {
 std::string Obstacle(const Context& context, int unknowns) {
   const CalibrationProblem& problem = context.problem;
   for (const int frame : problem.marker_frames) {
-    if (frame != problem.marker_frames[0])
-      return "not run: the markers ride on different links, they are no rigid body";
+    if (frame != problem.marker_frames[0]) return NotRunBecause(MarkersOnSeveralLinks());
   }
   if (context.tool_is_free() && context.free_marker_coordinates != 3 * problem.parameters.num_markers()) {
-    return "not run: some marker coordinates are fixed or held and others free; full-pose wants all or none";
+    return NotRunBecause(SomeMarkersHeld());
   }
-  if (context.shots.empty())
-    return "not run: no shot sees three markers that are not on one line; there is no full pose";
+  if (context.shots.empty()) return NotRunBecause(NoFullPose());
   if (6 * static_cast<int>(context.shots.size()) < unknowns) {
-    return "not run: " + std::to_string(context.shots.size()) + " full poses are fewer equations than " +
-           std::to_string(unknowns) + " unknowns";
+    return NotRunBecause(FewFullPoses(context.shots.size(), unknowns));
   }
   return "";
 }
@@ -237,8 +235,7 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
     poses.residual = -equations.residual;
     const LinearSolution solution = SolveLinearization(poses);
     if (!equations.valid || !solution.full_rank) {
-      Stop(Status::kSingular, "the pose equations are singular, or the equilibrium of a loaded shot diverges",
-           estimate);
+      Stop(Status::kSingular, PoseEquationsSingular(), estimate);
       break;
     }
     const Eigen::MatrixXd of_unknowns = Sandwich(equations, solution.covariance);

@@ -12,6 +12,7 @@
 #include "estimator/baselines/paper_steps.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/report/baselines_words.h"
 
 namespace sagitta {
 namespace {
@@ -72,14 +73,12 @@ StepContext MakeContext(const CalibrationProblem& problem) {
 std::string Obstacle(const CalibrationProblem& problem) {
   for (size_t m = 0; m < problem.marker_frames.size(); ++m) {
     if (problem.marker_frames[m] == problem.robot.chain.FlangeFrame()) continue;
-    return "not run: marker '" + problem.data.markers[m] +
-           "' is not on the flange, and paper 000 eq. (8) knows no other";
+    return NotRunBecause(MarkerOffFlange(problem.data.markers[m]));
   }
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     const BlockKind kind = problem.parameters.blocks()[coordinate.block].kind;
     if (kind == BlockKind::kModelParameter || coordinate.estimated()) continue;
-    return "not run: " + coordinate.name +
-           " is held, but step 1 of paper 000 (eq. 15) solves for every base pose and marker; use two-step";
+    return NotRunBecause(HeldInFirstStep(coordinate.name));
   }
   return "";
 }
@@ -220,7 +219,7 @@ TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoSte
     if (coordinate.held) estimate.status = Status::kConvergedWithHeldParameters;
   }
   JudgeEstimate(problem, &estimate);
-  if (!is_exact) estimate.warnings.push_back("the intervals ignore the bias of this variant of the two-step method");
+  if (!is_exact) estimate.warnings.push_back(BiasIsIgnored());
   return result;
 }
 

@@ -15,6 +15,7 @@
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/least_squares/structure.h"
+#include "estimator/report/calibration_words.h"
 #include "problems/excitation.h"
 
 namespace sagitta {
@@ -196,23 +197,19 @@ void Finish(const CalibrationProblem& problem, const NormalEquations& equations,
   if (!certificate.valid) return FailEquilibrium(problem, estimate);
   if (certificate.columns == 0) {
     estimate->status = Status::kSingular;
-    estimate->message =
-        "the scatter is so large that every unknown had to be held: rows that are far off ('sagitta inspect' names "
-        "them); else check signs and zero positions of the joints, the kinematics and the units";
+    estimate->message = EverythingHeld();
   } else if (!certificate.full_rank) {
     estimate->status = Status::kSingular;
-    estimate->message = "the identification Jacobian is singular at the optimum although nothing is held";
+    estimate->message = SingularAtOptimum();
   } else if (!minimized.usable || !(certificate.step < kConvergedSteps || certificate.exact_fit)) {
     estimate->status = Status::kNoConvergence;
-    estimate->message =
-        "stopped " + std::to_string(certificate.step) + " standard deviations from the optimum: " + minimized.message;
+    estimate->message = StoppedBefore(certificate.step, minimized.message);
   } else if (!estimate->identifiability.unidentifiable.empty()) {
     estimate->status = Status::kConvergedWithHeldParameters;
-    estimate->message = std::to_string(estimate->identifiability.unidentifiable.size()) +
-                        " parameter(s) held: the data cannot tell them";
+    estimate->message = ConvergedWithHeld(estimate->identifiability.unidentifiable.size());
   } else {
     estimate->status = Status::kConverged;
-    estimate->message = "the remaining Gauss-Newton step is below 1e-5 standard deviations";
+    estimate->message = Converged();
   }
 }
 

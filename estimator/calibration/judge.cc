@@ -6,7 +6,6 @@
 #include <map>
 #include <numeric>
 #include <set>
-#include <sstream>
 #include <tuple>
 
 #include "estimator/calibration/joint_estimator.h"
@@ -18,6 +17,7 @@
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "estimator/noise/weighting.h"
+#include "estimator/report/calibration_words.h"
 #include "estimator/statistics/distributions.h"
 #include "models/row_block.h"
 #include "problems/loads.h"
@@ -187,7 +187,7 @@ Linearization Known(const CalibrationProblem& problem, const Linearization& fit,
   return known;
 }
 
-RowStream::Noise Weights(const CalibrationProblem& problem) {
+RowStream::Noise RootsOfFit(const CalibrationProblem& problem) {
   return [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
 }
 
@@ -202,7 +202,7 @@ RobustCovariance SandwichOfFit(const CalibrationProblem& problem, const Lineariz
   fit.solution = solution;
   ClusterSandwich sandwich(columns, 1 + *std::max_element(clusters.begin(), clusters.end()), solution.covariance_root,
                            {fit});
-  const RowStream stream(problem, observations, Weights(problem), LatentTreatment::kMarginalise, clusters);
+  const RowStream stream(problem, observations, RootsOfFit(problem), LatentTreatment::kMarginalise, clusters);
   sandwich.Add(stream, estimate.parameters, estimate.estimated, clusters);
   return sandwich.Result(0, PriorsOf(estimate.parameters, estimate.estimated).jacobian);
 }
@@ -235,22 +235,20 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
     estimate->held = influence_in(linearization);
   } else {
     estimate->held =
-        influence_in(FittedOnce(problem, estimate->parameters, observations, columns, Weights(problem)).rows);
+        influence_in(FittedOnce(problem, estimate->parameters, observations, columns, RootsOfFit(problem)).rows);
   }
   estimate->interval_dof = Eigen::VectorXd::Constant(estimate->estimated.size(), ModelDof(*estimate));
   estimate->intervals = IntervalReport();
   if (problem.repeat_scatter && !estimate->sigma.scaled) {
     estimate->interval_dof.setConstant(SigmaDof(problem.repeat_scatter));
   }
-  if (problem.experiment.covariance != "sandwich" || scale == 0.0) return true;
+  if (problem.experiment.covariance != CovarianceKind::kSandwich || scale == 0.0) return true;
   const RobustCovariance robust = SandwichOfFit(problem, linearization, solution, *estimate);
   estimate->covariance = robust.covariance;
   estimate->interval_dof = robust.dof;
-  estimate->intervals.method = "sandwich";
+  estimate->intervals.method = CovarianceKind::kSandwich;
   estimate->intervals.clusters = robust.clusters;
-  estimate->intervals.words =
-      "robust covariance, clustered by configuration (" + std::to_string(robust.clusters) +
-      "): whatever rows of one configuration share, and whatever differs between configurations, counts as it is seen";
+  estimate->intervals.words = SandwichInWords(robust.clusters);
   return true;
 }
 
@@ -306,12 +304,7 @@ void WarnOfBounds(const Linearization& fit, double scale, Estimate* estimate) {
   for (const int c : resting) {
     const double below = -free.step[c] / (scale * std::sqrt(free.covariance(c, c)));
     if (below < kFarBelow) continue;
-    std::ostringstream words;
-    words.precision(2);
-    words << parameters.coordinates()[fit.columns[c]].name << " stands on its bound, 0, but the data want it " << below
-          << " standard deviations below: check the sign and the unit of the loads, the load point and what is held; "
-             "or the model lacks an effect (sagitta diagnose)";
-    estimate->warnings.push_back(words.str());
+    estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[fit.columns[c]].name, below));
   }
 }
 
@@ -328,7 +321,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   const auto fitted_by = [&](const RowStream::Noise& roots) {
     return FittedOnce(problem, parameters, calibration, estimate->estimated, roots);
   };
-  FittedRows fitted = fitted_by(Weights(problem));
+  FittedRows fitted = fitted_by(RootsOfFit(problem));
   const Linearization& fit = fitted.rows;
   if (!fit.valid) {  // the last step to the optimum folded the arm
     estimate->status = Status::kEquilibriumDiverged;
@@ -341,7 +334,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   Eigen::MatrixXd normal_root;
   if (!JudgeCovariance(problem, fit, scale, &normal_root, estimate)) {
     estimate->status = Status::kSingular;
-    estimate->message = "the identification Jacobian is singular at the estimate: a value on its bound hides others";
+    estimate->message = SingularAtEstimate();
     return;
   }
   FillTable(problem, estimate);

@@ -3,11 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 
 #include "estimator/least_squares/linearization.h"
+#include "estimator/report/calibration_words.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -182,21 +182,9 @@ LoadPlan PlanDisplacedLoad(const CalibrationProblem& problem, const Estimate& es
   return PlanLoads(problem, estimate, held, wrenches, kPulls);
 }
 
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-std::string Places(const LoadPlan& plan) {
-  std::string names;
-  for (const std::string& id : plan.configurations) names += (names.empty() ? "" : ", ") + id;
-  return "in three configurations, e.g. " + names;
-}
-
 std::string Outcome(const Coordinate& coordinate, double sigma) {
   const QuantityTraits& traits = TraitsOf(coordinate.quantity);
-  return ": " + coordinate.name + " to about " + Format("%.2g ", sigma / traits.si_per_unit) + traits.unit;
+  return ReachedInWords(coordinate.name, sigma / traits.si_per_unit, traits.unit);
 }
 
 std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& estimate, int held) {
@@ -204,28 +192,20 @@ std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& 
   const double limit = coordinate.hold_limit;
   const LoadPlan pulls = PlanPulls(problem, estimate, held, kPull, kPulls);
   if (pulls.sigma < limit) {
-    return "pull sideways with " + Format("%.0f N ", kPull) + Places(pulls) + Outcome(coordinate, pulls.sigma);
+    return PullSideways(kPull, pulls.configurations, Outcome(coordinate, pulls.sigma));
   }
   const LoadPlan displaced = PlanDisplacedLoad(problem, estimate, held);
   if (displaced.sigma < limit) {
-    const Vector3<double> point = 1e3 * displaced.wrenches[0].point;
-    return "no sideways pull at this load point tells it: hang the load 100 mm off the axis (e.g. at [" +
-           Format("%.0f, ", point.x()) + Format("%.0f, ", point.y()) + Format("%.0f", point.z()) + "] mm) " +
-           Places(displaced) + Outcome(coordinate, displaced.sigma);
+    return HangOffAxis(displaced.wrenches[0].point, displaced.configurations, Outcome(coordinate, displaced.sigma));
   }
-  return "no load at this load point turns the joint enough: use a longer arm or a heavier load, or state a prior";
+  return NoLoadTells();
 }
 
 std::string SpringRemedy(const Direction& direction, bool tied) {
-  if (tied) {
-    return "load the arm more heavily with the spring's joint spread over its range, or state a prior (priors: "
-           "{compensator/...})";
-  }
-  for (const auto& [name, value] : direction.components) {
-    if (name == "compensator/L") return "measure L with markers on the links, or hold it";
-  }
-  return "measure where the spring is fixed with markers on the links and state it, or state a prior "
-         "(priors: {compensator/...})";
+  if (tied) return SpringRemedyInWords(SpringDoubt::kTied);
+  const bool is_length = std::any_of(direction.components.begin(), direction.components.end(),
+                                     [](const auto& component) { return component.first == "compensator/L"; });
+  return SpringRemedyInWords(is_length ? SpringDoubt::kLength : SpringDoubt::kOther);
 }
 
 }  // namespace
@@ -271,18 +251,14 @@ std::string FoldedShot(const CalibrationProblem& problem, const ParameterSet& pa
     const Shot& shot = problem.data.shots[s];
     const Matrix3<double> rotation = parameters.BaseInStation(shot.station).rotation;
     if (problem.model.Equilibrate(problem.shot_inputs[s], theta.data(), rotation).converged) continue;
-    return (IsLoaded(shot) ? "load '" + shot.load + "'" : std::string("the spring or the tool's weight")) +
-           " at configuration '" + problem.data.configurations[shot.configuration].id + "' (" +
-           problem.data.SourceOf(problem.data.observations[shot.observations.front()]) + ")";
+    return ShotThatFolds(IsLoaded(shot) ? shot.load : "", problem.data.configurations[shot.configuration].id,
+                         problem.data.SourceOf(problem.data.observations[shot.observations.front()]));
   }
   return "";
 }
 
 std::string FoldedInWords(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const std::string folded = FoldedShot(problem, parameters);
-  return (folded.empty() ? "a load" : folded) +
-         " folds the arm: the deflections find no equilibrium at the current compliances; check the units of loads, "
-         "load points and compliances";
+  return FoldedShotInWords(FoldedShot(problem, parameters));
 }
 
 }  // namespace sagitta

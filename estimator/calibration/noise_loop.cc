@@ -6,13 +6,13 @@
 
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/least_squares/linearization.h"
-#include "estimator/noise/noise_words.h"
 #include "estimator/noise/outliers.h"
 #include "estimator/noise/repeatability.h"
 #include "estimator/noise/residual_noise.h"
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/robust.h"
 #include "estimator/noise/weighting.h"
+#include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -48,7 +48,7 @@ struct Loop {
 
   explicit Loop(const CalibrationProblem& given) : problem(given), base(AllRoots(given)) {
     stated = given.sigma_is_stated();
-    loss = LossNamed(given.experiment.loss);
+    loss = given.experiment.loss;
     report.loss = given.experiment.loss;
     report.loss_tuning = loss == LossKind::kNone ? 0.0 : LossTuning(loss);
     weights.assign(given.CalibrationObservations().size(), 1.0);
@@ -97,7 +97,7 @@ double UpdateComponents(const Estimate& estimate, int round, Loop* loop, NoiseRo
 
 // {from: residuals} weighs by eq. (14), unless equal weights are asked for.
 NoiseRoots ResidualWeights(const Experiment& experiment, const NoiseRoots& spread) {
-  if (experiment.weights == "equal") return RootsOfWeights(experiment, spread);
+  if (experiment.weights == Weights::kEqual) return RootsOfWeights(experiment, spread);
   return Eq14Roots(spread, experiment.noise.sigma0, experiment.noise.lambda);
 }
 
@@ -182,7 +182,7 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
 
 // Degrees of freedom of each interval where variances were estimated. The sandwich has its own: it does not use them.
 Eigen::VectorXd IntervalDof(const Loop& loop, const Estimate& estimate) {
-  if (estimate.intervals.method == "sandwich") return estimate.interval_dof;
+  if (estimate.intervals.method == CovarianceKind::kSandwich) return estimate.interval_dof;
   if (estimate.sigma.scaled || !estimate.sigma.stated) {
     return Eigen::VectorXd::Constant(estimate.covariance.rows(), std::max(1, estimate.dof));
   }
@@ -263,7 +263,7 @@ ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions&
 bool FindsNoise(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
   return EstimatesComponents(experiment) || UsesResiduals(experiment) || WeighsOtherwise(problem) ||
-         LossNamed(experiment.loss) != LossKind::kNone;
+         experiment.loss != LossKind::kNone;
 }
 
 ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "estimator/report/calibration_words.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -19,7 +20,6 @@ constexpr double kMisfit = 0.01;      // of the reach
 // few millimetres where a length was taken from a drawing.
 constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
 constexpr double kImprovement = 10.0;
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 
 struct Reading {
   bool is_joint = true;  // joint columns, else x, y, z
@@ -31,8 +31,8 @@ struct Reading {
 };
 
 const Reading kReadings[] = {
-    {true, "_deg", "_rad", "radians", 1.0 / kRadiansPerDegree, 0.0, 7.0},
-    {true, "_rad", "_deg", "degrees", kRadiansPerDegree, 7.0, 1e4},
+    {true, "_deg", "_rad", "radians", 1.0 / kDegree, 0.0, 7.0},
+    {true, "_rad", "_deg", "degrees", kDegree, 7.0, 1e4},
     {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
     {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
 };
@@ -111,13 +111,8 @@ UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, 
   finding.line = file.rows.empty() ? 0 : file.rows.front().line;
   finding.column = ColumnsOf(reading, point_prefix, problem.robot.chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
-  finding.words = std::string("the numbers look like ") + reading.better_words +
-                  ": the aligned nominal robot misses by " + WholeMillimetres(before) +
-                  " (RMS) as the columns say, by " + WholeMillimetres(after) + " if they are " + reading.better_words;
-  finding.hint = "convert the numbers";
-  if (point_prefix.empty()) {
-    finding.hint = "name the column " + stem + reading.better + " (and those like it), or " + finding.hint;
-  }
+  finding.words = NumbersLookLike(reading.better_words, before, after);
+  finding.hint = ConvertNumbers(point_prefix.empty() ? stem + reading.better : "");
   return finding;
 }
 
@@ -155,18 +150,15 @@ std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const s
     if (at < 0 || problem.robot.chain.transforms[at].motion != Motion::kTranslation) continue;
     const double length = problem.robot.chain.transforms[at].nominal, by = row.value;
     if (length == 0.0 || !(std::abs(by) > std::max(kOfALink * std::abs(length), kLargeCorrection))) continue;
-    large.push_back(row.name + " (" + Fixed(1e3 * length, 1) + " mm by " + Fixed(1e3 * by, 1) + " mm)");
+    large.push_back(CorrectedLength(row.name, length, by));
   }
   if (large.empty()) return "";
-  return "lengths are corrected by more than a tenth: " + Enumerate(large, 5) +
-         "; no robot is built so: look for wrong rows, units and signs ('sagitta inspect')";
+  return LengthsAreCorrected(large);
 }
 
 std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {
   if (!(distance_rms > kMisfit * Reach(problem.robot.chain))) return "";
-  return "the calibrated robot still misses by " + WholeMillimetres(distance_rms) +
-         " (RMS): this robot did not make these measurements as described; check signs and zero positions of the "
-         "joints, the kinematics and the units ('sagitta inspect' tries them)";
+  return CalibratedRobotMisses(distance_rms);
 }
 
 }  // namespace sagitta

@@ -5,6 +5,7 @@
 
 #include "estimator/changes/comparison.h"
 #include "estimator/changes/sparse_search.h"
+#include "estimator/report/changes_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/text.h"
 
@@ -14,18 +15,6 @@ namespace {
 // Gauss-Newton rounds: a millimetre or a milliradian leaves a nanometre after the second.
 constexpr int kRounds = 3;
 constexpr double kWorthAWord = 0.05;
-
-std::string WordsOf(const Change& change) {
-  const std::string size = Significant(change.value, 3) + " " + change.unit +
-                           " (95 %: " + Significant(change.ci95[0], 3) + " to " + Significant(change.ci95[1], 3) + ")";
-  if (change.what == "joint_zero") return "the zero of " + change.target + " moved by " + size;
-  if (change.what == "tool") return "the tool with all its markers moved on the flange by " + size;
-  if (change.what == "marker") return "marker " + change.target + " was reseated: " + size;
-  if (change.what == "base") {
-    return "the base, or the instrument of station " + change.target + ", moved by " + size;
-  }
-  return change.what + " " + change.target + " changed by " + size;
-}
 
 // value: of one parameter as it is; of a motion the length of its translation, or its angle where that is all there is.
 Change Describe(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
@@ -44,7 +33,7 @@ Change Describe(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eig
     const double sigma = std::sqrt(spread(0, 0));
     change.value = value[0];
     change.ci95[0] = value[0] - k * sigma, change.ci95[1] = value[0] + k * sigma;
-    change.words = WordsOf(change);
+    change.words = ChangeInWords(change);
     return change;
   }
   for (int i = 0; i < group.size(); ++i) {
@@ -55,7 +44,7 @@ Change Describe(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eig
   const Eigen::VectorXd along = value.head(3) / std::max(change.value, 1e-300);
   const double sigma = std::sqrt(along.dot(spread.topLeftCorner(3, 3) * along));
   change.ci95[0] = std::max(0.0, change.value - k * sigma), change.ci95[1] = change.value + k * sigma;
-  change.words = WordsOf(change);
+  change.words = ChangeInWords(change);
   if (group.size() == 6) change.words += ", turned by " + Significant(value.tail(3).norm(), 3) + " mrad";
   return change;
 }

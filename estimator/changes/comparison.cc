@@ -6,11 +6,11 @@
 #include <numeric>
 
 #include "estimator/least_squares/held_influence.h"
+#include "estimator/report/changes_words.h"
 #include "models/constants.h"
 #include "models/dense_algebra.h"
 #include "problems/input_error.h"
 #include "problems/simulation.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -306,8 +306,7 @@ void EstimateComparison::FactorCovariance() {
       if (!Has(other->uncertainty.estimated, name) && !Has(other->uncertainty.held, name)) names.push_back(name);
     }
     if (names.empty()) continue;
-    notes_.push_back("estimated in " + one->file +
-                     ", assumed in the other, so no change of it is told: " + Enumerate(names, 8));
+    notes_.push_back(ChangesOpen(one->file, names));
   }
 }
 

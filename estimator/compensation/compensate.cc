@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "estimator/least_squares/parallel.h"
+#include "estimator/report/compensation_words.h"
 #include "estimator/statistics/distributions.h"
 #include "models/constants.h"
 #include "models/dense_algebra.h"
@@ -163,28 +164,23 @@ std::string Compensator::JointNames(const std::vector<int>& joints) const {
 
 std::string Compensator::Words(const Target& target, const CompensatedTarget& result) const {
   const FlangeSolution& s = result.solution;
-  const std::string left =
-      Significant(1e3 * s.left_position, 3) + " mm and " + Significant(1e3 * s.left_rotation, 3) + " mrad";
+  const double position = s.left_position, rotation = s.left_rotation;
   switch (s.status) {
     case TargetStatus::kOk:
       if (input_.nominal.num_joints() < 6 && s.left_rotation > kOnTarget) {
-        return "the position is met, the orientation as far as " + std::to_string(input_.nominal.num_joints()) +
-               " joints can: " + Significant(1e3 * s.left_rotation, 3) + " mrad are left";
+        return OrientationLeft(input_.nominal.num_joints(), rotation);
       }
-      return s.at_limit.empty() ? "" : JointNames(s.at_limit) + " at the limit, the others make up for it";
+      return s.at_limit.empty() ? "" : LimitMadeUpFor(JointNames(s.at_limit));
     case TargetStatus::kSingular:
-      return (s.left_position <= kOnTarget ? "on target" : left + " are left") +
-             ", close to a singularity (smallest singular value " + Significant(s.least_singular, 2) +
-             "): small errors take large joint motions there";
+      return CloseToSingularity(position <= kOnTarget, position, rotation, s.least_singular);
     case TargetStatus::kLimit:
-      return JointNames(s.at_limit) + " would leave the limits; the nearest pose within them is " + left + " off";
+      return WouldLeaveLimits(JointNames(s.at_limit), position, rotation);
     case TargetStatus::kUnreachable:
-      return std::string("no joint values ") + (target.q ? "near those given " : "") +
-             "reach it; the nearest pose is " + left + " off";
+      return OutOfReach(target.q.has_value(), position, rotation);
     case TargetStatus::kEquilibriumDiverged:
-      return "the load folds the arm: no equilibrium of load and compliances was found";
+      return LoadFoldsArm();
     case TargetStatus::kNotConverged:
-      return "the iteration did not settle (a law with a step, such as backlash by torque?); " + left + " are left";
+      return IterationUnsettled(position, rotation);
   }
   return "";
 }

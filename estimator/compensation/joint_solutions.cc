@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/report/compensation_words.h"
 #include "models/constants.h"
 
 namespace sagitta {
@@ -167,13 +168,11 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
   };
   if (branch.from_before || !branch.states_anything()) {
     if (before.size() == 0) {
-      return {{},
-              "the file does not say with which joint solution it is reached, and no joint values come before it: "
-              "--start_deg states where the arm is when the program starts"};
+      return {{}, SolutionNotStated()};
     }
     const FlangeSolution near = SolveFlange(nominal, arm, flange_in_base, before, true);
     if (IsOnTarget(near)) return {near.q, ""};
-    return {{}, "no joint values near those before it reach it"};
+    return {{}, NoSolutionNearBefore()};
   }
   std::vector<Eigen::VectorXd> found;
   bool reached = false;
@@ -190,14 +189,9 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
   }
   if (found.size() == 1) return {found[0], ""};
   if (found.size() > 1) {
-    return {{},
-            std::to_string(found.size()) +
-                " joint solutions are of the configuration that the file states; joint "
-                "limits in the robot file would tell them apart"};
+    return {{}, SolutionsAreSeveral(found.size())};
   }
-  return {{},
-          reached ? "no joint values of the nominal robot reach it in the configuration that the file states"
-                  : "the nominal robot does not reach it; is its frame or tool another?"};
+  return {{}, reached ? NoSolutionAsStated() : PoseOutOfReach()};
 }
 
 }  // namespace sagitta

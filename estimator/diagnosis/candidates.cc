@@ -5,6 +5,7 @@
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/diagnosis/moments.h"
+#include "estimator/report/diagnosis_caution_words.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -147,7 +148,7 @@ bool IsLevelled(const Experiment& experiment) {
 // "" or what is not known where the effect is of weights. Whether it is, its terms say.
 std::string UnknownGravity(const CalibrationProblem& problem, const EffectSpec& spec) {
   const std::string station = UnlevelledStationWithWeights(problem.WithEffects({spec}));
-  return station.empty() ? "" : "the direction of gravity in the base frame: station " + station + " is not levelled";
+  return station.empty() ? "" : GravityIsUnknown(station);
 }
 
 // Joints that give way: what acts through a compliance of zero does nothing.

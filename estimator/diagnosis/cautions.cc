@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 
@@ -10,18 +9,17 @@
 #include "estimator/diagnosis/refit.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
+#include "estimator/report/diagnosis_caution_words.h"
+#include "models/constants.h"
 #include "problems/split.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
-constexpr double kStill = 5.0 / kDegreesPerRadian;  // rad: a joint that moves less is taken as standing
-constexpr double kStillLength = 0.05;               // m, prismatic
+constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is taken as standing
+constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
 constexpr int kFewHeldOut = 3;
-constexpr size_t kNamesListed = 6;
 constexpr double kFarAboveFloor = 1.5;
 constexpr double kFarBelow = 3.1;  // standard deviations, one in a thousand
 
@@ -64,48 +62,34 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
 void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
   const bool is_asked = problem.experiment.noise.from == NoiseSpec::From::kVarianceComponents;
   if (problem.sigma_is_stated() || is_asked) return;
-  const std::string taken =
-      RowsShareVisits(problem)
-          ? ": what the rows of one arrival share is taken as joint repeatability where that says "
-            "more than any effect, and the rest of the scatter that the model leaves as the instrument's noise"
-          : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
-  cautions->push_back("No noise is stated" + taken +
-                      ". Structure in it is found, a gap without structure is not, and 'consistent' means no more than "
-                      "that. State sigma_mm, or measure some poses again.");
+  cautions->push_back(NoNoiseIsStated(RowsShareVisits(problem)));
 }
 
 // The search compares chi-squares of one least-squares model: other ways to weigh the rows are not taken.
 void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautions) {
   std::vector<std::string> keys;
-  if (experiment.loss != "none") keys.push_back("loss: " + experiment.loss);
-  if (experiment.weights != "sigma") keys.push_back("weights: " + experiment.weights);
-  const bool is_judged = experiment.covariance == "model" || experiment.covariance == "sandwich";
-  if (!is_judged) keys.push_back("covariance: " + experiment.covariance);
+  if (experiment.loss != LossKind::kNone) keys.push_back("loss: " + WordOf(experiment.loss));
+  if (experiment.weights != Weights::kSigma) keys.push_back("weights: " + WordOf(experiment.weights));
+  const bool is_judged =
+      experiment.covariance == CovarianceKind::kModel || experiment.covariance == CovarianceKind::kSandwich;
+  if (!is_judged) keys.push_back("covariance: " + WordOf(experiment.covariance));
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (keys.empty()) return;
-  cautions->push_back("Not used by the diagnosis, which tells the noise beside the effects itself: " +
-                      Enumerate(keys, kNamesListed) + ".");
+  cautions->push_back(MethodKeysUnused(keys));
 }
 
 void AppendFew(const CalibrationProblem& problem, const Counts& counts, std::vector<std::string>* cautions) {
   const int unknowns = static_cast<int>(problem.parameters.EstimatedCoordinates().size());
   const int rows = 3 * static_cast<int>(problem.CalibrationObservations().size());
   if (counts.fitted >= kFewConfigurations && rows >= 2 * unknowns) return;
-  cautions->push_back("Only " + std::to_string(counts.fitted) + " different configurations (" + std::to_string(rows) +
-                      " coordinates) are fitted, for " + std::to_string(unknowns) +
-                      " unknowns and the whole catalogue: most effects cannot be seen in them, and what is named may "
-                      "stand for something else. 40 configurations and more carry the search.");
+  cautions->push_back(FewAreFitted(counts.fitted, rows, unknowns));
 }
 
 void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
   const std::vector<std::string> standing = StandingJoints(problem);
   if (standing.empty()) return;
   const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
-  cautions->push_back(
-      (all ? std::string("All configurations are alike: no joint moves")
-           : Enumerate(standing, kNamesListed) + (standing.size() == 1 ? " hardly moves" : " hardly move")) +
-      " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
-      (all ? ", and the verdict holds for this one pose." : "."));
+  cautions->push_back(JointsStandStill(standing, all));
 }
 
 struct DrivingColumn {
@@ -134,13 +118,10 @@ void AppendPartlyStated(const CalibrationProblem& problem, std::vector<std::stri
     if (stating == 0 || stating == static_cast<long>(problem.shot_inputs.size())) continue;
     const auto empty = std::count_if(data.observations.begin(), data.observations.end(),
                                      [&](const Observation& row) { return data.Cell(row, column.name).empty(); });
-    partly.push_back(column.name + " (" + std::to_string(empty) + " of " + std::to_string(data.observations.size()) +
-                     " rows)");
+    partly.push_back(PartlyStated(column.name, empty, data.observations.size()));
   }
   if (partly.empty()) return;
-  cautions->push_back("Columns that some rows do not state: " + Enumerate(partly, kNamesListed) +
-                      ". What they drive is looked for only where every shot states it: fill the cells, or leave those "
-                      "rows out.");
+  cautions->push_back(ColumnsArePartlyStated(partly));
 }
 
 void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
@@ -149,9 +130,7 @@ void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
   for (const Coordinate& coordinate : estimate.parameters.coordinates()) {
     if (coordinate.held) held.push_back(coordinate.name);
   }
-  cautions->push_back(
-      "The believed model already has what these data cannot tell (held: " + Enumerate(held, kNamesListed) +
-      "): an effect that moves the markers like these cannot be told from them.");
+  cautions->push_back(ParametersAreHeld(held));
 }
 
 // What the robot file states and the experiment holds is neither estimated nor a candidate.
@@ -165,23 +144,15 @@ void AppendHeldEffects(const CalibrationProblem& problem, std::vector<std::strin
     if (!is_free) held.push_back(spec.Path());
   }
   if (held.empty()) return;
-  cautions->push_back("Held at the values of the robot file, and not looked for: " + Enumerate(held, kNamesListed) +
-                      ". To ask for them, free them (estimate: {effects: all}) or take them out of the file.");
+  cautions->push_back(EffectsAreHeld(held));
 }
 
 void AppendHoldout(const Counts& counts, std::vector<std::string>* cautions) {
-  if (counts.in_both > 0) {
-    cautions->push_back(
-        (counts.in_both == 1 ? "1 configuration is" : std::to_string(counts.in_both) + " configurations are") +
-        " fitted and held out at once (equal joint values under different names): the "
-        "hold-out figures are too good by their share. Hold out whole configurations.");
-  }
+  if (counts.in_both > 0) cautions->push_back(FittedAndHeldOut(counts.in_both));
   if (counts.held_out == 0) {
-    cautions->push_back("Nothing is held out: whether the gap shrinks on data that took no part is not known.");
+    cautions->push_back(NothingHeldOut());
   } else if (counts.held_out < kFewHeldOut) {
-    const std::string held_out =
-        counts.held_out == 1 ? "1 configuration is" : std::to_string(counts.held_out) + " configurations are";
-    cautions->push_back("Only " + held_out + " held out: the gap figures are hardly more than an example.");
+    cautions->push_back(FewHeldOut(counts.held_out));
   }
 }
 
@@ -192,7 +163,7 @@ std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
   for (const std::vector<Finding>& findings : {LintReadings(problem).findings, LintDeflections(problem)}) {
     for (const Finding& finding : findings) {
       if (finding.severity != Severity::kSerious) continue;
-      cautions.push_back("Look at this first: " + finding.words + "; " + finding.remedy + ".");
+      cautions.push_back(LookAtThisFirst(finding));
     }
   }
   return cautions;
@@ -216,23 +187,10 @@ void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::ve
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
   const int held_out = CountConfigurations(final.problem->data).held_out;
   if (held_out < kFewHeldOut) return;
-  char words[240];
-  if (!has_unexplained && rms > kFarAboveFloor * floor) {
-    std::snprintf(words, sizeof words,
-                  "The hold-out RMS, %.3g mm, is %.2g times what noise and parameters explain: the fitted "
-                  "configurations do not tell what the held-out ones need.",
-                  1e3 * rms, rms / floor);
-    cautions->push_back(words);
-  }
+  if (!has_unexplained && rms > kFarAboveFloor * floor) cautions->push_back(HoldoutFarAboveFloor(rms, floor));
   // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.
   const double scatter = 1.0 / std::sqrt(2.0 * 3.0 * held_out);
-  if (rms < (1.0 - kFarBelow * scatter) * floor) {
-    std::snprintf(words, sizeof words,
-                  "The noise floor, %.3g mm, is above the hold-out RMS, %.3g mm: these rows scatter less than the "
-                  "noise that is taken, and how much of the gap is closed is an upper limit.",
-                  1e3 * floor, 1e3 * rms);
-    cautions->push_back(words);
-  }
+  if (rms < (1.0 - kFarBelow * scatter) * floor) cautions->push_back(HoldoutBelowFloor(rms, floor));
 }
 
 }  // namespace sagitta

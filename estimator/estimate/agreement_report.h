@@ -4,11 +4,20 @@
 #include <string>
 #include <vector>
 
+#include "problems/choices.h"
+
 namespace sagitta {
+
+// What the configurations are divided by into two parts.
+enum class SplitBy { kRandom, kRegion, kStation, kTime };
+template <>
+struct ChoiceWords<SplitBy> {
+  static constexpr const char* kWords[] = {"random", "region", "station", "time"};
+};
 
 // Differences of parameters between two parts of the configurations, each over its joint 95 % interval.
 struct PartComparison {
-  std::string by;          // random, region, station, time
+  SplitBy by = SplitBy::kRandom;
   std::string key;         // "" or a joint, x, y, z (base frame), "S1 and S2"; "" of a kind: all its splits together
   int compared = 0;        // differences
   int inside = 0;          // of them within their joint 95 % interval
@@ -28,7 +37,7 @@ struct RepeatFit {
 // What the comparison of parts of the data found.
 struct AgreementReport {
   bool known = false;                                            // there was enough to divide
-  std::string covariance = "model";                              // of the intervals that were compared: model, sandwich
+  CovarianceKind covariance = CovarianceKind::kModel;            // of the intervals that were compared
   unsigned long long seed = 1;                                   // of the random halves
   std::vector<PartComparison> splits;                            // each one
   std::vector<PartComparison> kinds;                             // pooled: random first

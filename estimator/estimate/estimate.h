@@ -75,16 +75,16 @@ struct ParameterEstimate {
 
 // How the intervals came about (experiment key `covariance`).
 struct IntervalReport {
-  std::string method = "model";  // model, sandwich, bootstrap, profile
-  std::string kind;              // bootstrap: parametric, configurations
-  int clusters = 0;              // sandwich and bootstrap of configurations
-  int replicates = 0;            // bootstrap: refits used
-  int failed = 0;                // refits that did not converge, ends that did not close
-  unsigned long long seed = 0;   // bootstrap
+  CovarianceKind method = CovarianceKind::kModel;
+  std::optional<BootstrapKind> kind;  // bootstrap: parametric or configurations
+  int clusters = 0;                   // sandwich and bootstrap of configurations
+  int replicates = 0;                 // bootstrap: refits used
+  int failed = 0;                     // refits that did not converge, ends that did not close
+  unsigned long long seed = 0;        // bootstrap
   std::string words;
 
   // Seen in the residuals of whole configurations instead of scaled into the model's covariance.
-  bool is_empirical() const { return method == "sandwich" || kind == "configurations"; }
+  bool is_empirical() const { return method == CovarianceKind::kSandwich || kind == BootstrapKind::kConfigurations; }
 };
 
 // The noise that the estimate goes by, against what was stated.

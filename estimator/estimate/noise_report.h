@@ -53,7 +53,7 @@ struct NoiseReport {
 
   std::vector<NoiseGroup> groups;
 
-  std::string loss = "none";
+  LossKind loss = LossKind::kNone;
   double loss_tuning = 0.0;     // whitened distance where the loss turns
   double robust_scale = 1.0;    // of the whitened residuals, not below 1 where sigmas are stated
   double loss_inflation = 1.0;  // variance of the robust estimate over that of least squares on the rest

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <tuple>
@@ -11,7 +10,6 @@
 #include "estimator/inspection/orientation.h"
 #include "models/constants.h"
 #include "problems/loads.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -28,12 +26,6 @@ constexpr double kOtherPose = 0.1 * kDegree;    // copies: the joints moved at l
 constexpr double kEquationsPerUnknown = 2.0;
 constexpr double kManyCopies = 0.05;  // of the rows
 
-std::string RangeInWords(const Chain& chain, const MeasuredRange& range) {
-  const bool turns = chain.joints[range.joint].type == JointType::kRevolute;
-  const double unit = turns ? kDegree : 1e-3;
-  return Fixed(range.least / unit, 1) + " to " + Fixed(range.most / unit, 1) + (turns ? " deg" : " mm");
-}
-
 // Configurations of the calibration rows, each with its first row.
 std::map<int, int> CalibrationConfigurations(const CalibrationProblem& problem) {
   std::map<int, int> first;
@@ -49,24 +41,15 @@ void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* finding
     const bool turns = joint.type == JointType::kRevolute;
     const double covered = range.most - range.least;
     if (covered < (turns ? kStill : kStillLength)) {
-      findings->push_back({Severity::kWarning,
-                           "joint_never_moved",
-                           "joint " + joint.name + " never moved (" + RangeInWords(chain, range) +
-                               "): its axis is not seen, and the errors around it cannot be told apart",
-                           "add configurations that move " + joint.name,
-                           {}});
+      findings->push_back(
+          Found(Severity::kWarning, "joint_never_moved", JointNeverMoved(joint, range.least, range.most)));
       continue;
     }
     const bool little =
         range.share > 0.0 ? range.share < kLittleOfTheLimits : covered < (turns ? kLittleTurn : kLittleLength);
     if (!little) continue;
-    std::string words = "joint " + joint.name + " covers " + RangeInWords(chain, range) + " only";
-    if (range.share > 0.0) words += ", " + Fixed(100.0 * range.share, 0) + " % of its limits";
-    findings->push_back({Severity::kWarning,
-                         "narrow_joint_range",
-                         words + ": beyond it the model extrapolates",
-                         "spread " + joint.name + " over the range that is used later",
-                         {}});
+    findings->push_back(Found(Severity::kWarning, "narrow_joint_range",
+                              JointCoversLittle(joint, range.least, range.most, range.share)));
   }
 }
 
@@ -76,26 +59,11 @@ void LintOrientation(const CalibrationProblem& problem, std::vector<Finding>* fi
   for (const int frame : problem.marker_frames) on_flange |= frame == problem.robot.chain.FlangeFrame();
   if (!on_flange) return;
   const OrientationVariety variety = OrientationVarietyOf(problem);
-  const std::string where = variety.stations.empty() ? "" : " (station " + variety.stations + ")";
   if (variety.most < kConstantOrientation) {
-    findings->push_back(
-        {Severity::kSerious,
-         "constant_orientation",
-         "the flange has the same orientation in all configurations" + where +
-             ": where the marker sits on the flange cannot be told from where the base stands; both could be "
-             "shifted against each other by any amount without a trace",
-         "add configurations with the flange turned about at least two axes by 30 degrees and more, or state the "
-         "markers' points",
-         {}});
+    findings->push_back(Found(Severity::kSerious, "constant_orientation", OrientationIsConstant(variety.stations)));
   } else if (variety.least < kOneAxis) {
-    const Vector3<double>& a = variety.still;
-    findings->push_back({Severity::kWarning,
-                         "one_axis_orientation",
-                         "the flange turns about one axis only, (" + Fixed(a.x(), 2) + ", " + Fixed(a.y(), 2) + ", " +
-                             Fixed(a.z(), 2) + ") in its own frame" + where +
-                             ": the marker's place along it cannot be told from the base's",
-                         "add configurations with the flange tilted about another axis, or state the markers' points",
-                         {}});
+    findings->push_back(
+        Found(Severity::kWarning, "one_axis_orientation", OrientationAboutOneAxis(variety.still, variety.stations)));
   }
 }
 
@@ -106,13 +74,8 @@ void LintCounts(const CalibrationProblem& problem, std::vector<Finding>* finding
   // What one configuration can add at most: the pose of the flange, and less with fewer markers.
   const int per_configuration = std::min<int>(6, 3 * problem.data.markers.size());
   if (equations >= kEquationsPerUnknown * unknowns && per_configuration * configurations >= unknowns) return;
-  findings->push_back({Severity::kWarning,
-                       "few_configurations",
-                       std::to_string(configurations) + " configurations (" + std::to_string(equations) +
-                           " equations) for " + std::to_string(unknowns) +
-                           " unknowns: little is left to check the fit with",
-                       "measure more configurations, or free less (estimate.geometry, --fixed)",
-                       {}});
+  findings->push_back(
+      Found(Severity::kWarning, "few_configurations", FewConfigurations(configurations, equations, unknowns)));
 }
 
 void LintDuplicatedPoses(const CalibrationProblem& problem, std::vector<Finding>* findings) {
@@ -127,24 +90,21 @@ void LintDuplicatedPoses(const CalibrationProblem& problem, std::vector<Finding>
   std::map<int, int> first_row;
   for (size_t i = 0; i < problem.data.observations.size(); ++i)
     first_row.try_emplace(problem.data.shots[problem.data.observations[i].shot].configuration, static_cast<int>(i));
-  Finding finding{
-      Severity::kNote, "duplicated_poses", "", "give repeated arrivals the same config and another visit", {}};
+  std::vector<std::string> rows;
   for (size_t k = 1; k < order.size(); ++k) {
     const Eigen::VectorXd difference = configurations[order[k]].q - configurations[order[k - 1]].q;
     if (difference.cwiseAbs().maxCoeff() > kEqualJoints) continue;
-    finding.rows.push_back(problem.data.SourceOf(problem.data.observations[first_row[order[k]]]));
+    rows.push_back(problem.data.SourceOf(problem.data.observations[first_row[order[k]]]));
   }
-  if (finding.rows.empty()) return;
-  finding.words = std::to_string(finding.rows.size()) +
-                  " configurations have the joint values of another one: they add repeats, no new poses";
-  findings->push_back(finding);
+  if (rows.empty()) return;
+  findings->push_back(Found(Severity::kNote, "duplicated_poses", PosesAreRepeated(rows.size()), rows));
 }
 
 // The same point to the last digit although the arm moved: a copied line, an instrument that did not update.
 void LintCopiedPoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {
   const Measurements& data = problem.data;
   std::map<std::tuple<int, int, double, double, double>, int> seen;
-  Finding finding{Severity::kSerious, "copied_points", "", "measure these rows again or take them out", {}};
+  std::vector<std::string> rows;
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& o = data.observations[i];
     if (!o.is_point()) continue;
@@ -154,13 +114,12 @@ void LintCopiedPoints(const CalibrationProblem& problem, std::vector<Finding>* f
     if (is_new) continue;
     const Observation& first = data.observations[entry->second];
     const Eigen::VectorXd moved = data.ConfigurationOf(o).q - data.ConfigurationOf(first).q;
-    if (moved.cwiseAbs().maxCoeff() > kOtherPose) finding.rows.push_back(data.SourceOf(o));
+    if (moved.cwiseAbs().maxCoeff() > kOtherPose) rows.push_back(data.SourceOf(o));
   }
-  if (finding.rows.empty()) return;
-  if (finding.rows.size() < kManyCopies * data.observations.size()) finding.severity = Severity::kWarning;
-  finding.words = std::to_string(finding.rows.size()) +
-                  " rows have the point of an earlier row to the last digit, at other joint values";
-  findings->push_back(finding);
+  if (rows.empty()) return;
+  const bool are_many = rows.size() >= kManyCopies * data.observations.size();
+  findings->push_back(
+      Found(are_many ? Severity::kSerious : Severity::kWarning, "copied_points", PointsAreCopied(rows.size()), rows));
 }
 
 void LintLoads(const CalibrationProblem& problem, std::vector<Finding>* findings) {
@@ -172,23 +131,13 @@ void LintLoads(const CalibrationProblem& problem, std::vector<Finding>* findings
     if (!IsLoaded(shot)) unloaded.insert({shot.configuration, shot.station});
   }
   if (!any_loaded || unloaded.empty()) return;  // no unloaded row at all: the reader warns
-  Finding finding{Severity::kNote,
-                  "load_without_unloaded",
-                  "",
-                  "measure them unloaded at the same visit too: what the joints do alike in both then cancels",
-                  {}};
+  std::vector<std::string> rows;
   for (const Shot& shot : data.shots) {
     if (!IsLoaded(shot) || unloaded.count({shot.configuration, shot.station}) > 0) continue;
-    finding.rows.push_back(data.SourceOf(data.observations[shot.observations.front()]));
+    rows.push_back(data.SourceOf(data.observations[shot.observations.front()]));
   }
-  if (finding.rows.empty()) return;
-  finding.words = std::to_string(finding.rows.size()) + " loaded shots have no unloaded counterpart";
-  findings->push_back(finding);
-}
-
-void Note(const std::string& code, const std::string& words, const std::string& remedy,
-          std::vector<Finding>* findings) {
-  findings->push_back({Severity::kNote, code, words, remedy, {}});
+  if (rows.empty()) return;
+  findings->push_back(Found(Severity::kNote, "load_without_unloaded", LoadedWithoutUnloaded(rows.size()), rows));
 }
 
 void LintColumns(const CalibrationProblem& problem, std::vector<Finding>* findings) {
@@ -201,35 +150,15 @@ void LintColumns(const CalibrationProblem& problem, std::vector<Finding>* findin
   }
   const bool revisited =
       std::any_of(visits.begin(), visits.end(), [](const auto& entry) { return entry.second.size() > 1; });
-  if (!problem.sigma_is_stated()) {
-    Note("no_sigma",
-         "no standard deviation is stated: one for all coordinates is estimated, and nothing can tell a "
-         "wrong model from noise",
-         "add sigma_x_mm, sigma_y_mm, sigma_z_mm, state noise: {sigma_mm: …}, or give --sigma_mm", findings);
-  }
-  if (!any([](const Shot& shot) { return !shot.approach.empty(); })) {
-    Note("no_approach", "no column says from which side the joints arrived: backlash cannot be told",
-         "add approach1 … approachN (-1, 0, +1) and reach some configurations from both sides", findings);
-  }
-  if (!revisited) {
-    Note("no_visits",
-         "no configuration was visited twice: the robot's repeatability cannot be told from the "
-         "instrument's noise by repeats",
-         "reach some configurations again, with the same config and another visit", findings);
-  }
-  if (!any([](const Shot& shot) { return shot.has_time; })) {
-    Note("no_time", "no column time_s: drift and slips cannot be told", "add time_s", findings);
-  }
-  if (!any([](const Shot& shot) { return shot.has_temperature; })) {
-    Note("no_temperature", "no column temperature_degC: thermal growth cannot be told", "add temperature_degC",
-         findings);
-  }
-  if (data.markers.size() < 3) {
-    Note("few_markers",
-         "fewer than three markers: the flange's orientation is not measured, and the instrument's noise "
-         "cannot be checked against the markers' rigid arrangement",
-         "measure three markers off one line in each shot", findings);
-  }
+  const auto note = [findings](bool is_missing, const char* code, Missing what) {
+    if (is_missing) findings->push_back(Found(Severity::kNote, code, MissingFromData(what)));
+  };
+  note(!problem.sigma_is_stated(), "no_sigma", Missing::kSigma);
+  note(!any([](const Shot& shot) { return !shot.approach.empty(); }), "no_approach", Missing::kApproach);
+  note(!revisited, "no_visits", Missing::kVisits);
+  note(!any([](const Shot& shot) { return shot.has_time; }), "no_time", Missing::kTime);
+  note(!any([](const Shot& shot) { return shot.has_temperature; }), "no_temperature", Missing::kTemperature);
+  note(data.markers.size() < 3, "few_markers", Missing::kMarkers);
 }
 
 }  // namespace

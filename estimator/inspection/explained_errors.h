@@ -10,12 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "models/constants.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
 
-constexpr double kErrorLength = 5e-3;                               // m, size of an error that robots have
-constexpr double kErrorAngle = 1.0 * 3.14159265358979323846 / 180;  // rad
+constexpr double kErrorLength = 5e-3;          // m, size of an error that robots have
+constexpr double kErrorAngle = 1.0 * kDegree;  // rad
 
 struct ExplainedErrors {
   double left = 0.0;    // distance RMS, m, that the errors leave

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "estimator/report/inspection_words.h"
 
 namespace sagitta {
 
@@ -18,5 +21,10 @@ struct Finding {
   std::string remedy;
   std::vector<std::string> rows;  // "file:line", as many as are concerned
 };
+
+// A finding in the words of estimator/report.
+inline Finding Found(Severity severity, const char* code, Advice advice, std::vector<std::string> rows = {}) {
+  return {severity, code, std::move(advice.words), std::move(advice.remedy), std::move(rows)};
+}
 
 }  // namespace sagitta

@@ -124,22 +124,21 @@ void AddDirectionFindings(const Inspection& inspection, std::vector<Finding>* fi
 
 void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& inspection,
                         std::vector<Finding>* findings) {
-  Finding finding{Severity::kWarning, "alone", "", "measure more configurations like these", {}};
+  std::vector<std::string> rows;
   std::string names;
   for (const ConfigurationLeverage& entry : inspection.leverage) {
     if (entry.most < kAlone) continue;
     const std::string& id = problem.data.configurations[entry.configuration].id;
-    if (finding.rows.size() < 6) names += (names.empty() ? "" : ", ") + id;
+    if (rows.size() < 6) names += (names.empty() ? "" : ", ") + id;
     for (const Observation& observation : problem.data.observations) {
       if (problem.data.shots[observation.shot].configuration != entry.configuration) continue;
-      finding.rows.push_back(problem.data.SourceOf(observation));
+      rows.push_back(problem.data.SourceOf(observation));
       break;
     }
   }
-  if (finding.rows.empty()) return;
-  finding.words = "some combination of the unknowns rests on one configuration alone (" + names +
-                  (finding.rows.size() > 6 ? ", …" : "") + "): an error there would go unseen";
-  findings->push_back(finding);
+  if (rows.empty()) return;
+  findings->push_back(
+      Found(Severity::kWarning, "alone", RestsOnOneConfiguration(names + (rows.size() > 6 ? ", …" : "")), rows));
 }
 
 // What `calibrate` calls before: base poses and markers of the nominal robot fitted to the calibration rows.
@@ -199,12 +198,8 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   FillNoise(state, &inspection);
   inspection.unknowns = state.all.num_columns();
   if (!state.all.valid) {
-    const std::string folded = FoldedShot(problem, problem.parameters);
-    inspection.findings.push_back({Severity::kSerious,
-                                   "folded",
-                                   (folded.empty() ? "a load" : folded) + " folds the arm at the nominal compliances",
-                                   "check the units of loads, load points and compliances",
-                                   {}});
+    inspection.findings.push_back(
+        Found(Severity::kSerious, "folded", ArmFolds(FoldedShot(problem, problem.parameters))));
   } else {
     FillParameters(state, &inspection);
     inspection.groups = FindGroups(state);

@@ -65,17 +65,6 @@ std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
   return found;
 }
 
-std::string Short(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-Finding At(const CalibrationProblem& problem, const Deflections& deflections, Severity severity,
-           const std::string& code, const std::string& words, const std::string& remedy) {
-  return {severity, code, words, remedy, {problem.data.SourceOf(problem.data.observations[deflections.first_row])}};
-}
-
 }  // namespace
 
 std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
@@ -84,18 +73,14 @@ std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
     if (deflections.sizes.empty()) continue;
     const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
     if (size <= kSeen * deflections.noise) continue;
+    const std::vector<std::string> first_row = {
+        problem.data.SourceOf(problem.data.observations[deflections.first_row])};
     if (flexibility > kSoftest || flexibility < kStiffest) {
-      findings.push_back(At(problem, deflections, Severity::kSerious, "load_unit",
-                            "load '" + load + "': " + Short(size / flexibility) + " N move the markers by " +
-                                Short(1e3 * size) + " mm (median), a stiffness of " + Short(1e-3 / flexibility) +
-                                " N/mm: no arm is that " + (flexibility > kSoftest ? "soft" : "stiff"),
-                            "check the unit of the force columns (N, not kN, kg or mN), or mass_kg"));
+      findings.push_back(Found(Severity::kSerious, "load_unit",
+                               LoadUnitIsOff(load, size, flexibility, flexibility > kSoftest), first_row));
     }
     if (deflections.directed > 0 && deflections.cosines < kAgainst * deflections.directed) {
-      findings.push_back(At(problem, deflections, Severity::kSerious, "load_sign",
-                            "load '" + load + "': the markers move against its force",
-                            "check the signs of fx_N, fy_N, fz_N (the force on the tool, in the measurement frame "
-                            "unless loads: says otherwise), and which rows are loaded"));
+      findings.push_back(Found(Severity::kSerious, "load_sign", LoadSignIsOff(load), first_row));
     }
   }
   return findings;

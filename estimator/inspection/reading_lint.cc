@@ -11,7 +11,6 @@
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
 #include "models/constants.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -25,32 +24,13 @@ constexpr double kLargestError = 4.0;  // times 5 mm or 1 deg: no arm is made or
 constexpr double kMostFarRows = 0.2;   // of all: more are no exceptions
 
 Finding Describe(const Reading& reading, double misfit) {
-  Finding finding;
-  finding.severity = Severity::kSerious;
-  finding.code = reading.code;
-  finding.words = "the aligned nominal robot misses by " + WholeMillimetres(misfit) + " (RMS) as stated, by " +
-                  WholeMillimetres(reading.misfit) + " with " + reading.name;
-  finding.remedy = reading.remedy;
-  return finding;
-}
-
-std::string InUnit(const ExplainedErrors& errors) {
-  const bool is_length = errors.quantity == Quantity::kLength;
-  return Significant(std::abs(errors.value) / (is_length ? 1e-3 : kDegree), 3) + (is_length ? " mm" : " deg");
+  return {Severity::kSerious, reading.code, MisfitOfReading(misfit, reading.misfit, reading.name), reading.remedy, {}};
 }
 
 Finding Unexplained(double misfit, double suspicious, const ExplainedErrors& errors) {
-  Finding finding{Severity::kSerious,
-                  "misfit",
-                  "the aligned nominal robot misses by " + WholeMillimetres(misfit) +
-                      " (RMS), more than a calibration can be asked to explain, and no other sign, zero position, "
-                      "joint order, unit or DH convention alone explains it",
-                  "check that robot file and measurements belong together: is it this robot? joint order, signs, zero "
-                  "positions, link lengths",
-                  {}};
+  Finding finding = Found(Severity::kSerious, "misfit", MisfitUnexplained(misfit));
   if (errors.left <= suspicious) {
-    finding.words +=
-        "; as this robot it would have to be off by " + InUnit(errors) + " in " + errors.largest + ", among others";
+    finding.words += ErrorsThatWouldExplain(errors.value, errors.quantity == Quantity::kLength, errors.largest);
   }
   return finding;
 }

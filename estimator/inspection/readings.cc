@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "estimator/report/inspection_reading_words.h"
 #include "models/constants.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -27,10 +27,18 @@ std::function<void(Measurements*)> OfPoints(std::function<void(Vector3<double>*)
 
 bool IsRevolute(const Chain& chain, int joint) { return chain.joints[joint].type == JointType::kRevolute; }
 
-std::string Named(const Chain& chain, const std::vector<int>& joints) {
+std::vector<std::string> NamesOf(const Chain& chain, const std::vector<int>& joints) {
   std::vector<std::string> names;
   for (const int j : joints) names.push_back(chain.joints[j].name);
-  return Enumerate(names);
+  return names;
+}
+
+void Add(const char* code, const Advice& advice, std::function<void(Measurements*)> change, Readings* readings) {
+  readings->push_back({code, advice.words, advice.remedy, std::move(change), {}});
+}
+
+void Add(const char* code, const Advice& advice, const Robot& robot, Readings* readings) {
+  readings->push_back({code, advice.words, advice.remedy, {}, robot});
 }
 
 // Sets of `size` joints that are counted the other way.
@@ -43,16 +51,10 @@ void AddFlips(const Chain& chain, int size, Readings* readings) {
     for (int j = 0; j < chain.num_joints(); ++j) {
       if (chosen[j]) joints.push_back(j);
     }
-    const std::string names = Named(chain, joints);
-    readings->push_back({"sign_flip",
-                         (size == 1 ? "joint " : "joints ") + names + " counted the other way",
-                         "state sign: -1 on the joint's transform (a chain), turn the sign of the q columns, or check "
-                         "the axis directions of the table: " +
-                             names,
-                         OfJoints([joints](Eigen::VectorXd* q) {
-                           for (const int j : joints) (*q)[j] *= -1.0;
-                         }),
-                         {}});
+    const auto flip = [joints](Eigen::VectorXd* q) {
+      for (const int j : joints) (*q)[j] *= -1.0;
+    };
+    Add("sign_flip", JointsFlipped(NamesOf(chain, joints)), OfJoints(flip), readings);
   } while (std::prev_permutation(chosen.begin(), chosen.end()));
 }
 
@@ -61,15 +63,8 @@ void AddOffsets(const Chain& chain, Readings* readings) {
     if (!IsRevolute(chain, j)) continue;
     for (const int quarter : {1, -1, 2}) {
       for (const double sign : {1.0, -1.0}) {
-        const std::string degrees = std::to_string(90 * quarter);
-        const bool flipped = sign < 0.0;
-        readings->push_back(
-            {"joint_offset",
-             "joint " + chain.joints[j].name + " with its zero " + degrees + " deg away" +
-                 (flipped ? " and counted the other way" : ""),
-             "add " + degrees + " deg to the joint's theta_deg or offset_deg" + (flipped ? ", and turn its sign" : ""),
-             OfJoints([j, sign, quarter](Eigen::VectorXd* q) { (*q)[j] = sign * (*q)[j] + quarter * 0.5 * kPi; }),
-             {}});
+        const auto turn = [j, sign, quarter](Eigen::VectorXd* q) { (*q)[j] = sign * (*q)[j] + quarter * 0.5 * kPi; };
+        Add("joint_offset", ZeroTurned(chain.joints[j].name, quarter, sign < 0.0), OfJoints(turn), readings);
       }
     }
   }
@@ -77,17 +72,16 @@ void AddOffsets(const Chain& chain, Readings* readings) {
 
 void AddTables(const CalibrationProblem& problem, Readings* readings) {
   if (!problem.robot.dh) return;
-  const auto add = [&](const std::string& name, const std::string& remedy, const DhTable& table) {
+  const auto add = [&](const Advice& advice, const DhTable& table) {
     Robot robot = problem.robot;
     robot.chain = ChainFromDhTable(robot.chain.joints, robot.chain.couplings, table);
     robot.dh = table;
-    readings->push_back({"dh_convention", name, remedy, {}, robot});
+    Add("dh_convention", advice, robot, readings);
   };
   const bool standard = problem.robot.dh->convention == DhConvention::kStandard;
   DhTable other = *problem.robot.dh;
   other.convention = standard ? DhConvention::kModified : DhConvention::kStandard;
-  const std::string name = standard ? "modified" : "standard";
-  add("the table as " + name + " DH", "state convention: " + name, other);
+  add(TableIn(other.convention), other);
   // alpha and a of the link before: a modified table typed into rows of a standard one, and the reverse
   DhTable shifted = *problem.robot.dh;
   const int n = static_cast<int>(shifted.links.size());
@@ -96,37 +90,32 @@ void AddTables(const CalibrationProblem& problem, Readings* readings) {
     shifted.links[i].a = problem.robot.dh->links[from].a;
     shifted.links[i].alpha = problem.robot.dh->links[from].alpha;
   }
-  add("the table with a and alpha one row off", "check whether a and alpha belong to the joint's own row or the next",
-      shifted);
+  add(TableOneRowOff(), shifted);
   DhTable without_beta = *problem.robot.dh;
   bool any_beta = false;
   for (DhLink& link : without_beta.links) {
     any_beta |= link.beta != 0.0;
     link.beta = -link.beta;
   }
-  if (any_beta) add("Hayati's beta of the other sign", "check the sign of beta_deg", without_beta);
+  if (any_beta) add(BetaTurned(), without_beta);
   for (int i = 0; i < n; ++i) {
     if (std::abs(std::sin(problem.robot.dh->links[i].alpha)) < 0.5) continue;  // 0 and 180 deg have no other sign
     DhTable turned = *problem.robot.dh;
     turned.links[i].alpha *= -1.0;
-    const std::string& joint = problem.robot.chain.joints[turned.links[i].joint].name;
-    add("alpha of joint " + joint + " of the other sign", "check the sign of alpha_deg in the row of " + joint, turned);
+    add(AlphaTurned(problem.robot.chain.joints[turned.links[i].joint].name), turned);
   }
 }
 
 // Position i of the columns holds the value of joint order[i].
-void AddOrder(const Chain& chain, const std::vector<int>& order, const std::string& name, Readings* readings) {
+void AddOrder(const Chain& chain, const std::vector<int>& order, const Advice& advice, Readings* readings) {
   for (size_t i = 0; i < order.size(); ++i) {
     if (chain.joints[i].type != chain.joints[order[i]].type) return;  // columns have the unit of their joint
   }
-  readings->push_back({"joint_order",
-                       name,
-                       "check the order of the columns q1, q2, … against that of the joints",
-                       OfJoints([order](Eigen::VectorXd* q) {
-                         const Eigen::VectorXd stated = *q;
-                         for (size_t i = 0; i < order.size(); ++i) (*q)[order[i]] = stated[static_cast<int>(i)];
-                       }),
-                       {}});
+  const auto reorder = [order](Eigen::VectorXd* q) {
+    const Eigen::VectorXd stated = *q;
+    for (size_t i = 0; i < order.size(); ++i) (*q)[order[i]] = stated[static_cast<int>(i)];
+  };
+  Add("joint_order", advice, OfJoints(reorder), readings);
 }
 
 void AddOrders(const Chain& chain, Readings* readings) {
@@ -138,11 +127,11 @@ void AddOrders(const Chain& chain, Readings* readings) {
     for (int b = a + 1; b < n; ++b) {
       std::vector<int> order = straight;
       std::swap(order[a], order[b]);
-      AddOrder(chain, order, "the columns of joints " + name_of(a) + " and " + name_of(b) + " exchanged", readings);
+      AddOrder(chain, order, ColumnsExchanged(name_of(a), name_of(b)), readings);
     }
   }
   std::vector<int> reversed(straight.rbegin(), straight.rend());
-  if (n > 2) AddOrder(chain, reversed, "the joint columns in reverse order", readings);
+  if (n > 2) AddOrder(chain, reversed, ColumnsReversed(), readings);
   for (int a = 0; a < n; ++a) {
     for (int b = a + 1; b < n; ++b) {
       for (int c = b + 1; c < n; ++c) {
@@ -151,7 +140,7 @@ void AddOrders(const Chain& chain, Readings* readings) {
           order[a] = forward ? b : c;
           order[b] = forward ? c : a;
           order[c] = forward ? a : b;
-          AddOrder(chain, order, "the columns of joints " + Named(chain, {a, b, c}) + " in cyclic order", readings);
+          AddOrder(chain, order, ColumnsInCyclicOrder(NamesOf(chain, {a, b, c})), readings);
         }
       }
     }
@@ -159,7 +148,7 @@ void AddOrders(const Chain& chain, Readings* readings) {
   for (int shift = 1; n > 3 && shift < n; ++shift) {
     std::vector<int> order = straight;
     std::rotate(order.begin(), order.begin() + shift, order.end());
-    AddOrder(chain, order, "the joint columns beginning with joint " + name_of(order[0]), readings);
+    AddOrder(chain, order, ColumnsBeginWith(name_of(order[0])), readings);
   }
 }
 
@@ -169,55 +158,33 @@ void AddCouplings(const Chain& chain, Readings* readings) {
   for (int j = 1; j < chain.num_joints(); ++j) {
     if (!IsRevolute(chain, j) || !IsRevolute(chain, j - 1)) continue;
     for (const int ratio : {1, -1}) {
-      const std::string own = chain.joints[j].name, driver = chain.joints[j - 1].name;
-      readings->push_back({"coupling",
-                           "joint " + own + " coupled to " + driver + " by " + std::to_string(ratio),
-                           "state coupling: [{joint: " + own + ", driver: " + driver +
-                               ", ratio: " + std::to_string(ratio) + "}] in the robot file",
-                           OfJoints([j, ratio](Eigen::VectorXd* q) { (*q)[j] += ratio * (*q)[j - 1]; }),
-                           {}});
+      const auto couple = [j, ratio](Eigen::VectorXd* q) { (*q)[j] += ratio * (*q)[j - 1]; };
+      Add("coupling", JointCoupled(chain.joints[j].name, chain.joints[j - 1].name, ratio), OfJoints(couple), readings);
     }
   }
 }
 
 void AddFrames(Readings* readings) {
-  readings->push_back({"mirrored",
-                       "the measurement frame as a mirrored (left-handed) one",
-                       "the measured points are in a left-handed frame: turn the sign of one of x, y, z, or exchange "
-                       "two of them",
-                       OfPoints([](Vector3<double>* point) { point->z() *= -1.0; }),
-                       {}});
+  Add("mirrored", FrameMirrored(), OfPoints([](Vector3<double>* point) { point->z() *= -1.0; }), readings);
 }
 
 void AddUnits(const CalibrationProblem& problem, Readings* readings) {
-  const auto robot = [&](Motion motion, bool with_joints, double factor, const std::string& name,
-                         const std::string& remedy) {
+  const auto robot = [&](Motion motion, double factor, RobotNumbers unit) {
     Robot scaled = problem.robot;
     for (ElementaryTransform& transform : scaled.chain.transforms) {
-      if (transform.motion == motion && (with_joints || !transform.has_joint())) transform.nominal *= factor;
+      if (transform.motion == motion) transform.nominal *= factor;
     }
-    readings->push_back({"unit", name, remedy, {}, scaled});
+    Add("unit", RobotReadIn(unit), scaled, readings);
   };
-  robot(Motion::kTranslation, true, 1e3, "the robot's lengths as metres",
-        "the robot file's lengths are in m: write _m");
-  robot(Motion::kTranslation, true, 1e-3, "the robot's lengths as millimetres",
-        "the robot file's lengths are in mm: write _mm");
-  robot(Motion::kTranslation, true, 25.4, "the robot's lengths as inches", "convert the robot file's lengths to mm");
-  robot(Motion::kRotation, true, 180.0 / kPi, "the robot's angles as radians",
-        "the robot file's angles are in rad: write _rad");
-  readings->push_back({"unit",
-                       "the measured points as inches",
-                       "convert x, y, z to mm",
-                       OfPoints([](Vector3<double>* point) { *point *= 25.4; }),
-                       {}});
+  robot(Motion::kTranslation, 1e3, RobotNumbers::kMetres);
+  robot(Motion::kTranslation, 1e-3, RobotNumbers::kMillimetres);
+  robot(Motion::kTranslation, 25.4, RobotNumbers::kInches);
+  robot(Motion::kRotation, 180.0 / kPi, RobotNumbers::kRadians);
+  Add("unit", PointsInInches(), OfPoints([](Vector3<double>* point) { *point *= 25.4; }), readings);
   for (int j = 0; j < problem.robot.chain.num_joints(); ++j) {
     if (!IsRevolute(problem.robot.chain, j)) continue;
-    const std::string& name = problem.robot.chain.joints[j].name;
-    readings->push_back({"unit",
-                         "joint " + name + " alone in radians",
-                         "convert the column of " + name + " to degrees",
-                         OfJoints([j](Eigen::VectorXd* q) { (*q)[j] *= 180.0 / kPi; }),
-                         {}});
+    const auto to_degrees = [j](Eigen::VectorXd* q) { (*q)[j] *= 180.0 / kPi; };
+    Add("unit", JointInRadians(problem.robot.chain.joints[j].name), OfJoints(to_degrees), readings);
   }
 }
 
@@ -234,20 +201,16 @@ std::map<std::string, Eigen::VectorXd> NeighboursById(const Measurements& data, 
 // Points of one configuration written beside the joint values of its neighbour.
 void AddRowShifts(const CalibrationProblem& problem, Readings* readings) {
   for (const int shift : {1, -1}) {
-    readings->push_back(
-        {"row_shift",
-         std::string("every point taken for the configuration ") + (shift > 0 ? "after" : "before") + " its own",
-         "joint values and points are one row apart: shift one of them",
-         [shift, neighbours = NeighboursById(problem.data, shift)](Measurements* data) {
-           std::vector<bool> lost;
-           for (Configuration& configuration : data->configurations) {
-             const auto neighbour = neighbours.find(configuration.id);
-             lost.push_back(neighbour == neighbours.end());
-             if (!lost.back()) configuration.q = neighbour->second;
-           }
-           for (Observation& row : data->observations) row.excluded |= lost[data->shots[row.shot].configuration];
-         },
-         {}});
+    const auto move = [neighbours = NeighboursById(problem.data, shift)](Measurements* data) {
+      std::vector<bool> lost;
+      for (Configuration& configuration : data->configurations) {
+        const auto neighbour = neighbours.find(configuration.id);
+        lost.push_back(neighbour == neighbours.end());
+        if (!lost.back()) configuration.q = neighbour->second;
+      }
+      for (Observation& row : data->observations) row.excluded |= lost[data->shots[row.shot].configuration];
+    };
+    Add("row_shift", RowsShifted(shift > 0), move, readings);
   }
 }
 

@@ -9,7 +9,6 @@
 
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/median.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -60,8 +59,6 @@ std::vector<Swap> FindSwaps(const CalibrationProblem& problem, const Linearizati
   }
   return swaps;
 }
-
-std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
 Eigen::VectorXd WeightedStep(const Linearization& rows, const Eigen::VectorXd& root_weights) {
   if (AreMany(rows)) {
@@ -122,36 +119,32 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
   };
   const std::vector<Swap> swaps = FindSwaps(problem, linearization, residuals, outliers);
   std::set<int> swapped;
-  Finding exchange{Severity::kSerious, "marker_swap", "", "exchange the marker names of these rows", {}};
+  std::vector<std::string> exchanged_rows;
   std::set<std::string> pairs;
   for (const Swap& swap : swaps) {
     for (const int k : {swap.first, swap.second}) {
       swapped.insert(k);
-      exchange.rows.push_back(problem.data.SourceOf(observation(k)));
+      exchanged_rows.push_back(problem.data.SourceOf(observation(k)));
     }
     pairs.insert(problem.data.markers[observation(swap.first).marker] + " and " +
                  problem.data.markers[observation(swap.second).marker]);
   }
   if (!swaps.empty()) {
-    exchange.words = std::to_string(swaps.size()) + (swaps.size() == 1 ? " shot fits" : " shots fit") +
-                     " with two markers exchanged (" + *pairs.begin() + (pairs.size() > 1 ? ", …" : "") + ")";
-    findings.push_back(exchange);
+    findings.push_back(Found(Severity::kSerious, "marker_swap",
+                             MarkersAreExchanged(swaps.size(), pairs.size(), *pairs.begin()), exchanged_rows));
   }
-  Finding gross{Severity::kSerious, "outliers", "", "measure these rows again or take them out", {}};
+  std::vector<std::string> gross_rows;
   double least = 0.0, most = 0.0;
   for (const int k : outliers) {
     if (swapped.count(k) > 0) continue;
     const double distance = residuals.col(k).norm();
-    least = gross.rows.empty() ? distance : std::min(least, distance);
+    least = gross_rows.empty() ? distance : std::min(least, distance);
     most = std::max(most, distance);
-    gross.rows.push_back(problem.data.SourceOf(observation(k)));
+    gross_rows.push_back(problem.data.SourceOf(observation(k)));
   }
-  if (gross.rows.empty()) return findings;
-  gross.words = std::to_string(gross.rows.size()) + (gross.rows.size() == 1 ? " row is" : " rows are") + " off by " +
-                Millimetres(least) + (gross.rows.size() == 1 ? "" : " to " + Millimetres(most)) + ", more than " +
-                std::to_string(static_cast<int>(kGross)) + " times the median of all (" +
-                Millimetres(Median(Distances(residuals))) + ")";
-  findings.push_back(gross);
+  if (gross_rows.empty()) return findings;
+  const Advice advice = RowsAreOff(gross_rows.size(), least, most, kGross, Median(Distances(residuals)));
+  findings.push_back(Found(Severity::kSerious, "outliers", advice, gross_rows));
   return findings;
 }
 

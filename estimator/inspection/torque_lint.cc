@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/report/inspection_words.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -59,38 +60,22 @@ JointTorqueComparison Compare(int joint, const Eigen::VectorXd& measured, const 
 }
 
 std::string InWords(const CalibrationProblem& problem, const TorqueComparison& comparison) {
-  std::vector<std::string> agree, opposite, scaled, differ, untold;
+  TorqueGroups joints;
   for (const JointTorqueComparison& line : comparison.joints) {
     const std::string& name = problem.robot.chain.joints[line.joint].name;
     if (!line.varies) {
-      untold.push_back(name);
+      joints.untold.push_back(name);
     } else if (line.correlation < -kAgrees) {
-      opposite.push_back(name);
+      joints.opposite.push_back(name);
     } else if (line.correlation < kAgrees) {
-      differ.push_back(name);
+      joints.differ.push_back(name);
     } else if (std::abs(line.slope - 1.0) > kSlopeError) {
-      scaled.push_back(name + " (measured = " + Significant(line.slope, 2) + " x modelled)");
+      joints.scaled.push_back(name + " (measured = " + Significant(line.slope, 2) + " x modelled)");
     } else {
-      agree.push_back(name);
+      joints.agree.push_back(name);
     }
   }
-  std::string words = comparison.measured_count ? "The measured joint torques drive the joints' deflections."
-                                                : "The modelled joint torques drive the joints' deflections.";
-  if (!agree.empty()) words += " Measured and modelled torques agree on " + Enumerate(agree) + ".";
-  if (!scaled.empty()) words += " They differ by a factor on " + Enumerate(scaled) + ".";
-  if (!opposite.empty()) {
-    words += " They have opposite signs on " + Enumerate(opposite) +
-             ": the columns tau<i> take the torque of the loads on the joint, about its positive direction; what the "
-             "drive delivers against it has the other sign.";
-  }
-  if (!differ.empty()) {
-    words += " They have little in common on " + Enumerate(differ) +
-             ": the model knows the stated loads and the tool, a sensor feels the links and friction as well.";
-  }
-  if (!untold.empty()) {
-    words += " What the model knows of does not vary the torque on " + Enumerate(untold) + ": nothing to compare.";
-  }
-  return words;
+  return TorquesInWords(comparison.measured_count, joints);
 }
 
 }  // namespace

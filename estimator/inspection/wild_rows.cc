@@ -10,7 +10,6 @@
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/median.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -59,18 +58,8 @@ double RmsOf(const std::vector<double>& distances, const std::vector<int>& place
 
 Finding Describe(const CalibrationProblem& problem, const std::vector<int>& far, size_t all, double near_rms,
                  double far_median) {
-  const auto percent =
-      static_cast<int>(std::lround(100.0 * static_cast<double>(far.size()) / static_cast<double>(all)));
-  Finding finding{Severity::kSerious,
-                  "wild_rows",
-                  std::to_string(far.size()) + " of " + std::to_string(all) + " rows (" + std::to_string(percent) +
-                      " %) are far off, half of them by more than " + WholeMillimetres(far_median) +
-                      ", while the others fit the nominal robot within " + WholeMillimetres(near_rms) +
-                      " (RMS): too many for a robust loss",
-                  "it is these rows, not the robot: find what they share (instrument, marker, time), or leave them "
-                  "out; the first: " +
-                      problem.data.SourceOf(problem.data.observations[far.front()]),
-                  {}};
+  const std::string first = problem.data.SourceOf(problem.data.observations[far.front()]);
+  Finding finding = Found(Severity::kSerious, "wild_rows", RowsAreWild(far.size(), all, far_median, near_rms, first));
   for (size_t k = 0; k < std::min(kMostShown, far.size()); ++k) {
     finding.rows.push_back(problem.data.SourceOf(problem.data.observations[far[k]]));
   }

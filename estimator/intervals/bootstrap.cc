@@ -9,9 +9,12 @@
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/intervals/redraw.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/parallel.h"
 #include "estimator/least_squares/refit.h"
+#include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/sandwich.h"
+#include "estimator/report/intervals_words.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 
@@ -35,25 +38,45 @@ struct Setup {
   int num_clusters = 0;
 };
 
+// J'r of each configuration, one row each, as the rows count: where they are too many to be kept, piece by piece.
+Eigen::MatrixXd ScoresOf(const Setup& setup, const Refit& refit, const std::vector<double>& weights) {
+  const Linearization& fit = refit.linearization;
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(setup.num_clusters, fit.num_columns());
+  if (!fit.observations.empty()) {
+    for (size_t k = 0; k < setup.clusters.size(); ++k) {
+      const int row = static_cast<int>(3 * k);
+      scores.row(setup.clusters[k]) += fit.residual.segment<3>(row).transpose() * fit.jacobian.middleRows(row, 3);
+    }
+    return scores;
+  }
+  const auto noise = [&](const std::vector<int>& listed) { return FitRoots(setup.problem, listed, kFallbackSigma); };
+  const RowStream stream(setup.problem, setup.problem.CalibrationObservations(), noise, LatentTreatment::kMarginalise);
+  const Eigen::Index n = fit.num_columns();
+  stream.ForEach(refit.parameters, fit.columns, [&](const RowPiece& piece) {
+    for (int i = 0; i < piece.num_observations(); ++i) {
+      const int k = piece.positions[i];
+      const auto rows = piece.rows.middleRows(3 * i, 3);
+      scores.row(setup.clusters[k]) +=
+          (weights.empty() ? 1.0 : weights[k]) * rows.col(n).transpose() * rows.leftCols(n);
+    }
+  });
+  return scores;
+}
+
 // sigma* of the columns: the model's, or the plain sandwich of whole configurations.
 Eigen::VectorXd Sigmas(const Setup& setup, const Refit& refit, const std::vector<double>& weights) {
   const Linearization& fit = refit.linearization;
   if (!setup.by_configurations) {
-    const double dof = std::max(1, fit.num_rows() - fit.num_columns());
+    const double dof = std::max(1, refit.equations - fit.num_columns());
     return (setup.is_scaled ? std::sqrt(refit.chi2 / dof) : 1.0) * refit.left.root.rowwise().norm();
   }
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(setup.num_clusters, fit.num_columns());
+  Eigen::MatrixXd scores = ScoresOf(setup, refit, weights);
   std::vector<double> count(setup.num_clusters, 1.0);
-  for (size_t k = 0; k < setup.clusters.size(); ++k) {
-    const int row = static_cast<int>(3 * k);
-    scores.row(setup.clusters[k]) += fit.residual.segment<3>(row).transpose() * fit.jacobian.middleRows(row, 3);
-    if (!weights.empty()) count[setup.clusters[k]] = weights[k];
-  }
+  for (size_t k = 0; k < weights.size(); ++k) count[setup.clusters[k]] = weights[k];
   // Rows carry the root of their weight w: the score of a configuration is w times
   // its own; drawn w times it counts w times the square of its own.
   for (int g = 0; g < setup.num_clusters; ++g) scores.row(g) *= count[g] > 0.0 ? 1.0 / std::sqrt(count[g]) : 0.0;
-  const int observed = static_cast<int>(3 * fit.observations.size());
-  const Eigen::MatrixXd priors = fit.jacobian.bottomRows(fit.num_rows() - observed);
+  const Eigen::MatrixXd priors = PriorsOf(refit.parameters, fit.columns).jacobian;
   const Eigen::MatrixXd spread = refit.left.root * (refit.left.root.transpose() * scores.transpose());
   const Eigen::MatrixXd stated = refit.left.root * (refit.left.root.transpose() * priors.transpose());
   return (spread.rowwise().squaredNorm() + stated.rowwise().squaredNorm()).cwiseSqrt();
@@ -150,24 +173,15 @@ void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Ei
   }
 }
 
-std::string InWords(const Setup& setup, const Estimate& estimate) {
-  const std::string how = std::to_string(estimate.intervals.replicates) + " refits, seed " +
-                          std::to_string(estimate.intervals.seed) + ", studentised intervals";
-  if (setup.by_configurations) {
-    return "bootstrap of whole configurations (" + std::to_string(setup.num_clusters) + "), " + how;
-  }
-  return "parametric bootstrap at the estimate with the noise as stated or estimated, " + how;
-}
-
 bool ByConfigurations(const BootstrapOptions& options, int clusters, int unknowns) {
-  if (options.kind == "automatic") return clusters >= kEnough * unknowns;
-  if (options.kind == "configurations" && clusters < unknowns) {
+  if (options.kind == BootstrapKind::kAutomatic) return clusters >= kEnough * unknowns;
+  if (options.kind == BootstrapKind::kConfigurations && clusters < unknowns) {
     throw InputError({"", 0, "bootstrap.kind"},
                      "too few configurations (" + std::to_string(clusters) + ") to draw from for " +
                          std::to_string(unknowns) + " unknowns",
                      "use parametric");
   }
-  return options.kind == "configurations";
+  return options.kind == BootstrapKind::kConfigurations;
 }
 
 }  // namespace
@@ -185,17 +199,16 @@ void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOption
   }
   IntervalReport& report = estimate->intervals;
   report = IntervalReport();
-  report.method = "bootstrap";
-  report.kind = setup.by_configurations ? "configurations" : "parametric";
+  report.method = CovarianceKind::kBootstrap;
+  report.kind = setup.by_configurations ? BootstrapKind::kConfigurations : BootstrapKind::kParametric;
   report.clusters = setup.by_configurations ? setup.num_clusters : 0;
   report.replicates = static_cast<int>(used.size());
   report.failed = options.replicates - report.replicates;
   report.seed = options.seed;
-  report.words = InWords(setup, *estimate);
+  report.words = BootstrapInWords(report, setup.num_clusters);
   if (report.failed > options.replicates / 20 || !here.converged) {
-    report.method = "model";
-    report.words = "bootstrap refused: " + std::to_string(report.failed) + " of " + std::to_string(options.replicates) +
-                   " refits did not converge; the model's intervals stand";
+    report.method = CovarianceKind::kModel;
+    report.words = BootstrapRefused(report.failed, options.replicates);
     estimate->warnings.push_back(report.words);
     return;
   }

@@ -20,7 +20,7 @@
 namespace sagitta {
 
 struct BootstrapOptions {
-  std::string kind = "automatic";  // parametric, configurations; automatic: configurations where there are enough
+  BootstrapKind kind = BootstrapKind::kAutomatic;
   int replicates = 999;
   unsigned long long seed = 1;
   int num_threads = 1;

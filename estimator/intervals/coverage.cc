@@ -17,11 +17,11 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-Estimate EstimateBy(const std::string& method, const CalibrationProblem& problem) {
+Estimate EstimateBy(Method method, const CalibrationProblem& problem) {
   ResolvedEstimate resolved = EstimateWithNoise(problem);
   Estimate& estimate = resolved.estimate;
   if (!IsUsable(estimate.status)) return estimate;
-  if (method != "joint") estimate = RunMethod(resolved.problem, method, estimate).estimate;
+  if (method != Method::kJoint) estimate = RunMethod(resolved.problem, method, estimate).estimate;
   if (IsUsable(estimate.status)) AddIntervals(resolved.problem, {}, &estimate);
   return estimate;
 }
@@ -36,9 +36,9 @@ bool Covers(const ParameterEstimate& row, double error) {
 
 }  // namespace
 
-CoverageStudy::CoverageStudy(const CalibrationProblem& problem, const Estimate& truth, std::string method,
+CoverageStudy::CoverageStudy(const CalibrationProblem& problem, const Estimate& truth, Method method,
                              unsigned long long seed)
-    : problem_(problem), truth_(truth), method_(std::move(method)), seed_(seed) {
+    : problem_(problem), truth_(truth), method_(method), seed_(seed) {
   noise_scale_ = truth.sigma.scaled ? truth.sigma.a_posteriori : 1.0;
   fallback_ = truth.sigma.stated ? kFallbackSigma : truth.sigma.estimated;
   const Linearization fit = LinearizeFit(problem, truth.parameters, truth.estimated);

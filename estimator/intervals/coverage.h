@@ -38,7 +38,7 @@ class CoverageStudy {
  public:
   // truth: an estimate by `method`, `problem` with the noise that was found for it
   // (ResolvedEstimate); both must outlive the study.
-  CoverageStudy(const CalibrationProblem& problem, const Estimate& truth, std::string method, unsigned long long seed);
+  CoverageStudy(const CalibrationProblem& problem, const Estimate& truth, Method method, unsigned long long seed);
 
   // Coordinates studied: those the truth estimates.
   const std::vector<int>& coordinates() const { return truth_.estimated; }
@@ -53,7 +53,7 @@ class CoverageStudy {
  private:
   const CalibrationProblem& problem_;
   const Estimate& truth_;
-  std::string method_;
+  Method method_;
   unsigned long long seed_;
   double noise_scale_;          // of the stated noise
   double fallback_;             // m, the sigma where none is stated

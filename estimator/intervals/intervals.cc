@@ -7,25 +7,27 @@
 
 namespace sagitta {
 
-void CheckIntervalsFit(const CalibrationProblem& problem, const std::string& method) {
+void CheckIntervalsFit(const CalibrationProblem& problem, Method method) {
   const Experiment& experiment = problem.experiment;
-  const std::string& covariance = experiment.covariance;
+  const CovarianceKind covariance = experiment.covariance;
   const bool needs_noise =
-      covariance == "profile" || (covariance == "bootstrap" && experiment.bootstrap.kind != "configurations");
+      covariance == CovarianceKind::kProfile ||
+      (covariance == CovarianceKind::kBootstrap && experiment.bootstrap.kind != BootstrapKind::kConfigurations);
   if (WeighsByEq14(experiment) && needs_noise) {
     throw InputError({experiment.file, 0, "covariance"},
-                     covariance + " needs the distribution of the noise, and the weights of eq. (14) are none",
+                     WordOf(covariance) + " needs the distribution of the noise, and the weights of eq. (14) are none",
                      "use covariance: model or sandwich, or bootstrap: {kind: configurations}");
   }
-  if (method == "joint" || covariance == "model" || covariance == "sandwich") return;
+  const bool is_refitted = covariance == CovarianceKind::kBootstrap || covariance == CovarianceKind::kProfile;
+  if (method == Method::kJoint || !is_refitted) return;
   throw InputError({problem.experiment.file, 0, "covariance"},
-                   covariance + " refits the joint estimate; it does not judge the method " + method,
+                   WordOf(covariance) + " refits the joint estimate; it does not judge the method " + WordOf(method),
                    "use --method=joint, or covariance: model");
 }
 
 void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& options, Estimate* estimate) {
-  const std::string& covariance = problem.experiment.covariance;
-  if (covariance == "bootstrap") {
+  const CovarianceKind covariance = problem.experiment.covariance;
+  if (covariance == CovarianceKind::kBootstrap) {
     BootstrapOptions bootstrap;
     bootstrap.kind = problem.experiment.bootstrap.kind;
     bootstrap.replicates = problem.experiment.bootstrap.replicates;
@@ -33,7 +35,7 @@ void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& opti
     bootstrap.num_threads = options.num_threads;
     bootstrap.progress = options.progress;
     BootstrapIntervals(problem, bootstrap, estimate);
-  } else if (covariance == "profile") {
+  } else if (covariance == CovarianceKind::kProfile) {
     if (options.progress) options.progress("profile likelihood");
     ProfileOptions profile;
     profile.num_threads = options.num_threads;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "estimator/baselines/compare_methods.h"
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
@@ -18,7 +19,7 @@ struct IntervalOptions {
 
 // Refits are of the joint estimate: throws InputError where another method's
 // estimate is to get intervals from them.
-void CheckIntervalsFit(const CalibrationProblem& problem, const std::string& method);
+void CheckIntervalsFit(const CalibrationProblem& problem, Method method);
 
 void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& options, Estimate* estimate);
 

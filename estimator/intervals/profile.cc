@@ -7,6 +7,7 @@
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/parallel.h"
 #include "estimator/least_squares/refit.h"
+#include "estimator/report/intervals_words.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -131,7 +132,7 @@ void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& o
   IntervalReport& report = estimate->intervals;
   report = IntervalReport();
   if (!here.converged) {
-    report.words = "profile refused: the refit at the estimate does not converge; the model's intervals stand";
+    report.words = ProfileRefused();
     estimate->warnings.push_back(report.words);
     return;
   }
@@ -146,7 +147,7 @@ void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& o
     const double half = t * std::sqrt(inflation * estimate->model_covariance(i / 2, i / 2));
     ends[i] = FindEnd(ProfileSide(problem, *estimate, i / 2, sign, here.chi2, scale), t, half, options);
   });
-  report.method = "profile";
+  report.method = CovarianceKind::kProfile;
   bool better = false;
   for (int c = 0; c < n; ++c) {
     ParameterEstimate& row = estimate->table[estimate->estimated[c]];
@@ -159,11 +160,9 @@ void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& o
     report.failed += low.open + high.open;
     better |= low.better || high.better;
   }
-  report.words = "profile likelihood of every parameter";
-  if (report.failed > 0) report.words += "; " + std::to_string(report.failed) + " end(s) do not close (marked open)";
+  report.words = ProfileInWords(report.failed);
   if (better) {
-    estimate->warnings.push_back(
-        "the profile of a parameter finds a better fit than the estimate: the optimum reported is a local one");
+    estimate->warnings.push_back(ProfileFindsBetterFit());
   }
 }
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/least_squares/identifiability_words.h"
 #include "estimator/least_squares/row_sums.h"
+#include "estimator/report/least_squares_words.h"
 
 namespace sagitta {
 namespace {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <memory>
 
+#include "estimator/report/least_squares_tie_words.h"
+
 namespace sagitta {
 namespace {
 
@@ -157,17 +159,10 @@ std::string TieInWords(const CalibrationProblem& problem, const ParameterSet& es
   for (const int parameter : tie.geometry)
     any |= estimated.coordinates()[estimated.model_parameter(parameter).first_coordinate].free;
   if (!any) return "";
-  const std::string names =
-      "markers '" + problem.data.markers[tie.lever_marker] + "' and '" + problem.data.markers[tie.anchor_marker] + "' ";
-  if (!estimated.spring_tie()) {
-    return names +
-           "ride on the links of the compensator's spring, but not where the robot file has its ends: they are "
-           "not used for it; state spring: lever and spring: anchor if they are its ends";
-  }
-  if (tie.sigma_is_stated) return "";
-  return names +
-         "are taken as the very ends of the compensator's spring; state how well they sit there "
-         "(spring_sigma_mm), or spring: none if they are something else";
+  const std::string& lever = problem.data.markers[tie.lever_marker];
+  const std::string& anchor = problem.data.markers[tie.anchor_marker];
+  if (!estimated.spring_tie()) return MarkersAreNotTheEnds(lever, anchor);
+  return tie.sigma_is_stated ? "" : MarkersAreTakenAsEnds(lever, anchor);
 }
 
 }  // namespace sagitta

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <map>
 
+#include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
@@ -24,12 +24,6 @@ std::vector<int> Events(const std::vector<Outlier>& outliers) {
   return events;
 }
 
-std::string Percent(double p) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f", 100.0 * p);
-  return text;
-}
-
 // One category holds more of the events than its share of the rows explains.
 void TestCategory(const std::string& what, const std::vector<int>& events, const std::vector<int>& all,
                   const std::function<std::string(int)>& key, double level, std::vector<std::string>* words) {
@@ -42,8 +36,7 @@ void TestCategory(const std::string& what, const std::vector<int>& events, const
     const double share = rows[name] / static_cast<double>(all.size());
     const int n = static_cast<int>(events.size());
     if (BinomialSurvival(count, n, share) * static_cast<double>(rows.size()) >= level) continue;
-    words->push_back(std::to_string(count) + " of " + std::to_string(n) + " are of " + what + " " + name +
-                     ", which has " + Percent(share) + " % of the rows");
+    words->push_back(OutliersAreOf(count, n, what + " " + name, share));
   }
 }
 
@@ -66,10 +59,8 @@ void TestNumber(const std::string& what, const std::string& unit, double scale, 
   }
   const double n = static_cast<double>(hits.size()) * rows.size() / (hits.size() + rows.size());
   if (KolmogorovSurvival(distance, n) >= level) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "they lie at %s from %.4g to %.4g %s more often than the rows do", what.c_str(),
-                scale * hits[hits.size() / 8], scale * hits[hits.size() - 1 - hits.size() / 8], unit.c_str());
-  words->push_back(text);
+  const size_t eighth = hits.size() / 8;
+  words->push_back(OutliersLieAt(what, scale * hits[eighth], scale * hits[hits.size() - 1 - eighth], unit));
 }
 
 void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parameters, std::vector<Outlier>* outliers) {
@@ -119,7 +110,7 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
   const std::vector<int> events = Events(outliers);
   std::vector<std::string> words;
   if (static_cast<double>(events.size()) > kMostOutliers * static_cast<double>(all.size())) {
-    words.push_back(Percent(events.size() / static_cast<double>(all.size())) + " % of the rows are no minority");
+    words.push_back(AreNoMinority(events.size() / static_cast<double>(all.size())));
   }
   const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
   const int joints = problem.robot.num_joints();

@@ -32,16 +32,16 @@ Eigen::VectorXd GroupSigmas(const std::vector<int>& groups, const Eigen::VectorX
   return sigma.cwiseMax(floor);
 }
 
-RowGroups GroupRows(const Measurements& data, const std::string& word) {
+RowGroups GroupRows(const Measurements& data, ResidualGroup by) {
   RowGroups groups;
   std::map<std::string, int> index;
   for (const Observation& observation : data.observations) {
     const Shot& shot = data.shots[observation.shot];
     std::string name;
-    if (word == "config-axis") name = data.configurations[shot.configuration].id + "/";
-    if (word == "marker-axis") name = data.markers[observation.marker] + "/";
-    if (word == "station-axis") name = data.stations[shot.station] + "/";
-    if (word == "residual") name = data.SourceOf(observation) + "/";
+    if (by == ResidualGroup::kConfigAxis) name = data.configurations[shot.configuration].id + "/";
+    if (by == ResidualGroup::kMarkerAxis) name = data.markers[observation.marker] + "/";
+    if (by == ResidualGroup::kStationAxis) name = data.stations[shot.station] + "/";
+    if (by == ResidualGroup::kResidual) name = data.SourceOf(observation) + "/";
     for (int axis = 0; axis < 3; ++axis) {
       const std::string full = name + "xyz"[axis];
       const auto [entry, is_new] = index.emplace(full, static_cast<int>(index.size()));

@@ -25,7 +25,7 @@ struct RowGroups {
   std::vector<int> group;          // 3 per observation of the data
   std::vector<std::string> names;  // of each group
 };
-RowGroups GroupRows(const Measurements& data, const std::string& word);
+RowGroups GroupRows(const Measurements& data, ResidualGroup by);
 
 // Root of every observation from the residuals of an estimate: diagonal, sigma per axis. Groups without a calibration
 // row take the spread of their axis.

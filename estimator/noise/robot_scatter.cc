@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "estimator/least_squares/linearization.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -61,8 +60,8 @@ double VarianceOfRobot(const AlongAxes& along) {
 
 bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate) {
   const Experiment& experiment = problem.experiment;
-  const bool is_free = experiment.noise.from == NoiseSpec::From::kDefault && experiment.weights == "sigma" &&
-                       experiment.loss == "none" && problem.latent.empty() && problem.resolved_noise.empty();
+  const bool is_free = experiment.noise.from == NoiseSpec::From::kDefault && experiment.weights == Weights::kSigma &&
+                       experiment.loss == LossKind::kNone && problem.latent.empty() && problem.resolved_noise.empty();
   const SigmaReport& sigma = estimate.sigma;
   if (!is_free || !IsUsable(estimate.status) || !sigma.stated || !sigma.scaled) return false;
   if (sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return false;
@@ -77,12 +76,6 @@ bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate
     count += 3.0;
   }
   return sum * sum < kFewHaveASay * count * squares;
-}
-
-std::string RobotScatterInWords(double tau) {
-  return "Beside the stated sigmas every coordinate scatters by " + Significant(1e3 * tau, 3) +
-         " mm (maximum likelihood), and rows are weighed by both; noise: {from: rows} weighs by the stated sigmas "
-         "alone.";
 }
 
 RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate& estimate) {

@@ -23,6 +23,5 @@ struct RobotScatter {
   NoiseRoots roots;  // of all observations of the data, m; rotations as stated
 };
 RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate& estimate);
-std::string RobotScatterInWords(double tau);
 
 }  // namespace sagitta

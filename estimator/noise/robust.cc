@@ -95,11 +95,6 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
 
 }  // namespace
 
-LossKind LossNamed(const std::string& name) {
-  if (name == "huber") return LossKind::kHuber;
-  return name == "cauchy" ? LossKind::kCauchy : LossKind::kNone;
-}
-
 double LossTuning(LossKind loss) {
   if (loss == LossKind::kHuber) return kHuber;
   return loss == LossKind::kCauchy ? kCauchy : std::numeric_limits<double>::infinity();

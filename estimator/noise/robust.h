@@ -21,8 +21,6 @@
 
 namespace sagitta {
 
-enum class LossKind { kNone, kHuber, kCauchy };
-LossKind LossNamed(const std::string& name);
 double LossTuning(LossKind loss);
 double LossWeight(LossKind loss, double distance);      // psi / r
 double LossDerivative(LossKind loss, double distance);  // psi'

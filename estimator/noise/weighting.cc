@@ -36,18 +36,18 @@ bool AllAlike(const NoiseRoots& noise) {
 bool WeighsOtherwise(const CalibrationProblem& problem) {
   const Experiment& experiment = problem.experiment;
   const NoiseSpec::From from = experiment.noise.from;
-  if (experiment.weights == "sigma") return false;
+  if (experiment.weights == Weights::kSigma) return false;
   if (from == NoiseSpec::From::kResiduals || from == NoiseSpec::From::kVarianceComponents) return false;
-  if (experiment.weights == "eq14") return true;
+  if (experiment.weights == Weights::kEq14) return true;
   return problem.sigma_is_stated() && !AllAlike(AllRoots(problem));
 }
 
 bool WeighsByEq14(const Experiment& experiment) {
-  return experiment.weights == "eq14" || experiment.noise.from == NoiseSpec::From::kResiduals;
+  return experiment.weights == Weights::kEq14 || experiment.noise.from == NoiseSpec::From::kResiduals;
 }
 
 NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise) {
-  if (experiment.weights == "equal") {
+  if (experiment.weights == Weights::kEqual) {
     return NoiseRoots(noise.size(), CommonSigma(noise) * Matrix3<double>::Identity());
   }
   return Eq14Roots(noise, experiment.noise.sigma0, experiment.noise.lambda);

@@ -168,21 +168,4 @@ const char* NameOf(CriterionKind kind) {
   return "";
 }
 
-std::string InWords(CriterionKind kind) {
-  switch (kind) {
-    case CriterionKind::kI:
-      return "mean squared position error at the test poses after compensation";
-    case CriterionKind::kD:
-      return "volume of the confidence ellipsoid of the robot's parameters";
-    case CriterionKind::kA:
-      return "sum of the variances of the robot's parameters, scaled";
-    case CriterionKind::kE:
-      return "largest variance of any direction of the robot's parameters, scaled";
-    case CriterionKind::kDiscriminate:
-      return "information about which of the stated effects it is";
-    default:
-      return std::string("observability index ") + NameOf(kind) + " (Sun and Hollerbach 2008)";
-  }
-}
-
 }  // namespace sagitta

@@ -54,8 +54,6 @@ struct Criterion {
 // "I", "D", ... ; throws InputError for another name.
 CriterionKind CriterionNamed(const std::string& name);
 const char* NameOf(CriterionKind kind);
-// What is made small or large, for people.
-std::string InWords(CriterionKind kind);
 
 // O1 .. O5 of C_SS.
 Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block);

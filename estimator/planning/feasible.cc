@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/report/planning_words.h"
 #include "models/kinematics.h"
 #include "problems/input_error.h"
 #include "problems/text.h"
@@ -166,9 +167,9 @@ std::vector<std::string> FeasiblePoses::Checked() const {
 std::vector<std::string> FeasiblePoses::NotChecked() const {
   std::vector<std::string> open;
   const bool has_bodies = cell_ != nullptr && !cell_->capsules.empty();
-  if (!has_bodies) open.push_back("collisions of the arm's body with itself and the cell (no capsules are stated)");
+  if (!has_bodies) open.push_back(BodiesAreNotStated());
   if (cell_ != nullptr) open.insert(open.end(), cell_->without_body.begin(), cell_->without_body.end());
-  if (cell_ == nullptr || cell_->keep_out.empty()) open.push_back("obstacles (no keep-out boxes are stated)");
+  if (cell_ == nullptr || cell_->keep_out.empty()) open.push_back(BoxesAreNotStated());
   if (cell_ == nullptr || !cell_->floor) open.push_back("the floor");
   std::vector<std::string> stations, markers;
   for (size_t s = 0; s < placed_.data.stations.size(); ++s) {

@@ -6,10 +6,10 @@
 #include "estimator/planning/pose_space.h"
 #include "estimator/planning/route.h"
 #include "estimator/planning/search.h"
+#include "estimator/report/planning_words.h"
 #include "estimator/statistics/mutual_information.h"
 #include "problems/input_error.h"
 #include "problems/split.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -48,17 +48,13 @@ std::vector<int> OrderOf(const PlanScene& scene, const FoundPlan& found, const P
     kind.push_back(std::max(0, pose.way));
   }
   if (DriftIsFree(*scene.problem)) {
-    plan->order =
-        "The order is mixed at random, so that what goes with time is not taken for what goes with the place.";
+    plan->order = OrderIsMixed();
     return MixedRoute(static_cast<int>(q.size()), request.seed);
   }
   const std::vector<int> order = ShortRoute(q, kind);
   plan->travel = TravelOf(q, order);
   plan->travel_as_found = TravelOf(q, as_found);
-  plan->order =
-      "The order is a short way: nearest neighbours, stretches reversed and poses moved while that shortens it; " +
-      std::to_string(static_cast<int>(std::lround(100.0 * plan->travel / std::max(plan->travel_as_found, 1e-12)))) +
-      " % of the way in the order in which poses were found.";
+  plan->order = OrderIsShort(plan->travel / std::max(plan->travel_as_found, 1e-12));
   return order;
 }
 
@@ -83,34 +79,9 @@ void FillWords(const PlanRequest& request, const PlanScene& scene, Plan* plan) {
   words = scene.words;
   plan->checked = scene.feasible->Checked();
   plan->not_checked = scene.feasible->NotChecked();
-  words.push_back("Checked of each pose: " + Enumerate(plan->checked) +
-                  ". Not checked: " + Enumerate(plan->not_checked) + ".");
-  if (request.candidates == nullptr) {
-    words.push_back(
-        "Candidates are poses spread evenly in the joint limits, each with every way in which the rows measure "
-        "one" +
-        std::string(plan->found_beside > 0 ? ", and better ones found from them by local search." : "."));
+  for (std::string& assumption : AssumptionsInWords(*plan, request.candidates == nullptr)) {
+    words.push_back(std::move(assumption));
   }
-  if (plan->moved) words.push_back("The poses chosen were moved to where they tell more.");
-  words.push_back(plan->order);
-  if (plan->knee > 0) {
-    words.push_back("From " + std::to_string(plan->knee) +
-                    " poses on, more poses only average the noise (the error falls no faster than N^-0.6).");
-  }
-  if (plan->field_amplitude > 0.0) {
-    words.push_back("The former estimate is off by " + Significant(1e3 * plan->field, 2) +
-                    " mm per coordinate more than it predicts at points it has not fitted. The plan takes that as an "
-                    "unknown smooth deviation of every joint over its angle (harmonics 1 to 4, " +
-                    Significant(1e6 * plan->field_amplitude, 2) + " urad each).");
-  } else if (plan->model_error > 1.0) {
-    words.push_back("With the model error of the estimate that was given, predicted errors are larger by " +
-                    Significant(plan->model_error, 3) + ".");
-  }
-  std::vector<std::string> vague;
-  for (const PlannedParameter& parameter : plan->parameters) {
-    if (!parameter.identifiable) vague.push_back(parameter.name);
-  }
-  if (!vague.empty()) words.push_back("The plan does not determine " + Enumerate(vague, 6) + ".");
 }
 
 void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const FoundPlan& found, Plan* plan) {
@@ -154,9 +125,7 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   PlanScene scene = MakePlanScene(robot, split, experiment, request);
   PlanNumbers numbers = MakePlanNumbers(scene, request.field);
   if (std::count(numbers.registered.begin(), numbers.registered.end(), true) > 0) {
-    scene.words.push_back(
-        "Stations and markers that only the test poses see are registered on the test poses: errors there "
-        "are what is left.");
+    scene.words.push_back(RegisteredOnTests());
   }
   const Criterion criterion = CriterionFor(*scene.problem, numbers, request);
   const int drawn = numbers.set.size();

@@ -7,6 +7,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
+#include "estimator/report/planning_words.h"
 #include "problems/excitation.h"
 #include "problems/input_error.h"
 #include "problems/text.h"
@@ -56,7 +57,7 @@ void Place(const Measurements& data, CalibrationProblem* problem, std::vector<st
   }
   if (!read.empty()) {
     FindStartingValues(*problem, read, {}, &problem->parameters);
-    words->push_back("Base and markers are those that fit the readings best with the robot as its file states it.");
+    words->push_back(PlacesFitReadings());
     return;
   }
   for (const std::string& marker : problem->data.markers) {
@@ -66,7 +67,7 @@ void Place(const Measurements& data, CalibrationProblem* problem, std::vector<st
                      "nothing says where marker '" + marker + "' is: no row has a reading",
                      "state markers: {" + marker + ": {xyz_mm: …}} in the experiment file");
   }
-  words->push_back("Base, markers and robot are taken as the files state them: no row has a reading.");
+  words->push_back(PlacesAreStated());
 }
 
 void CopyPlaces(const CalibrationProblem& from, CalibrationProblem* to) {
@@ -188,10 +189,10 @@ std::vector<std::string> ReasonsInWords(const std::map<std::string, int>& reason
 [[noreturn]] void FailInfeasible(const PlanScene& scene, const PlanRequest& request) {
   const bool is_listed = request.candidates != nullptr;
   const std::string file = request.cell != nullptr ? request.cell->file : "";
-  const std::string what =
-      is_listed ? "none of the listed candidates can be measured" : "no pose that was drawn can be measured";
   throw InputError({file, 0, request.cell != nullptr ? "--cell" : "--candidates"},
-                   what + ": " + Enumerate(ReasonsInWords(scene.infeasible), 4),
+                   std::string(is_listed ? "none of the listed candidates can be measured: "
+                                         : "no pose that was drawn can be measured: ") +
+                       Enumerate(ReasonsInWords(scene.infeasible), 4),
                    request.cell != nullptr
                        ? "widen what forbids most of them; frames and units of the cell are those of "
                          "the robot's base, mm and deg"
@@ -293,9 +294,7 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
     scene.ranges = DrawingRanges(robot.chain, request.cell);
     drawing = std::make_unique<Drawing>(data, scene.ranges, NeedsApproach(WithEffects(robot, request.discriminate)));
     if (drawing->patterns().left_out > 0) {
-      scene.words.push_back("The rows show " + std::to_string(drawing->patterns().left_out) +
-                            " more ways to measure a pose than the " + std::to_string(kMostPatterns) +
-                            " most frequent ones that are offered.");
+      scene.words.push_back(PatternsLeftOut(drawing->patterns().left_out, kMostPatterns));
     }
   }
   if (request.candidates != nullptr && request.candidates->configurations.empty()) {

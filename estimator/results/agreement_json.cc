@@ -6,7 +6,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json ComparisonToJson(const PartComparison& comparison) {
-  Json json = {{"by", comparison.by}};
+  Json json = {{"by", WordOf(comparison.by)}};
   if (!comparison.key.empty()) json["key"] = comparison.key;
   json["differences"] = comparison.compared;
   json["within"] = comparison.inside;
@@ -20,7 +20,7 @@ Json ComparisonToJson(const PartComparison& comparison) {
 
 Json AgreementToJson(const AgreementReport& report) {
   if (report.words.empty()) return nullptr;
-  Json json = {{"covariance", report.covariance}, {"seed", report.seed}, {"level", 0.95}};
+  Json json = {{"covariance", WordOf(report.covariance)}, {"seed", report.seed}, {"level", 0.95}};
   json["inflation"] = report.inflation;
   json["disagrees"] = report.disagrees;
   json["kinds"] = Json::array();

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "estimator/diagnosis/learnt_model.h"
-#include "estimator/results/diagnosis_words.h"
+#include "estimator/report/diagnosis_words.h"
 #include "models/constants.h"
 #include "problems/io/effect_entries.h"
 

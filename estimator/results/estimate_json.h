@@ -9,6 +9,7 @@
 
 #include "estimator/estimate/estimate.h"
 #include "estimator/intervals/prediction.h"
+#include "estimator/report/results_words.h"
 #include "estimator/results/prediction_noise.h"
 #include "estimator/results/provenance.h"
 #include "problems/calibration_problem.h"
@@ -45,9 +46,6 @@ struct KnownRobot {
 
 // In mm and mrad.
 nlohmann::ordered_json SizeToJson(const ResidualSize& size);
-
-// What parts of the calibration data that contradict each other mean for a prediction; "" where they agree.
-std::string ModelErrorInWords(const KnownRobot& known);
 
 // Throws InputError.
 KnownRobot ReadEstimateFile(const std::string& path);

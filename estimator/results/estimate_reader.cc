@@ -13,7 +13,6 @@
 #include "problems/io/json_reader.h"
 #include "problems/io/robot_file.h"
 #include "problems/problem_checks.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -231,13 +230,6 @@ KnownRobot ReadEstimateText(const std::string& text, const std::string& file_in_
 }
 
 KnownRobot ReadEstimateFile(const std::string& path) { return ReadEstimateText(ReadTextFile(path), path); }
-
-std::string ModelErrorInWords(const KnownRobot& known) {
-  if (!(known.model_error > 1.0)) return "";
-  return "Standard deviations carry the model error that the calibration found: those of the parameters are about " +
-         Significant(known.model_error, 2) + " times as large as noise alone makes them (model_error in " + known.file +
-         ").";
-}
 
 ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem& problem) {
   ParameterSet parameters = problem.parameters;

@@ -23,14 +23,15 @@ double UnitOf(const Estimate& estimate, int coordinate) {
 }  // namespace
 
 Json IntervalsToJson(const IntervalReport& intervals) {
-  Json json = {{"method", intervals.method}, {"level", 0.95}};
-  if (!intervals.kind.empty()) {
-    json["kind"] = intervals.kind;
+  Json json = {{"method", WordOf(intervals.method)}, {"level", 0.95}};
+  if (intervals.kind) {
+    json["kind"] = WordOf(*intervals.kind);
     json["replicates"] = intervals.replicates;
     json["seed"] = intervals.seed;
   }
   if (intervals.clusters > 0) json["clusters"] = intervals.clusters;
-  if (intervals.method == "bootstrap" || intervals.method == "profile") json["failed"] = intervals.failed;
+  if (intervals.method == CovarianceKind::kBootstrap || intervals.method == CovarianceKind::kProfile)
+    json["failed"] = intervals.failed;
   if (!intervals.words.empty()) json["words"] = intervals.words;
   return json;
 }
@@ -44,7 +45,7 @@ void AddIntervalTo(const ParameterEstimate& row, const Estimate& estimate, Json*
   (*json)["free"] = row.free;
   (*json)["identifiable"] = row.identifiable;
   (*json)["at_bound"] = row.at_bound;
-  if (has_sigma) (*json)["interval"] = estimate.intervals.method;
+  if (has_sigma) (*json)["interval"] = WordOf(estimate.intervals.method);
   if (has_sigma && std::isfinite(row.dof)) (*json)["dof"] = row.dof;
   if (row.open_low || row.open_high) {
     (*json)["open"] = Json::array();

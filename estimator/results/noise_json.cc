@@ -58,9 +58,9 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
 Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
   const NoiseReport& report = estimate.noise_report;
   Json json = {{"source", report.source},
-               {"weights", problem.weight_roots.empty()            ? "sigma"
-                           : problem.experiment.weights == "equal" ? "equal"
-                                                                   : "eq14"},
+               {"weights", problem.weight_roots.empty()                    ? "sigma"
+                           : problem.experiment.weights == Weights::kEqual ? "equal"
+                                                                           : "eq14"},
                {"rounds", report.rounds},
                {"converged", report.converged}};
   if (!report.components.empty()) json["variance"] = ComponentsToJson(problem, report);
@@ -75,9 +75,9 @@ Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
       json["groups"].push_back({{"name", group.name}, {"sigma_mm", 1e3 * group.sigma}, {"rows", group.rows}});
     }
   }
-  json["loss"] = report.loss;
+  json["loss"] = WordOf(report.loss);
   json["outliers"] = Json::array();
-  if (report.loss != "none") {
+  if (report.loss != LossKind::kNone) {
     json["loss_turns_at"] = report.loss_tuning;
     json["robust_scale"] = report.robust_scale;
     json["variance_inflation"] = report.loss_inflation;

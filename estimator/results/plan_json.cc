@@ -8,7 +8,6 @@
 #include "problems/io/json_reader.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -56,25 +55,6 @@ double HalfWidth95(const Plan& plan, const PlannedParameter& parameter) {
   return NormalQuantile(0.975) * plan.model_error * parameter.sigma;
 }
 
-std::string CertificateInWords(const Plan& plan) {
-  if (!plan.criterion.HasCertificate()) {
-    return std::string("The criterion ") + NameOf(plan.criterion.kind) +
-           " is not convex or has no slope: how near the plan is to the best one is not known. Use I, D, A, O1 or O5 "
-           "for a certificate.";
-  }
-  const double efficiency = plan.efficiency;
-  std::string words = "Within " + Significant(100.0 * (1.0 / std::max(efficiency, 1e-9) - 1.0), 2) +
-                      " % of the best possible plan of as many of these candidates" +
-                      (plan.found_beside > 0 ? " and of poses found from them" : "") + " (" +
-                      InWords(plan.criterion.kind) + "; equivalence theorem).";
-  if (plan.best_rms > 0.0) {
-    words += " No such plan predicts less than " + Significant(Millimetres(plan.best_rms), 3) +
-             " mm at the test poses; this one predicts " + Significant(Millimetres(std::sqrt(plan.cost)), 3) + " mm" +
-             (plan.field_amplitude > 0.0 ? ", model error included." : ".");
-  }
-  return words;
-}
-
 Json PlanToJson(const Plan& plan) {
   Json json = {{"schema", "sagitta/plan/1"},
                {"criterion", {{"name", NameOf(plan.criterion.kind)}, {"words", InWords(plan.criterion.kind)}}},
@@ -101,10 +81,7 @@ Json PlanToJson(const Plan& plan) {
     json["separation"] = {{"log_likelihood", 0.5 * plan.apart},
                           {"mutual_information_nat", plan.information},
                           {"decides", plan.decides},
-                          {"words",
-                           "what the readings tell of which effect it is, at most ln 2, and the probability that the "
-                           "right one is expected to have after them, from 0.5; each effect of the size that the robot "
-                           "file states, else of one that moves its joint by 0.1 mm or 0.1 mrad"}};
+                          {"words", SeparationInWords()}};
   } else {
     for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = NumberOrNull(plan.indices[i]);
   }

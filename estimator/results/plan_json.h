@@ -5,6 +5,7 @@
 #include <string>
 
 #include "estimator/planning/plan.h"
+#include "estimator/report/planning_words.h"
 #include "models/chain.h"
 
 namespace sagitta {
@@ -20,8 +21,5 @@ void TakeModelError(const std::string& estimate_json, const std::string& file_in
 
 // Half the 95 % interval that is expected of a parameter, with model error, SI.
 double HalfWidth95(const Plan& plan, const PlannedParameter& parameter);
-
-// The certificate: how near the plan is to the best possible one of these candidates.
-std::string CertificateInWords(const Plan& plan);
 
 }  // namespace sagitta

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "estimator/compensation/joint_solutions.h"
+#include "estimator/report/results_words.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -270,13 +271,8 @@ std::string SummaryOf(const CompensatedProgram& result) {
     before = std::max(before, point.solution->before_position);
     if (std::isfinite(point.solution->u95_position)) u95 = std::max(u95, point.solution->u95_position);
   }
-  std::string text = std::string(DialectName(result.program.dialect)) + ": " + std::to_string(corrected) + " of " +
-                     std::to_string(result.results.size()) + " points corrected";
-  if (corrected > 0) {
-    text += "; off target before by at most " + Significant(1e3 * before, 3) +
-            " mm; 95 % uncertainty of the estimate at most " + Significant(1e3 * u95, 3) + " mm";
-  }
-  text += "\n";
+  std::string text =
+      PointsAreCorrected(DialectName(result.program.dialect), corrected, result.results.size(), before, u95) + "\n";
   if (!untouched.empty()) text += "Left as they are\n" + untouched;
   for (const std::string& note : result.program.notes) text += "Note: " + note + "\n";
   return text;

@@ -143,7 +143,7 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
     set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
   }
   append({leverage, set});
-  if (estimate.noise_report.loss != "none") append({OutlierColumn(data, estimate.noise_report)});
+  if (estimate.noise_report.loss != LossKind::kNone) append({OutlierColumn(data, estimate.noise_report)});
   return RowsToCsv(data, added);
 }
 

@@ -10,8 +10,8 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/least_squares/row_sums.h"
+#include "estimator/report/validation_words.h"
 #include "estimator/statistics/median.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -52,25 +52,22 @@ class Proposals {
 
 void TryNumbers(const Vector3<double>& point, Proposals* proposals) {
   for (int axis = 0; axis < 3; ++axis) {
-    const std::string name(1, "xyz"[axis]);
     Vector3<double> turned = point;
     turned[axis] *= -1.0;
-    proposals->TryPoint(turned, "fits with " + name + " of the other sign");
+    proposals->TryPoint(turned, FitsTurned(axis));
     const int next = (axis + 1) % 3;
     Vector3<double> exchanged = point;
     std::swap(exchanged[axis], exchanged[next]);
-    const std::string pair = name + " and " + std::string(1, "xyz"[next]);
-    proposals->TryPoint(exchanged, "fits with " + pair + " exchanged");
+    proposals->TryPoint(exchanged, FitsExchanged(axis, next));
     for (const double factor : {10.0, 0.1}) {
       Vector3<double> shifted = point;
       shifted[axis] *= factor;
-      proposals->TryPoint(shifted, "fits with the decimal point of " + name + " one digit " +
-                                       (factor > 1.0 ? "to the right" : "to the left"));
+      proposals->TryPoint(shifted, FitsShifted(axis, factor > 1.0));
     }
   }
-  proposals->TryPoint(1e3 * point, "fits when its numbers are read in m");
-  proposals->TryPoint(1e-3 * point, "fits when its numbers are read in a unit 1000 times smaller");
-  proposals->TryPoint(25.4 * point, "fits when its numbers are read in inches");
+  proposals->TryPoint(1e3 * point, FitsInMetres());
+  proposals->TryPoint(1e-3 * point, FitsInThousandths());
+  proposals->TryPoint(25.4 * point, FitsInInches());
 }
 
 // Another marker of the shot, the other station, another configuration.
@@ -80,13 +77,10 @@ void TryLabels(const Rows& rows, int k, Proposals* proposals) {
     if (other == k) continue;
     const double distance = (rows.measured(k) - rows.predicted(other)).norm();
     const Observation& row = rows.at(other);
-    const std::string source = " (" + data.SourceOf(row) + ")";
     if (row.shot == rows.at(k).shot) {
-      proposals->TryDistance(distance, "fits as marker " + data.markers[row.marker] +
-                                           " of the same shot: marker names exchanged" + source);
+      proposals->TryDistance(distance, FitsAsMarker(data.markers[row.marker], data.SourceOf(row)));
     } else if (row.marker == rows.at(k).marker && rows.shot(other).station == rows.shot(k).station) {
-      proposals->TryDistance(distance,
-                             "fits the joint values of configuration " + data.ConfigurationOf(row).id + source);
+      proposals->TryDistance(distance, FitsConfiguration(data.ConfigurationOf(row).id, data.SourceOf(row)));
     }
   }
   const int own = rows.shot(k).station;
@@ -95,22 +89,19 @@ void TryLabels(const Rows& rows, int k, Proposals* proposals) {
   for (int s = 0; s < rows.parameters.num_stations(); ++s) {
     if (s == own) continue;
     proposals->TryDistance((rows.parameters.BaseInStation(s) * in_base - rows.measured(k)).norm(),
-                           "fits as read from station " + data.stations[s]);
+                           FitsStation(data.stations[s]));
   }
 }
-
-std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
 // Excluded as an outlier by the noise model, which has looked closer.
 std::vector<Suspect> LeftOut(const CalibrationProblem& problem, const Estimate& estimate) {
   std::vector<Suspect> suspects;
   for (const Outlier& outlier : estimate.noise_report.outliers) {
     const Observation& row = problem.data.observations[outlier.observation];
-    std::string words = "off by " + Millimetres(outlier.size);
+    std::string words = OutlierIsOff(outlier.size);
     if (outlier.swapped_with >= 0) {
       const Observation& other = problem.data.observations[outlier.swapped_with];
-      words += "; fits as marker " + problem.data.markers[other.marker] +
-               " of the same shot: marker names exchanged (" + problem.data.SourceOf(other) + ")";
+      words += "; " + FitsAsMarker(problem.data.markers[other.marker], problem.data.SourceOf(other));
     }
     suspects.push_back({outlier.observation, problem.data.SourceOf(row), words});
   }
@@ -208,11 +199,10 @@ std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estim
     Proposals proposals(distances[k], rows.predicted(k));
     TryNumbers(rows.measured(k), &proposals);
     TryLabels(rows, k, &proposals);
-    const std::string off =
-        "off by " + Millimetres(distances[k]) + ", " + Significant(distances[k] / median, 2) + " times the median";
+    const std::string off = RowIsOff(distances[k], distances[k] / median);
     const bool explained = !proposals.words().empty();
     suspects.push_back({observation, problem.data.SourceOf(rows.at(k)),
-                        off + "; " + (explained ? proposals.words() : "measure it again or take it out")});
+                        off + "; " + (explained ? proposals.words() : MeasureAgain())});
   }
   std::stable_sort(suspects.begin(), suspects.end(),
                    [](const Suspect& a, const Suspect& b) { return a.observation < b.observation; });

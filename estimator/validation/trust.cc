@@ -7,9 +7,9 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/row_stream.h"
 #include "estimator/least_squares/row_sums.h"
+#include "estimator/report/validation_words.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -19,8 +19,6 @@ namespace {
 constexpr double kBelowAnyInstrument = 1e-6;
 // Share by which errors differ before one is called better: of a hundred points an RMS is known to some 5 %.
 constexpr double kBetter = 0.05;
-
-std::string Millimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
 Eigen::Matrix3Xd Errors(const CalibrationProblem& problem, const ParameterSet& parameters,
                         const std::vector<int>& observations) {
@@ -94,24 +92,24 @@ std::vector<Widening> WideningsOf(const Estimate& estimate, const BetweenParts& 
 }
 
 // How much points that were not fitted are off beyond what was predicted for them, and which.
-std::string FindExcess(double significance, Trust* trust) {
-  std::string words;
-  const auto take = [&](const UnseenPoints& unseen, const char* name) {
+ExcessOf FindExcess(double significance, Trust* trust) {
+  ExcessOf found = ExcessOf::kNone;
+  const auto take = [&](const UnseenPoints& unseen, ExcessOf of) {
     if (!(unseen.points > 0 && unseen.p_value < significance && unseen.Excess() > trust->excess)) return;
     trust->excess = unseen.Excess();
-    words = std::string(name) + " larger than predicted";
+    found = of;
   };
-  take(trust->holdout, "errors on the points held out are");
-  take(trust->cross_validation.unseen, "errors in the cross-validation are");
-  return words;
+  take(trust->holdout, ExcessOf::kHoldout);
+  take(trust->cross_validation.unseen, ExcessOf::kCrossValidation);
+  return found;
 }
 
-std::string ModelErrorInWords(const Estimate& estimate, const std::vector<Widening>& widenings, std::string reason,
-                              Trust* trust) {
-  if (widenings.empty()) return "";
+// Medians of the widenings, and words where any interval is wider.
+void SayModelError(const Estimate& estimate, const std::vector<Widening>& widenings, ExcessOf excess, Trust* trust) {
+  if (widenings.empty()) return;
   const auto at = std::max_element(widenings.begin(), widenings.end(),
                                    [](const Widening& a, const Widening& b) { return a.interval < b.interval; });
-  if (!(at->interval > 1.0)) return "";
+  if (!(at->interval > 1.0)) return;
   std::vector<double> sigmas, intervals;
   for (const Widening& widening : widenings) {
     sigmas.push_back(widening.sigma);
@@ -119,16 +117,8 @@ std::string ModelErrorInWords(const Estimate& estimate, const std::vector<Wideni
   }
   trust->model_error_sigma = Median(sigmas);
   trust->model_error = Median(intervals);
-  if (trust->between.known()) {
-    const std::string parts = "parts of the data contradict each other";
-    reason = reason.empty() ? parts : parts + ", and " + reason;
-  }
   const auto& name = estimate.parameters.coordinates()[estimate.estimated[at - widenings.begin()]].name;
-  std::string words =
-      "the intervals are " + Significant(trust->model_error, 2) + " times as wide as noise alone would make them";
-  if (at->interval > 1.05 * trust->model_error)
-    words += " (median; at most " + Significant(at->interval, 2) + " times, " + name + ")";
-  return words + ": " + reason + "; 'sagitta diagnose' may find why";
+  trust->model_error_words = ModelErrorInWords(trust->model_error, at->interval, name, trust->between.known(), excess);
 }
 
 void Widen(const std::vector<Widening>& widenings, Trust* trust, Estimate* estimate) {
@@ -151,9 +141,9 @@ void Widen(const std::vector<Widening>& widenings, Trust* trust, Estimate* estim
 }
 
 void AddModelError(double significance, Trust* trust, Estimate* estimate) {
-  const std::string reason = FindExcess(significance, trust);
+  const ExcessOf excess = FindExcess(significance, trust);
   const std::vector<Widening> widenings = WideningsOf(*estimate, trust->between, trust->excess);
-  trust->model_error_words = ModelErrorInWords(*estimate, widenings, reason, trust);
+  SayModelError(*estimate, widenings, excess, trust);
   Widen(widenings, trust, estimate);
 }
 
@@ -161,56 +151,23 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
                                         const Trust& trust) {
   std::vector<std::string> reasons;
   const UnseenPoints& quoted = trust.Quoted();
-  if (quoted.points == 0) reasons.push_back("nothing checks it: too few configurations to set any aside");
+  if (quoted.points == 0) reasons.push_back(NothingChecksIt());
   if (trust.holdout.points > 0 && trust.holdout.p_value < problem.experiment.significance) {
-    reasons.push_back("the errors on the points held out are " + Significant(trust.holdout.Excess(), 2) +
-                      " times what the estimate predicted for them (p = " + Significant(trust.holdout.p_value, 2) +
-                      ")");
+    reasons.push_back(HoldoutIsOff(trust.holdout.Excess(), trust.holdout.p_value));
   }
   if (quoted.points > 0 && trust.nominal.distance_rms < (1.0 - kBetter) * quoted.distance_rms)
-    reasons.push_back("on points that it has not seen it is worse than the robot file was already (" +
-                      Millimetres(trust.nominal.distance_rms) + ")");
-  if (estimate.dof <= 0) reasons.push_back("there are as many unknowns as readings: the data cannot check themselves");
+    reasons.push_back(WorseThanNominal(trust.nominal.distance_rms));
+  if (estimate.dof <= 0) reasons.push_back(NoRedundancy());
   if (estimate.dof > 0 && estimate.fit.rms < kBelowAnyInstrument) {
-    reasons.push_back("residuals of " + Significant(1e6 * estimate.fit.rms, 2) +
-                      " um are below any instrument's noise: were the points measured, or commanded or simulated?");
+    reasons.push_back(BelowAnyInstrument(estimate.fit.rms));
   }
   if (!trust.suspects.empty()) {
-    const auto n = trust.suspects.size();
-    reasons.push_back(std::to_string(n) + (n == 1 ? " row is" : " rows are") + " suspect (" + trust.suspects[0].row +
-                      (n > 1 ? ", …" : "") + ")");
+    reasons.push_back(RowsAreSuspect(trust.suspects.size(), trust.suspects[0].row));
   }
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot.chain)) {
-    reasons.push_back("the calibrated robot still misses by " + Millimetres(estimate.fit.distance_rms) +
-                      " (RMS): robot file and measurements do not belong together");
+    reasons.push_back(RobotStillMisses(estimate.fit.distance_rms));
   }
   return reasons;
-}
-
-std::string NotMeasured(const Estimate& estimate) {
-  static const char* kNumbers[] = {"no", "one", "two", "three", "four", "five", "six"};
-  const size_t n = estimate.identifiability.unidentifiable.size();
-  if (n == 0) return "";
-  const std::string number = n < std::size(kNumbers) ? kNumbers[n] : std::to_string(n);
-  return "; " + number + (n == 1 ? " direction was" : " directions were") + " not measured";
-}
-
-std::string FirstSentence(const CalibrationProblem& problem, const Trust& trust) {
-  const UnseenPoints& quoted = trust.Quoted();
-  if (quoted.points == 0) return "No points were set aside to say how good this robot is on poses it has not seen.";
-  const double better = quoted.distance_rms > 0.0 ? trust.nominal.distance_rms / quoted.distance_rms : 0.0;
-  std::string words = "On poses it has not seen this robot is now within " + Millimetres(quoted.distance_rms) +
-                      " (RMS; 95 % of points within " + Millimetres(quoted.distance_p95) + ", worst " +
-                      Millimetres(quoted.distance_max) + " at config " + quoted.worst.front().configuration + ")";
-  if (better > 1.0 + kBetter) words += ", " + Significant(better, 2) + " times better than nominal";
-  if (std::abs(better - 1.0) <= kBetter)
-    words += "; the robot file was as good already (" + Millimetres(trust.nominal.distance_rms) + ")";
-  if (quoted.predicted_rms > 0.0) {
-    const bool agrees = quoted.p_value >= problem.experiment.significance;
-    words += agrees ? "; the prediction agrees"
-                    : "; the prediction was " + Significant(quoted.Excess(), 2) + " times smaller";
-  }
-  return words + ".";
 }
 
 }  // namespace
@@ -230,10 +187,8 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
   AddModelError(problem.experiment.significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
-  trust.verdict.words = FirstSentence(problem, trust);
-  trust.verdict.words += trust.verdict.trusted
-                             ? " Trust it inside the measured joint ranges" + NotMeasured(*estimate) + "."
-                             : " Do not trust it yet: " + Enumerate(trust.verdict.reasons) + ".";
+  trust.verdict.words =
+      VerdictInWords(trust, problem.experiment.significance, kBetter, estimate->identifiability.unidentifiable.size());
   return trust;
 }
 

@@ -1,11 +1,11 @@
 #include "problems/io/cell_file.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/robot_parts.h"
 #include "problems/io/urdf_bodies.h"
 #include "problems/io/yaml_reader.h"
 #include "problems/text.h"
@@ -146,16 +146,11 @@ double ReadNotNegative(YamlMap* map, const std::string& stem, double otherwise) 
   return value;
 }
 
-// urdf: {file, base_link, tip_link}: the arm's bodies as its URDF has them. The path is relative to the cell's file.
+// urdf: {file, base_link, tip_link}: the arm's bodies as its URDF has them.
 void ReadUrdfBodies(const YamlValue& value, const std::string& cell_file, const Chain& chain, Cell* cell) {
-  YamlMap map(value);
-  const YamlValue file = map.Get("file");
-  UrdfEnds ends;
-  if (const auto link = map.Find("base_link")) ends.base_link = link->Text();
-  if (const auto link = map.Find("tip_link")) ends.tip_link = link->Text();
-  map.Finish();
-  const std::string path = (std::filesystem::path(cell_file).parent_path() / file.Text()).string();
-  const UrdfBodies bodies = BodiesFromUrdf(ReadUrdfChain(ReadTextFile(path), path, ends), chain, path);
+  const UrdfSource source = ReadUrdfSource(value, cell_file);
+  const std::string& path = source.path;
+  const UrdfBodies bodies = BodiesFromUrdf(ReadUrdfChain(ReadTextFile(path), path, source.ends), chain, path);
   cell->capsules = bodies.capsules;
   const auto open = [cell](const std::vector<std::string>& links, const std::string& why) {
     if (!links.empty()) cell->without_body.push_back("the bodies of " + Enumerate(links, 8) + " (" + why + ")");

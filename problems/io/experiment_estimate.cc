@@ -69,7 +69,7 @@ NoiseSpec::From ReadNoiseSource(const YamlValue& value) {
 void ReadResidualSettings(YamlMap* map, NoiseSpec* noise) {
   if (const auto lambda = map->Find("lambda")) noise->lambda = lambda->PositiveNumber();
   noise->sigma0 = ReadSigma(map, "sigma0").value_or(noise->sigma0);
-  if (const auto group = map->Find("group")) noise->group = group->Text();
+  if (const auto group = map->Find("group")) ReadChoice(*group, &noise->group);
   if (const auto iterations = map->Find("iterations")) {
     const unsigned long long count = iterations->Count();
     if (count == 0 || count > 10000) iterations->Fail("a whole number from 1 to 10000 is expected");
@@ -220,7 +220,7 @@ ValidationSpec ReadValidation(const YamlValue& value) {
 BootstrapSpec ReadBootstrap(const YamlValue& value) {
   YamlMap map(value);
   BootstrapSpec bootstrap;
-  if (const auto kind = map.Find("kind")) bootstrap.kind = kind->OneOf({"automatic", "parametric", "configurations"});
+  if (const auto kind = map.Find("kind")) ReadChoice(*kind, &bootstrap.kind);
   if (const auto replicates = map.Find("replicates")) {
     const unsigned long long count = replicates->Count();
     if (count < 99 || count > 1000000) replicates->Fail("a whole number from 99 to 1000000 is expected");

@@ -33,18 +33,18 @@ void ReadScene(YamlMap* map, Experiment* experiment) {
 }
 
 void ReadMethod(YamlMap* map, Experiment* experiment) {
-  const auto word = [&](const std::string& key, const std::vector<std::string>& words, std::string* target) {
-    if (const auto value = map->Find(key)) *target = value->OneOf(words);
+  const auto choice = [map](const std::string& key, auto* target) {
+    if (const auto value = map->Find(key)) ReadChoice(*value, target);
   };
   if (const auto noise = map->Find("noise")) experiment->noise = ReadNoise(*noise);
   experiment->repeatability = ReadRepeatability(map);
-  word("weights", {"sigma", "equal", "eq14"}, &experiment->weights);
-  word("covariance", {"model", "sandwich", "bootstrap", "profile"}, &experiment->covariance);
+  choice("weights", &experiment->weights);
+  choice("covariance", &experiment->covariance);
   if (const auto bootstrap = map->Find("bootstrap")) experiment->bootstrap = ReadBootstrap(*bootstrap);
   if (const auto torques = map->Find("torques")) {
     experiment->torques_measured = torques->OneOf({"model", "measured"}) == "measured";
   }
-  word("loss", {"none", "huber", "cauchy"}, &experiment->loss);
+  choice("loss", &experiment->loss);
   if (const auto estimate = map->Find("estimate")) experiment->estimate = ReadEstimate(*estimate);
   if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);
   if (const auto validation = map->Find("validation")) experiment->validation = ReadValidation(*validation);

@@ -15,6 +15,12 @@ std::map<std::string, StationSpec> ReadStations(const YamlValue& value);
 void ReadTool(const YamlValue& value, Experiment* experiment);
 void ReadGravity(const YamlValue& value, Experiment* experiment);
 
+// Takes the choice that the value names; Choice: an enum of problems/choices.h.
+template <typename Choice>
+void ReadChoice(const YamlValue& value, Choice* choice) {
+  *choice = *FindChoice<Choice>(value.OneOf(WordsOf<Choice>()));
+}
+
 // Refuses what is no standard deviation of a measurement (problems/limits.h), 0 among it.
 void CheckDeviation(const YamlValue& value, double si);
 

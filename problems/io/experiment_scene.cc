@@ -43,7 +43,7 @@ std::map<std::string, MarkerSpec> ReadMarkers(const YamlValue& value) {
     marker.point = map.FindTriple("xyz", Dimension::kLength);
     marker.rotvec = map.FindTriple("rotvec", Dimension::kAngle);
     if (const auto on = map.Find("on")) marker.on = on->Text();
-    if (const auto spring = map.Find("spring")) marker.spring = spring->OneOf({"lever", "anchor", "none"});
+    if (const auto spring = map.Find("spring")) ReadChoice(*spring, &marker.spring.emplace());
     if (const auto sigma = map.Length("spring_sigma")) {
       if (!(*sigma > 0.0)) entry.Fail("spring_sigma must be above 0");
       CheckDeviation(entry, *sigma);

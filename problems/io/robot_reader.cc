@@ -126,17 +126,6 @@ KinematicsKeys ReadKinematicsKeys(const YamlValue& value) {
   return keys;
 }
 
-// The file's path is relative to the robot file.
-Robot ReadUrdfOf(const YamlValue& value, const std::string& robot_file) {
-  YamlMap map(value);
-  const YamlValue file = map.Get("file");
-  UrdfEnds ends;
-  if (const auto link = map.Find("base_link")) ends.base_link = link->Text();
-  if (const auto link = map.Find("tip_link")) ends.tip_link = link->Text();
-  map.Finish();
-  return ReadUrdfFile((std::filesystem::path(robot_file).parent_path() / file.Text()).string(), ends);
-}
-
 // Joints that the robot file states besides its URDF: the same ones; their limits come first.
 void TakeLimits(const YamlValue& value, const std::vector<Joint>& stated, Chain* chain) {
   std::string names;
@@ -188,7 +177,8 @@ Robot ReadRobot(const YamlValue& root, const std::string& file,
   std::vector<Joint> joints;
   if (joints_value) joints = ReadJoints(*joints_value);
   if (keys.urdf) {
-    const Robot described = ReadUrdfOf(*keys.urdf, file);
+    const UrdfSource source = ReadUrdfSource(*keys.urdf, file);
+    const Robot described = ReadUrdfFile(source.path, source.ends);
     robot.name = described.name;
     robot.chain = described.chain;
     if (joints_value) TakeLimits(*joints_value, joints, &robot.chain);
@@ -215,6 +205,17 @@ int ReadJointIndex(const YamlValue& value, const std::vector<Joint>& joints) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) value.Fail("there is no joint '" + name + "'", SpellingHint(name, names));
   return static_cast<int>(found - names.begin());
+}
+
+UrdfSource ReadUrdfSource(const YamlValue& value, const std::string& stated_in) {
+  YamlMap map(value);
+  const YamlValue file = map.Get("file");
+  UrdfSource source;
+  if (const auto link = map.Find("base_link")) source.ends.base_link = link->Text();
+  if (const auto link = map.Find("tip_link")) source.ends.tip_link = link->Text();
+  map.Finish();
+  source.path = (std::filesystem::path(stated_in).parent_path() / file.Text()).string();
+  return source;
 }
 
 Robot ReadRobotText(const std::string& text, const std::string& file_in_messages,

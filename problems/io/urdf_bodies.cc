@@ -23,17 +23,11 @@ Isometry AsIsometry(const Pose<double>& pose) {
   return isometry;
 }
 
-// base_from_frame right after every joint, and of the flange, of the nominal chain.
+// base_from_frame right after every joint of the nominal chain.
 std::vector<Isometry> FramesAt(const Chain& chain, const Eigen::VectorXd& q) {
-  const Eigen::VectorXd coupled = chain.CoupledJointValues(q);
-  std::vector<double> values;
-  for (const ElementaryTransform& transform : chain.transforms) {
-    values.push_back(transform.nominal + (transform.has_joint() ? transform.sign * coupled[transform.joint] : 0.0));
-  }
-  ChainState<double> state;
-  EvaluateChain(chain, values.data(), &state);
+  const std::vector<Pose<double>> nominal = NominalFrames(chain, q);
   std::vector<Isometry> frames;
-  for (int j = 0; j < chain.num_joints(); ++j) frames.push_back(AsIsometry(state.frames[chain.FrameAfterJoint(j)]));
+  for (int j = 0; j < chain.num_joints(); ++j) frames.push_back(AsIsometry(nominal[chain.FrameAfterJoint(j)]));
   return frames;
 }
 

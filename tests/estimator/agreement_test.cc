@@ -30,7 +30,7 @@ AgreementReport AgreementOf(const CalibrationProblem& problem, Estimate* estimat
   return estimate->agreement;
 }
 
-const PartComparison& SplitBy(const AgreementReport& report, const std::string& key) {
+const PartComparison& SplitOf(const AgreementReport& report, const std::string& key) {
   for (const PartComparison& split : report.splits) {
     if (split.key == key) return split;
   }
@@ -45,8 +45,8 @@ void ExpectNominal(const std::string& covariance, bool stated) {
   const test::Kr270Design design = ManyConfigurations();
   Measurements data = test::DesignMeasurements(design);
   Experiment experiment;
-  experiment.covariance = covariance;
-  if (!stated) experiment.weights = "equal";
+  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+  if (!stated) experiment.weights = Weights::kEqual;
   int below_tenth = 0;
   double share = 0.0;
   for (int t = 0; t < kTrials; ++t) {
@@ -54,7 +54,7 @@ void ExpectNominal(const std::string& covariance, bool stated) {
     Estimate estimate;
     const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, experiment), &estimate, 0);
     ASSERT_EQ(report.covariance, covariance);
-    const PartComparison& split = SplitBy(report, "A1");
+    const PartComparison& split = SplitOf(report, "A1");
     EXPECT_EQ(split.compared, 33);
     share += split.share() / kTrials;
     below_tenth += split.p_value < 0.1;
@@ -94,7 +94,7 @@ TEST(Agreement, SeesWhatTheModelLacksAndByHowMuch) {
   const AgreementReport report = AgreementOf(misfit.problem, &estimate);
   EXPECT_TRUE(report.disagrees);
   EXPECT_GT(report.inflation, 1.2);
-  EXPECT_LT(SplitBy(report, "A3").p_value, 1e-6);
+  EXPECT_LT(SplitOf(report, "A3").p_value, 1e-6);
   const BetweenParts between = CheckAgreement(misfit.problem, {1, 0}, &estimate);
   ASSERT_EQ(between.variance.size(), estimate.covariance.rows());
   const int at = estimate.parameters.FindCoordinate("geometry/dq3");
@@ -114,7 +114,7 @@ TEST(Agreement, SeesWhatTheModelLacksAndByHowMuch) {
   };
   test::Agreement refits;
   test::Compare(half(true), half(false), "", &refits);
-  const PartComparison& split = SplitBy(report, "A3");
+  const PartComparison& split = SplitOf(report, "A3");
   ASSERT_EQ(split.compared, refits.compared);
   EXPECT_NEAR(split.inflation / refits.Inflation(), 1.0, 0.02);
   EXPECT_LE(std::abs(split.inside - refits.inside), 1);

@@ -1,5 +1,5 @@
 // What a diagnosis says first: five lines at most, causes by group with their share of the gap.
-#include "estimator/results/diagnosis_words.h"
+#include "estimator/report/diagnosis_words.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

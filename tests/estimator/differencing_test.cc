@@ -40,7 +40,7 @@ TEST(Differencing, ExactPointsGiveTheExactCompliances) {
   test::Measure(test::ExactPoints(truth, data), 0.0, 1, &data);
   const test::LoadedSetup setup = test::SetupFor(truth);
   const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
-  const MethodResult result = RunMethod(problem, "differencing", EstimateJointly(problem));
+  const MethodResult result = RunMethod(problem, Method::kDifferencing, EstimateJointly(problem));
   ASSERT_EQ(result.estimate.status, Status::kConverged) << result.estimate.message;
   const std::vector<int> compliances = Compliances(result.estimate);
   ASSERT_EQ(compliances.size(), 6u);

@@ -73,7 +73,7 @@ TEST(IntervalFormulas, PercentileTOfDrawnConfigurations) {
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
   Estimate drawn = estimate;
   BootstrapOptions options;
-  options.kind = "configurations";
+  options.kind = BootstrapKind::kConfigurations;
   options.replicates = 199;
   options.num_threads = 2;
   BootstrapIntervals(problem, options, &drawn);
@@ -131,7 +131,7 @@ TEST(IntervalFormulas, ProfileAtAnEstimatedNoise) {
   ProfileOptions options;
   options.num_threads = 2;
   ProfileIntervals(problem, options, &profiled);
-  ASSERT_EQ(profiled.intervals.method, "profile");
+  ASSERT_EQ(profiled.intervals.method, CovarianceKind::kProfile);
   for (const int i : estimate.estimated) {
     const ParameterEstimate& ellipse = estimate.table[i];
     const ParameterEstimate& row = profiled.table[i];

@@ -92,7 +92,7 @@ TEST(LoadedEstimate, TwoStepReachesTheJointOptimum) {
   Simulated data(test::Everything(), test::WithPulls(), setup);
   const Estimate joint = data.Solve(3);
   ASSERT_EQ(joint.status, Status::kConverged) << joint.message;
-  const MethodResult two_step = RunMethod(data.problem, "two-step", joint);
+  const MethodResult two_step = RunMethod(data.problem, Method::kTwoStep, joint);
   EXPECT_EQ(two_step.estimate.estimated, joint.estimated);
   EXPECT_LT(two_step.max_deviation_sigma, 1e-6);
   EXPECT_NEAR(two_step.rate_measured, two_step.rate_predicted, 2e-3);

@@ -75,7 +75,7 @@ TEST(NoiseFormulas, SpreadOfResidualsCountsWhatTheFitLeaves) {
   }
   EXPECT_NEAR(left.sum(), 162 - 39, 1e-6);
   std::vector<NoiseGroup> report;
-  SpreadOfResiduals(problem, estimate, GroupRows(problem.data, "axis"), &report);
+  SpreadOfResiduals(problem, estimate, GroupRows(problem.data, ResidualGroup::kAxis), &report);
   ASSERT_EQ(report.size(), 3u);
   for (int a = 0; a < 3; ++a) EXPECT_NEAR(report[a].sigma, std::sqrt(squares[a] / left[a]), 1e-9) << a;
 }
@@ -87,7 +87,7 @@ TEST(NoiseFormulas, PriceOfTheLossIsInTheCovariance) {
     test::MeasureKr270(test::Kr270Truth(), 1e-4, 6, &data);
     test::Spoil(0.06, 3, &data);
     Experiment experiment;
-    experiment.loss = loss;
+    experiment.loss = *FindChoice<LossKind>(loss);
     const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
     const Estimate& estimate = result.estimate;
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;

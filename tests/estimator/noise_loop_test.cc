@@ -51,7 +51,7 @@ TEST(NoiseLoop, IntervalsHoldWithVarianceComponentsUnknown) {
     Measurements data = test::RepeatRows(design);
     Experiment unknown, independent;
     unknown.noise.from = NoiseSpec::From::kVarianceComponents;
-    independent.weights = "equal";
+    independent.weights = Weights::kEqual;
     Coverage ours, naive;
     for (int t = 0; t < 24; ++t) {
       test::MeasureRepeated(truth, design, 5000 + t, &data);
@@ -96,7 +96,7 @@ TEST(NoiseLoop, GrossErrorsAreFoundAndDoNotMatter) {
     design.sigma = 3e-5;
     Measurements data = test::DesignMeasurements(design);
     Experiment robust;
-    robust.loss = loss;
+    robust.loss = *FindChoice<LossKind>(loss);
     test::FlagTally flags;
     double squares = 0.0, clean_squares = 0.0;
     for (int t = 0; t < 8; ++t) {
@@ -131,7 +131,7 @@ TEST(NoiseLoop, MisfitIsNotThrownOut) {
   }
   ASSERT_GE(moved, 9);
   Experiment robust;
-  robust.loss = "cauchy";
+  robust.loss = LossKind::kCauchy;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, robust));
   ASSERT_TRUE(IsUsable(result.estimate.status));
   const NoiseReport& report = result.estimate.noise_report;
@@ -159,7 +159,7 @@ TEST(NoiseLoop, SpreadOfResidualsFindsTheGroups) {
   }
   Experiment experiment;
   experiment.noise.from = NoiseSpec::From::kResiduals;
-  experiment.noise.group = "axis";
+  experiment.noise.group = ResidualGroup::kAxis;
   experiment.noise.sigma0 = 1e-6;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
   ASSERT_EQ(result.estimate.status, Status::kConverged);
@@ -182,7 +182,7 @@ TEST(NoiseLoop, Eq14CovarianceIsEquationEleven) {
     for (int a = 0; a < 3; ++a) observation.point_in_station[a] += observation.sigma[a] * normal();
   }
   Experiment experiment;
-  experiment.weights = "eq14";
+  experiment.weights = Weights::kEq14;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
   ASSERT_EQ(result.estimate.status, Status::kConverged);
   ASSERT_FALSE(result.estimate.sigma.scaled);
@@ -210,7 +210,7 @@ TEST(NoiseLoop, HoldOutIsPredictedByTheNoiseAndNotByTheWeights) {
   const Measurements data = SixtyConfigurations(41);
   Experiment experiment;
   experiment.noise.from = NoiseSpec::From::kResiduals;
-  experiment.noise.group = "axis";
+  experiment.noise.group = ResidualGroup::kAxis;
   experiment.noise.sigma0 = 6e-5;  // twice the noise: whitened by three times
   experiment.validation.kind = ValidationSpec::Kind::kFraction;
   experiment.validation.fraction = 0.5;

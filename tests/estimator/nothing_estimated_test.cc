@@ -43,7 +43,7 @@ TEST(NothingEstimated, IsSaidWhateverTheNoiseIsFoundBy) {
   ExpectWords(Experiment(), "as stated");
   for (const std::string weights : {"equal", "eq14"}) {
     Experiment experiment;
-    experiment.weights = weights;
+    experiment.weights = *FindChoice<Weights>(weights);
     ExpectWords(experiment, weights);
   }
   for (const NoiseSpec::From from : {NoiseSpec::From::kResiduals, NoiseSpec::From::kVarianceComponents}) {
@@ -53,13 +53,13 @@ TEST(NothingEstimated, IsSaidWhateverTheNoiseIsFoundBy) {
   }
   for (const std::string covariance : {"sandwich", "bootstrap", "profile"}) {
     Experiment experiment;
-    experiment.covariance = covariance;
+    experiment.covariance = *FindChoice<CovarianceKind>(covariance);
     experiment.bootstrap.replicates = 19;
     ExpectWords(experiment, covariance);
   }
   for (const std::string loss : {"huber", "cauchy"}) {
     Experiment experiment;
-    experiment.loss = loss;
+    experiment.loss = *FindChoice<LossKind>(loss);
     ExpectWords(experiment, loss);
   }
 }

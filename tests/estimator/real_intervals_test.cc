@@ -25,7 +25,7 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOfAnotherRegion) {
   experiment.validation.column = "group";
   experiment.validation.values = {"random"};
   for (const char* covariance : {"model", "sandwich"}) {
-    experiment.covariance = covariance;
+    experiment.covariance = *FindChoice<CovarianceKind>(covariance);
     const Estimate estimate = EstimateJointly(test::RealProblem("ur5_gts3800", {"measurements.csv"}, experiment));
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
     ASSERT_EQ(estimate.validation.observations, 20);
@@ -66,7 +66,7 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOverTenFolds) {
 // Series D in short; the full figures are those of sagitta_agreement_study.
 TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
   Experiment experiment;
-  experiment.covariance = "sandwich";
+  experiment.covariance = CovarianceKind::kSandwich;
   const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
   const Agreement agreement = test::CompareRandomHalves(problem, 12, 1);
   ASSERT_EQ(agreement.failed, 0);
@@ -79,7 +79,7 @@ TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
 // Random halves share every model error and agree; regions do not, and the factor is reported.
 TEST_F(RealIntervalsTest, WhatModelErrorAddsIsReported) {
   Experiment experiment;
-  experiment.covariance = "sandwich";
+  experiment.covariance = CovarianceKind::kSandwich;
   const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
   Estimate estimate = EstimateJointly(problem);
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
@@ -87,7 +87,7 @@ TEST_F(RealIntervalsTest, WhatModelErrorAddsIsReported) {
   const AgreementReport& report = estimate.agreement;
   ASSERT_EQ(report.kinds.size(), 2u);
   EXPECT_NEAR(report.kinds[0].share(), 0.95, 4 * 0.022);  // as above
-  EXPECT_EQ(report.kinds[1].by, "region");
+  EXPECT_EQ(report.kinds[1].by, SplitBy::kRegion);
   EXPECT_LT(report.kinds[1].share(), 0.9);
   EXPECT_TRUE(report.disagrees);
   EXPECT_GT(report.inflation, 1.2);

@@ -172,7 +172,7 @@ TEST(RecomputedResults, HalvesAreComparedByHotelling) {
   Measurements data = test::DesignMeasurements(design);
   test::MeasureKr270(truth, design.sigma, 7, &data);
   Experiment experiment;
-  experiment.covariance = "sandwich";
+  experiment.covariance = CovarianceKind::kSandwich;
   experiment.estimate.geometry.kind = Selection::Kind::kNone;
   experiment.estimate.markers = false;
   std::map<std::string, double> errors;

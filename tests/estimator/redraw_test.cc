@@ -58,8 +58,8 @@ struct Repeated {
   ResolvedEstimate By(const std::string& covariance) const {
     Experiment experiment;
     experiment.noise.from = NoiseSpec::From::kVarianceComponents;
-    experiment.covariance = covariance;
-    experiment.bootstrap = {"parametric", 399, 3};
+    experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+    experiment.bootstrap = {BootstrapKind::kParametric, 399, 3};
     ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
     AddIntervals(result.problem, {}, &result.estimate);
     return result;

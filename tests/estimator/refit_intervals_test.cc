@@ -74,7 +74,7 @@ TEST(Bootstrap, ParametricAgreesWithTheModelWhereTheModelHolds) {
   BootstrapOptions options;
   options.num_threads = 2;
   BootstrapIntervals(problem, options, &drawn);
-  EXPECT_EQ(drawn.intervals.kind, "parametric");  // 18 configurations are too few to be drawn from
+  EXPECT_EQ(drawn.intervals.kind, BootstrapKind::kParametric);  // 18 configurations are too few to be drawn from
   EXPECT_EQ(drawn.intervals.replicates, 999);
   for (const int i : model.estimated) {
     const ParameterEstimate& a = model.table[i];
@@ -122,7 +122,7 @@ TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
   options.num_threads = 2;
   options.replicates = 399;
   BootstrapIntervals(problem, options, &drawn);
-  EXPECT_EQ(drawn.intervals.kind, "configurations");
+  EXPECT_EQ(drawn.intervals.kind, BootstrapKind::kConfigurations);
   EXPECT_EQ(drawn.intervals.clusters, 120);
   // A geometric error that moves all markers alike: its variance is that of the
   // shared error, 3 times what rows taken as independent say.
@@ -130,11 +130,38 @@ TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
   EXPECT_GT(drawn.table[i].sigma, 1.4 * model.table[i].sigma);
 }
 
+// More rows than are kept (row_sums.h): refits hold condensed ones, and the scores of the configurations come from the
+// rows themselves. Independent errors: the bootstrap's intervals are the model's but for its few draws. Of 39 the
+// extreme two of each parameter are the ends; beyond (0.7, 3.2) standard deviations lies one in 10^6 and fewer.
+TEST(Bootstrap, OfConfigurationsTakesMoreRowsThanAreKept) {
+  test::Kr270Design design;
+  design.configurations = 7000;
+  design.stations = 1;
+  const CalibrationProblem problem = test::Kr270Problem(design, test::Kr270Truth(), 6);
+  const Estimate model = EstimateJointly(problem);
+  ASSERT_TRUE(IsUsable(model.status));
+  ASSERT_FALSE(AreHeld(3.0 * problem.data.observations.size(), model.estimated.size()));
+  Estimate drawn = model;
+  BootstrapOptions options;
+  options.replicates = 39;
+  BootstrapIntervals(problem, options, &drawn);
+  ASSERT_EQ(drawn.intervals.kind, BootstrapKind::kConfigurations);
+  ASSERT_EQ(drawn.intervals.method, CovarianceKind::kBootstrap);
+  for (const int i : model.estimated) {
+    const double low = model.table[i].value - drawn.table[i].ci95.low;
+    const double high = drawn.table[i].ci95.high - model.table[i].value;
+    for (const double end : {low, high}) {
+      EXPECT_GT(end, 0.7 * model.table[i].sigma) << model.table[i].name;
+      EXPECT_LT(end, 4.5 * model.table[i].sigma) << model.table[i].name;
+    }
+  }
+}
+
 TEST(Bootstrap, TooFewConfigurationsToDrawFromAreRefused) {
   const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 5);
   Estimate estimate = EstimateJointly(problem);
   BootstrapOptions options;
-  options.kind = "configurations";
+  options.kind = BootstrapKind::kConfigurations;
   EXPECT_THROW(BootstrapIntervals(problem, options, &estimate), InputError);
 }
 
@@ -143,7 +170,7 @@ TEST(Profile, AgreesWithTheEllipseWhereThereIsNothingToBend) {
   const Estimate model = EstimateJointly(problem);
   Estimate profile = model;
   ProfileIntervals(problem, {}, &profile);
-  EXPECT_EQ(profile.intervals.method, "profile");
+  EXPECT_EQ(profile.intervals.method, CovarianceKind::kProfile);
   EXPECT_EQ(profile.intervals.failed, 0);
   for (const int i : model.estimated) {
     // Curvature of the arm over one standard deviation (0.1 mrad): 1e-4; the root is found to 1e-3.

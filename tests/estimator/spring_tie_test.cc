@@ -113,7 +113,7 @@ TEST(SpringTie, TheEndsCovarianceIsThatOfTheirMarkers) {
 TEST(SpringTie, WithoutItTheGaugeIsHeld) {
   const test::LoadedTruth truth = TruthWithSpringMarkers();
   test::LoadedSetup setup = SetupWithTie(truth, 1e-5, 1e-5);
-  setup.experiment.markers["L1"].spring = "none";
+  setup.experiment.markers["L1"].spring = SpringEnd::kNone;
   const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, ExactData(truth), setup.experiment);
   EXPECT_FALSE(problem.parameters.spring_tie());
   const Estimate estimate = EstimateJointly(problem);
@@ -187,7 +187,7 @@ TEST(SpringTie, TwoStepsReachTheJointOptimum) {
   test::Measure(test::ExactPoints(truth, data), 3e-5, 3, &data);
   const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
   const Estimate joint = EstimateJointly(problem);
-  const MethodResult two_step = RunMethod(problem, "two-step", joint);
+  const MethodResult two_step = RunMethod(problem, Method::kTwoStep, joint);
   ASSERT_TRUE(IsUsable(two_step.estimate.status)) << two_step.estimate.message;
   EXPECT_LT(two_step.max_deviation_sigma, 1e-4);
 }
@@ -204,25 +204,25 @@ TEST(SpringTie, EndsWhereTheyCannotBeAreRefused) {
   const std::vector<BadTie> cases = {
       {"swapped",
        [](test::LoadedSetup* s) {
-         s->experiment.markers["L1"].spring = "anchor";
-         s->experiment.markers["L2"].spring = "lever";
+         s->experiment.markers["L1"].spring = SpringEnd::kAnchor;
+         s->experiment.markers["L2"].spring = SpringEnd::kLever;
        },
        "the lever end turns with"},
       {"two levers",
        [](test::LoadedSetup* s) {
-         s->experiment.markers["L1"].spring = "lever";
-         s->experiment.markers["L2"].spring = "lever";
+         s->experiment.markers["L1"].spring = SpringEnd::kLever;
+         s->experiment.markers["L2"].spring = SpringEnd::kLever;
        },
        "one lever only"},
       {"anchor before another joint",
        [](test::LoadedSetup* s) {
          s->experiment.markers["L2"].on = "base";
-         s->experiment.markers["L2"].spring = "anchor";
+         s->experiment.markers["L2"].spring = SpringEnd::kAnchor;
        },
        "a joint moves between"},
       {"no spring",
        [](test::LoadedSetup* s) {
-         s->experiment.markers["L2"].spring = "anchor";
+         s->experiment.markers["L2"].spring = SpringEnd::kAnchor;
          s->robot.gravity_compensator.reset();
          s->experiment.estimate.gravity_compensator = {};
        },

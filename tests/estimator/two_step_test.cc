@@ -184,8 +184,8 @@ TEST(CompareMethods, RunsEveryNameAndKeepsTheJointHolds) {
   const CalibrationProblem problem = MakeCalibrationProblem(robot, data, Experiment());
   const Estimate joint = EstimateJointly(problem);
   ASSERT_EQ(joint.status, Status::kConvergedWithHeldParameters) << joint.message;
-  for (const std::string& name : MethodNames()) {
-    const MethodResult result = RunMethod(problem, name, joint);
+  for (const std::string& name : WordsOf<Method>()) {
+    const MethodResult result = RunMethod(problem, MethodNamed(name), joint);
     EXPECT_EQ(result.name, name);
     if (name == "differencing") {  // nothing is loaded
       EXPECT_NE(result.estimate.message.find("no difference"), std::string::npos) << result.estimate.message;
@@ -213,8 +213,8 @@ TEST(CompareMethods, SayWhichPriorsTheyDoNotKnow) {
     const int coordinate = problem.parameters.FindCoordinate(prior);
     problem.parameters.coordinate(coordinate).prior_sigma = 1e-4;
     std::vector<std::string> refused;
-    for (const std::string& name : MethodNames()) {
-      if (!MethodObstacle(problem, name).empty()) refused.push_back(name);
+    for (const std::string& name : WordsOf<Method>()) {
+      if (!MethodObstacle(problem, MethodNamed(name)).empty()) refused.push_back(name);
     }
     return refused;
   };
@@ -237,7 +237,7 @@ TEST(TwoStep, CompliancesStayAtTheirBound) {
     test::Measure(exact, design.sigma, seed, &data);
     const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
     const Estimate joint = EstimateJointly(problem);
-    const MethodResult two_step = RunMethod(problem, "two-step", joint);
+    const MethodResult two_step = RunMethod(problem, Method::kTwoStep, joint);
     ASSERT_TRUE(IsUsable(two_step.estimate.status)) << two_step.estimate.message;
     const int k6 = joint.parameters.FindCoordinate("compliance/A6");
     EXPECT_GE(two_step.estimate.table[k6].value, 0.0);
@@ -261,7 +261,7 @@ TEST(TwoStep, AFreeSpringOnARigidJointEndsAtTheOptimumOrSaysWhyNot) {
     const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
     const Estimate joint = EstimateJointly(problem);
     ASSERT_TRUE(IsUsable(joint.status)) << joint.message;
-    const MethodResult two_step = RunMethod(problem, "two-step", joint);
+    const MethodResult two_step = RunMethod(problem, Method::kTwoStep, joint);
     if (IsUsable(two_step.estimate.status)) {
       EXPECT_LT(two_step.max_deviation_sigma, 1e-4) << seed;
     } else {

@@ -37,7 +37,7 @@ Measurements Unequal(std::uint64_t seed) {
 
 Experiment With(const std::string& weights) {
   Experiment experiment;
-  experiment.weights = weights;
+  experiment.weights = *FindChoice<Weights>(weights);
   return experiment;
 }
 
@@ -90,7 +90,7 @@ TEST(Weighting, EqualWeightsCountAnInstrumentsCovariance) {
   for (Observation& observation : data.observations) observation.sigma.setZero();
   test::MeasureByTracker(test::Kr270Truth(), tracker, 5, &data);
   Experiment experiment = test::TrackerExperiment(tracker);
-  experiment.weights = "equal";
+  experiment.weights = Weights::kEqual;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
   ASSERT_EQ(result.estimate.status, Status::kConverged) << result.estimate.message;
   ASSERT_FALSE(result.estimate.sigma.scaled);
@@ -144,7 +144,7 @@ TEST(Weighting, ClaimsAreWhatDrawsShow) {
 TEST(Weighting, EqualWeightsTakeTheSpreadOfResiduals) {
   Experiment experiment = With("equal");
   experiment.noise.from = NoiseSpec::From::kResiduals;
-  experiment.noise.group = "axis";
+  experiment.noise.group = ResidualGroup::kAxis;
   const Measurements data = Unequal(11);
   const ResolvedEstimate spread = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
   const ResolvedEstimate known = EstimateWithNoise(test::Kr270ProblemOf(data, With("equal")));
@@ -173,7 +173,7 @@ TEST(Weighting, EfficiencyIsAgainstTheBoundOfTheNoise) {
   const Measurements data = Unequal(3);
   const ResolvedEstimate equal = EstimateWithNoise(test::Kr270ProblemOf(data, With("equal")));
   const Estimate sigma = EstimateWithNoise(test::Kr270ProblemOf(data, Experiment())).estimate;
-  const CoverageStudy study(equal.problem, equal.estimate, "joint", 1);
+  const CoverageStudy study(equal.problem, equal.estimate, Method::kJoint, 1);
   const std::vector<CoverageRow> rows = study.Summarise({});
   ASSERT_EQ(rows.size(), static_cast<size_t>(sigma.covariance.rows()));
   for (size_t c = 0; c < rows.size(); ++c) {

@@ -88,9 +88,9 @@ TEST_F(ExperimentFileTest, ReadsTheMethod) {
   EXPECT_EQ(experiment.noise.from, NoiseSpec::From::kSigma);
   EXPECT_EQ(*experiment.noise.sigma, 5e-5);
   EXPECT_EQ(*experiment.repeatability.angle.common, 8e-6);
-  EXPECT_EQ(experiment.weights, "equal");
-  EXPECT_EQ(experiment.covariance, "sandwich");
-  EXPECT_EQ(experiment.loss, "huber");
+  EXPECT_EQ(experiment.weights, Weights::kEqual);
+  EXPECT_EQ(experiment.covariance, CovarianceKind::kSandwich);
+  EXPECT_EQ(experiment.loss, LossKind::kHuber);
   EXPECT_FALSE(experiment.estimate.markers);
   EXPECT_EQ(experiment.estimate.geometry.names, (std::vector<std::string>{"p_x1", "dq2"}));
   EXPECT_EQ(experiment.estimate.compliance.kind, Selection::Kind::kAll);
@@ -110,11 +110,11 @@ TEST_F(ExperimentFileTest, ReadsEveryKindOfNoise) {
   EXPECT_EQ(*noise("{from: rows, sigma_mm: 0.1}").sigma, 1e-4);
   EXPECT_EQ(noise("{from: repeats}").from, NoiseSpec::From::kRepeats);
   EXPECT_EQ(noise("{from: variance-components}").from, NoiseSpec::From::kVarianceComponents);
-  const NoiseSpec residuals = noise("{from: residuals, lambda: 2, sigma0_mm: 0.02, group: config, iterations: 3}");
+  const NoiseSpec residuals = noise("{from: residuals, lambda: 2, sigma0_mm: 0.02, group: marker-axis, iterations: 3}");
   EXPECT_EQ(residuals.from, NoiseSpec::From::kResiduals);
   EXPECT_EQ(residuals.lambda, 2);
   EXPECT_EQ(residuals.sigma0, 2e-5);
-  EXPECT_EQ(residuals.group, "config");
+  EXPECT_EQ(residuals.group, ResidualGroup::kMarkerAxis);
   EXPECT_EQ(residuals.iterations, 3);
   const NoiseSpec tracker = noise("{instrument: {range_um: 10, range_um_per_m: 0.5, angle_um: 15, angle_um_per_m: 6}}");
   EXPECT_EQ(tracker.from, NoiseSpec::From::kInstrument);
@@ -245,6 +245,10 @@ INSTANTIATE_TEST_SUITE_P(
                       "repeatability_urad: 8",
                       "repeatability_urad: -8",
                       {"11: repeatability_urad", "below 0"}},
+        BadExperiment{"residual_group",
+                      "{sigma_mm: 0.05}",
+                      "{from: residuals, group: config-axes}",
+                      {"10: noise.group", "'config-axis'"}},
         BadExperiment{"weights", "weights: equal", "weights: eqaul", {"12: weights", "'equal'"}},
         BadExperiment{"covariance", "sandwich", "sandwhich", {"13: covariance", "'sandwich'"}},
         BadExperiment{"loss", "huber", "tukey", {"14: loss", "'tukey'", "none, huber, cauchy"}},

@@ -112,29 +112,26 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
 
   experiment.noise = NoiseSpec();
   experiment.noise.from = From::kResiduals;
-  experiment.noise.group = "config-axes";
-  EXPECT_NE(Refusal(once, experiment).find("config-axis"), std::string::npos);
-  experiment.noise.group = "config-axis";
   experiment.repeatability.angle.common = 1e-5;
   EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
 
   experiment = Experiment();
-  experiment.weights = "eq14";
-  experiment.loss = "huber";
+  experiment.weights = Weights::kEq14;
+  experiment.loss = LossKind::kHuber;
   EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
-  experiment.weights = "equal";
+  experiment.weights = Weights::kEqual;
   EXPECT_EQ(Refusal(once, experiment), "");  // alike in every row: the weights of the noise
   once.observations[0].sigma *= 2.0;
   EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
-  experiment.loss = "none";
-  experiment.covariance = "profile";
+  experiment.loss = LossKind::kNone;
+  experiment.covariance = CovarianceKind::kProfile;
   EXPECT_NE(Refusal(once, experiment).find("profile"), std::string::npos);
-  experiment.covariance = "model";
+  experiment.covariance = CovarianceKind::kModel;
   EXPECT_EQ(Refusal(once, experiment), "");
   experiment.repeatability.angle.common = 1e-5;
   EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
   experiment.repeatability = RepeatabilitySpec();
-  experiment.weights = "eq14";
+  experiment.weights = Weights::kEq14;
   for (Observation& observation : once.observations) observation.sigma.setZero();
   EXPECT_NE(Refusal(once, experiment).find("nothing states"), std::string::npos);
   experiment = Experiment();

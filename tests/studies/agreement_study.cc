@@ -25,7 +25,7 @@ const std::vector<std::string> kSeries = {"B", "C", "D"};
 
 CalibrationProblem Ur10(const std::string& covariance) {
   Experiment experiment;
-  experiment.covariance = covariance;
+  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
   return test::RealProblem("ur10_leica", {"series_B.csv", "series_C.csv", "series_D.csv"}, experiment);
 }
 
@@ -39,7 +39,7 @@ Agreement BetweenSeries(const std::string& covariance) {
   std::vector<CalibrationProblem> problems;
   std::vector<Estimate> estimates;
   Experiment experiment;
-  experiment.covariance = covariance;
+  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
   for (const std::string& series : kSeries) {
     problems.push_back(test::RealProblem("ur10_leica", {"series_" + series + ".csv"}, experiment));
     estimates.push_back(EstimateJointly(problems.back()));
@@ -93,7 +93,7 @@ Agreement BetweenRegions(const CalibrationProblem& problem, const std::string& c
 
 void PredictedRms(const std::string& covariance) {
   Experiment experiment;
-  experiment.covariance = covariance;
+  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
   experiment.validation.kind = ValidationSpec::Kind::kColumn;
   experiment.validation.column = "group";
   experiment.validation.values = {"random"};

@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
     }
     if ((run + 1) % 200 == 0) std::fprintf(stderr, "%d of %d\n", run + 1, runs);
     if (run >= paired) continue;
-    const MethodResult two_step = RunMethod(problem, "two-step", joint);
+    const MethodResult two_step = RunMethod(problem, Method::kTwoStep, joint);
     if (!IsUsable(two_step.estimate.status)) {
       ++two_step_failed;
       continue;

@@ -56,7 +56,7 @@ struct RepeatFigures {
 std::vector<std::pair<const char*, Experiment>> RepeatMethods(double joint) {
   Experiment stated, estimated, known, unknown;
   stated.noise = {NoiseSpec::From::kSigma, 1e-4, true};
-  estimated.weights = "equal";
+  estimated.weights = Weights::kEqual;
   known.repeatability.angle.common = joint;
   unknown.noise.from = NoiseSpec::From::kVarianceComponents;
   return {{"independent, sigma 0.1 mm", stated},
@@ -192,7 +192,7 @@ void StudyOutliers(const std::string& loss, const Range& range) {
   design.sigma = 3e-5;
   Measurements data = test::DesignMeasurements(design);
   Experiment robust;
-  robust.loss = loss;
+  robust.loss = *FindChoice<LossKind>(loss);
   IntervalTally clean, spoilt, plain;
   test::FlagTally flags;
   for (int t = 0; t < range.trials; ++t) {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <map>
 
-#include "estimator/results/diagnosis_words.h"
+#include "estimator/report/diagnosis_words.h"
 #include "estimator/statistics/median.h"
 #include "tools/report/calibration_report.h"
 #include "tools/report/charts.h"

@@ -123,15 +123,15 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
 }
 
 std::string KindName(const PartComparison& kind) {
-  if (kind.by == "random") return "random halves";
-  if (kind.by == "region") return "halves of the workspace";
-  return kind.by == "station" ? "series (stations)" : "halves of the time";
+  if (kind.by == SplitBy::kRandom) return "random halves";
+  if (kind.by == SplitBy::kRegion) return "halves of the workspace";
+  return kind.by == SplitBy::kStation ? "series (stations)" : "halves of the time";
 }
 
 // How the intervals came about, and whether parts of the data agree within them.
 Section IntervalSection(const Estimate& estimate) {
   Section section;
-  section.title = "Intervals: " + estimate.intervals.method;
+  section.title = "Intervals: " + WordOf(estimate.intervals.method);
   const AgreementReport& agreement = estimate.agreement;
   if (!agreement.kinds.empty()) {
     section.header = {"parts compared", "differences", "within 95 %", "inflation"};

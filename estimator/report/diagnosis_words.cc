@@ -1,4 +1,4 @@
-#include "estimator/results/diagnosis_words.h"
+#include "estimator/report/diagnosis_words.h"
 
 #include <algorithm>
 #include <cmath>

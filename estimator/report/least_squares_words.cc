@@ -1,4 +1,4 @@
-#include "estimator/least_squares/identifiability_words.h"
+#include "estimator/report/least_squares_words.h"
 
 #include <cmath>
 

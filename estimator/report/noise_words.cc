@@ -1,10 +1,11 @@
-#include "estimator/noise/noise_words.h"
+#include "estimator/report/noise_words.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
+
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -12,24 +13,16 @@ namespace {
 constexpr double kDominates = 2.0;  // one source over the other
 constexpr size_t kListed = 20;      // outliers named one by one
 
-std::string Number(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 // Two digits of the uncertainty: "41 +- 3".
 std::string WithUncertainty(double value, double sigma) {
-  if (!(sigma > 0.0)) return Number("%.3g", value);
+  if (!(sigma > 0.0)) return Significant(value, 3);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma) + 1e-9)), 0, 9);
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f ± %.*f", decimals, value, decimals, sigma);
-  return text;
+  return Fixed(value, decimals) + " ± " + Fixed(sigma, decimals);
 }
 
 std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sigma) {
   const Experiment& experiment = problem.experiment;
-  if (experiment.weights == "eq14") return "eq14";
+  if (experiment.weights == Weights::kEq14) return "eq14";
   switch (experiment.noise.from) {
     case NoiseSpec::From::kRepeats:
       return "repeats";
@@ -46,8 +39,8 @@ std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sig
 
 std::string RepeatWords(const RepeatScatter& scatter) {
   const Vector3<double> um = 1e6 * scatter.sigma;
-  return "The noise is the spread of repeated shots: x " + Number("%.3g", um.x()) + ", y " + Number("%.3g", um.y()) +
-         ", z " + Number("%.3g", um.z()) + " µm (" + std::to_string(scatter.dof) +
+  return "The noise is the spread of repeated shots: x " + Significant(um.x(), 3) + ", y " + Significant(um.y(), 3) +
+         ", z " + Significant(um.z(), 3) + " µm (" + std::to_string(scatter.dof) +
          " degrees of freedom per axis). What repeats share, as the robot's own error, is not in it.";
 }
 
@@ -57,10 +50,10 @@ std::string ComponentWords(const VarianceComponent& component, bool instrument_i
   const char* of_instrument = instrument_is_factor ? " times the stated noise" : " µm";
   const std::string name = is_instrument ? of_instrument : (component.is_prismatic ? " µm" : " µrad");
   const double value = unit * component.value, low = unit * component.low, high = unit * component.high;
-  if (!component.estimated) return component.name + " " + Number("%.3g", value) + name + " as stated";
-  const std::string range = " (95 %: " + Number("%.3g", low) + " to " + Number("%.3g", high) + ")";
+  if (!component.estimated) return component.name + " " + Significant(value, 3) + name + " as stated";
+  const std::string range = " (95 %: " + Significant(low, 3) + " to " + Significant(high, 3) + ")";
   if (component.low == 0.0 && component.value < 0.5 * component.high) {
-    return component.name + " " + Number("%.3g", value) + name + ", not told from none, below " + Number("%.3g", high) +
+    return component.name + " " + Significant(value, 3) + name + ", not told from none, below " + Significant(high, 3) +
            name + " (95 %)";
   }
   return component.name + " " + WithUncertainty(value, unit * component.sigma) + name + range;
@@ -77,22 +70,22 @@ std::string WhoIsTheNoise(const NoiseReport& report) {
               WithUncertainty(1e6 * component.value, 1e6 * component.sigma) +
               (component.is_prismatic ? " µm" : " µrad");
   }
-  const std::string moves = " moves a coordinate by " + Number("%.3g", robot) + " µm RMS, the instrument reads it to " +
-                            Number("%.3g", instrument) + " µm";
+  const std::string moves = " moves a coordinate by " + Significant(robot, 3) + " µm RMS, the instrument reads it to " +
+                            Significant(instrument, 3) + " µm";
   if (robot > kDominates * instrument) {
     return "The robot, not the instrument, is the noise: " + joints + (report.per_joint ? "" : " per joint") +
            " at every arrival" + moves + ".";
   }
   if (joints.empty() || instrument > kDominates * robot) {
-    return "The instrument, not the robot, is the noise: it reads a coordinate to " + Number("%.3g", instrument) +
-           " µm, the joints' repeatability moves it by " + Number("%.3g", robot) + " µm RMS.";
+    return "The instrument, not the robot, is the noise: it reads a coordinate to " + Significant(instrument, 3) +
+           " µm, the joints' repeatability moves it by " + Significant(robot, 3) + " µm RMS.";
   }
   return "Robot and instrument are noise alike: " + joints + (report.per_joint ? "" : " per joint") + moves + ".";
 }
 
 std::string ChoiceWords(const NoiseReport& report) {
-  const std::string figures = " (one per joint gains " + Number("%.3g", report.gain_per_joint) +
-                              " in deviance, and has to gain " + Number("%.3g", report.penalty) + ")";
+  const std::string figures = " (one per joint gains " + Significant(report.gain_per_joint, 3) +
+                              " in deviance, and has to gain " + Significant(report.penalty, 3) + ")";
   return report.per_joint ? "The data tell the joints' repeatabilities apart" + figures + "."
                           : "The data carry one repeatability for all joints of a kind" + figures + ".";
 }
@@ -123,11 +116,12 @@ void DescribeComponents(const CalibrationProblem& problem, NoiseReport* report) 
 
 void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
-  if (report.loss == "none") return;
+  if (report.loss == LossKind::kNone) return;
   const Measurements& data = problem.data;
-  report.words.push_back("Loss: " + report.loss + " on the whitened distance of each marker point, turning at " +
-                         Number("%.3g", report.loss_tuning) + " standard deviations; it widens the intervals by " +
-                         Number("%.1f", 100.0 * (std::sqrt(report.loss_inflation) - 1.0)) + " %.");
+  report.words.push_back("Loss: " + WordOf(report.loss) +
+                         " on the whitened distance of each marker point, turning at " +
+                         Significant(report.loss_tuning, 3) + " standard deviations; it widens the intervals by " +
+                         Fixed(100.0 * (std::sqrt(report.loss_inflation) - 1.0), 1) + " %.");
   if (report.outliers.empty()) {
     report.words.push_back("No outliers.");
     return;
@@ -137,7 +131,7 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
     const Outlier& outlier = report.outliers[i];
     const Observation& row = data.observations[outlier.observation];
     list += (list.empty() ? "" : "; ") + data.SourceOf(row) + " (" + data.markers[row.marker] + ", " +
-            Number("%.3g", 1e3 * outlier.size) + " mm";
+            Significant(1e3 * outlier.size, 3) + " mm";
     if (outlier.swapped_with >= 0) {
       const Observation& other = data.observations[outlier.swapped_with];
       list += ", exchanged with " + data.markers[other.marker] + " of line " +
@@ -165,14 +159,14 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
 void DescribeWeights(const CalibrationProblem& problem, NoiseReport* report) {
   if (problem.weight_roots.empty()) return;
   const NoiseSpec& noise = problem.experiment.noise;
-  if (problem.experiment.weights == "equal") {
+  if (problem.experiment.weights == Weights::kEqual) {
     report->words.push_back(
         "Weights: equal (ordinary least squares). The intervals count the noise of each row as it is "
         "(sandwich, eq. (8) of paper 003); weights: sigma would make them shorter.");
     return;
   }
-  report->words.push_back("Weights: eq. (14) of paper 003, lambda " + Number("%.3g", noise.lambda) + ", sigma0 " +
-                          Number("%.3g", 1e6 * noise.sigma0) +
+  report->words.push_back("Weights: eq. (14) of paper 003, lambda " + Significant(noise.lambda, 3) + ", sigma0 " +
+                          Significant(1e6 * noise.sigma0, 3) +
                           " µm. The intervals count the noise of each row as it is (sandwich, eq. (11)).");
 }
 
@@ -186,9 +180,9 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
   }
   const NoiseSpec& noise = problem.experiment.noise;
   report.words.push_back("The noise is the spread of the residuals in " + std::to_string(report.groups.size()) +
-                         " groups (" + noise.group + "): " + Number("%.3g", 1e6 * low) + " to " +
-                         Number("%.3g", 1e6 * high) + " µm.");
-  if (noise.group == "residual") {
+                         " groups (" + WordOf(noise.group) + "): " + Significant(1e6 * low, 3) + " to " +
+                         Significant(1e6 * high, 3) + " µm.");
+  if (noise.group == ResidualGroup::kResidual) {
     estimate->warnings.push_back(
         "weights from each row's own residual make intervals that are too short (of 95 % intervals of the "
         "published scheme three in ten hold the truth); use group: config-axis or state the noise");
@@ -196,6 +190,24 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
 }
 
 }  // namespace
+
+std::string OutliersAreOf(int hits, int outliers, const std::string& category, double share) {
+  return std::to_string(hits) + " of " + std::to_string(outliers) + " are of " + category + ", which has " +
+         WholePercent(share) + " of the rows";
+}
+
+std::string OutliersLieAt(const std::string& what, double from, double to, const std::string& unit) {
+  return "they lie at " + what + " from " + Significant(from, 4) + " to " + Significant(to, 4) + " " + unit +
+         " more often than the rows do";
+}
+
+std::string AreNoMinority(double share) { return WholePercent(share) + " of the rows are no minority"; }
+
+std::string RobotScatterInWords(double tau) {
+  return "Beside the stated sigmas every coordinate scatters by " + InMillimetres(tau) +
+         " (maximum likelihood), and rows are weighed by both; noise: {from: rows} weighs by the stated sigmas "
+         "alone.";
+}
 
 void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;

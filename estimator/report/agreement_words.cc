@@ -1,31 +1,24 @@
-#include "estimator/agreement/agreement_words.h"
+#include "estimator/report/agreement_words.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kWorst = 3;  // splits that are named
 
-std::string Number(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-std::string Percent(double share) { return Number("%.0f", 100.0 * share) + " %"; }
-
 std::string KindInWords(const PartComparison& kind) {
-  if (kind.by == "random") return "random halves of the configurations";
-  if (kind.by == "region") return "halves of the workspace (by each joint and by x, y, z of the base)";
-  if (kind.by == "station") return "series (stations)";
+  if (kind.by == SplitBy::kRandom) return "random halves of the configurations";
+  if (kind.by == SplitBy::kRegion) return "halves of the workspace (by each joint and by x, y, z of the base)";
+  if (kind.by == SplitBy::kStation) return "series (stations)";
   return "the first and the last half of the time";
 }
 
 std::string SplitInWords(const PartComparison& split) {
-  if (split.by == "station") return split.key;
-  if (split.by == "time") return "time";
+  if (split.by == SplitBy::kStation) return split.key;
+  if (split.by == SplitBy::kTime) return "time";
   return "by " + split.key;
 }
 
@@ -35,7 +28,7 @@ std::string Worst(const AgreementReport& report) {
                    [](const auto& a, const auto& b) { return a.inflation > b.inflation; });
   std::string text;
   for (size_t i = 0; i < std::min(kWorst, splits.size()); ++i) {
-    text += (text.empty() ? "" : ", ") + SplitInWords(splits[i]) + " " + Number("%.2g", splits[i].inflation);
+    text += (text.empty() ? "" : ", ") + SplitInWords(splits[i]) + " " + Significant(splits[i].inflation, 2);
   }
   return text;
 }
@@ -44,10 +37,10 @@ void DescribeRepeats(const CalibrationProblem& problem, AgreementReport* report)
   const RepeatFit& repeats = report->repeats;
   if (!repeats.known || repeats.p_value >= problem.experiment.significance) return;
   std::string words =
-      "Repeated shots of one arrival agree with each other " + Number("%.2g", std::sqrt(repeats.ratio)) +
-      " times better than the model agrees with them (lack of fit, p = " + Number("%.2g", repeats.p_value) +
+      "Repeated shots of one arrival agree with each other " + Significant(std::sqrt(repeats.ratio), 2) +
+      " times better than the model agrees with them (lack of fit, p = " + Significant(repeats.p_value, 2) +
       "): they share an error, of the robot or of the model, and are not independent.";
-  if (report->covariance != "sandwich" && problem.latent.empty()) {
+  if (report->covariance != CovarianceKind::kSandwich && problem.latent.empty()) {
     words +=
         " Intervals that count them as independent are too short; state repeatability_urad: estimate, or "
         "covariance: sandwich.";
@@ -60,10 +53,11 @@ void DescribeSandwich(AgreementReport* report) {
   std::string words =
       "The intervals take the rows for independent and alike. Judged by whole configurations "
       "(covariance: sandwich) they would be " +
-      Number("%.2g", report->sandwich_ratio) + " times as wide (median)";
+      Significant(report->sandwich_ratio, 2) + " times as wide (median)";
   if (report->random_share_model > 0.0) {
     words += "; of the differences between random halves their joint 95 % intervals hold " +
-             Percent(report->random_share_model) + ", with the sandwich " + Percent(report->random_share_sandwich);
+             WholePercent(report->random_share_model) + ", with the sandwich " +
+             WholePercent(report->random_share_sandwich);
   }
   report->words.push_back(words + ". covariance: sandwich is recommended.");
 }
@@ -80,7 +74,7 @@ void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* repor
   }
   std::string shares;
   for (const PartComparison& kind : report->kinds) {
-    shares += (shares.empty() ? "" : "; ") + KindInWords(kind) + " " + Percent(kind.share()) + " of " +
+    shares += (shares.empty() ? "" : "; ") + KindInWords(kind) + " " + WholePercent(kind.share()) + " of " +
               std::to_string(kind.compared);
   }
   report->words.push_back(
@@ -93,7 +87,7 @@ void DescribeAgreement(const CalibrationProblem& problem, AgreementReport* repor
   report->words.push_back(
       "Parts of the data contradict each other: the model's error differs between them. By noise alone, 95 % of the "
       "differences would need intervals " +
-      Number("%.2g", report->inflation) + " times as wide (largest: " + Worst(*report) +
+      Significant(report->inflation, 2) + " times as wide (largest: " + Worst(*report) +
       "). What the differences have beyond noise is the variance of the model's error between parts; the 95 % "
       "intervals, the standard deviations and those of predictions carry it. 'sagitta diagnose' may find what the "
       "model lacks.");

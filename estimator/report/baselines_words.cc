@@ -1,0 +1,62 @@
+#include "estimator/report/baselines_words.h"
+
+namespace sagitta {
+
+const char* StepOutcomeInWords(StepOutcome outcome) {
+  switch (outcome) {
+    case StepOutcome::kTaken:
+      return "a step was taken";
+    case StepOutcome::kSingular:
+      return "a step's linear system is singular";
+    case StepOutcome::kNoDescent:
+      return "no step lowers the cost, however short: the start is too far off";
+    case StepOutcome::kEquilibriumDiverged:
+      return "the equilibrium of a loaded shot diverges";
+  }
+  return "";
+}
+
+std::string NotRunBecause(const std::string& why) { return "not run: " + why; }
+
+std::string NoDifferences() {
+  return "no marker is measured loaded and unloaded at one visit, so there is no difference";
+}
+
+std::string NothingElastic() { return "no compliance and no compensator is estimated"; }
+
+std::string MarkersOnSeveralLinks() { return "the markers ride on different links, they are no rigid body"; }
+
+std::string SomeMarkersHeld() {
+  return "some marker coordinates are fixed or held and others free; full-pose wants all or none";
+}
+
+std::string NoFullPose() { return "no shot sees three markers that are not on one line; there is no full pose"; }
+
+std::string FewFullPoses(size_t poses, int unknowns) {
+  return std::to_string(poses) + " full poses are fewer equations than " + std::to_string(unknowns) + " unknowns";
+}
+
+std::string MarkerOffFlange(const std::string& marker) {
+  return "marker '" + marker + "' is not on the flange, and paper 000 eq. (8) knows no other";
+}
+
+std::string HeldInFirstStep(const std::string& parameter) {
+  return parameter + " is held, but step 1 of paper 000 (eq. 15) solves for every base pose and marker; use two-step";
+}
+
+std::string PoseEquationsSingular() {
+  return "the pose equations are singular, or the equilibrium of a loaded shot diverges";
+}
+
+std::string DifferencesTakeRestAsExact() {
+  return "its intervals of compliances and compensator take geometry, base poses and markers of the unloaded rows as "
+         "exact";
+}
+
+std::string PreloadWentIntoGeometry() {
+  return "what bends the unloaded arm (the spring's preload, the tool) went into the geometry of its first step";
+}
+
+std::string BiasIsIgnored() { return "the intervals ignore the bias of this variant of the two-step method"; }
+
+}  // namespace sagitta

@@ -1,0 +1,31 @@
+// Why the papers' methods stop, or cannot run, and what their intervals leave out.
+#pragma once
+
+#include <string>
+
+#include "estimator/least_squares/gauss_newton.h"
+
+namespace sagitta {
+
+// "a step's linear system is singular", …
+const char* StepOutcomeInWords(StepOutcome outcome);
+
+// Why a method has not run.
+std::string NotRunBecause(const std::string& why);
+std::string NoDifferences();
+std::string NothingElastic();
+std::string MarkersOnSeveralLinks();
+std::string SomeMarkersHeld();
+std::string NoFullPose();
+std::string FewFullPoses(size_t poses, int unknowns);
+std::string MarkerOffFlange(const std::string& marker);
+std::string HeldInFirstStep(const std::string& parameter);
+
+std::string PoseEquationsSingular();
+
+// What the intervals of a method leave out.
+std::string DifferencesTakeRestAsExact();
+std::string PreloadWentIntoGeometry();
+std::string BiasIsIgnored();
+
+}  // namespace sagitta

@@ -1,0 +1,16 @@
+// What changed between two estimates, in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/changes/changes.h"
+
+namespace sagitta {
+
+std::string ChangeInWords(const Change& change);
+
+// Parameters that one file estimates and the other assumes.
+std::string ChangesOpen(const std::string& file, const std::vector<std::string>& parameters);
+
+}  // namespace sagitta

@@ -1,0 +1,62 @@
+#include "estimator/report/compensation_words.h"
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+std::string Left(double position, double rotation) {
+  return Significant(1e3 * position, 3) + " mm and " + Significant(1e3 * rotation, 3) + " mrad";
+}
+
+}  // namespace
+
+std::string OrientationLeft(int joints, double rotation) {
+  return "the position is met, the orientation as far as " + std::to_string(joints) +
+         " joints can: " + Significant(1e3 * rotation, 3) + " mrad are left";
+}
+
+std::string LimitMadeUpFor(const std::string& joints) { return joints + " at the limit, the others make up for it"; }
+
+std::string CloseToSingularity(bool is_met, double position, double rotation, double least_singular) {
+  return (is_met ? "on target" : Left(position, rotation) + " are left") +
+         ", close to a singularity (smallest singular value " + Significant(least_singular, 2) +
+         "): small errors take large joint motions there";
+}
+
+std::string WouldLeaveLimits(const std::string& joints, double position, double rotation) {
+  return joints + " would leave the limits; the nearest pose within them is " + Left(position, rotation) + " off";
+}
+
+std::string OutOfReach(bool joints_are_given, double position, double rotation) {
+  return std::string("no joint values ") + (joints_are_given ? "near those given " : "") +
+         "reach it; the nearest pose is " + Left(position, rotation) + " off";
+}
+
+std::string LoadFoldsArm() { return "the load folds the arm: no equilibrium of load and compliances was found"; }
+
+std::string IterationUnsettled(double position, double rotation) {
+  return "the iteration did not settle (a law with a step, such as backlash by torque?); " + Left(position, rotation) +
+         " are left";
+}
+
+std::string SolutionNotStated() {
+  return "the file does not say with which joint solution it is reached, and no joint values come before it: "
+         "--start_deg states where the arm is when the program starts";
+}
+
+std::string NoSolutionNearBefore() { return "no joint values near those before it reach it"; }
+
+std::string SolutionsAreSeveral(size_t found) {
+  return std::to_string(found) +
+         " joint solutions are of the configuration that the file states; joint limits in the robot file would tell "
+         "them apart";
+}
+
+std::string NoSolutionAsStated() {
+  return "no joint values of the nominal robot reach it in the configuration that the file states";
+}
+
+std::string PoseOutOfReach() { return "the nominal robot does not reach it; is its frame or tool another?"; }
+
+}  // namespace sagitta

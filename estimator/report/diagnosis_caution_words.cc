@@ -1,0 +1,100 @@
+#include "estimator/report/diagnosis_caution_words.h"
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kNamesListed = 6;
+
+std::string Configurations(int count) {
+  return count == 1 ? "1 configuration is" : std::to_string(count) + " configurations are";
+}
+
+}  // namespace
+
+std::string GravityIsUnknown(const std::string& station) {
+  return "the direction of gravity in the base frame: station " + station + " is not levelled";
+}
+
+std::string LookAtThisFirst(const Finding& finding) {
+  return "Look at this first: " + finding.words + "; " + finding.remedy + ".";
+}
+
+std::string NoNoiseIsStated(bool rows_share_visits) {
+  const std::string taken =
+      rows_share_visits
+          ? ": what the rows of one arrival share is taken as joint repeatability where that says "
+            "more than any effect, and the rest of the scatter that the model leaves as the instrument's noise"
+          : " and nothing was measured twice: the scatter that the model leaves is taken as noise";
+  return "No noise is stated" + taken +
+         ". Structure in it is found, a gap without structure is not, and 'consistent' means no more than "
+         "that. State sigma_mm, or measure some poses again.";
+}
+
+std::string MethodKeysUnused(const std::vector<std::string>& keys) {
+  return "Not used by the diagnosis, which tells the noise beside the effects itself: " +
+         Enumerate(keys, kNamesListed) + ".";
+}
+
+std::string FewAreFitted(int configurations, int coordinates, int unknowns) {
+  return "Only " + std::to_string(configurations) + " different configurations (" + std::to_string(coordinates) +
+         " coordinates) are fitted, for " + std::to_string(unknowns) +
+         " unknowns and the whole catalogue: most effects cannot be seen in them, and what is named may "
+         "stand for something else. 40 configurations and more carry the search.";
+}
+
+std::string JointsStandStill(const std::vector<std::string>& joints, bool all) {
+  return (all ? std::string("All configurations are alike: no joint moves")
+              : Enumerate(joints, kNamesListed) + (joints.size() == 1 ? " hardly moves" : " hardly move")) +
+         " (less than 5 deg or 50 mm): what depends on their position cannot be told" +
+         (all ? ", and the verdict holds for this one pose." : ".");
+}
+
+std::string PartlyStated(const std::string& column, long empty, size_t rows) {
+  return column + " (" + std::to_string(empty) + " of " + std::to_string(rows) + " rows)";
+}
+
+std::string ColumnsArePartlyStated(const std::vector<std::string>& columns) {
+  return "Columns that some rows do not state: " + Enumerate(columns, kNamesListed) +
+         ". What they drive is looked for only where every shot states it: fill the cells, or leave those "
+         "rows out.";
+}
+
+std::string ParametersAreHeld(const std::vector<std::string>& parameters) {
+  return "The believed model already has what these data cannot tell (held: " + Enumerate(parameters, kNamesListed) +
+         "): an effect that moves the markers like these cannot be told from them.";
+}
+
+std::string EffectsAreHeld(const std::vector<std::string>& effects) {
+  return "Held at the values of the robot file, and not looked for: " + Enumerate(effects, kNamesListed) +
+         ". To ask for them, free them (estimate: {effects: all}) or take them out of the file.";
+}
+
+std::string FittedAndHeldOut(int configurations) {
+  return Configurations(configurations) +
+         " fitted and held out at once (equal joint values under different names): the "
+         "hold-out figures are too good by their share. Hold out whole configurations.";
+}
+
+std::string NothingHeldOut() {
+  return "Nothing is held out: whether the gap shrinks on data that took no part is not known.";
+}
+
+std::string FewHeldOut(int configurations) {
+  return "Only " + Configurations(configurations) + " held out: the gap figures are hardly more than an example.";
+}
+
+std::string HoldoutFarAboveFloor(double rms, double floor) {
+  return "The hold-out RMS, " + InMillimetres(rms) + ", is " + Significant(rms / floor, 2) +
+         " times what noise and parameters explain: the fitted configurations do not tell what the held-out ones "
+         "need.";
+}
+
+std::string HoldoutBelowFloor(double rms, double floor) {
+  return "The noise floor, " + InMillimetres(floor) + ", is above the hold-out RMS, " + InMillimetres(rms) +
+         ": these rows scatter less than the noise that is taken, and how much of the gap is closed is an upper "
+         "limit.";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,41 @@
+// What limits a verdict whatever the search finds, in sentences with a remedy each. Lengths come in m.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/inspection/finding.h"
+
+namespace sagitta {
+
+// What an effect of weights lacks where the station is not levelled.
+std::string GravityIsUnknown(const std::string& station);
+
+// A finding about the readings that no effect answers.
+std::string LookAtThisFirst(const Finding& finding);
+
+// rows_share_visits: rows of one arrival can share an error.
+std::string NoNoiseIsStated(bool rows_share_visits);
+std::string MethodKeysUnused(const std::vector<std::string>& keys);
+
+// Configurations and coordinates that are fitted.
+std::string FewAreFitted(int configurations, int coordinates, int unknowns);
+// Joints that hardly move; all: none moves.
+std::string JointsStandStill(const std::vector<std::string>& joints, bool all);
+
+// "time_s (3 of 40 rows)".
+std::string PartlyStated(const std::string& column, long empty, size_t rows);
+std::string ColumnsArePartlyStated(const std::vector<std::string>& columns);
+std::string ParametersAreHeld(const std::vector<std::string>& parameters);
+std::string EffectsAreHeld(const std::vector<std::string>& effects);
+
+// Configurations that are fitted and held out; held out: none, or too few.
+std::string FittedAndHeldOut(int configurations);
+std::string NothingHeldOut();
+std::string FewHeldOut(int configurations);
+
+// Hold-out RMS against the noise floor, m.
+std::string HoldoutFarAboveFloor(double rms, double floor);
+std::string HoldoutBelowFloor(double rms, double floor);
+
+}  // namespace sagitta

@@ -1,0 +1,94 @@
+#include "estimator/report/inspection_reading_words.h"
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+const char* const kCheckOrder = "check the order of the columns q1, q2, … against that of the joints";
+
+}  // namespace
+
+Advice JointsFlipped(const std::vector<std::string>& joints) {
+  const std::string names = Enumerate(joints);
+  return {(joints.size() == 1 ? "joint " : "joints ") + names + " counted the other way",
+          "state sign: -1 on the joint's transform (a chain), turn the sign of the q columns, or check "
+          "the axis directions of the table: " +
+              names};
+}
+
+Advice ZeroTurned(const std::string& joint, int quarters, bool is_flipped) {
+  const std::string degrees = std::to_string(90 * quarters);
+  return {
+      "joint " + joint + " with its zero " + degrees + " deg away" + (is_flipped ? " and counted the other way" : ""),
+      "add " + degrees + " deg to the joint's theta_deg or offset_deg" + (is_flipped ? ", and turn its sign" : "")};
+}
+
+Advice TableIn(DhConvention convention) {
+  const std::string name = convention == DhConvention::kStandard ? "standard" : "modified";
+  return {"the table as " + name + " DH", "state convention: " + name};
+}
+
+Advice TableOneRowOff() {
+  return {"the table with a and alpha one row off",
+          "check whether a and alpha belong to the joint's own row or the next"};
+}
+
+Advice BetaTurned() { return {"Hayati's beta of the other sign", "check the sign of beta_deg"}; }
+
+Advice AlphaTurned(const std::string& joint) {
+  return {"alpha of joint " + joint + " of the other sign", "check the sign of alpha_deg in the row of " + joint};
+}
+
+Advice ColumnsExchanged(const std::string& one, const std::string& other) {
+  return {"the columns of joints " + one + " and " + other + " exchanged", kCheckOrder};
+}
+
+Advice ColumnsInCyclicOrder(const std::vector<std::string>& joints) {
+  return {"the columns of joints " + Enumerate(joints) + " in cyclic order", kCheckOrder};
+}
+
+Advice ColumnsReversed() { return {"the joint columns in reverse order", kCheckOrder}; }
+
+Advice ColumnsBeginWith(const std::string& first) {
+  return {"the joint columns beginning with joint " + first, kCheckOrder};
+}
+
+Advice JointCoupled(const std::string& joint, const std::string& driver, int ratio) {
+  return {"joint " + joint + " coupled to " + driver + " by " + std::to_string(ratio),
+          "state coupling: [{joint: " + joint + ", driver: " + driver + ", ratio: " + std::to_string(ratio) +
+              "}] in the robot file"};
+}
+
+Advice FrameMirrored() {
+  return {"the measurement frame as a mirrored (left-handed) one",
+          "the measured points are in a left-handed frame: turn the sign of one of x, y, z, or exchange "
+          "two of them"};
+}
+
+Advice RobotReadIn(RobotNumbers unit) {
+  switch (unit) {
+    case RobotNumbers::kMetres:
+      return {"the robot's lengths as metres", "the robot file's lengths are in m: write _m"};
+    case RobotNumbers::kMillimetres:
+      return {"the robot's lengths as millimetres", "the robot file's lengths are in mm: write _mm"};
+    case RobotNumbers::kInches:
+      return {"the robot's lengths as inches", "convert the robot file's lengths to mm"};
+    case RobotNumbers::kRadians:
+      return {"the robot's angles as radians", "the robot file's angles are in rad: write _rad"};
+  }
+  return {};
+}
+
+Advice PointsInInches() { return {"the measured points as inches", "convert x, y, z to mm"}; }
+
+Advice JointInRadians(const std::string& joint) {
+  return {"joint " + joint + " alone in radians", "convert the column of " + joint + " to degrees"};
+}
+
+Advice RowsShifted(bool is_after) {
+  return {std::string("every point taken for the configuration ") + (is_after ? "after" : "before") + " its own",
+          "joint values and points are one row apart: shift one of them"};
+}
+
+}  // namespace sagitta

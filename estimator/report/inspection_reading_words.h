@@ -1,0 +1,43 @@
+// Other ways to read the same robot file and rows (inspection/readings.h), in words that complete "it would fit with
+// …", and what to change then.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/report/inspection_words.h"
+#include "models/denavit_hartenberg.h"
+
+namespace sagitta {
+
+// Joints counted the other way; one whose zero is `quarters` of a turn away.
+Advice JointsFlipped(const std::vector<std::string>& joints);
+Advice ZeroTurned(const std::string& joint, int quarters, bool is_flipped);
+
+// The DH table in the other convention, with a and alpha of the row before, with other signs.
+Advice TableIn(DhConvention convention);
+Advice TableOneRowOff();
+Advice BetaTurned();
+Advice AlphaTurned(const std::string& joint);
+
+// The order of the joint columns; `first`: the joint that they begin with.
+Advice ColumnsExchanged(const std::string& one, const std::string& other);
+Advice ColumnsInCyclicOrder(const std::vector<std::string>& joints);
+Advice ColumnsReversed();
+Advice ColumnsBeginWith(const std::string& first);
+
+// joint value + ratio (-1 or 1) times the driver's.
+Advice JointCoupled(const std::string& joint, const std::string& driver, int ratio);
+
+Advice FrameMirrored();
+
+// The numbers of the robot file in another unit; measured points in inches; one joint in radians.
+enum class RobotNumbers { kMetres, kMillimetres, kInches, kRadians };
+Advice RobotReadIn(RobotNumbers unit);
+Advice PointsInInches();
+Advice JointInRadians(const std::string& joint);
+
+// Every point taken for the configuration after (else before) its own.
+Advice RowsShifted(bool is_after);
+
+}  // namespace sagitta

@@ -1,0 +1,61 @@
+// What an inspection says of data, loads and rows: words, and what to do about it. Numbers come in SI.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/chain.h"
+#include "models/geometry.h"
+
+namespace sagitta {
+
+struct Advice {
+  std::string words;
+  std::string remedy;
+};
+
+// A joint that stood still, or that covers `share` of its limits (0: it has none): from `least` to `most`, rad or m.
+Advice JointNeverMoved(const Joint& joint, double least, double most);
+Advice JointCoversLittle(const Joint& joint, double least, double most, double share);
+
+// `stations`: the ones concerned, "" for all. axis: about which the flange turns, in its own frame, unit.
+Advice OrientationIsConstant(const std::string& stations);
+Advice OrientationAboutOneAxis(const Vector3<double>& axis, const std::string& stations);
+
+// Counts of the calibration rows.
+Advice FewConfigurations(int configurations, int equations, int unknowns);
+Advice PosesAreRepeated(size_t configurations);
+Advice PointsAreCopied(size_t rows);
+Advice LoadedWithoutUnloaded(size_t shots);
+
+// What the data do not state or have, and what that leaves open.
+enum class Missing { kSigma, kApproach, kVisits, kTime, kTemperature, kMarkers };
+Advice MissingFromData(Missing what);
+
+// A load that moves the markers by `size` (m, median), `flexibility` (m/N) of it; or against its force.
+Advice LoadUnitIsOff(const std::string& load, double size, double flexibility, bool is_too_soft);
+Advice LoadSignIsOff(const std::string& load);
+
+// misfit: of the aligned nominal robot as stated, m RMS; `as_read`: with the other reading `name`.
+std::string MisfitOfReading(double misfit, double as_read, const std::string& name);
+Advice MisfitUnexplained(double misfit);
+// What would have to be off for the robot to be this one: `by` (m or rad) in the largest error, so named.
+std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string& largest);
+
+// `far` of `all` rows are off, half of them by more than `median` (m), the others within `near_rms` (m).
+Advice RowsAreWild(size_t far, size_t all, double median, double near_rms, const std::string& first);
+// Rows off by `least` to `most` (m), more than `factor` times the median (m) of all.
+Advice RowsAreOff(size_t rows, double least, double most, double factor, double median);
+Advice MarkersAreExchanged(size_t shots, size_t pairs, const std::string& first_pair);
+Advice RestsOnOneConfiguration(const std::string& names);
+
+// folded: the shot (FoldedShot), "" where it is not known.
+Advice ArmFolds(const std::string& folded);
+
+// Joints by how measured and modelled torques compare; of `scaled` each with its factor.
+struct TorqueGroups {
+  std::vector<std::string> agree, opposite, scaled, differ, untold;
+};
+std::string TorquesInWords(bool measured_count, const TorqueGroups& joints);
+
+}  // namespace sagitta

@@ -1,0 +1,22 @@
+// What the noise is, in words: fills source and words of the NoiseReport, and the warnings of the estimate.
+#pragma once
+
+#include <string>
+
+#include "estimator/estimate/estimate.h"
+#include "problems/calibration_problem.h"
+
+namespace sagitta {
+
+// tau: what every coordinate scatters by beside the stated sigmas, m (noise/robot_scatter.h).
+std::string RobotScatterInWords(double tau);
+
+// What outliers share: `hits` of `outliers` are of a category that has `share` of the rows; they lie between two
+// values.
+std::string OutliersAreOf(int hits, int outliers, const std::string& category, double share);
+std::string OutliersLieAt(const std::string& what, double from, double to, const std::string& unit);
+std::string AreNoMinority(double share);
+
+void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate);
+
+}  // namespace sagitta

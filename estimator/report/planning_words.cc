@@ -1,0 +1,117 @@
+#include "estimator/report/planning_words.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problems/text.h"
+
+namespace sagitta {
+
+std::string InWords(CriterionKind kind) {
+  switch (kind) {
+    case CriterionKind::kI:
+      return "mean squared position error at the test poses after compensation";
+    case CriterionKind::kD:
+      return "volume of the confidence ellipsoid of the robot's parameters";
+    case CriterionKind::kA:
+      return "sum of the variances of the robot's parameters, scaled";
+    case CriterionKind::kE:
+      return "largest variance of any direction of the robot's parameters, scaled";
+    case CriterionKind::kDiscriminate:
+      return "information about which of the stated effects it is";
+    default:
+      return std::string("observability index ") + NameOf(kind) + " (Sun and Hollerbach 2008)";
+  }
+}
+
+std::string OrderIsMixed() {
+  return "The order is mixed at random, so that what goes with time is not taken for what goes with the place.";
+}
+
+std::string OrderIsShort(double share) {
+  return "The order is a short way: nearest neighbours, stretches reversed and poses moved while that shortens it; " +
+         WholePercent(share) + " of the way in the order in which poses were found.";
+}
+
+std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_are_drawn) {
+  std::vector<std::string> words;
+  words.push_back("Checked of each pose: " + Enumerate(plan.checked) + ". Not checked: " + Enumerate(plan.not_checked) +
+                  ".");
+  if (candidates_are_drawn) {
+    words.push_back(
+        "Candidates are poses spread evenly in the joint limits, each with every way in which the rows measure one" +
+        std::string(plan.found_beside > 0 ? ", and better ones found from them by local search." : "."));
+  }
+  if (plan.moved) words.push_back("The poses chosen were moved to where they tell more.");
+  words.push_back(plan.order);
+  if (plan.knee > 0) {
+    words.push_back("From " + std::to_string(plan.knee) +
+                    " poses on, more poses only average the noise (the error falls no faster than N^-0.6).");
+  }
+  if (plan.field_amplitude > 0.0) {
+    words.push_back("The former estimate is off by " + Significant(1e3 * plan.field, 2) +
+                    " mm per coordinate more than it predicts at points it has not fitted. The plan takes that as an "
+                    "unknown smooth deviation of every joint over its angle (harmonics 1 to 4, " +
+                    Significant(1e6 * plan.field_amplitude, 2) + " urad each).");
+  } else if (plan.model_error > 1.0) {
+    words.push_back("With the model error of the estimate that was given, predicted errors are larger by " +
+                    Significant(plan.model_error, 3) + ".");
+  }
+  std::vector<std::string> vague;
+  for (const PlannedParameter& parameter : plan.parameters) {
+    if (!parameter.identifiable) vague.push_back(parameter.name);
+  }
+  if (!vague.empty()) words.push_back("The plan does not determine " + Enumerate(vague, 6) + ".");
+  return words;
+}
+
+std::string RegisteredOnTests() {
+  return "Stations and markers that only the test poses see are registered on the test poses: errors there "
+         "are what is left.";
+}
+
+std::string PlacesFitReadings() {
+  return "Base and markers are those that fit the readings best with the robot as its file states it.";
+}
+
+std::string PlacesAreStated() {
+  return "Base, markers and robot are taken as the files state them: no row has a reading.";
+}
+
+std::string PatternsLeftOut(int left_out, int offered) {
+  return "The rows show " + std::to_string(left_out) + " more ways to measure a pose than the " +
+         std::to_string(offered) + " most frequent ones that are offered.";
+}
+
+std::string BodiesAreNotStated() {
+  return "collisions of the arm's body with itself and the cell (no capsules are stated)";
+}
+
+std::string BoxesAreNotStated() { return "obstacles (no keep-out boxes are stated)"; }
+
+std::string CertificateInWords(const Plan& plan) {
+  if (!plan.criterion.HasCertificate()) {
+    return std::string("The criterion ") + NameOf(plan.criterion.kind) +
+           " is not convex or has no slope: how near the plan is to the best one is not known. Use I, D, A, O1 or O5 "
+           "for a certificate.";
+  }
+  const double efficiency = plan.efficiency;
+  std::string words = "Within " + Significant(100.0 * (1.0 / std::max(efficiency, 1e-9) - 1.0), 2) +
+                      " % of the best possible plan of as many of these candidates" +
+                      (plan.found_beside > 0 ? " and of poses found from them" : "") + " (" +
+                      InWords(plan.criterion.kind) + "; equivalence theorem).";
+  if (plan.best_rms > 0.0) {
+    words += " No such plan predicts less than " + InMillimetres(plan.best_rms) +
+             " at the test poses; this one predicts " + InMillimetres(std::sqrt(plan.cost)) +
+             (plan.field_amplitude > 0.0 ? ", model error included." : ".");
+  }
+  return words;
+}
+
+std::string SeparationInWords() {
+  return "what the readings tell of which effect it is, at most ln 2, and the probability that the "
+         "right one is expected to have after them, from 0.5; each effect of the size that the robot "
+         "file states, else of one that moves its joint by 0.1 mm or 0.1 mrad";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,19 @@
+// What is said of an estimate that is read back.
+#pragma once
+
+#include <string>
+
+namespace sagitta {
+
+struct KnownRobot;
+
+// Of predictions where the estimate carries model error; "" where it has none.
+std::string ModelErrorInWords(const KnownRobot& known);
+
+// A measurement file that is validated against although the estimate was made of it.
+std::string InputOfTheEstimate(const std::string& file);
+
+// Of a program's points; largest distance off target before, largest 95 % uncertainty, m.
+std::string PointsAreCorrected(const std::string& dialect, int corrected, size_t points, double before, double u95);
+
+}  // namespace sagitta

@@ -1,0 +1,122 @@
+#include "estimator/report/validation_words.h"
+
+#include <cmath>
+#include <iterator>
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+std::string AxisName(int axis) { return std::string(1, "xyz"[axis]); }
+
+std::string NotMeasured(size_t directions) {
+  static const char* kNumbers[] = {"no", "one", "two", "three", "four", "five", "six"};
+  if (directions == 0) return "";
+  const std::string number = directions < std::size(kNumbers) ? kNumbers[directions] : std::to_string(directions);
+  return "; " + number + (directions == 1 ? " direction was" : " directions were") + " not measured";
+}
+
+// How good the robot is on poses that it has not seen.
+std::string AccuracyInWords(const Trust& trust, double significance, double better) {
+  const UnseenPoints& quoted = trust.Quoted();
+  if (quoted.points == 0) return "No points were set aside to say how good this robot is on poses it has not seen.";
+  const double gain = quoted.distance_rms > 0.0 ? trust.nominal.distance_rms / quoted.distance_rms : 0.0;
+  std::string words = "On poses it has not seen this robot is now within " + InMillimetres(quoted.distance_rms) +
+                      " (RMS; 95 % of points within " + InMillimetres(quoted.distance_p95) + ", worst " +
+                      InMillimetres(quoted.distance_max) + " at config " + quoted.worst.front().configuration + ")";
+  if (gain > 1.0 + better) words += ", " + Significant(gain, 2) + " times better than nominal";
+  if (std::abs(gain - 1.0) <= better)
+    words += "; the robot file was as good already (" + InMillimetres(trust.nominal.distance_rms) + ")";
+  if (quoted.predicted_rms > 0.0) {
+    const bool agrees = quoted.p_value >= significance;
+    words += agrees ? "; the prediction agrees"
+                    : "; the prediction was " + Significant(quoted.Excess(), 2) + " times smaller";
+  }
+  return words + ".";
+}
+
+}  // namespace
+
+std::string ModelErrorInWords(double median, double largest, const std::string& name, bool parts_disagree,
+                              ExcessOf excess) {
+  std::string reason;
+  if (excess == ExcessOf::kHoldout) reason = "errors on the points held out are larger than predicted";
+  if (excess == ExcessOf::kCrossValidation) reason = "errors in the cross-validation are larger than predicted";
+  if (parts_disagree) reason = "parts of the data contradict each other" + (reason.empty() ? "" : ", and " + reason);
+  std::string words = "the intervals are " + Significant(median, 2) + " times as wide as noise alone would make them";
+  if (largest > 1.05 * median) words += " (median; at most " + Significant(largest, 2) + " times, " + name + ")";
+  return words + ": " + reason + "; 'sagitta diagnose' may find why";
+}
+
+std::string NothingChecksIt() { return "nothing checks it: too few configurations to set any aside"; }
+
+std::string HoldoutIsOff(double excess, double p_value) {
+  return "the errors on the points held out are " + Significant(excess, 2) +
+         " times what the estimate predicted for them (p = " + Significant(p_value, 2) + ")";
+}
+
+std::string WorseThanNominal(double nominal_rms) {
+  return "on points that it has not seen it is worse than the robot file was already (" + InMillimetres(nominal_rms) +
+         ")";
+}
+
+std::string NoRedundancy() { return "there are as many unknowns as readings: the data cannot check themselves"; }
+
+std::string BelowAnyInstrument(double rms) {
+  return "residuals of " + Significant(1e6 * rms, 2) +
+         " um are below any instrument's noise: were the points measured, or commanded or simulated?";
+}
+
+std::string RowsAreSuspect(size_t rows, const std::string& first) {
+  return std::to_string(rows) + (rows == 1 ? " row is" : " rows are") + " suspect (" + first + (rows > 1 ? ", …" : "") +
+         ")";
+}
+
+std::string RobotStillMisses(double distance_rms) {
+  return "the calibrated robot still misses by " + InMillimetres(distance_rms) +
+         " (RMS): robot file and measurements do not belong together";
+}
+
+std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured) {
+  return AccuracyInWords(trust, significance, better) +
+         (trust.verdict.trusted ? " Trust it inside the measured joint ranges" + NotMeasured(not_measured) + "."
+                                : " Do not trust it yet: " + Enumerate(trust.verdict.reasons) + ".");
+}
+
+std::string FitsTurned(int axis) { return "fits with " + AxisName(axis) + " of the other sign"; }
+
+std::string FitsExchanged(int axis, int other) {
+  return "fits with " + AxisName(axis) + " and " + AxisName(other) + " exchanged";
+}
+
+std::string FitsShifted(int axis, bool to_the_right) {
+  return "fits with the decimal point of " + AxisName(axis) + " one digit " +
+         (to_the_right ? "to the right" : "to the left");
+}
+
+std::string FitsInMetres() { return "fits when its numbers are read in m"; }
+
+std::string FitsInThousandths() { return "fits when its numbers are read in a unit 1000 times smaller"; }
+
+std::string FitsInInches() { return "fits when its numbers are read in inches"; }
+
+std::string OutlierIsOff(double size) { return "off by " + InMillimetres(size); }
+
+std::string FitsAsMarker(const std::string& marker, const std::string& row) {
+  return "fits as marker " + marker + " of the same shot: marker names exchanged (" + row + ")";
+}
+
+std::string FitsConfiguration(const std::string& configuration, const std::string& row) {
+  return "fits the joint values of configuration " + configuration + " (" + row + ")";
+}
+
+std::string FitsStation(const std::string& station) { return "fits as read from station " + station; }
+
+std::string RowIsOff(double distance, double times) {
+  return OutlierIsOff(distance) + ", " + Significant(times, 2) + " times the median";
+}
+
+std::string MeasureAgain() { return "measure it again or take it out"; }
+
+}  // namespace sagitta

@@ -1,0 +1,45 @@
+// The verdict on an estimate in words: how far it may be believed, and what speaks against it. Numbers come in SI.
+#pragma once
+
+#include <string>
+
+#include "estimator/validation/trust.h"
+
+namespace sagitta {
+
+// Which points that were not fitted are off by more than was predicted for them.
+enum class ExcessOf { kNone, kHoldout, kCrossValidation };
+
+// Intervals wider by model error: `median` and `largest` factor, the latter of the parameter `name`.
+std::string ModelErrorInWords(double median, double largest, const std::string& name, bool parts_disagree,
+                              ExcessOf excess);
+
+// Reasons not to trust.
+std::string NothingChecksIt();
+std::string HoldoutIsOff(double excess, double p_value);
+std::string WorseThanNominal(double nominal_rms);
+std::string NoRedundancy();
+std::string BelowAnyInstrument(double rms);
+std::string RowsAreSuspect(size_t rows, const std::string& first);
+std::string RobotStillMisses(double distance_rms);
+
+// better: share by which errors have to differ to be called better; not_measured: directions that the data left open.
+std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured);
+
+// How a suspect row would fit; axes: 0 to 2.
+std::string FitsTurned(int axis);
+std::string FitsExchanged(int axis, int other);
+std::string FitsShifted(int axis, bool to_the_right);
+std::string FitsInMetres();
+std::string FitsInThousandths();
+std::string FitsInInches();
+// size: by which an outlier is off, m; of an exchange the other marker and its row.
+std::string OutlierIsOff(double size);
+std::string FitsAsMarker(const std::string& marker, const std::string& row);
+std::string FitsConfiguration(const std::string& configuration, const std::string& row);
+std::string FitsStation(const std::string& station);
+// times: the median of all distances.
+std::string RowIsOff(double distance, double times);
+std::string MeasureAgain();
+
+}  // namespace sagitta

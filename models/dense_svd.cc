@@ -1,0 +1,2 @@
+#define SAGITTA_SVD_TEMPLATE template
+#include "models/dense_algebra.h"
