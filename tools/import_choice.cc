@@ -95,8 +95,10 @@ std::string InDegrees(double radians) { return fmt::format("{:.3g} deg", radians
 
 // The plan with its rotation read in one way.
 ImportPlan WithRotation(ImportPlan plan, const RotationReading& reading) {
+  size_t part = 0;
   for (PlannedColumn column : plan.rotation_columns) {
     if (column.unit.empty()) column.unit = reading.unit;
+    if (reading.scalar_is_last) column.stem = std::string("o") + "xyzw"[part++];
     plan.columns.push_back(column);
   }
   plan.rotation_columns.clear();

@@ -114,13 +114,13 @@ TEST_F(ImportOfPoses, RowsWithoutHeader) {
   EXPECT_EQ(ImportText(angles.table.ToText(), {"--strict"}).status, 2);
   last.Append({}, Quaternion);
   last.table.Named({}).Insert(0, "", Counted(1)).With("\t").DecimalComma();
-  ExpectRotations(last, "a quaternion, scalar last");
+  ExpectRotations(last, "a quaternion, scalar last; the nominal robot misses");
   first.Append({}, [](const KDL::Rotation& r) {
     const std::vector<double> q = Quaternion(r);
     return std::vector<double>{q[3], q[0], q[1], q[2]};
   });
   first.table.Named({}).With(";");
-  ExpectRotations(first, "a quaternion, the only reading");
+  ExpectRotations(first, "a quaternion; the nominal robot misses");
   ahead.Append({}, [](const KDL::Rotation& r) {
     return std::vector<double>{r.GetRot()[0], r.GetRot()[1], r.GetRot()[2]};
   });
