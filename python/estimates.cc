@@ -12,6 +12,7 @@
 #include "python/inputs.h"
 #include "python/interruptible.h"
 #include "tools/report/calibration_report.h"
+#include "tools/report/validation_report.h"
 
 namespace sagitta::python {
 
@@ -44,9 +45,12 @@ struct PredictedRows {
 };
 
 struct ValidatedRows {
+  KnownRobot known;
   Measurements rows;
   Validation validation;
   Provenance provenance;
+
+  std::string ReportHtml() const { return ValidationToHtml(known, rows, validation, provenance); }
 };
 
 struct CompensatedRows {
@@ -148,12 +152,14 @@ void BindPrediction(py::module_& module) {
                                const auto& v = py::cast<const ValidatedRows&>(self);
                                return PointsOf(v.rows, v.validation.predicted, self);
                              })
+      .def("report_html", &ValidatedRows::ReportHtml)
       .def("csv", [](const ValidatedRows& v) { return ValidationToCsv(v.rows, v.validation); })
       .def("json", [](const ValidatedRows& v) { return DumpJson(ValidationToJson(v.validation, v.provenance)); });
 }
 
 ValidatedRows ValidateRows(const KnownRobot& known, const py::list& sources) {
   ValidatedRows result;
+  result.known = known;
   result.provenance = {"sagitta.validate", "validation", {}};
   result.rows = RowsFrom(known.robot, sources, true, &result.provenance.inputs);
   const py::gil_scoped_release others_may_run;
@@ -211,7 +217,8 @@ void BindCompensation(py::module_& module) {
 
 CompensatedProgram CompensateProgramOf(const KnownRobot& known, const std::string& program, const std::string& tools,
                                        const std::string& frames, const std::vector<double>& start_deg,
-                                       const std::string& load, int threads) {
+                                       const std::string& load, const std::string& loads,
+                                       const std::vector<double>& turn_joints, int threads) {
   const Chain& chain = known.robot.chain;
   if (!start_deg.empty() && static_cast<int>(start_deg.size()) != chain.num_joints()) {
     throw InputError({"", 0, "start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
@@ -226,6 +233,8 @@ CompensatedProgram CompensateProgramOf(const KnownRobot& known, const std::strin
     scene.start[static_cast<Eigen::Index>(j)] = start_deg[j] * (turns ? kDegree : 1e-3);
   }
   scene.load = load;
+  scene.loads = LoadsFromText(loads, "loads_kg_mm");
+  scene.turn_joints = TurnJointsFrom(turn_joints, chain.num_joints(), "turn_joints");
   return ResultOf<CompensatedProgram>(py::none(), [&](const Say&) {
     return CompensateProgram(known, ReadRobotProgram(program, chain.num_joints()), scene, threads);
   });

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <optional>
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/inspection/inspect.h"
@@ -14,7 +15,9 @@
 #include "problems/io/output_files.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
+#include "tools/report/diagnosis_report.h"
 #include "tools/report/inspection_report.h"
+#include "tools/report/plan_report.h"
 
 namespace sagitta::python {
 
@@ -26,11 +29,17 @@ struct DiagnosedExperiment {
   Diagnosis diagnosis;
   double significance = 0.01;
   Provenance provenance;
+
+  std::string ReportHtml() const { return DiagnosisToHtml(diagnosis, ExtendedCalibration(diagnosis), provenance); }
 };
 
 struct PlannedExperiment {
   Plan plan;
-  Chain chain;
+  Robot robot;
+  std::optional<Cell> cell;
+  Provenance provenance;
+
+  std::string ReportHtml() const { return PlanReportToHtml(robot, cell ? &*cell : nullptr, plan, provenance); }
 };
 
 struct InspectedExperiment {
@@ -68,7 +77,7 @@ std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int
 }
 
 std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, const py::dict& wishes,
-                                              const py::object& progress) {
+                                              const std::string& command, const py::object& progress) {
   PlanRequest request;
   request.poses = py::cast<int>(wishes["poses"]);
   request.accuracy = py::cast<double>(wishes["accuracy_mm"]) / 1e3;
@@ -99,7 +108,8 @@ std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, co
     request.progress = say;
     return MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
   });
-  return std::make_shared<PlannedExperiment>(PlannedExperiment{std::move(plan), inputs.robot.chain});
+  return std::make_shared<PlannedExperiment>(
+      PlannedExperiment{std::move(plan), inputs.robot, std::move(cell), {command, "plan", inputs.files}});
 }
 
 }  // namespace
@@ -107,6 +117,7 @@ std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, co
 void BindResults(py::module_& module) {
   py::class_<DiagnosedExperiment, std::shared_ptr<DiagnosedExperiment>>(module, "Diagnosis")
       .def("json", [](const DiagnosedExperiment& d) { return DumpJson(DiagnosisToJson(d.diagnosis, d.significance)); })
+      .def("report_html", &DiagnosedExperiment::ReportHtml)
       .def("robot_yaml", [](const DiagnosedExperiment& d) { return RobotToYaml(RobotOf(d.diagnosis.final)); })
       .def("learnt_robot_yaml",
            [](const DiagnosedExperiment& d) -> std::optional<std::string> {
@@ -125,7 +136,8 @@ void BindResults(py::module_& module) {
   py::class_<PlannedExperiment, std::shared_ptr<PlannedExperiment>>(module, "Plan")
       .def_property_readonly("rows", [](const PlannedExperiment& p) { return Rows{p.plan.rows}; })
       .def("json", [](const PlannedExperiment& p) { return DumpJson(PlanToJson(p.plan)); })
-      .def("csv", [](const PlannedExperiment& p) { return PlanToCsv(p.chain, p.plan); });
+      .def("report_html", &PlannedExperiment::ReportHtml)
+      .def("csv", [](const PlannedExperiment& p) { return PlanToCsv(p.robot.chain, p.plan); });
   py::class_<InspectedExperiment, std::shared_ptr<InspectedExperiment>>(module, "Inspection")
       .def("json", &InspectedExperiment::Json)
       .def("report_html", &InspectedExperiment::ReportHtml)

@@ -4,12 +4,16 @@
 usage: report_pages_test.py PROGRAM   (skips where Chromium is not installed)
 """
 import html.parser
+import json
+import os
 import pathlib
+import random
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -20,6 +24,8 @@ COMMANDS = {
     'plan': ['plan', EXPERIMENT, '--poses=6', '--pool=60'],
     'inspect': ['inspect', EXPERIMENT],
 }
+ROWS = 10008       # of the page whose loading is timed
+MOST_SECONDS = 2.0  # of one core, from the address to the last picture
 PROGRAM = ''
 CHROMIUM = shutil.which('chromium')
 
@@ -55,6 +61,91 @@ def open_page(path):
     return run.stdout, re.findall(r'.*CONSOLE.*', run.stderr)
 
 
+class Browser:
+    """Chromium by its own protocol over a pipe: numbers that a dump of the page does not have."""
+
+    def __init__(self, profile):
+        to_browser, self.write_end = os.pipe()
+        self.read_end, from_browser = os.pipe()
+
+        def connect():  # the protocol's descriptors are 3 and 4
+            ours = [os.dup(to_browser), os.dup(from_browser)]
+            for source, target in zip(ours, (3, 4)):
+                os.dup2(source, target)
+                os.set_inheritable(target, True)
+
+        self.process = subprocess.Popen(
+            [CHROMIUM, '--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+             '--user-data-dir=' + profile, '--host-resolver-rules=MAP * ~NOTFOUND', '--remote-debugging-pipe',
+             'about:blank'], preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_browser)
+        os.close(from_browser)
+        self.unread, self.calls, self.session = b'', 0, None
+        target = self.call('Target.createTarget', url='about:blank')['targetId']
+        self.session = self.call('Target.attachToTarget', targetId=target, flatten=True)['sessionId']
+
+    def call(self, method, on_browser=False, **parameters):
+        self.calls += 1
+        message = {'id': self.calls, 'method': method, 'params': parameters}
+        if self.session and not on_browser:
+            message['sessionId'] = self.session
+        os.write(self.write_end, json.dumps(message).encode() + b'\0')
+        while True:
+            while b'\0' not in self.unread:
+                self.unread += os.read(self.read_end, 1 << 16)
+            text, self.unread = self.unread.split(b'\0', 1)
+            answer = json.loads(text)
+            if answer.get('id') == self.calls:
+                return answer.get('result', {})
+
+    def value(self, expression):
+        return self.call('Runtime.evaluate', expression=expression, returnByValue=True)['result'].get('value')
+
+    def seconds_of_pages(self):
+        processes = self.call('SystemInfo.getProcessInfo', on_browser=True)['processInfo']
+        return sum(one['cpuTime'] for one in processes if one['type'] == 'renderer')
+
+    def load(self, path):
+        """Seconds of the processor that the page takes, and of the clock, until its last picture is drawn."""
+        before = self.seconds_of_pages()
+        self.call('Page.navigate', url=path.as_uri())
+        for _ in range(3000):
+            drawn = self.value("location.protocol === 'file:' && performance.getEntriesByName('drawn').length > 0")
+            if drawn:
+                break
+            time.sleep(0.1)
+        clock = self.value("performance.getEntriesByName('drawn')[0].startTime") / 1e3
+        return self.seconds_of_pages() - before, clock
+
+    def close(self):
+        self.call('Browser.close', on_browser=True)
+        self.process.wait(timeout=60)
+        os.close(self.write_end)
+        os.close(self.read_end)
+
+
+def ten_thousand_rows(folder):
+    """The page of a calibration of ROWS simulated rows."""
+    random.seed(5)
+    ranges = [(-150, 150), (-140, -10), (-100, 140), (-170, 170), (-110, 110), (-170, 170)]
+    lines = ['config,marker,station,' + ','.join('q%d_deg' % (j + 1) for j in range(6))]
+    for pose in range(ROWS // 6):
+        values = ','.join('%.3f' % random.uniform(*ends) for ends in ranges)
+        lines += ['C%d,%s,%s,%s' % (pose, marker, station, values)
+                  for station in ('S1', 'S2') for marker in ('P1', 'P2', 'P3')]
+    (folder / 'poses.csv').write_text('\n'.join(lines) + '\n')
+    robot = str(ROOT / 'problems/published/kr270/robot.yaml')
+
+    def run(*words):
+        subprocess.run([PROGRAM, *words, '--quiet'], check=True, capture_output=True)
+
+    run('calibrate', EXPERIMENT, '--out=%s' % (folder / 'truth'))
+    run('simulate', robot, str(folder / 'poses.csv'), '--truth=%s' % (folder / 'truth/estimate.json'),
+        '--sigma_mm=0.05', '--out=%s' % (folder / 'rows.csv'))
+    run('calibrate', robot, str(folder / 'rows.csv'), '--sigma_mm=0.05', '--out=%s' % (folder / 'many'))
+    return folder / 'many/report.html'
+
+
 class ReportPages(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -76,6 +167,27 @@ class ReportPages(unittest.TestCase):
             self.assertTrue(all(rows > 1 for rows in figures.rows), (name, figures.rows))
             self.assertEqual(figures.addresses, [], name)
             self.assertLess(path.stat().st_size, 4 << 20, name)
+
+    def test_without_scripts_every_table_stands_open(self):
+        for name, path in self.pages.items():
+            text = re.sub(r'<script.*?</script>', '', path.read_text(), flags=re.S)
+            self.assertEqual(text.count('<details open><summary>Table'), text.count('<figure class="picture">'), name)
+
+    def test_ten_thousand_rows_load_quickly(self):
+        page = ten_thousand_rows(pathlib.Path(self.folder.name))
+        self.assertLess(page.stat().st_size, 4 << 20)
+        if CHROMIUM is None:
+            self.skipTest('chromium is not installed (tools/install-dependencies --tests)')
+        if 'id="templates"' not in page.read_text():
+            self.skipTest('built without libjs-vega and libjs-three')
+        with tempfile.TemporaryDirectory() as profile:
+            browser = Browser(profile)
+            loads = [browser.load(page) for _ in range(3)]
+            browser.close()
+        print('%.1f MB, %d rows: %s' % (page.stat().st_size / 1e6, ROWS, ', '.join(
+            '%.2f s of the processor, %.2f s by the clock' % load for load in loads)))
+        # Not by the clock: other work on the machine is no matter of the page.
+        self.assertLess(min(processor for processor, _ in loads), MOST_SECONDS)
 
     def test_every_picture_is_drawn_and_nothing_is_complained_of(self):
         if CHROMIUM is None:

@@ -21,7 +21,9 @@ DEFINE_string(program_out, "", "FILE: where the corrected program goes");
 DEFINE_string(tools_mm_deg, "", "NAME=x,y,z,roll,pitch,yaw;…: tools of the program in the flange, or NAME=same");
 DEFINE_string(frames_mm_deg, "", "NAME=x,y,z,roll,pitch,yaw;…: frames of the program in the world, or NAME=same");
 DEFINE_string(start_deg, "", "q1,q2,…: where the arm is when the program starts (prismatic joints in mm)");
-DEFINE_string(load, "none", "load of the estimate that the arm carries in the program");
+DEFINE_string(load, "", "load of the estimate that the arm carries at every point, or none [what the program states]");
+DEFINE_string(loads_kg_mm, "", "NAME=mass,x,y,z;…: loads that the program names, centre of mass in the flange");
+DEFINE_string(turn_joints, "", "j1,j2,j3: the joints whose turns FANUC positions count ($SCR_GRP[1].$TURN_AXIS)");
 
 namespace sagitta {
 namespace {
@@ -81,6 +83,11 @@ int RunProgram(const CommandLine& line) {
   scene.frames = FramesFromText(FLAGS_frames_mm_deg, "--frames_mm_deg");
   scene.start = StartJoints(known.robot.chain);
   scene.load = FLAGS_load;
+  scene.loads = LoadsFromText(FLAGS_loads_kg_mm, "--loads_kg_mm");
+  if (!FLAGS_turn_joints.empty()) {
+    scene.turn_joints =
+        TurnJointsFrom(NumbersOfFlag("turn_joints", FLAGS_turn_joints), known.robot.num_joints(), "--turn_joints");
+  }
   const CompensatedProgram result =
       CompensateProgram(known, ReadRobotProgram(FLAGS_program, known.robot.num_joints()), scene, FLAGS_threads);
   const bool any = std::any_of(result.results.begin(), result.results.end(),
@@ -94,7 +101,8 @@ int RunProgram(const CommandLine& line) {
 }
 
 void RefuseProgramFlags() {
-  for (const char* flag : {"program_out", "tools_mm_deg", "frames_mm_deg", "start_deg", "load"}) {
+  for (const char* flag :
+       {"program_out", "tools_mm_deg", "frames_mm_deg", "start_deg", "load", "loads_kg_mm", "turn_joints"}) {
     if (!IsGiven(flag)) continue;
     throw InputError({"", 0, std::string("--") + flag}, "this is of a robot program", "--program=FILE names one");
   }
@@ -159,14 +167,19 @@ reason. Frames and tools are those of the file; where it does not state them the
   --tools_mm_deg='flange=same; TOOL_DATA[2]=0,0,180,0,0,0'       in the controller's flange
   --start_deg=0,-90,90,0,0,0    where the arm starts, for poses whose joint solution the file does not tell
 
+  --loads_kg_mm='PAYLOAD[1]=12.5,0,0,90'    mass, centre of mass in the controller's flange: loads that it only names
+
+Loads are those of the program where it states them (tooldata and GripLoad, $LOAD and LOAD_DATA, set_payload); --load
+takes one of the estimate for all points. --turn_joints=1,4,6: what the turn numbers of FANUC positions count.
+
 --out=FILE.csv then lists every point as a row.
 
 Examples
   sagitta compensate results/estimate.json targets.csv --out=corrected.csv
   sagitta compensate results/estimate.json --program=weld.mod --program_out=corrected/weld.mod --tools_mm_deg=flange=same --frames_mm_deg=world=same
 )",
-          {"program", "program_out", "tools_mm_deg", "frames_mm_deg", "start_deg", "load", "out", "seed", "threads",
-           "quiet"},
+          {"program", "program_out", "tools_mm_deg", "frames_mm_deg", "start_deg", "load", "loads_kg_mm", "turn_joints",
+           "out", "seed", "threads", "quiet"},
           RunCompensate};
 }
 

@@ -94,8 +94,10 @@ std::string InDegrees(double radians) { return fmt::format("{:.3g} deg", radians
 
 // The plan with its rotation read in one way.
 ImportPlan WithRotation(ImportPlan plan, const RotationReading& reading) {
+  size_t part = 0;
   for (PlannedColumn column : plan.rotation_columns) {
     if (column.unit.empty()) column.unit = reading.unit;
+    if (reading.scalar_is_last) column.stem = std::string("o") + "xyzw"[part++];
     plan.columns.push_back(column);
   }
   plan.rotation_columns.clear();
@@ -154,14 +156,20 @@ double LargestAngle(const std::vector<TargetRotation>& a, const std::vector<Targ
   return largest;
 }
 
-void LeaveRotationOut(const std::string& why, ImportPlan* plan) {
+void LeaveRotationOut(const TextTable& table, const std::string& why, ImportPlan* plan) {
+  if (!plan->has_header) {
+    throw InputError({table.path, table.header_line, ""},
+                     "the table has no header, and the columns beside joints and x, y, z are no rotation: " + why,
+                     "--map=x_mm=1,q1_deg=4,… says which columns are what");
+  }
   for (const PlannedColumn& column : plan->rotation_columns) plan->unused.emplace_back(column.header, why);
   plan->rotation_columns.clear();
 }
 
 // What the user or the columns leave open.
 std::vector<RotationReading> RotationCandidates(const ImportPlan& plan, const std::string& stated) {
-  std::vector<RotationReading> candidates = PossibleRotations(plan.HasQuaternion(), plan.rotation_columns[0].unit);
+  std::vector<RotationReading> candidates =
+      PossibleRotations(plan.HasQuaternion(), plan.rotation_columns[0].unit, !plan.has_header);
   if (plan.HasQuaternion()) return candidates;
   const bool is_named = !stated.empty() || plan.rotation_is_mapped;
   const RotationReading named = is_named ? RotationNamed(stated.empty() ? "vector" : stated) : RotationReading();
@@ -175,7 +183,7 @@ std::vector<RotationReading> RotationCandidates(const ImportPlan& plan, const st
 // Our own names say what they mean (docs/FORMATS.md, section 2).
 bool IsStatedByName(const ImportPlan& plan, const RotationReading& reading) {
   if (reading.is_inverse || reading.kind == RotationReading::Kind::kProduct) return false;
-  if (reading.kind == RotationReading::Kind::kQuaternion) return true;
+  if (reading.kind == RotationReading::Kind::kQuaternion) return plan.has_header;
   return plan.rotation_columns[0].header == "rx_" + reading.unit;
 }
 
@@ -192,7 +200,7 @@ void DecideRotation(const Robot& robot, const TextTable& table, const std::strin
   const RotationFit fit(robot, table, plan);
   const std::vector<RotationReading> candidates = RotationCandidates(plan, stated);
   if (!fit.CanTell()) {
-    if (!is_said || candidates.size() != 1) return LeaveRotationOut("too few rows to know what it means", &plan);
+    if (!is_said || candidates.size() != 1) return LeaveRotationOut(table, "too few rows to know what it means", &plan);
     plan = WithRotation(plan, candidates[0]);
     return;
   }
@@ -207,12 +215,12 @@ void DecideRotation(const Robot& robot, const TextTable& table, const std::strin
   if (!(misfits[best] < kRotationFits)) {
     const std::string why = "as " + reading.Words() + " it misses the nominal robot by " + InDegrees(misfits[best]);
     if (is_said) throw InputError({table.path, table.header_line, plan.rotation_columns[0].header}, why);
-    return LeaveRotationOut("as no kind of rotation does it fit the robot: " + why, &plan);
+    return LeaveRotationOut(table, "as no kind of rotation does it fit the robot: " + why, &plan);
   }
   for (size_t i = 0; i < candidates.size(); ++i) {
     if (misfits[i] > kBetter * misfits[best] || LargestAngle(read[i], read[best]) < misfits[best]) continue;
-    return LeaveRotationOut("it can be " + reading.Words() + " or " + candidates[i].Words() + "; --rotation=… says it",
-                            &plan);
+    return LeaveRotationOut(
+        table, "it can be " + reading.Words() + " or " + candidates[i].Words() + "; --rotation=… says it", &plan);
   }
   const auto open = std::find_if(plan.rotation_columns.begin(), plan.rotation_columns.end(),
                                  [](const PlannedColumn& column) { return column.unit.empty(); });

@@ -9,7 +9,7 @@
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/report/report_html.h"
-#include "tools/report/summary.h"
+#include "tools/report/validation_report.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
 
@@ -17,23 +17,6 @@ DECLARE_string(require);
 
 namespace sagitta {
 namespace {
-
-std::vector<Section> Summary(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
-  Section section = ResidualSection("Residuals on " + std::to_string(validation.after.observations) + " observations",
-                                    validation.before, validation.after);
-  section.paragraphs.push_back("before: the nominal robot, base poses and markers fitted to the calibration rows.");
-  if (validation.predicted_rms > 0.0) {
-    section.paragraphs.push_back("Predicted coordinate RMS from noise and parameter uncertainty: " +
-                                 Fixed(1e3 * validation.predicted_rms, 4) + " mm.");
-  }
-  const std::string model_error = ModelErrorInWords(known);
-  if (!model_error.empty()) section.paragraphs.push_back(model_error);
-  for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
-  Section head;
-  head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
-  head.paragraphs = {std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file + "."};
-  return {head, section};
-}
 
 int RunValidate(const CommandLine& line) {
   ExpectArguments(line, ValidateCommand(), 2, 1000);
@@ -49,7 +32,7 @@ int RunValidate(const CommandLine& line) {
   const Validation validation = Validate(known, rows);
   const nlohmann::ordered_json json = ValidationToJson(validation, provenance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
-  const std::vector<Section> sections = Summary(known, rows, validation);
+  const std::vector<Section> sections = ValidationPage(known, rows, validation);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/compensation/turn_words.h"
 #include "estimator/report/compensation_words.h"
 #include "models/constants.h"
 
@@ -129,7 +130,7 @@ bool TurnIntoRanges(const Chain& chain, const StatedBranch& branch, Eigen::Vecto
     }
     const double principal = std::remainder((*q)[j], 2 * kPi);
     double best = std::nan("");
-    for (const int turn : {0, 1, -1}) {
+    for (const int turn : {0, 1, -1, 2, -2}) {
       const double value = principal + 2 * kPi * turn;
       if (value < low || value > high || !IsWithin(joint, value)) continue;
       if (!(std::abs(best) <= std::abs(value))) best = value;
@@ -138,6 +139,32 @@ bool TurnIntoRanges(const Chain& chain, const StatedBranch& branch, Eigen::Vecto
     (*q)[j] = best;
   }
   return true;
+}
+
+// Branches with the turn numbers as ranges of joints: one, or one per three joints that the numbers may be of.
+std::vector<StatedBranch> BranchesOf(const StatedBranch& branch, int joints) {
+  if (branch.turns.size() != 3) return {branch};
+  std::vector<std::vector<int>> threes;
+  if (branch.turn_joints.size() == 3) {
+    threes.push_back(branch.turn_joints);
+  } else {
+    for (int a = 0; a < joints; ++a) {
+      for (int b = a + 1; b < joints; ++b) {
+        for (int c = b + 1; c < joints; ++c) threes.push_back({a, b, c});
+      }
+    }
+  }
+  std::vector<StatedBranch> branches;
+  for (const std::vector<int>& three : threes) {
+    StatedBranch one = branch;
+    for (int j = 0; j < joints; ++j) {
+      const auto counted = std::find(three.begin(), three.end(), j);
+      const int turn = counted == three.end() ? 0 : branch.turns[static_cast<size_t>(counted - three.begin())];
+      one.ranges.push_back({j, {(2 * turn - 1) * kPi, (2 * turn + 1) * kPi}});
+    }
+    branches.push_back(one);
+  }
+  return branches;
 }
 
 bool Agrees(const ArmShape& shape, const StatedBranch& branch, const Eigen::VectorXd& q) {
@@ -174,20 +201,26 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
     if (IsOnTarget(near)) return {near.q, ""};
     return {{}, NoSolutionNearBefore()};
   }
+  const std::vector<StatedBranch> branches = BranchesOf(branch, nominal.num_joints());
   std::vector<Eigen::VectorXd> found;
   bool reached = false;
   for (int k = 0; k < kStarts; ++k) {
     const FlangeSolution solution = SolveFlange(nominal, arm, flange_in_base, StartNumber(nominal, k), false);
     if (!IsOnTarget(solution)) continue;
     reached = true;
-    Eigen::VectorXd q = solution.q;
-    if (!TurnIntoRanges(nominal, branch, &q) || !Agrees(shape, branch, q)) continue;
-    const bool is_new = std::none_of(found.begin(), found.end(),
-                                     [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSame; });
-    if (is_new) found.push_back(q);
+    for (const StatedBranch& one : branches) {
+      Eigen::VectorXd q = solution.q;
+      if (!TurnIntoRanges(nominal, one, &q) || !Agrees(shape, one, q)) continue;
+      const bool is_new = std::none_of(found.begin(), found.end(),
+                                       [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSame; });
+      if (is_new) found.push_back(q);
+    }
     if (shape.is_known() && found.size() == 1 && k > kStarts / 4) break;  // all three signs are told: it is the one
   }
   if (found.size() == 1) return {found[0], ""};
+  if (found.size() > 1 && branches.size() > 1) {
+    return {{}, TurnsInWords()};
+  }
   if (found.size() > 1) {
     return {{}, SolutionsAreSeveral(found.size())};
   }

@@ -7,6 +7,7 @@
 
 #include "estimator/compensation/joint_solutions.h"
 #include "estimator/report/results_words.h"
+#include "estimator/results/program_loads.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -91,7 +92,7 @@ void Scene::ThrowWhatIsAsked() const {
 // The points as rows of a target file.
 class TargetTable {
  public:
-  TargetTable(const std::string& name, const Chain& chain, const std::string& load) : chain_(chain), load_(load) {
+  TargetTable(const std::string& name, const Chain& chain) : chain_(chain) {
     table_.file.path = name;
     table_.file.header = {"target"};
     for (int j = 0; j < chain.num_joints(); ++j) {
@@ -101,13 +102,14 @@ class TargetTable {
     for (const char* column : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad", "load"})
       table_.file.header.push_back(column);
   }
-  void Add(const ProgramPoint& point, const Eigen::VectorXd& q, const std::optional<Pose<double>>& flange) {
+  void Add(const ProgramPoint& point, const Eigen::VectorXd& q, const std::optional<Pose<double>>& flange,
+           const std::string& load) {
     std::vector<std::string> cells = {point.name};
     for (const double value : q) cells.push_back(FormatNumber(value));
     const Vector3<double> turn = flange ? RotationVector(flange->rotation) : Vector3<double>::Zero();
     for (int a = 0; a < 3; ++a) cells.push_back(flange ? FormatNumber(flange->translation[a]) : "");
     for (int a = 0; a < 3; ++a) cells.push_back(flange ? FormatNumber(turn[a]) : "");
-    cells.push_back(load_);
+    cells.push_back(load);
     table_.file.rows.push_back({point.line, cells});
   }
   bool empty() const { return table_.file.rows.empty(); }
@@ -115,7 +117,6 @@ class TargetTable {
 
  private:
   const Chain& chain_;
-  std::string load_;
   CsvTable table_;
 };
 
@@ -130,14 +131,15 @@ Eigen::VectorXd VectorOf(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-void Prepare(const RobotProgram& program, const ProgramScene& stated, const Chain& nominal, TargetTable* table,
-             Prepared* prepared) {
+void Prepare(const RobotProgram& program, const ProgramScene& stated, const ProgramLoads& loads, const Chain& nominal,
+             TargetTable* table, Prepared* prepared) {
   Scene scene(program, stated);
   for (const ProgramPoint& point : program.points) {
     if (point.is_joints || !point.untouched.empty()) continue;
     scene.ToolInFlange(point.tool);
     scene.FrameInBase(point.frame);
   }
+  if (loads.needs_flange) scene.ToolInFlange(kFlange);
   scene.ThrowWhatIsAsked();
   std::vector<size_t> way(program.points.size());
   std::iota(way.begin(), way.end(), size_t{0});
@@ -149,8 +151,8 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Chai
     const ProgramPoint& point = program.points[i];
     ProgramPointResult& result = prepared->results[i];
     result.point = static_cast<int>(i);
-    result.untouched = point.untouched;
-    if (!point.untouched.empty()) continue;
+    result.untouched = point.untouched.empty() ? loads.unclear[i] : point.untouched;
+    if (!result.untouched.empty()) continue;
     Pose<double> frame, from_tool;
     std::optional<Pose<double>> flange;
     Eigen::VectorXd q;
@@ -162,7 +164,9 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Chai
       frame = *scene.FrameInBase(point.frame);
       from_tool = Inverse(*scene.ToolInFlange(point.tool));
       flange = Product(Product(frame, PoseFrom(program.notation, numbers)), from_tool);
-      const BranchFound found = FindBranch(nominal, *flange, point.branch, before);
+      StatedBranch branch = point.branch;
+      branch.turn_joints = stated.turn_joints;
+      const BranchFound found = FindBranch(nominal, *flange, branch, before);
       result.untouched = found.why_not;
       if (!found.why_not.empty()) continue;
       q = found.q;
@@ -171,7 +175,7 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Chai
     prepared->points.push_back(static_cast<int>(i));
     prepared->frame.push_back(frame);
     prepared->from_tool.push_back(from_tool);
-    table->Add(point, q, flange);
+    table->Add(point, q, flange, loads.of_point[i]);
   }
 }
 
@@ -210,7 +214,7 @@ std::map<std::string, Pose<double>> FramesFromText(const std::string& text, cons
 }
 
 void CheckProgramLoad(const KnownRobot& known, const std::string& load, const std::string& key) {
-  if (load == Shot().load) return;
+  if (load.empty() || load == Shot().load) return;
   std::vector<std::string> weighed;
   for (const auto& [name, stated] : known.loading.loads) {
     if (stated.mass) weighed.push_back(name);
@@ -229,14 +233,18 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   CompensatedProgram result;
   result.program = std::move(program);
   const RobotProgram& read = result.program;
-  TargetTable table(read.path, nominal, scene.load);
+  const ProgramLoads loads = LoadsOfProgram(known, read, scene);
+  TargetTable table(read.path, nominal);
   Prepared prepared;
-  Prepare(read, scene, nominal, &table, &prepared);
+  Prepare(read, scene, loads, nominal, &table, &prepared);
+  result.program.notes.insert(result.program.notes.end(), loads.notes.begin(), loads.notes.end());
   result.results = std::move(prepared.results);
   result.text = read.text;
   if (table.empty()) return result;
   result.targets = TargetsFromTable(table.Take(), known.robot, known.base_in_station.begin()->first);
-  result.solved = Compensate(MakeCompensationInput(known, result.targets), result.targets.rows, threads);
+  KnownRobot loaded = known;
+  loaded.loading = loads.loading;
+  result.solved = Compensate(MakeCompensationInput(loaded, result.targets), result.targets.rows, threads);
   std::vector<CorrectedPoint> corrected;
   for (size_t row = 0; row < result.solved.size(); ++row) {
     const CompensatedTarget& target = result.solved[row];

@@ -19,16 +19,24 @@ struct ProgramScene {
   std::map<std::string, Pose<double>> tools;   // in the flange
   std::map<std::string, Pose<double>> frames;  // in the world; "world": in the base
   Eigen::VectorXd start;                       // joints where the program starts; empty: not stated
-  std::string load = "none";                   // of all points
+  std::string load;                            // of the estimate, of all points; "": what the program states, else none
+  std::map<std::string, ProgramLoad> loads;    // by the names of the file; "default": of points that name none
+  std::vector<int> turn_joints;  // from 0: what the turn numbers of FANUC positions count; empty: not stated
 };
 
 // A: "NAME=x,y,z,roll,pitch,yaw; NAME=same": mm and deg, fixed axes. `key`: what the user gave it as. Throws
 // InputError.
 std::map<std::string, Pose<double>> FramesFromText(const std::string& text, const std::string& key);
 
-// A program states no forces: the weight of its load is that of the estimate. `key`: what the user gave it as. Throws
-// InputError where the estimate does not say it.
+// A load of the estimate that a program is to be corrected for: its weight is that of the estimate. `key`: what the
+// user gave it as. Throws InputError where the estimate does not say it.
 void CheckProgramLoad(const KnownRobot& known, const std::string& load, const std::string& key);
+
+// A: "NAME=mass,x,y,z; …": kg and mm, the centre of mass in the controller's flange. Throws InputError.
+std::map<std::string, ProgramLoad> LoadsFromText(const std::string& text, const std::string& key);
+
+// Three joints counted from 1, as the user gives them, or none. Throws InputError.
+std::vector<int> TurnJointsFrom(const std::vector<double>& numbers, int joints, const std::string& key);
 
 struct ProgramPointResult {
   int point = -1;

@@ -389,6 +389,11 @@ class Diagnosis(_WithJson):
         return self._core.learnt_robot_yaml()
 
     @property
+    def report_html(self):
+        """report.html: one page, nothing to fetch."""
+        return self._core.report_html()
+
+    @property
     def known(self):
         return Known(self._core.known())
 
@@ -447,6 +452,11 @@ class Validation(_WithJson):
         return self.to_dict()["warnings"]
 
     @property
+    def report_html(self):
+        """report.html: one page, nothing to fetch."""
+        return self._core.report_html()
+
+    @property
     def predicted_m(self):
         return self._core.predicted_m
 
@@ -487,6 +497,11 @@ class Plan(_WithJson):
     def to_dataframe(self):
         """plan.csv."""
         return _tables.frame(self._core.csv())
+
+    @property
+    def report_html(self):
+        """report.html: one page, nothing to fetch."""
+        return self._core.report_html()
 
 
 def _rows(rows):
@@ -594,11 +609,16 @@ def _frames(frames):
     return ";".join(parts)
 
 
-def compensate_program(estimate, program, *, tools_mm_deg=None, frames_mm_deg=None, start_deg=(), load="none",
-                       threads=1):
-    """A robot program (path) with its points corrected; what the file does not state is asked for by name."""
+def compensate_program(estimate, program, *, tools_mm_deg=None, frames_mm_deg=None, start_deg=(), load="",
+                       loads_kg_mm=None, turn_joints=(), threads=1):
+    """A robot program (path) with its points corrected; what the file does not state is asked for by name.
+
+    load: one of the estimate or "none", for all points; "": what the program states. loads_kg_mm: mass and centre of
+    mass in the controller's flange of loads that it only names. turn_joints: what FANUC's turn numbers count.
+    """
     return Program(_core.compensate_program(_known(estimate)._core, _os.fspath(program), _frames(tools_mm_deg or {}),
-                                            _frames(frames_mm_deg or {}), [float(q) for q in start_deg], load, threads))
+                                            _frames(frames_mm_deg or {}), [float(q) for q in start_deg], load,
+                                            _frames(loads_kg_mm or {}), [float(j) for j in turn_joints], threads))
 
 
 def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
@@ -642,7 +662,7 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
         "cell": ("", False) if cell is None else _path_or_text(cell), "move": move,
         "model_error": _estimate_text(model_error),
     }
-    return Plan(_core.plan(experiment._core, wishes, progress))
+    return Plan(_core.plan(experiment._core, wishes, "sagitta.plan", progress))
 
 
 __all__ = ["Changed", "Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Inspection", "Known",

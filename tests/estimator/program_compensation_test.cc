@@ -12,6 +12,7 @@
 #include "estimator/compensation/joint_solutions.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/files.h"
 #include "problems/text.h"
 #include "tests/support/loaded_kr270.h"
 
@@ -263,6 +264,149 @@ TEST_F(ProgramCompensationTest, WhatTheFileDoesNotStateIsAskedFor) {
             "");
   EXPECT_THROW(FramesFromText("a=1,2,3", "--frames_mm_deg"), InputError);
   EXPECT_THROW(FramesFromText("a=same; a=same", "--frames_mm_deg"), InputError);
+}
+
+// Loads that programs state. The truth was measured with a tool of 20 kg, which is off the arm where the program states
+// what hangs there.
+class ProgramLoadTest : public ProgramCompensationTest {
+ protected:
+  ProgramLoadTest() {
+    measured_.tool_mass = 20.0;
+    for (const auto& [name, kg, point] :
+         {std::tuple{"ALL", 250.0, kAll}, {"GUN", 40.0, Vector3<double>(0.01, 0.0, 0.09)}, {"BOTH", 0.0, kAll}}) {
+      loaded_.loads[name] = {{0, 0, -9.80665 * kg}, {0, 0, 0}, point};
+    }
+    const Vector3<double> piece = kToolInFlange.translation + kToolInFlange.rotation * Vector3<double>(0.02, 0.03, 0.3);
+    loaded_.loads["BOTH"] = {{0, 0, -9.80665 * 200.0}, {0, 0, 0}, 0.2 * loaded_.loads["GUN"].point + 0.8 * piece};
+  }
+  CompensatedProgram Run(const std::string& ending, const std::string& text) {
+    return CompensateProgram(TrueRobot(measured_), ReadAs(ending, text), scene_, 1);
+  }
+  // Joint points of the corrected program, run under these loads; "none": nothing hangs there, "tool": what was
+  // measured with.
+  void ExpectUnder(const std::string& ending, const std::string& text, const std::vector<std::string>& loads) {
+    SCOPED_TRACE(ending);
+    const CompensatedProgram result = Run(ending, text);
+    const RobotProgram original = ReadAs(ending, text), corrected = ReadAs(ending, result.text);
+    ASSERT_EQ(corrected.points.size(), loads.size()) << SummaryOf(result);
+    for (size_t k = 0; k < loads.size(); ++k) {
+      SCOPED_TRACE(result.program.points[k].name);
+      ASSERT_EQ(result.results[k].untouched, "");
+      const std::vector<double> asked = original.JointValues(original.points[k]),
+                                sent = corrected.JointValues(corrected.points[k]);
+      const bool is_tool = loads[k] == "tool";
+      const ArmState there =
+          test::LoadedState(is_tool ? measured_ : loaded_, Eigen::Map<const Eigen::VectorXd>(sent.data(), 6),
+                            is_tool ? "none" : loads[k], 0);
+      const Pose<double> goal = NominalFlange(Eigen::Map<const Eigen::VectorXd>(asked.data(), 6));
+      EXPECT_LT((there.flange_origin - goal.translation).norm(), kWritten) << loads[k];
+      EXPECT_LT((there.flange - goal.rotation).norm(), kWritten) << loads[k];
+    }
+  }
+
+  const Vector3<double> kAll = {0.28, 0.06, -0.15};
+  LoadedTruth measured_ = test::Everything(), loaded_ = test::Everything();
+};
+
+TEST_F(ProgramLoadTest, KrlStatesAllThatHangsOnTheFlange) {
+  ExpectUnder(".src",
+              "LOAD_DATA[3]={M 40.0,CM {X 10.0,Y 0.0,Z 90.0,A 0.0,B 0.0,C 0.0},J {X 0.0,Y 0.0,Z 0.0}}\n"
+              "PTP {A1 5,A2 -95,A3 90,A4 0,A5 10,A6 0}\n"
+              "$LOAD={M 250,CM {X 280,Y 60,Z -150,A 0,B 0,C 0},J {X 0,Y 0,Z 0}}\n"
+              "PTP {A1 10,A2 -95,A3 90,A4 0,A5 10,A6 0}\n"
+              "BAS(#TOOL,3)\nPTP {A1 12,A2 -90,A3 80,A4 0,A5 10,A6 0}\n"
+              "$LOAD={M 0,CM {X 0,Y 0,Z 0,A 0,B 0,C 0},J {X 0,Y 0,Z 0}}\n"
+              "PTP {A1 14,A2 -90,A3 80,A4 0,A5 10,A6 0}\n",
+              {"tool", "ALL", "GUN", "none"});
+}
+
+TEST_F(ProgramLoadTest, RapidAddsWhatTheToolGrips) {
+  scene_.tools.erase("GUN");
+  const std::vector<double> tool = NumbersOf(PoseNotation::kQuaternion, kToolInFlange);
+  std::string frame;
+  for (size_t i = 0; i < 7; ++i) frame += (i == 0 ? "[" : i == 3 ? "],[" : ",") + FormatNumber(tool[i]);
+  const std::string external = ",[9E9,9E9,9E9,9E9,9E9,9E9]]";
+  ExpectUnder(".mod",
+              "PERS tooldata gun:=[TRUE,[" + frame + "]],[40,[10,0,90],[1,0,0,0],0,0,0]];\n" +
+                  "PERS loaddata piece:=[160,[20,30,300],[1,0,0,0],0,0,0];\n" +
+                  "PROC main()\n  MoveAbsJ [[5,-95,90,0,10,0]" + external + ",v100,fine,tool0;\n" +
+                  "  MoveAbsJ [[10,-95,90,0,10,0]" + external + ",v100,fine,gun;\n  GripLoad piece;\n" +
+                  "  MoveAbsJ [[12,-90,80,0,10,0]" + external + ",v100,fine,gun;\n  GripLoad load0;\n" +
+                  "  MoveAbsJ [[14,-90,80,0,10,0]" + external + ",v100,fine,gun;\nENDPROC\n",
+              {"tool", "GUN", "BOTH", "GUN"});
+}
+
+TEST_F(ProgramLoadTest, UrScriptStatesThePayload) {
+  ExpectUnder(".script",
+              "movej([0.1,-1.5,1.5,0.0,0.3,0.0])\nset_payload(250, [0.28, 0.06, -0.15])\n"
+              "movej([0.2,-1.5,1.4,0.0,0.3,0.0])\nset_tcp(p[0.01,0,0.09,0,0,0])\nset_payload(40)\n"
+              "movej([0.3,-1.5,1.4,0.0,0.3,0.0])\nset_target_payload(250, cog=[0.28, 0.06, -0.15])\n"
+              "movej([0.4,-1.5,1.4,0.0,0.3,0.0])\n",
+              {"tool", "ALL", "GUN", "ALL"});
+}
+
+TEST_F(ProgramLoadTest, FanucNamesALoadThatTheUserStates) {
+  const auto point = [](int number, const std::string& a1) {
+    return "P[" + std::to_string(number) + "]{\n GP1:\n UF : 0, UT : 1,\n J1= " + a1 +
+           " deg, J2= -95 deg, J3= 90 deg,\n J4= 0 deg, J5= 10 deg, J6= 0 deg\n};\n";
+  };
+  const std::string text = "/PROG P\n/MN\n   1:J P[2] 100% FINE ;\n   2:  !PAYLOAD[7] P[2] ;\n   3:  PAYLOAD[1] ;\n" +
+                           std::string("   4:J P[1] 100% FINE ;\n/POS\n") + point(1, "10") + point(2, "20") + "/END\n";
+  const CompensatedProgram unknown = Run(".ls", text);
+  EXPECT_THAT(SummaryOf(unknown), HasSubstr("names the load PAYLOAD[1] at 1 point"));
+  EXPECT_THAT(SummaryOf(unknown), HasSubstr("--loads_kg_mm='PAYLOAD[1]="));
+  ExpectUnder(".ls", text, {"tool", "tool"});
+  scene_.loads = LoadsFromText("PAYLOAD[1]=250,280,60,-150", "--loads_kg_mm");
+  ExpectUnder(".ls", text, {"ALL", "tool"});
+  EXPECT_THROW(LoadsFromText("PAYLOAD[1]=250,280,60", "--loads_kg_mm"), InputError);
+  EXPECT_THROW(LoadsFromText("a=-1,0,0,0", "--loads_kg_mm"), InputError);
+  EXPECT_THROW(LoadsFromText("a=1,0,0,0;a=1,0,0,0", "--loads_kg_mm"), InputError);
+}
+
+TEST_F(ProgramLoadTest, WhatIsStatedOtherwiseOrTwice) {
+  const std::string load = "$LOAD={M 250,CM {X 280,Y 60,Z -150,A 0,B 0,C 0},J {X 0,Y 0,Z 0}}\n";
+  const std::string home = "DECL E6AXIS XHOME={A1 5,A2 -95,A3 90,A4 0,A5 10,A6 0}\nPTP XHOME\n";
+  const CompensatedProgram twice = Run(".src", home + load + "PTP XHOME\n");
+  EXPECT_THAT(twice.results[0].untouched, HasSubstr("more than one load (none and $LOAD of line 3)"));
+  EXPECT_THAT(SummaryOf(Run(".src", load + home)), HasSubstr("250 kg at (280, 60, -150) mm"));
+  // The user's word for all points comes before that of the program.
+  scene_.load = "none";
+  ExpectUnder(".src", home + load + "PTP XHOME\n", {"tool"});
+  // Where the flange is not stated, nobody knows where the load hangs; a rigid arm does not care.
+  scene_ = ProgramScene();
+  EXPECT_THROW(Run(".src", load + home), InputError);
+  KnownRobot rigid = TrueRobot(measured_);
+  rigid.robot.compliances.clear();
+  rigid.robot.gravity_compensator.reset();
+  EXPECT_EQ(CompensateProgram(rigid, ReadAs(".src", load + home), scene_, 1).results[0].untouched, "");
+}
+
+// 'N U T, 0, 0, 1': one of three joints stands beyond 180 deg. Limits tell which, or the user does.
+TEST_F(ProgramCompensationTest, FanucTurns) {
+  const Eigen::VectorXd q = Joints({20, -95, 100, 30, 40, 200});
+  std::string text = "/PROG P\n/POS\nP[1]{\n   GP1:\n\tUF : 2, UT : 1,\t\tCONFIG : 'F U T, 0, 0, 1',\n\t";
+  const std::vector<std::string> parts =
+      SplitText(PoseText(PoseNotation::kWprDegrees, q, kFrameInWorld, kFanucNames), ',');
+  for (size_t i = 0; i < 6; ++i) text += parts[i] + (i < 3 ? "  mm" : " deg") + (i < 5 ? ",\t" : "\n};\n");
+  KnownRobot robot = TrueRobot(truth_);
+  for (Joint& joint : robot.robot.chain.joints) joint.min.reset(), joint.max.reset();
+  const CompensatedProgram open = CompensateProgram(robot, ReadAs(".ls", text), scene_, 1);
+  EXPECT_THAT(open.results[0].untouched, HasSubstr("--turn_joints"));
+  EXPECT_EQ(open.text, text);
+  scene_.turn_joints = TurnJointsFrom({1, 4, 6}, 6, "--turn_joints");
+  const CompensatedProgram stated = CompensateProgram(robot, ReadAs(".ls", text), scene_, 1);
+  ASSERT_EQ(stated.results[0].untouched, "");
+  EXPECT_NEAR(stated.results[0].solution->solution.q[5], q[5], 0.05);
+  scene_.turn_joints.clear();
+  for (size_t j = 0; j < 6; ++j) {
+    robot.robot.chain.joints[j].min = (j == 5 ? -350 : -170) * kDegree;
+    robot.robot.chain.joints[j].max = (j == 5 ? 350 : 170) * kDegree;
+  }
+  const CompensatedProgram limited = CompensateProgram(robot, ReadAs(".ls", text), scene_, 1);
+  ASSERT_EQ(limited.results[0].untouched, "");
+  EXPECT_NEAR(limited.results[0].solution->solution.q[5], q[5], 0.05);
+  EXPECT_THROW(TurnJointsFrom({1, 4}, 6, "--turn_joints"), InputError);
+  EXPECT_THROW(TurnJointsFrom({1, 4, 7}, 6, "--turn_joints"), InputError);
 }
 
 TEST_F(ProgramCompensationTest, WhatCannotBeReachedStaysAndIsSaid) {

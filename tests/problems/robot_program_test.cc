@@ -242,7 +242,9 @@ TEST_F(RobotProgramTest, Fanuc) {
   EXPECT_EQ(seam.branch.wrist_negative, true);
   EXPECT_EQ(seam.branch.elbow_of_zero, true);
   EXPECT_EQ(seam.branch.wrist_behind, false);
-  EXPECT_THAT(PointNamed(program, "P[3]").untouched, HasSubstr("whole turn"));
+  EXPECT_THAT(PointNamed(program, "P[3]").branch.turns, ::testing::ElementsAre(0, 0, 1));
+  EXPECT_TRUE(PointNamed(program, "P[3]").branch.ranges.empty());
+  EXPECT_TRUE(seam.branch.turns.empty());
   EXPECT_THAT(PointNamed(program, "P[4]").untouched, HasSubstr("not taught"));
 }
 

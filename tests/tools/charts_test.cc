@@ -55,7 +55,7 @@ Estimate Missing(const CalibrationProblem& problem) {
 TEST(ResidualsOverDrivers, RowsAreMeasuredMinusPredictedInTheBase) {
   const CalibrationProblem problem = Many(100);
   const Estimate estimate = Missing(problem);
-  const Picture picture = ResidualsOverDrivers(problem, estimate);
+  const Picture picture = ResidualsOverDrivers({problem, estimate});
   const Json& rows = picture.data["rows"];
   ASSERT_EQ(rows["distance"].size(), problem.data.observations.size());
   // Rz(1.1) Ry(-0.2) Rx(0.3) transposed, written out for x: its first column times the miss.
@@ -88,7 +88,7 @@ TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
   Estimate estimate = Missing(problem);
   ASSERT_GT(problem.data.observations.size(), kMostDrawn);
   for (const int far : {1, 7778, 11999}) estimate.predicted.col(far).array() += 0.05;
-  const std::vector<ResidualRow> rows = RowsToDraw(problem, estimate);
+  const std::vector<ResidualRow> rows = RowsToDraw({problem, estimate});
   EXPECT_LE(rows.size(), kMostDrawn);
   EXPECT_GT(rows.size(), kMostDrawn - 2 * kFarthestKept);
   for (const int far : {1, 7778, 11999}) {
@@ -96,7 +96,7 @@ TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
   }
   Section section;
   section.title = "many";
-  section.pictures = {ResidualsOverDrivers(problem, estimate), ResidualsInWorkspace(problem, estimate)};
+  section.pictures = {ResidualsOverDrivers({problem, estimate}), ResidualsInWorkspace({problem, estimate})};
   EXPECT_THAT(section.pictures[0].title, HasSubstr("of 36000 points"));
   EXPECT_LT(SectionsToPage({section}, Provenance()).size(), 4u << 20);
 }
@@ -104,7 +104,7 @@ TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
 TEST(ResidualsInWorkspace, ArrowsBeginAtThePointAndTheArmEndsAtItsFlange) {
   const CalibrationProblem problem = Many(30);
   const Estimate estimate = Missing(problem);
-  const Picture picture = ResidualsInWorkspace(problem, estimate);
+  const Picture picture = ResidualsInWorkspace({problem, estimate});
   const Json &rows = picture.data["rows"], &arms = picture.data["arms"];
   const Pose<double> base = estimate.parameters.BaseInStation(0);
   for (size_t i = 0; i < problem.data.observations.size(); ++i) {

@@ -105,6 +105,42 @@ TEST_F(ImportOfPoses, EveryWayToWriteARotation) {
                   {"--map=rz_deg=A,ry_deg=B,rx_deg=C", "--rotation=RzRyRx", "--strict"});
 }
 
+// Twelve or thirteen bare columns: the robot says which are joints, which is the scalar, and what the angles mean.
+TEST_F(ImportOfPoses, RowsWithoutHeader) {
+  PoseTable angles, first, last, ahead;
+  angles.Append({}, [](const KDL::Rotation& r) { return Scaled(MovingAngles(r), 1 / kDegree); });
+  angles.table.Named({}).With(" ");
+  ExpectRotations(angles, "angles in deg of RxRyRz");
+  EXPECT_EQ(ImportText(angles.table.ToText(), {"--strict"}).status, 2);
+  last.Append({}, Quaternion);
+  last.table.Named({}).Insert(0, "", Counted(1)).With("\t").DecimalComma();
+  ExpectRotations(last, "a quaternion, scalar last; the nominal robot misses");
+  first.Append({}, [](const KDL::Rotation& r) {
+    const std::vector<double> q = Quaternion(r);
+    return std::vector<double>{q[3], q[0], q[1], q[2]};
+  });
+  first.table.Named({}).With(";");
+  ExpectRotations(first, "a quaternion; the nominal robot misses");
+  ahead.Append({}, [](const KDL::Rotation& r) {
+    return std::vector<double>{r.GetRot()[0], r.GetRot()[1], r.GetRot()[2]};
+  });
+  ahead.table.Named({}).Reordered({6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5});
+  ExpectRotations(ahead, "a rotation vector in rad");
+}
+
+// Targets with what was measured behind them, or standard deviations: no rotation, and which is which nothing says.
+TEST_F(ImportOfPoses, OtherColumnsWithoutHeaderAreRefused) {
+  Table twice(Readings()), sigmas(Readings());
+  for (auto& row : twice.rows) row.insert(row.end(), row.begin() + 6, row.begin() + 9);
+  for (auto& row : sigmas.rows) row.insert(row.end(), {"0.02", "0.03", "0.05"});
+  for (Table* table : {&twice, &sigmas}) {
+    const Outcome outcome = ImportText(table->Named({}).ToText());
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_NE(outcome.err.find("no rotation"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("--map"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(ImportOfPoses, WhatIsNotSureIsLeftOutOrRefused) {
   PoseTable wrong, constant(true), lost;
   wrong.Append({"rx_deg", "ry_deg", "rz_deg"}, [](const KDL::Rotation& r) {

@@ -13,8 +13,8 @@ Section WhereTheRestLies(const Calibration& calibration) {
   Section section;
   section.title = "What is left, and where";
   section.paragraphs = {"measured − predicted. All rows are in residuals.csv."};
-  section.pictures = {ResidualsOverDrivers(calibration.problem, calibration.estimate),
-                      ResidualsInWorkspace(calibration.problem, calibration.estimate),
+  const DrawnReadings readings(calibration.problem, calibration.estimate);
+  section.pictures = {ResidualsOverDrivers(readings), ResidualsInWorkspace(readings),
                       WhitenedHistogram(calibration.problem, calibration.estimate)};
   return section;
 }

@@ -50,7 +50,7 @@ std::string PictureToHtml(const Picture& picture) {
     html += "<div class=\"menus\"></div><div class=\"place\" role=\"group\" aria-label=\"" + title + "\"></div>\n";
   }
   if (!picture.rows.empty()) {
-    html += "<details><summary>Table</summary>\n" + TableToHtml(picture.header, picture.rows) + "</details>\n";
+    html += "<details open><summary>Table</summary>\n" + TableToHtml(picture.header, picture.rows) + "</details>\n";
   }
   if (HasPictures()) {
     const Json json = {{"kind", picture.kind},

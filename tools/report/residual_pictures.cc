@@ -7,7 +7,6 @@
 
 #include "estimator/diagnosis/drivers.h"
 #include "problems/text.h"
-#include "tools/report/residual_rows.h"
 #include "tools/report/workspace.h"
 
 namespace sagitta {
@@ -21,14 +20,14 @@ constexpr size_t kWorstShown = 20;
 constexpr double kArrowOfSize = 0.08;  // an arrow of the 95th percentile, of all that is shown
 
 // Everything that may drive an error and differs between shots.
-std::vector<Driver> DriversOf(const CalibrationProblem& problem, const Estimate& estimate) {
+std::vector<Driver> DriversOf(const CalibrationProblem& problem, const ParameterSet& parameters) {
   std::vector<Driver> drivers;
   const auto add = [&drivers](Driver driver) {
     if (driver.Varies()) drivers.push_back(std::move(driver));
   };
   const int joints = problem.robot.chain.num_joints();
   for (int j = 0; j < joints; ++j) add(AngleOf(problem, j));
-  const Eigen::MatrixXd torques = JointTorques(problem, estimate.parameters);
+  const Eigen::MatrixXd torques = JointTorques(problem, parameters);
   for (int j = 0; j < joints; ++j) add(TorqueOf(problem, j, torques));
   for (int j = 0; j < joints; ++j) add(ApproachOf(problem, j));
   add(TimeOf(problem));
@@ -98,8 +97,9 @@ void AddColours(const CalibrationProblem& problem, const std::vector<ResidualRow
 
 }  // namespace
 
-Picture ResidualsOverDrivers(const CalibrationProblem& problem, const Estimate& estimate) {
-  const std::vector<ResidualRow> rows = RowsToDraw(problem, estimate);
+Picture ResidualsOverDrivers(const DrawnReadings& readings) {
+  const CalibrationProblem& problem = readings.problem;
+  const std::vector<ResidualRow> rows = RowsToDraw(readings);
   Picture picture;
   picture.kind = "scatter";
   picture.title =
@@ -128,7 +128,7 @@ Picture ResidualsOverDrivers(const CalibrationProblem& problem, const Estimate& 
     const std::string name(1, "xyz"[axis]);
     add("residual " + name, xyz[axis], "residual in " + name + " of the base, mm", &down);
   }
-  for (const Driver& driver : DriversOf(problem, estimate)) {
+  for (const Driver& driver : DriversOf(problem, readings.parameters)) {
     std::vector<double> x;
     for (const ResidualRow& row : rows) x.push_back(driver.of_shot[problem.data.observations[row.observation].shot]);
     add("over " + driver.name, x, Labelled(driver), &across);
@@ -139,15 +139,13 @@ Picture ResidualsOverDrivers(const CalibrationProblem& problem, const Estimate& 
   return picture;
 }
 
-Picture ResidualsInWorkspace(const CalibrationProblem& problem, const Estimate& estimate) {
-  std::vector<ResidualRow> rows = RowsToDraw(problem, estimate);
+Picture ResidualsInWorkspace(const DrawnReadings& readings) {
+  const CalibrationProblem& problem = readings.problem;
+  std::vector<ResidualRow> rows = RowsToDraw(readings);
   Picture picture;
-  picture.title =
-      "What is left of each point as an arrow from where the model sees it; held-out points in the second colour. Drag "
-      "to turn, click an arrow to see the arm in its pose" +
-      LeftOutInWords(problem, rows.size());
-  Workspace workspace(problem.model, estimate.parameters.ModelValues(), problem.data.configurations);
+  Workspace workspace(problem.model, readings.parameters.ModelValues(), problem.data.configurations);
   Json x[3], d[3], poses = Json::array(), held_out = Json::array();
+  bool any_held_out = false;
   for (const ResidualRow& row : rows) {
     const Observation& observation = problem.data.observations[row.observation];
     workspace.Include(row.predicted_in_base);
@@ -157,7 +155,11 @@ Picture ResidualsInWorkspace(const CalibrationProblem& problem, const Estimate& 
     }
     poses.push_back(problem.data.shots[observation.shot].configuration);
     held_out.push_back(problem.data.IsValidation(observation) ? 1 : 0);
+    any_held_out |= problem.data.IsValidation(observation);
   }
+  picture.title = std::string("What is left of each point as an arrow from where the model sees it") +
+                  (any_held_out ? "; held-out points in the second colour" : "") +
+                  ". Drag to turn, click an arrow to see the arm in its pose" + LeftOutInWords(problem, rows.size());
   picture.data["rows"] = {{"x", x[0]},  {"y", x[1]},  {"z", x[2]},     {"dx", d[0]},
                           {"dy", d[1]}, {"dz", d[2]}, {"pose", poses}, {"heldOut", held_out}};
   workspace.Draw(nullptr, &picture);

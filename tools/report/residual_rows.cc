@@ -9,14 +9,15 @@ bool IsDrawn(const Observation& row) { return row.is_point() && !row.excluded &&
 
 }  // namespace
 
-std::vector<ResidualRow> RowsToDraw(const CalibrationProblem& problem, const Estimate& estimate) {
+std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings) {
+  const CalibrationProblem& problem = readings.problem;
   constexpr double kMillimetres = 1e3;
   std::vector<ResidualRow> rows;
   for (size_t i = 0; i < problem.data.observations.size(); ++i) {
     const Observation& row = problem.data.observations[i];
-    const Vector3<double> predicted = estimate.predicted.col(static_cast<Eigen::Index>(i));
+    const Vector3<double> predicted = readings.predicted.col(static_cast<Eigen::Index>(i));
     if (!IsDrawn(row) || !predicted.allFinite()) continue;
-    const Pose<double> base = estimate.parameters.BaseInStation(problem.data.shots[row.shot].station);
+    const Pose<double> base = readings.parameters.BaseInStation(problem.data.shots[row.shot].station);
     const Matrix3<double> base_from_station = base.rotation.transpose();
     rows.push_back({static_cast<int>(i), kMillimetres * (base_from_station * (predicted - base.translation)),
                     kMillimetres * (base_from_station * (row.point_in_station - predicted))});

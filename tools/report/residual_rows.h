@@ -9,6 +9,18 @@
 
 namespace sagitta {
 
+// What a page draws of readings: where they were, and where a model sees them.
+struct DrawnReadings {
+  DrawnReadings(const CalibrationProblem& of, const ParameterSet& values, const Eigen::Matrix3Xd& points)
+      : problem(of), parameters(values), predicted(points) {}
+  DrawnReadings(const CalibrationProblem& of, const Estimate& estimate)
+      : DrawnReadings(of, estimate.parameters, estimate.predicted) {}
+
+  const CalibrationProblem& problem;
+  const ParameterSet& parameters;     // base poses are read of these
+  const Eigen::Matrix3Xd& predicted;  // m, in the station, a column per observation
+};
+
 struct ResidualRow {
   int observation = -1;
   Vector3<double> predicted_in_base, residual_in_base;  // mm; measured - predicted
@@ -18,7 +30,7 @@ struct ResidualRow {
 // Every point that is neither excluded nor without a measured value; of more than kMostDrawn the farthest and an even
 // choice of the others, in row order.
 constexpr size_t kMostDrawn = 9000, kFarthestKept = 200;
-std::vector<ResidualRow> RowsToDraw(const CalibrationProblem& problem, const Estimate& estimate);
+std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings);
 
 // "C12 P3", with its station where there are several.
 std::string NameOfRow(const Measurements& data, const Observation& row);

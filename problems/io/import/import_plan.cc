@@ -378,14 +378,18 @@ class Planner {
     return table_.rows.size() > 1;
   }
 
-  // Joints before or after the point, with or without a running number in front.
+  // Joints before or after the point, with or without a running number in front; three angles or a quaternion may
+  // follow the point.
   std::vector<ImportPlan> LayoutsWithoutHeader() {
-    const int n = static_cast<int>(joints_.size());
-    const int first = table_.columns() == n + 4 && CountsUp(0) ? 1 : 0;
-    if (table_.columns() != n + 3 + first) {
+    const int n = static_cast<int>(joints_.size()), points = n + 3, columns = table_.columns();
+    const int first = columns > points && CountsUp(0) ? 1 : 0;
+    const int turns = columns - points - first;
+    if (turns != 0 && turns != 3 && turns != 4) {
       Fail("",
-           "the table has no header and " + std::to_string(table_.columns()) +
-               " columns; joints and x, y, z of this robot are " + std::to_string(n + 3),
+           "the table has no header and " + std::to_string(columns) +
+               " columns; joints and x, y, z of this robot are " + std::to_string(points) +
+               ", with three angles or a quaternion " + std::to_string(points + 3) + " or " +
+               std::to_string(points + 4),
            kMapHint);
     }
     std::vector<ImportPlan> plans;
@@ -393,12 +397,21 @@ class Planner {
       plan_ = ImportPlan();
       plan_.guesses = table_.guesses;
       taken_.clear();
+      const int point = first + (joints_first ? n : 0);
       for (int j = 0; j < n; ++j)
-        Add("q" + std::to_string(j + 1), "", first + (joints_first ? 0 : 3) + j, "joint " + joints_[j].name);
-      for (int i = 0; i < 3; ++i)
-        Add(kAxes[i], "", first + (joints_first ? n : 0) + i, std::string("measured ") + kAxes[i]);
+        Add("q" + std::to_string(j + 1), "", first + (joints_first ? 0 : 3 + turns) + j, "joint " + joints_[j].name);
+      for (int i = 0; i < 3; ++i) Add(kAxes[i], "", point + i, std::string("measured ") + kAxes[i]);
+      for (int i = 0; i < turns; ++i) {
+        const bool angles = turns == 3;
+        AddRotation(std::string(angles ? "r" : "o") + (angles ? "xyz" : "wxyz")[i], angles ? "" : "1", point + 3 + i,
+                    angles ? std::string("rotation about ") + kAxes[i] : "quaternion");
+      }
+      plan_.has_header = false;
       if (first == 1) plan_.unused.emplace_back("column 1", "a running number");
-      plan_.choice = joints_first ? "joints, then x, y, z" : "x, y, z, then joints";
+      const std::string measured = std::string("x, y, z") + (turns == 3   ? " and angles"
+                                                             : turns == 4 ? " and a quaternion"
+                                                                          : "");
+      plan_.choice = joints_first ? "joints, then " + measured : measured + ", then joints";
       plan_.guesses.push_back("there is no header: the columns are " + plan_.choice);
       plans.push_back(plan_);
     }

@@ -35,6 +35,7 @@ struct ImportPlan {
   // Columns of a rotation and its standard deviations, used once it is known what they mean.
   std::vector<PlannedColumn> rotation_columns;
   bool rotation_is_mapped = false;  // --map says rx, ry, rz: a rotation vector unless --rotation says otherwise
+  bool has_header = true;           // else nothing says that these columns are a rotation, nor which number is which
   std::optional<RotationReading> rotation;
 
   bool HasQuaternion() const { return !rotation_columns.empty() && rotation_columns[0].stem[0] == 'o'; }

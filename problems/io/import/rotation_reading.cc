@@ -32,7 +32,9 @@ std::vector<std::array<int, 3>> Orders() {
 Matrix3<double> RotationReading::StationFromTarget(const std::vector<double>& numbers) const {
   Matrix3<double> rotation = Matrix3<double>::Identity();
   if (kind == Kind::kQuaternion) {
-    rotation = Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]).normalized().toRotationMatrix();
+    const size_t w = scalar_is_last ? 3 : 0, x = scalar_is_last ? 0 : 1;
+    rotation =
+        Eigen::Quaterniond(numbers[w], numbers[x], numbers[x + 1], numbers[x + 2]).normalized().toRotationMatrix();
   } else if (kind == Kind::kVector) {
     rotation = RotationFromVector(Vector3<double>(numbers[0], numbers[1], numbers[2]));
   } else {
@@ -61,17 +63,20 @@ Vector3<double> RotationReading::PerturbationSigmas(const std::vector<double>& n
 
 std::string RotationReading::Words() const {
   const std::string direction = is_inverse ? ", of the measurement frame in the target's" : "";
-  if (kind == Kind::kQuaternion) return "a quaternion" + direction;
+  if (kind == Kind::kQuaternion)
+    return std::string("a quaternion") + (scalar_is_last ? ", scalar last" : "") + direction;
   if (kind == Kind::kVector) return "a rotation vector in " + unit + direction;
   return "angles in " + unit + " of " + ProductName(order) + direction;
 }
 
-std::vector<RotationReading> PossibleRotations(bool is_quaternion, const std::string& unit) {
+std::vector<RotationReading> PossibleRotations(bool is_quaternion, const std::string& unit, bool scalar_is_open) {
   std::vector<RotationReading> readings;
   const std::vector<std::string> units = unit.empty() ? std::vector<std::string>{"deg", "rad"} : std::vector{unit};
   for (const bool is_inverse : {false, true}) {
     if (is_quaternion) {
       readings.push_back({RotationReading::Kind::kQuaternion, {0, 1, 2}, "", is_inverse});
+      if (!scalar_is_open) continue;
+      readings.push_back({RotationReading::Kind::kQuaternion, {0, 1, 2}, "", is_inverse, true});
       continue;
     }
     for (const std::string& one : units) {

@@ -19,8 +19,10 @@ struct RotationReading {
   std::array<int, 3> order = {0, 1, 2};  // of kProduct: R = R_order[0] R_order[1] R_order[2], each about that axis
   std::string unit = "rad";              // of the angles
   bool is_inverse = false;               // the table has target_from_station
+  bool scalar_is_last = false;           // of kQuaternion: in a table whose header does not say which is which
 
-  // numbers: angles about x, y, z or vector (rad); quaternion scalar first, of any length above 0.
+  // numbers: angles about x, y, z or vector (rad); quaternion of any length above 0, scalar first unless
+  // scalar_is_last.
   Matrix3<double> StationFromTarget(const std::vector<double>& numbers) const;
 
   // Standard deviations of the left perturbation from those of the angles (rad), which are taken as independent:
@@ -30,8 +32,9 @@ struct RotationReading {
   std::string Words() const;
 };
 
-// All readings of the columns; `unit`: "" where the header does not say.
-std::vector<RotationReading> PossibleRotations(bool is_quaternion, const std::string& unit);
+// All readings of the columns; `unit`: "" where the header does not say; scalar_is_open: nor which of the four numbers
+// of a quaternion is the scalar.
+std::vector<RotationReading> PossibleRotations(bool is_quaternion, const std::string& unit, bool scalar_is_open);
 
 // vector, RxRyRz, RzRyRx, … : what --rotation says. Throws InputError.
 RotationReading RotationNamed(const std::string& name);

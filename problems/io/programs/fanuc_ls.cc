@@ -1,7 +1,9 @@
 // FANUC LS: section /POS, P[1]{ GP1: UF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0', X = 600.0 mm, ... W = 180.0 deg, ... };
-// or J1 = 0.0 deg, ....
-#include <limits>
+// or J1 = 0.0 deg, .... Section /MN: which motion goes where, and PAYLOAD[n], which names what hangs on the flange; its
+// numbers are in the controller.
+#include <algorithm>
 #include <regex>
+#include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -23,10 +25,12 @@ class FanucReader {
   bool NumberOf(const std::string& name, size_t begin, size_t end, TextNumber* number) const;
   std::string FrameNumber(const std::string& name, const char* zero, size_t begin, size_t end) const;
   void ReadConfiguration(size_t begin, size_t end, ProgramPoint* point) const;
+  void ReadMotions(size_t end);
 
   const int joints_;
   RobotProgram& program_;
   const std::string code_;
+  std::map<std::string, size_t> named_;
 };
 
 bool FanucReader::NumberOf(const std::string& name, size_t begin, size_t end, TextNumber* number) const {
@@ -62,19 +66,43 @@ void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* poin
   if (match[1].matched) point->branch.wrist_negative = match[1] == "N";
   if (match[2].matched) point->branch.elbow_of_zero = match[2] == "U";
   if (match[3].matched) point->branch.wrist_behind = match[3] == "B";
-  for (int i = 4; i <= 6; ++i) {
-    // The manuals count joints whose range is more than a turn; which of J1, J4, J5, J6 that are differs between arms,
-    // and public sources contradict each other. A wrong joint would be a wrong correction.
-    if (match[i] != "0")
-      point->untouched = "a joint of its configuration has made a whole turn, and which one the number does not say";
-  }
+  // Which joints these count differs between arms; the controller's variable $SCR_GRP[1].$TURN_AXIS has it, no program.
+  for (int i = 4; i <= 6; ++i) point->branch.turns.push_back(std::stoi(match[i].str().substr(0, 4)));
+  const bool any = std::any_of(point->branch.turns.begin(), point->branch.turns.end(), [](int t) { return t != 0; });
+  if (any) return;
+  point->branch.turns.clear();
   for (int j = 0; j < joints_; ++j) point->branch.ranges.push_back({j, {-kPi, kPi}});
+}
+
+// The first motion to each point, and what hangs on the flange then.
+void FanucReader::ReadMotions(size_t end) {
+  static const std::regex step("\\b(PAYLOAD|P)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+)");
+  const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
+  std::string load;
+  std::set<size_t> used;
+  for (auto match = std::sregex_iterator(code_.begin(), stop, step); match != std::sregex_iterator(); ++match) {
+    const size_t line = code_.rfind('\n', static_cast<size_t>(match->position(0))) + 1;
+    const size_t remark = code_.find_first_not_of(" \t0123456789:", line);
+    if (code_[remark] == '!') continue;
+    if ((*match)[1] == "PAYLOAD") {
+      load = "PAYLOAD[" + (*match)[2].str() + "]";
+      continue;
+    }
+    const auto found = named_.find("P[" + (*match)[2].str() + "]");
+    if (found == named_.end()) continue;
+    ProgramPoint& point = program_.points[found->second];
+    const bool is_first = used.insert(found->second).second;
+    if (is_first) point.used_at = static_cast<size_t>(match->position(0));
+    UseLoad(load, is_first, &point);
+  }
 }
 
 void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end) {
   ProgramPoint point;
   point.name = name;
   point.line = LineAt(code_, open);
+  point.used_at = open;
+  named_[name] = program_.points.size();
   const size_t group = code_.find("GP1", open);
   if (group >= end) {
     point.untouched = "it has no motion group 1";
@@ -114,6 +142,7 @@ void FanucReader::Read() {
     }
     ReadPosition("P[" + (*match)[1].str() + "]", open, end);
   }
+  ReadMotions(section);
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // KUKA KRL: .src and .dat. Points are aggregates, {X 1, Y 2, ..., A 0, S 2, T 35} and {A1 0, A2 -90, ...}; tool and
-// base of taught points stand in their FDAT, of others in $TOOL and $BASE as the program goes.
+// base of taught points stand in their FDAT, of others in $TOOL and $BASE as the program goes. The load, {M 5, CM {X 0,
+// ...}, J {...}} with the centre of mass in the flange and all that hangs there in it, is $LOAD; BAS sets it beside
+// $TOOL.
 #include <limits>
 #include <regex>
+#include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -23,6 +26,8 @@ class KrlReader {
   Fields FieldsAt(size_t open) const;
   void ReadLine(size_t begin, size_t end);
   void ReadScene(const std::string& line, size_t begin);
+  bool ReadLoad(const std::string& line, size_t begin);
+  void StateLoad(const std::string& name, size_t open);
   void ReadFrameData(const std::string& name, size_t open);
   void ReadMotion(const std::string& word, size_t begin, size_t end);
   void AddPoint(const std::string& name, size_t open);
@@ -35,9 +40,10 @@ class KrlReader {
   const int joints_;
   RobotProgram& program_;
   const std::string code_;
-  std::string tool_, base_;  // as set so far; "": not
+  std::string tool_, base_, load_;  // as set so far; "": not
   std::map<std::string, size_t> named_;
-  std::vector<bool> used_;  // by a motion
+  std::vector<bool> used_;   // by a motion
+  std::set<size_t> loaded_;  // points whose FDAT says the tool, and so the load
 };
 
 // "{E6POS: X 1, Y 2}" -> X, Y with the places of their values.
@@ -122,6 +128,7 @@ void KrlReader::UseHere(const std::string& name, size_t at) {
   if (found == named_.end()) return;
   ProgramPoint& point = program_.points[found->second];
   if (!used_[found->second]) point.used_at = at;
+  if (loaded_.count(found->second) == 0) UseLoad(load_, !used_[found->second], &point);
   used_[found->second] = true;
   if (point.is_joints || !point.untouched.empty()) return;
   const bool fits = (point.tool.empty() || point.tool == tool_) && (point.frame.empty() || point.frame == base_);
@@ -148,6 +155,45 @@ std::string KrlReader::NameOf(const std::string& text, size_t at, const char* nu
   return name;
 }
 
+// A mass below 0 is the controller's word for one that nobody has stated.
+void KrlReader::StateLoad(const std::string& name, size_t open) {
+  const Fields fields = FieldsAt(open);
+  const auto mass = fields.find("M"), centre = fields.find("CM");
+  TextNumber number;
+  if (mass == fields.end() || centre == fields.end() || code_[centre->second.first] != '{') return;
+  if (!NumberAt(code_, mass->second, &number) || number.value < 0.0) return;
+  ProgramLoad load;
+  load.mass = number.value;
+  const Fields of_centre = FieldsAt(centre->second.first);
+  for (int a = 0; a < 3; ++a) {
+    const auto at = of_centre.find(std::string(1, "XYZ"[a]));
+    if (at == of_centre.end() || !NumberAt(code_, at->second, &number)) return;
+    load.centre[a] = number.value / 1e3;
+  }
+  program_.loads[name] = load;
+}
+
+// $LOAD = ..., LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}
+bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
+  static const std::regex set("^\\s*\\$LOAD\\s*=\\s*(\\S.*?)\\s*$");
+  static const std::regex data("^\\s*\\$?(LOAD_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
+  static const std::regex named("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?LOAD\\s+(\\w+)()\\s*=\\s*(\\{)");
+  std::smatch match;
+  if (std::regex_search(line, match, set)) {
+    load_ = match[1];
+    const size_t at = begin + static_cast<size_t>(match.position(1));
+    if (load_[0] != '{') return true;
+    load_ = "$LOAD of line " + std::to_string(LineAt(code_, at));
+    StateLoad(load_, at);
+    return true;
+  }
+  if (!std::regex_search(line, match, data) && !std::regex_search(line, match, named)) return false;
+  const std::string number = match[2];
+  StateLoad(match[1].str() + (number.empty() ? "" : "[" + number + "]"),
+            begin + static_cast<size_t>(match.position(3)));
+  return true;
+}
+
 // $TOOL = ..., $BASE = ..., BAS(#TOOL, 1), TOOL_DATA[1] = {...}
 void KrlReader::ReadScene(const std::string& line, size_t begin) {
   static const std::regex set("^\\s*\\$(TOOL|BASE)\\s*=\\s*(\\S.*?)\\s*$");
@@ -163,6 +209,7 @@ void KrlReader::ReadScene(const std::string& line, size_t begin) {
     const bool is_tool = match[1] == "TOOL";
     const std::string null_name = is_tool ? kFlange : kWorld;
     (is_tool ? tool_ : base_) = match[2] == "0" ? null_name : match[1].str() + "_DATA[" + match[2].str() + "]";
+    if (is_tool) load_ = match[2] == "0" ? "" : "LOAD_DATA[" + match[2].str() + "]";
   } else if (std::regex_search(line, match, data)) {
     std::map<std::string, Pose<double>> one;
     const std::string written = "{";
@@ -187,6 +234,8 @@ void KrlReader::ReadFrameData(const std::string& name, size_t open) {
   };
   point.tool = number("TOOL_NO", "TOOL_DATA", kFlange);
   point.frame = number("BASE_NO", "BASE_DATA", kWorld);
+  point.load = number("TOOL_NO", "LOAD_DATA", "");
+  loaded_.insert(found->second);
   const auto mode = fields.find("IPO_FRAME");
   if (mode != fields.end() && code_.compare(mode->second.first, 4, "#TCP") == 0) {
     point.untouched = "its tool stands in the room and the robot holds the workpiece";
@@ -209,6 +258,7 @@ void KrlReader::ReadMotion(const std::string& word, size_t begin, size_t end) {
     ProgramPoint& point = program_.points.back();
     point.tool = tool_;
     point.frame = base_;
+    point.load = load_;
     if (is_relative) point.untouched = "a relative motion: it goes on from a corrected point";
   }
 }
@@ -229,7 +279,7 @@ void KrlReader::ReadLine(size_t begin, size_t end) {
     } else {
       AddPoint(match[2], open);
     }
-  } else {
+  } else if (!ReadLoad(line, begin)) {
     ReadScene(line, begin);
   }
 }

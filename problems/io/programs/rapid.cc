@@ -1,5 +1,8 @@
 // ABB RAPID: robtarget [[x, y, z], [q1..q4], [cf1, cf4, cf6, cfx], [...]] and jointtarget [[...], [...]], declared or
-// in the motion itself. The motion says tool and work object; without \WObj it is wobj0, the world.
+// in the motion itself. The motion says tool and work object; without \WObj it is wobj0, the world. What hangs on the
+// flange is the tool's load, its centre of mass in the flange, and that of the last GripLoad, its centre of mass in the
+// tool.
+#include <optional>
 #include <regex>
 
 #include "models/constants.h"
@@ -26,13 +29,17 @@ class RapidReader {
   void AddTarget(const std::string& name, size_t open, bool is_joints);
   void AddTool(const std::string& name, size_t open);
   void AddWorkObject(const std::string& name, size_t open);
-  void Use(ProgramPoint* point, const std::string& tool, const std::string& frame);
+  void ReadGripLoad(size_t begin, size_t end);
+  std::string LoadWith(const std::string& tool, const std::string& total);
+  void Use(ProgramPoint* point, const std::string& tool, const std::string& frame, const std::string& load);
 
   const int joints_;
   RobotProgram& program_;
   const std::string code_, upper_;
   std::map<std::string, size_t> named_;
   std::map<std::string, std::string> refused_;  // tools and work objects that stand in the way of a correction
+  std::map<std::string, ProgramLoad> tool_loads_, payloads_;  // in the flange, in the tool
+  std::string gripped_;                                       // by the last GripLoad; "": nothing
   std::vector<bool> used_;
 };
 
@@ -71,6 +78,15 @@ Pose<double> PoseOf(const std::vector<TextNumber>& numbers, size_t first) {
   return PoseFrom(PoseNotation::kQuaternion, values);
 }
 
+// [mass, [x, y, z], [q1..q4], ix, iy, iz]. Nothing: it is not stated; tools that nobody has weighed have the mass -1.
+std::optional<ProgramLoad> LoadOf(const std::vector<TextNumber>& numbers) {
+  if (numbers.size() != 11 || numbers[0].value < 0.0) return std::nullopt;
+  ProgramLoad load;
+  load.mass = numbers[0].value;
+  for (int a = 0; a < 3; ++a) load.centre[a] = numbers[1 + static_cast<size_t>(a)].value / 1e3;
+  return load;
+}
+
 // [robhold, [[x, y, z], [q1..q4]], [mass, ...]]
 void RapidReader::AddTool(const std::string& name, size_t open) {
   const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
@@ -80,6 +96,50 @@ void RapidReader::AddTool(const std::string& name, size_t open) {
   if (upper_.compare(parts[0].first, 4, "TRUE") != 0)
     refused_[key] = "its tool stands in the room and the robot holds the workpiece";
   if (numbers.size() == 7) program_.tools[key] = PoseOf(numbers, 0);
+  if (parts.size() < 3 || code_[parts[2].first] != '[') return;
+  if (const auto load = LoadOf(NumbersInBracket(code_, parts[2].first))) tool_loads_[key] = *load;
+}
+
+// "GUN and PIECE": tool and workpiece as one body. `total`: what \TLoad names in place of both, "": nothing.
+std::string RapidReader::LoadWith(const std::string& tool, const std::string& total) {
+  if (!total.empty() && total != "LOAD0") return total;
+  std::vector<ProgramLoad> bodies;
+  std::string name;
+  bool is_stated = true;
+  if (tool != kFlange) {
+    name = tool;
+    const auto found = tool_loads_.find(tool);
+    is_stated = found != tool_loads_.end();
+    if (is_stated) bodies.push_back(found->second);
+  }
+  if (!gripped_.empty()) {
+    name += (name.empty() ? "" : " and ") + gripped_;
+    const auto found = payloads_.find(gripped_);
+    const auto held_by = program_.tools.find(tool);
+    is_stated &= found != payloads_.end() && (tool == kFlange || held_by != program_.tools.end());
+    if (is_stated) {
+      bodies.push_back(found->second);
+      if (tool != kFlange) bodies.back().centre = held_by->second * found->second.centre;
+    }
+  }
+  if (bodies.empty() || !is_stated) return name;
+  ProgramLoad all;
+  all.centre.setZero();
+  for (const ProgramLoad& body : bodies) {
+    all.mass += body.mass;
+    all.centre += body.mass * body.centre;
+  }
+  if (all.mass > 0.0) all.centre /= all.mass;
+  program_.loads[name] = all;
+  return name;
+}
+
+// GripLoad piece1;
+void RapidReader::ReadGripLoad(size_t begin, size_t end) {
+  static const std::regex grip("\\bGRIPLOAD\\s+(\\w+)");
+  const std::string statement = upper_.substr(begin, end - begin);
+  std::smatch match;
+  if (std::regex_search(statement, match, grip)) gripped_ = match[1] == "LOAD0" ? "" : match[1].str();
 }
 
 // [robhold, ufprog, ufmec, uframe, oframe]
@@ -98,7 +158,7 @@ void RapidReader::AddWorkObject(const std::string& name, size_t open) {
 
 void RapidReader::ReadDeclarations() {
   static const std::regex declaration(
-      "\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA)\\s+(\\w+)\\s*(\\{[^}]*\\})?\\s*:=\\s*(\\[)");
+      "\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA|LOADDATA)\\s+(\\w+)\\s*(\\{[^}]*\\})?\\s*:=\\s*(\\[)");
   for (auto match = std::sregex_iterator(upper_.begin(), upper_.end(), declaration); match != std::sregex_iterator();
        ++match) {
     const size_t open = static_cast<size_t>(match->position(4));
@@ -109,7 +169,7 @@ void RapidReader::ReadDeclarations() {
     }
     const std::string type = (*match)[1];
     if ((*match)[3].matched) {
-      if (type[0] == 'T' || type[0] == 'W') continue;
+      if (type[0] == 'T' || type[0] == 'W' || type[0] == 'L') continue;
       ProgramPoint array;
       array.name = name;
       array.line = LineAt(code_, open);
@@ -120,17 +180,20 @@ void RapidReader::ReadDeclarations() {
       AddTool(name, open);
     } else if (type == "WOBJDATA") {
       AddWorkObject(name, open);
+    } else if (type == "LOADDATA") {
+      if (const auto load = LoadOf(NumbersInBracket(code_, open))) payloads_[UpperCase(name)] = *load;
     } else {
       AddTarget(name, open, type == "JOINTTARGET");
     }
   }
 }
 
-void RapidReader::Use(ProgramPoint* point, const std::string& tool, const std::string& frame) {
+void RapidReader::Use(ProgramPoint* point, const std::string& tool, const std::string& frame, const std::string& load) {
   const size_t index = static_cast<size_t>(point - program_.points.data());
   if (used_[index] && (point->tool != tool || point->frame != frame) && point->untouched.empty()) {
     point->untouched = "the program moves to it with more than one tool or work object";
   }
+  UseLoad(load, !used_[index], point);
   used_[index] = true;
   point->tool = tool;
   point->frame = frame;
@@ -144,6 +207,7 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
   static const std::regex motion("^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|SEARCH)(\\w*))\\s+");
   static const std::regex object("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)");
   static const std::regex tool_at_end("^(\\w+)");
+  static const std::regex total_load("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
   const std::string statement = upper_.substr(begin, end - begin);
   std::smatch match;
   if (!std::regex_search(statement, match, motion)) return false;
@@ -156,25 +220,28 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
   std::smatch tool_match;
   std::string tool = std::regex_search(last, tool_match, tool_at_end) ? tool_match[1].str() : "";
   if (tool == "TOOL0") tool = kFlange;
+  std::smatch total;
+  const std::string load =
+      LoadWith(tool, std::regex_search(statement, total, total_load) ? total[1].str() : std::string());
   for (const TextRange& part : parts) {
     const std::string text = upper_.substr(part.first, part.second - part.first);
     if (!text.empty() && text[0] == '[') {  // "[...] \NoEOffs" too; speeds and zones in numbers are no targets
       const size_t count = NumbersInBracket(code_, part.first).size();
       if (count != (is_joints ? 12U : 17U)) continue;
       AddTarget(match[1].str() + " of line " + std::to_string(LineAt(code_, part.first)), part.first, is_joints);
-      Use(&program_.points.back(), tool, frame);
+      Use(&program_.points.back(), tool, frame, load);
       continue;
     }
     std::smatch word;
     if (!std::regex_search(text, word, tool_at_end)) continue;
     const auto found = named_.find(word[1]);
-    if (found != named_.end()) Use(&program_.points[found->second], tool, frame);
+    if (found != named_.end()) Use(&program_.points[found->second], tool, frame, load);
     if (word[1] == "OFFS" || word[1] == "RELTOOL") {
       program_.notes.push_back("line " + std::to_string(LineAt(code_, part.first)) + ": " +
                                (word[1] == "OFFS" ? "Offs" : "RelTool") +
                                " goes on from a corrected point and takes over its correction");
       for (const auto& [name, index] : named_) {
-        if (std::regex_search(text, std::regex("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame);
+        if (std::regex_search(text, std::regex("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame, load);
       }
     }
   }
@@ -184,6 +251,7 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
 void RapidReader::ReadMotions() {
   for (size_t begin = 0; begin < code_.size();) {
     const size_t end = std::min(code_.find(';', begin), code_.size());
+    ReadGripLoad(begin, end);
     // PROC main() and IF ... THEN before it end without a semicolon: the motion begins on a line of its own.
     for (size_t line = begin; line < end; line = code_.find('\n', line) + 1) {
       if (ReadStatement(line, end) || code_.find('\n', line) >= end) break;

@@ -44,6 +44,14 @@ Vector3<double> RollPitchYaw(const Matrix3<double>& r) {
 
 }  // namespace
 
+void UseLoad(const std::string& load, bool is_first, ProgramPoint* point) {
+  if (is_first) {
+    point->load = load;
+  } else if (point->load != load) {
+    point->other_load = load;
+  }
+}
+
 const char* DialectName(ProgramDialect dialect) {
   switch (dialect) {
     case ProgramDialect::kKrl:

@@ -46,10 +46,19 @@ struct StatedBranch {
   std::optional<bool> wrist_negative;      // joint 5 is below 0
   // Joint (from 0) within [low, high], rad.
   std::vector<std::pair<int, std::pair<double, double>>> ranges;
-  bool from_before = false;  // the controller takes the solution that is nearest to where the arm is
+  // FANUC: whole turns of three joints, each within 180 deg of so many; which joints (from 0) the file does not say.
+  std::vector<int> turns;
+  std::vector<int> turn_joints;  // as the user says; empty: every three in a row that the joints' limits allow
+  bool from_before = false;      // the controller takes the solution that is nearest to where the arm is
   bool states_anything() const {
-    return wrist_behind || elbow_of_zero || elbow_past_stretch || wrist_negative || !ranges.empty();
+    return wrist_behind || elbow_of_zero || elbow_past_stretch || wrist_negative || !ranges.empty() || !turns.empty();
   }
+};
+
+// What hangs on the flange, tool and workpiece, as controllers state it.
+struct ProgramLoad {
+  double mass = 0.0;       // kg
+  Vector3<double> centre;  // of mass, m, in the controller's flange
 };
 
 struct ProgramPoint {
@@ -58,6 +67,8 @@ struct ProgramPoint {
   bool is_joints = false;
   std::vector<TextNumber> numbers;  // of joints, or of the pose in the file's notation
   std::string frame, tool;          // of a pose: names
+  std::string load;                 // name of what hangs on the flange there; "": the file says nothing
+  std::string other_load;           // of another motion to it; "": there is none
   size_t used_at = 0;  // byte where the first motion goes to it, else where it stands: the order of the way
   StatedBranch branch;
   std::string untouched;  // why it stays as it is; "": it is corrected
@@ -71,6 +82,7 @@ struct RobotProgram {
   std::vector<ProgramPoint> points;            // in the order of the text
   std::map<std::string, Pose<double>> frames;  // in the world frame, stated by the file
   std::map<std::string, Pose<double>> tools;   // in the flange, stated by the file
+  std::map<std::string, ProgramLoad> loads;    // stated by the file; points may name others
   std::vector<std::string> notes;              // what a reader of the result should know
 
   // Of a joint point: rad.
@@ -80,6 +92,9 @@ struct RobotProgram {
 // By the ending: .src .dat .sub (KRL), .mod .modx .prg .sys (RAPID), .script .urscript (UR), .ls (FANUC). `joints`: of
 // the robot. Throws InputError: another ending, no target in the file, a point that is cut off.
 RobotProgram ReadRobotProgram(const std::string& path, int joints);
+
+// A motion goes to the point with this load.
+void UseLoad(const std::string& load, bool is_first, ProgramPoint* point);
 
 // The text with the numbers of some points replaced: joints in rad, poses in their frame and for their tool.
 struct CorrectedPoint {

@@ -1,6 +1,9 @@
 // URScript: p[x, y, z, rx, ry, rz] in the base, m and rad, for the tool that set_tcp states; [j1, ..., j6] in rad. Only
-// what a motion goes to is a target: other lists and poses are loads, tools, frames.
+// what a motion goes to is a target: other lists and poses are tools, frames. set_payload(m, [x, y, z]) states all that
+// hangs on the flange, in m of the flange; without the list its centre of mass is the tool centre point.
+#include <optional>
 #include <regex>
+#include <set>
 
 #include "problems/input_error.h"
 #include "problems/io/programs/program_text.h"
@@ -20,13 +23,17 @@ class UrReader {
   void ReadCalls();
   void ReadTarget(const std::string& motion, TextRange argument, bool only_start);
   void SetTool(size_t open);
+  void SetLoad(size_t open);
+  std::string LoadHere();
   int AddLiteral(const std::string& name, size_t at);
 
   const int joints_;
   RobotProgram& program_;
   const std::string code_;
-  std::string tool_;
-  std::map<std::string, int> named_;  // index of a point
+  std::string tool_, load_;
+  std::optional<double> mass_at_tool_;  // of a load that is in the tool centre point, wherever that is
+  std::set<int> used_;                  // points that a motion goes to
+  std::map<std::string, int> named_;    // index of a point
 };
 
 bool IsPoseAt(const std::string& code, size_t at) { return code.compare(at, 2, "p[") == 0; }
@@ -83,6 +90,31 @@ void UrReader::SetTool(size_t open) {
   program_.tools[tool_] = PoseFrom(PoseNotation::kRotationVectorMetres, values);
 }
 
+void UrReader::SetLoad(size_t open) {
+  const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
+  load_ = "set_payload of line " + std::to_string(LineAt(code_, open));
+  mass_at_tool_.reset();
+  TextNumber mass;
+  if (!NumberAt(code_, parts[0], &mass) || mass.value < 0.0) return;
+  if (parts.size() < 2) {
+    mass_at_tool_ = mass.value;
+    return;
+  }
+  const size_t bracket = code_.find('[', parts[1].first);  // "[0, 0, 0.05]", "cog=[0, 0, 0.05]"
+  if (bracket >= parts[1].second) return;
+  const std::vector<TextNumber> centre = NumbersInBracket(code_, bracket);
+  if (centre.size() != 3) return;
+  program_.loads[load_] = {mass.value, {centre[0].value, centre[1].value, centre[2].value}};
+}
+
+std::string UrReader::LoadHere() {
+  if (!mass_at_tool_) return load_;
+  const std::string name = load_ + (tool_.empty() ? "" : " at " + tool_);
+  const auto tool = program_.tools.find(tool_);
+  if (tool != program_.tools.end()) program_.loads[name] = {*mass_at_tool_, tool->second.translation};
+  return name;
+}
+
 void UrReader::ReadTarget(const std::string& motion, TextRange argument, bool only_start) {
   const std::string text = code_.substr(argument.first, argument.second - argument.first);
   const std::string name = motion + " of line " + std::to_string(LineAt(code_, argument.first));
@@ -108,13 +140,14 @@ void UrReader::ReadTarget(const std::string& motion, TextRange argument, bool on
     point.untouched = "the program moves to it with more than one tool";
     return;
   }
+  UseLoad(LoadHere(), used_.insert(index).second, &point);
   if (!point.untouched.empty()) point.used_at = argument.first;
   if (point.untouched.find("no motion") == 0 || point.untouched.find("it only starts") == 0) point.untouched.clear();
   if (!point.is_joints) point.tool = tool_;
 }
 
 void UrReader::ReadCalls() {
-  static const std::regex call("\\b(movej|movel|movep|movec|servoj|set_tcp)\\s*(\\()");
+  static const std::regex call("\\b(movej|movel|movep|movec|servoj|set_tcp|set_payload|set_target_payload)\\s*(\\()");
   static const std::regex inverse("^get_inverse_kin\\s*\\(");
   for (auto match = std::sregex_iterator(code_.begin(), code_.end(), call); match != std::sregex_iterator(); ++match) {
     const size_t open = static_cast<size_t>(match->position(2));
@@ -125,6 +158,10 @@ void UrReader::ReadCalls() {
     }
     if (motion == "set_tcp") {
       SetTool(open);
+      continue;
+    }
+    if (motion == "set_payload" || motion == "set_target_payload") {
+      SetLoad(open);
       continue;
     }
     const std::vector<TextRange> parts = PartsOf(code_, open + 1, end - 1);

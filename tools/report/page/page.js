@@ -1,5 +1,5 @@
 // Draws the pictures of a report: specifications and numbers lie in the page as JSON, Vega and three.js draw them.
-// Without this script every picture remains the table below it.
+// Without this script every picture remains the table below it, which stands open until the picture is there.
 (function () {
   'use strict';
   const kPlainMarks = 1500;  // more rows than these are drawn as pixels, not as elements
@@ -180,7 +180,7 @@
       renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
     } catch (error) {
       place.textContent = 'This browser draws nothing in three dimensions (WebGL is off); the table has the numbers.';
-      return {resize() {}, read: () => ({}), take() {}, end() {}};
+      return {resize() {}, read: () => ({}), take() {}, end: nothing};
     }
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     renderer.setClearColor(colours.paper);
@@ -295,6 +295,7 @@
 
   // ------------------------------------------------------------------------------------------------------- the page
   const drawn = new Map();  // figure: its picture
+  const nothing = () => {};
 
   // A picture that fails leaves its table, and the others.
   function drawnOrExcused(picture, place, menus) {
@@ -303,7 +304,7 @@
     } catch (error) {
       console.error(picture.kind + ': ' + error.message);
       place.textContent = 'This picture cannot be drawn here; the table has the numbers.';
-      return {resize() {}, read: () => ({}), take() {}, end() {}};
+      return {resize() {}, read: () => ({}), take() {}, end: nothing};
     }
   }
 
@@ -317,6 +318,7 @@
     const picture = JSON.parse(figure.querySelector('script').textContent);
     const now = drawnOrExcused(picture, place, menus);
     if (before) now.take(values);
+    else if (now.end !== nothing) figure.querySelectorAll('details').forEach((table) => { table.open = false; });
     drawn.set(figure, now);
     menus.querySelectorAll('.vega-bind-name').forEach((name) => {
       const input = name.parentElement.querySelector('select');
@@ -333,6 +335,7 @@
     const next = waiting()[0];
     if (!next) {
       document.documentElement.dataset.ready = 'yes';
+      if (performance.getEntriesByName('drawn').length === 0) performance.mark('drawn');
       return;
     }
     draw(next);

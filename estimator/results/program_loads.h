@@ -1,0 +1,32 @@
+// What hangs on the arm at each point of a robot program: as the program states it, or as the user does.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "estimator/results/estimate_json.h"
+#include "estimator/results/program_compensation.h"
+#include "problems/io/programs/robot_program.h"
+
+namespace sagitta {
+
+struct ProgramLoads {
+  Experiment loading;                 // of the estimate, with the loads of the program beside its own
+  std::vector<std::string> of_point;  // by point of the program: name of its load in `loading`
+  std::vector<std::string> unclear;   // by point: why its load is not known; "": it is
+  bool needs_flange = false;          // a centre of mass stands in the controller's flange
+  std::vector<std::string> notes;
+};
+
+// A load of the program is all that hangs on the flange, the tool of the estimate included. An arm that nothing bends
+// carries every load alike. `scene.load` decides where it is stated.
+ProgramLoads LoadsOfProgram(const KnownRobot& known, const RobotProgram& program, const ProgramScene& scene);
+
+// program_loads_words.cc
+std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, int points);
+std::string LoadUnknownInWords(const std::string& name, int points);
+std::string LoadOfTwoInWords(const std::string& one, const std::string& other);
+std::string ToolReplacedInWords(double tool_mass);
+
+}  // namespace sagitta

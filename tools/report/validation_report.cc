@@ -1,0 +1,75 @@
+#include "tools/report/validation_report.h"
+
+#include <numeric>
+
+#include "estimator/validation/unseen.h"
+#include "problems/text.h"
+#include "tools/report/histograms.h"
+#include "tools/report/report_html.h"
+#include "tools/report/residual_pictures.h"
+
+namespace sagitta {
+namespace {
+
+// Of points; rows that are rotations have no distance.
+UnseenPoints DistancesOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted) {
+  std::vector<int> points;
+  Eigen::Matrix3Xd errors(3, predicted.cols());
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    const Observation& row = problem.data.observations[i];
+    if (!row.is_point() || !row.point_in_station.allFinite()) continue;
+    errors.col(static_cast<Eigen::Index>(points.size())) =
+        row.point_in_station - predicted.col(static_cast<Eigen::Index>(i));
+    points.push_back(static_cast<int>(i));
+  }
+  return MeasureUnseen(problem, points, errors.leftCols(static_cast<Eigen::Index>(points.size())));
+}
+
+std::string InMillimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
+
+Section Head(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
+  Section head;
+  head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
+  head.paragraphs = {"Within " + InMillimetres(validation.after.distance_rms) + " (RMS; nominal robot " +
+                     InMillimetres(validation.before.distance_rms) + ") on " +
+                     std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file + "."};
+  return head;
+}
+
+Section Residuals(const KnownRobot& known, const Validation& validation) {
+  Section section = ResidualSection("Residuals on " + std::to_string(validation.after.observations) + " observations",
+                                    validation.before, validation.after);
+  section.paragraphs.push_back("before: the nominal robot, base poses and markers fitted to the calibration rows.");
+  if (validation.predicted_rms > 0.0) {
+    section.paragraphs.push_back("Predicted coordinate RMS from noise and parameter uncertainty: " +
+                                 Fixed(1e3 * validation.predicted_rms, 4) + " mm.");
+  }
+  const std::string model_error = ModelErrorInWords(known);
+  if (!model_error.empty()) section.paragraphs.push_back(model_error);
+  for (const std::string& warning : validation.warnings) section.paragraphs.push_back("- " + warning + ".");
+  return section;
+}
+
+}  // namespace
+
+std::vector<Section> ValidationPage(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
+  const CalibrationProblem problem = PredictionProblem(known, rows);
+  const DrawnReadings readings(problem, problem.parameters, validation.predicted);
+  Section residuals = Residuals(known, validation);
+  std::vector<int> all(problem.data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
+  residuals.pictures = BeforeAndAfter(DistancesOf(problem, nominal), DistancesOf(problem, validation.predicted));
+  Section left;
+  left.title = "What is left, and where";
+  left.paragraphs = {"measured − predicted. All rows are in residuals.csv."};
+  left.pictures = {ResidualsOverDrivers(readings), ResidualsInWorkspace(readings)};
+  return {Head(known, rows, validation), residuals, left};
+}
+
+std::string ValidationToHtml(const KnownRobot& known, const Measurements& rows, const Validation& validation,
+                             const Provenance& provenance) {
+  return SectionsToPage(ValidationPage(known, rows, validation), provenance);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,17 @@
+// report.html of a validation: how far the calibrated and the nominal robot are from points that took no part.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/sagitta.h"
+#include "tools/report/summary.h"
+
+namespace sagitta {
+
+// validation: of `known` on `rows`.
+std::vector<Section> ValidationPage(const KnownRobot& known, const Measurements& rows, const Validation& validation);
+std::string ValidationToHtml(const KnownRobot& known, const Measurements& rows, const Validation& validation,
+                             const Provenance& provenance);
+
+}  // namespace sagitta
