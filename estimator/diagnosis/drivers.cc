@@ -2,20 +2,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 namespace sagitta {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
-
-Driver PerShot(const CalibrationProblem& problem, const std::string& name, const std::string& unit,
-               const std::string& column, const std::function<double(const ShotConditions&)>& value) {
-  Driver driver{name, unit, column, Eigen::VectorXd(static_cast<long>(problem.shot_inputs.size()))};
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-    driver.of_shot[static_cast<long>(s)] = value(problem.shot_inputs[s].conditions);
-  }
-  return driver;
-}
 
 std::vector<int> JointSlots(const Chain& chain) {
   std::vector<int> slots;
@@ -46,31 +38,37 @@ Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const Param
 
 }  // namespace
 
+std::vector<int> FittedShots(const CalibrationProblem& problem) {
+  std::set<int> shots;
+  for (const int i : problem.CalibrationObservations()) shots.insert(problem.data.observations[i].shot);
+  return {shots.begin(), shots.end()};
+}
+
 bool Turns(const CalibrationProblem& problem, int joint) {
   return problem.robot.chain.joints[joint].type == JointType::kRevolute;
 }
 
 Driver AngleOf(const CalibrationProblem& problem, int joint) {
   const double scale = Turns(problem, joint) ? kDegreesPerRadian : 1e3;
-  return PerShot(problem, problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "deg" : "mm", "q",
-                 [&](const ShotConditions& shot) { return scale * shot.q[joint]; });
+  return {problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "deg" : "mm", "q",
+          OfShots(problem, [&](const ShotConditions& shot) { return scale * shot.q[joint]; })};
 }
 
 Driver ApproachOf(const CalibrationProblem& problem, int joint) {
-  return PerShot(problem, "approach of " + problem.robot.chain.joints[joint].name, "", "",
-                 [joint](const ShotConditions& shot) -> double {
-                   return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
-                 });
+  const auto approach = [joint](const ShotConditions& shot) -> double {
+    return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
+  };
+  return {"approach of " + problem.robot.chain.joints[joint].name, "", "", OfShots(problem, approach)};
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {
-  return PerShot(problem, "time", "s", "time_s",
-                 [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; });
+  const auto time = [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; };
+  return {"time", "s", "time_s", OfShots(problem, time)};
 }
 
 Driver TemperatureOf(const CalibrationProblem& problem) {
-  return PerShot(problem, "temperature above its mean", "K", "temperature_K",
-                 [](const ShotConditions& shot) { return shot.has_temperature ? shot.temperature : 0.0; });
+  const auto above = [](const ShotConditions& shot) { return shot.has_temperature ? shot.temperature : 0.0; };
+  return {"temperature above its mean", "K", "temperature_K", OfShots(problem, above)};
 }
 
 Driver ConfigurationNumberOf(const CalibrationProblem& problem) {

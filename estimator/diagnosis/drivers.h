@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "problems/calibration_problem.h"
 
@@ -15,6 +16,17 @@ struct Driver {
 
   bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }
 };
+
+// Shots of which a row is fitted, ascending.
+std::vector<int> FittedShots(const CalibrationProblem& problem);
+
+// value(conditions) of every shot.
+template <typename Value>
+Eigen::VectorXd OfShots(const CalibrationProblem& problem, const Value& value) {
+  Eigen::VectorXd values(static_cast<long>(problem.shot_inputs.size()));
+  for (long s = 0; s < values.size(); ++s) values[s] = value(problem.shot_inputs[static_cast<size_t>(s)].conditions);
+  return values;
+}
 
 // A revolute joint, whose angle is read; of the others a length is.
 bool Turns(const CalibrationProblem& problem, int joint);

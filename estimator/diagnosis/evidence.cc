@@ -49,7 +49,8 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   if (progress) {
     progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   }
-  Search(std::move(stated));
+  std::deque<SetSearch> searches;
+  Climb(std::move(stated), &searches);
   const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);
   const auto& joints = problem.robot.chain.joints;
   const bool any_turns =
@@ -79,8 +80,9 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
                " urad");
     }
     const JointScatter scatter = ScatterOf(next->view);
-    Search({next->view, scatter, columns_.Project(columns_.Sum(scatter))});
+    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, &searches);
   }
+  Explore(&searches);
 }
 
 JointScatter Evidence::ScatterOf(const NoiseView& view) const {
@@ -143,16 +145,35 @@ void Evidence::Correct(const std::vector<double>& log_corrections) {
   Normalise(&models_);
 }
 
-void Evidence::Search(ViewedNormal viewed) {
+void Evidence::AddModel(int view, const WeightedSet& set) {
+  const ViewedNormal& viewed = views_[view];
+  models_.push_back({view, set, 0.0, set.log_weight + viewed.beside.log_constant + viewed.view.log_prior});
+}
+
+void Evidence::Climb(ViewedNormal viewed, std::deque<SetSearch>* searches) {
   views_.push_back(std::move(viewed));
-  const int index = static_cast<int>(views_.size()) - 1;
-  const NoiseView& view = views_.back().view;
-  const BesideBelieved& beside = views_.back().beside;
-  SetSearch search = SearchIn(index);
-  const WeightedSet start = models_.empty() ? WeightedSet() : models_[0].set;
-  for (WeightedSet& set : search.Run(start)) {
-    const double weight = set.log_weight + beside.log_constant + view.log_prior;
-    models_.push_back({index, std::move(set), 0.0, weight});
+  const int view = static_cast<int>(views_.size()) - 1;
+  searches->push_back(SearchIn(view));
+  SetSearch& search = searches->back();
+  search.ClimbFrom(models_.empty() ? WeightedSet() : models_[0].set);
+  AddModel(view, search.Best());
+  if (!search.Best().members.empty()) AddModel(view, search.Empty());
+  Normalise(&models_);
+}
+
+void Evidence::Explore(std::deque<SetSearch>* searches) {
+  std::vector<WeightedModel> climbed = std::move(models_);
+  models_.clear();
+  const double hopeless = climbed[0].log_weight - kWorthKeeping;
+  for (int view = 0; view < static_cast<int>(views_.size()); ++view) {
+    const auto is_near = [&](const WeightedModel& model) { return model.view == view && model.log_weight >= hopeless; };
+    if (std::any_of(climbed.begin(), climbed.end(), is_near)) {
+      for (const WeightedSet& set : (*searches)[view].Explore()) AddModel(view, set);
+    } else {
+      for (const WeightedModel& model : climbed) {
+        if (model.view == view) models_.push_back(model);
+      }
+    }
   }
   Normalise(&models_);
   if (models_.size() <= kMostModels) return;

@@ -9,6 +9,7 @@
 // A view is searched only where it is worth that, which the best set so far says at the cost of its few columns.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <limits>
 #include <string>
@@ -60,7 +61,7 @@ class Evidence {
 
   const ExplanationList& list() const { return list_; }
   const EvidenceColumns& columns() const { return columns_; }
-  const std::vector<ViewedNormal>& views() const { return views_; }
+  const std::deque<ViewedNormal>& views() const { return views_; }
   // Best first; without those below e^-kWorthKeeping of the best, but always with some that hold nothing.
   const std::vector<WeightedModel>& models() const { return models_; }
   const WeightedModel& BestOfNothing() const;
@@ -92,7 +93,11 @@ class Evidence {
   // Of the set beside a view, with its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set) const;
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
-  void Search(ViewedNormal viewed);
+  // In one more view, from the best set so far; what is best there is added to the models.
+  void Climb(ViewedNormal viewed, std::deque<SetSearch>* searches);
+  // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
+  void Explore(std::deque<SetSearch>* searches);
+  void AddModel(int view, const WeightedSet& set);
 
   const CalibrationProblem problem_;
   EvidenceColumns columns_;
@@ -101,7 +106,7 @@ class Evidence {
   SetPrior prior_;
   double sigma_dof_;
   JointScatter stated_;
-  std::vector<ViewedNormal> views_;
+  std::deque<ViewedNormal> views_;  // stay where they are
   std::vector<WeightedModel> models_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "estimator/diagnosis/typical_units.h"
 #include "estimator/least_squares/batch_algebra.h"
+#include "models/effects/learnt_deviation.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -73,7 +74,7 @@ double TypicalSizeOf(const Source& source, const Chain& chain) {
     case Source::Kind::kPlate:
       return source.axis < 3 ? kTypicalMovement : kTypicalPlateTurn;
     case Source::Kind::kLink:
-      return kTypicalGrowthOfLink;
+      return kTypicalGrowth;
   }
   return 0.0;
 }
@@ -91,18 +92,6 @@ std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
     if (problem.marker_frames[m] == problem.model.chain().FlangeFrame()) markers.push_back(static_cast<int>(m));
   }
   return markers;
-}
-
-std::vector<LengthOfLink> LengthsOfLink(const Chain& chain, int joint) {
-  std::vector<LengthOfLink> lengths;
-  int before = -1;  // the joint that was passed last
-  for (const ElementaryTransform& transform : chain.transforms) {
-    if (transform.has_joint()) before = transform.joint;
-    const bool is_length = !transform.is_rotation() && !transform.has_joint() && transform.nominal != 0.0;
-    if (before == joint && is_length && !transform.error.empty())
-      lengths.push_back({transform.error, transform.nominal});
-  }
-  return lengths;
 }
 
 JointScatter StatedScatter(const CalibrationProblem& problem) {
@@ -155,9 +144,8 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
   }
   for (int m = 0; m < all.num_markers(); ++m) append(all.marker(m));
   for (int joint = -1; joint < extended_.robot.num_joints(); ++joint) {
-    for (const LengthOfLink& length : LengthsOfLink(extended_.robot.chain, joint)) {
-      const int coordinate = all.FindCoordinate("geometry/" + length.error);
-      if (coordinate >= 0 && there.count(coordinate) == 0) linearized_.push_back(coordinate);
+    for (const auto& [coordinate, nominal] : LengthsOf(joint)) {
+      if (there.count(coordinate) == 0) linearized_.push_back(coordinate);
     }
   }
 
@@ -203,15 +191,26 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
   }
 }
 
-int EvidenceColumns::Add(const FunctionFamily& family) {
-  const int first = num_columns_;
+std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
+  std::vector<int> own;
   for (int f = 0; f < family.functions.cols(); ++f) {
     family_of_column_.push_back(static_cast<int>(families_.size()));
     function_of_column_.push_back(f);
+    own.push_back(num_columns_++);
   }
   families_.push_back(family);
-  num_columns_ += static_cast<int>(family.functions.cols());
-  return first;
+  return own;
+}
+
+std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const {
+  std::vector<std::pair<int, double>> lengths;
+  const std::vector<std::vector<int>> links = LengthsByLink(extended_.robot.chain);
+  for (const int transform : links[static_cast<size_t>(joint + 1)]) {
+    const ElementaryTransform& length = extended_.robot.chain.transforms[transform];
+    const int coordinate = length.error.empty() ? -1 : extended_.parameters.FindCoordinate("geometry/" + length.error);
+    if (coordinate >= 0) lengths.emplace_back(coordinate, length.nominal);
+  }
+  return lengths;
 }
 
 Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
@@ -263,10 +262,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
       }
       break;
     case Source::Kind::kLink:
-      for (const LengthOfLink& length : LengthsOfLink(extended_.robot.chain, source.owner)) {
-        const int coordinate = all.FindCoordinate("geometry/" + length.error);
-        if (coordinate >= 0) moved.emplace_back(coordinate, size * length.nominal);
-      }
+      for (const auto& [coordinate, nominal] : LengthsOf(source.owner)) moved.emplace_back(coordinate, size * nominal);
       break;
   }
   return moved;

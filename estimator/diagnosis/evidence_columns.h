@@ -31,28 +31,12 @@ struct Source {
   int axis = 0;   // of all but joints and links
 };
 
-// Sizes of an unnamed deviation: those of a harmonic (joint_harmonic.cc), of what moves a station or a marker.
-constexpr double kTypicalTurn = 75e-6;          // rad
-constexpr double kTypicalTravel = 50e-6;        // m, of a joint that slides
-constexpr double kTypicalMovement = 30e-6;      // m
-constexpr double kTypicalStationTurn = 15e-6;   // rad: what that makes at 2 m
-constexpr double kTypicalPlateTurn = 150e-6;    // rad: what that makes at 0.2 m
-constexpr double kTypicalGrowthOfLink = 50e-6;  // of its length: 5 K of steel or 2 K of aluminium (thermal_growth.cc)
-
 // SI, and what it is millionths of, in words: urad, um or ppm.
 double TypicalSizeOf(const Source& source, const Chain& chain);
 const char* UnitOf(const Source& source, const Chain& chain);
 
 // Indices of the markers that are on the flange.
 std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
-
-// A translation of the chain that has an error.
-struct LengthOfLink {
-  std::string error;     // its name
-  double nominal = 0.0;  // m
-};
-// Between a joint (-1: the base) and the next, or the flange.
-std::vector<LengthOfLink> LengthsOfLink(const Chain& chain, int joint);
 
 // Functions of the shots that one source may follow, each a column.
 struct FunctionFamily {
@@ -89,8 +73,8 @@ class EvidenceColumns {
   EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                   const std::vector<Candidate>& candidates);
 
-  // Adds a family; returns its first column.
-  int Add(const FunctionFamily& family);
+  // Adds a family; returns its columns.
+  std::vector<int> Add(const FunctionFamily& family);
   int num_columns() const { return num_columns_; }
   // Columns of each candidate, empty for one that the model already has.
   const std::vector<int>& ColumnsOf(int candidate) const { return of_candidate_[candidate]; }
@@ -101,6 +85,10 @@ class EvidenceColumns {
 
   // Functions behind columns that are not the catalogue's, one row per shot of the data.
   Eigen::MatrixXd FunctionOf(const std::vector<int>& columns) const;
+
+  // Lengths of the arm between a joint (-1: the base) and the next: coordinate and nominal value, m, of each that has
+  // an error.
+  std::vector<std::pair<int, double>> LengthsOf(int joint) const;
 
   // Groups of configurations with equal joint values, in the order of the data.
   int num_poses() const { return static_cast<int>(poses_.size()); }

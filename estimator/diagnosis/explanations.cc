@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/unnamed_functions.h"
 #include "models/effects/catalogue.h"
+#include "models/effects/learnt_deviation.h"
 
 namespace sagitta {
 namespace {
@@ -68,10 +68,9 @@ class ListBuilder {
  public:
   ListBuilder(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
               EvidenceColumns* columns)
-      : problem_(problem), parameters_(parameters), columns_(columns) {
+      : problem_(problem), parameters_(parameters), columns_(columns), fitted_(FittedShots(problem)) {
     list_.candidates = candidates.candidates;
     list_.not_testable = candidates.not_testable;
-    for (const int i : problem.CalibrationObservations()) fitted_.insert(problem.data.observations[i].shot);
   }
 
   ExplanationList Build(const PriorMasses& prior) {
@@ -119,7 +118,7 @@ class ListBuilder {
     const int joint = problem_.robot.chain.FindJoint(spec.target);
     const Source source{Source::Kind::kJoint, joint, 0};
     const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
-    const Eigen::VectorXd angles = OfShots([&](const ShotConditions& shot) { return shot.q[joint]; });
+    const Eigen::VectorXd angles = OfShots(problem_, [&](const ShotConditions& shot) { return shot.q[joint]; });
     Eigen::MatrixXd torques(angles.size(), kPerShape * static_cast<long>(shapes.size()));
     const double turn = kTypicalSpringTurn / kTypicalTurn * std::sqrt(static_cast<double>(fitted_.size()));
     for (size_t s = 0; s < shapes.size(); ++s) {
@@ -128,7 +127,7 @@ class ListBuilder {
     }
     const Eigen::VectorXd weights = SpringWeights(joint, OnFitted(torques));
     const Compressed functions = Compress(torques, kAlikeShapes);
-    const std::vector<int> own = Columns({source, functions.basis});
+    const std::vector<int> own = columns_->Add({source, functions.basis});
     for (size_t s = 0; s < shapes.size(); ++s) {
       Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
              {spec.effect, spec.target, weights[static_cast<long>(s)]}, spec.effect);
@@ -158,23 +157,7 @@ class ListBuilder {
     return ((1.0 - kElsewhere) * of_joint / sum * against).array() + elsewhere;
   }
 
-  std::vector<int> Columns(const FunctionFamily& family) {
-    const int first = columns_->Add(family);
-    std::vector<int> own;
-    for (int c = first; c < columns_->num_columns(); ++c) own.push_back(c);
-    return own;
-  }
-
-  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const {
-    return functions(std::vector<int>(fitted_.begin(), fitted_.end()), Eigen::all);
-  }
-
-  template <typename Value>
-  Eigen::VectorXd OfShots(const Value& value) const {
-    Eigen::VectorXd values(static_cast<long>(problem_.shot_inputs.size()));
-    for (long s = 0; s < values.size(); ++s) values[s] = value(problem_.shot_inputs[s].conditions);
-    return values;
-  }
+  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }
 
   int joints() const { return problem_.robot.num_joints(); }
 
@@ -190,9 +173,9 @@ class ListBuilder {
   const CalibrationProblem& problem_;
   const ParameterSet& parameters_;
   EvidenceColumns* columns_;
+  std::vector<int> fitted_;  // shots
   ExplanationList list_;
   std::map<std::string, int> numbers_;
-  std::set<int> fitted_;       // shots
   Eigen::MatrixXd of_weight_;  // fitted shots x joints: torque per weight at the flange, m
 };
 

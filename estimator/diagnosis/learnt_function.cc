@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
-#include <set>
 
 #include "models/constants.h"
 
@@ -200,9 +199,8 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   double most = -1.0;
   const std::vector<int> own(group.columns.begin(), group.columns.begin() + height);
   const Eigen::MatrixXd functions = evidence.columns().FunctionOf(own);
-  std::set<int> fitted;
-  for (const int i : problem.CalibrationObservations()) fitted.insert(problem.data.observations[i].shot);
-  const Eigen::MatrixXd seen = functions(std::vector<int>(fitted.begin(), fitted.end()), Eigen::all);
+  std::vector<int> shots = FittedShots(problem);
+  const Eigen::MatrixXd seen = functions(shots, Eigen::all);
   const Eigen::RowVectorXd mean = seen.colwise().mean();
   for (long s = 0; s < static_cast<long>(what.sources.size()); ++s) {
     const double size =
@@ -214,7 +212,6 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   const Source& source = what.sources[static_cast<size_t>(best)];
   const double typical = TypicalSizeOf(source, problem.robot.chain);
   learnt.unit = UnitOf(source, problem.robot.chain);
-  std::vector<int> shots(fitted.begin(), fitted.end());
   std::sort(shots.begin(), shots.end(), [&](int a, int b) { return what.driver.of_shot[a] < what.driver.of_shot[b]; });
   const auto equal = [&](int a, int b) { return what.driver.of_shot[a] == what.driver.of_shot[b]; };
   shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());

@@ -1,7 +1,6 @@
 #include "estimator/diagnosis/learnt_model.h"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include "estimator/diagnosis/steps.h"
@@ -54,12 +53,8 @@ std::optional<EffectSpec> SpecOf(const ExplanationList& list, int explanation, c
   const std::string target = definition->target == EffectTarget::kRobot ? "robot" : what.acts_on;
   EffectSpec spec{definition->name, target, {{"by", what.driver.column}}, {}};
   if (what.driver.column == "q") spec.settings["driver"] = what.driver.name;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const int i : problem.CalibrationObservations()) {
-    const double at = what.driver.of_shot[problem.data.observations[i].shot];
-    low = std::min(low, at);
-    high = std::max(high, at);
-  }
+  const Eigen::VectorXd seen = what.driver.of_shot(FittedShots(problem));
+  const double low = seen.minCoeff(), high = seen.maxCoeff();
   const int count = static_cast<int>(list.math[explanation].group.size() / static_cast<long>(what.sources.size()));
   spec.settings["from"] = Significant(low, kDigits);
   spec.settings["to"] = Significant(high, kDigits);

@@ -92,6 +92,7 @@ struct Rival {
   std::vector<int> columns;
   Eigen::MatrixXd mixing;  // believed and own columns to unit prior coefficients
   Eigen::MatrixXd precision;
+  Eigen::LDLT<Eigen::MatrixXd> factor;  // of the precision
   Eigen::VectorXd values;
 };
 
@@ -127,8 +128,8 @@ Rival MakeRival(const EvidenceColumns& columns, const ExplanationList& list, con
   rival.precision.diagonal().tail(size).array() += 1.0;
   // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
   rival.precision.diagonal() *= 1.0 + 1e-9;
-  rival.values =
-      -rival.precision.ldlt().solve(rival.mixing.transpose() * rows.col(believed + raw).head(believed + raw));
+  rival.factor.compute(rival.precision);
+  rival.values = -rival.factor.solve(rival.mixing.transpose() * rows.col(believed + raw).head(believed + raw));
   return rival;
 }
 
@@ -161,6 +162,7 @@ class Choice {
     apart_ += gained;
     for (size_t i = 0; i < rivals_.size(); ++i) {
       rivals_[i].precision += shown_[best].rows[i].transpose() * shown_[best].rows[i];
+      rivals_[i].factor.compute(rivals_[i].precision);
     }
     return best;
   }
@@ -184,7 +186,7 @@ class Choice {
       const Rival& rival = rivals_[static_cast<size_t>(i)];
       means.push_back(rows * rival.values);
       covariances.push_back(Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
-                            rows * rival.precision.ldlt().solve(rows.transpose()));
+                            rows * rival.factor.solve(rows.transpose()));
     }
     Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(n, n);
     for (long i = 0; i < n; ++i) {

@@ -76,6 +76,15 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
   return shares;
 }
 
+std::vector<double> SetSearch::LogsOfScales(const GivenOthers& given) const {
+  std::vector<double> logs;
+  for (const double scale : kScales) {
+    const GroupGain gain = GainOf(given.information, given.gradient, scale);
+    logs.push_back(likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
+  }
+  return logs;
+}
+
 // Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
 WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
   Members members(normal_, GroupsOf(given_members));
@@ -86,13 +95,9 @@ WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std
 
 WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
-  std::vector<double> logs(kNumScales);
+  std::vector<double> logs;
   const auto weigh = [&](size_t k) {
-    const GivenOthers given = members.Of(k);
-    for (int s = 0; s < kNumScales; ++s) {
-      const GroupGain gain = GainOf(given.information, given.gradient, kScales[s]);
-      logs[s] = likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det);
-    }
+    logs = LogsOfScales(members.Of(k));
     return std::max_element(logs.begin(), logs.end()) - logs.begin();
   };
   bool moved = true;
@@ -129,11 +134,7 @@ double SetSearch::AverageOverScales(Members* members) const {
     for (size_t k = 0; k < last; ++k) {
       if (members->scales()[k] != kScales[at[k]]) members->Rescale(k, kScales[at[k]]);
     }
-    const GivenOthers given = members->Of(last);
-    for (const double scale : kScales) {
-      const GroupGain gain = GainOf(given.information, given.gradient, scale);
-      logs.push_back(likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
-    }
+    for (const double log : LogsOfScales(members->Of(last))) logs.push_back(log);
     size_t next = 0;
     while (next < last && ++at[next] == kNumScales) at[next++] = 0;
     if (next == last) break;
@@ -155,6 +156,12 @@ const SetSearch::Own& SetSearch::OwnOf(size_t candidate) const {
            OwnGradient(normal_, explanations_[candidate].group)};
   }
   return own;
+}
+
+// At the widest scale a group explains most; what it pays for the scale is left out.
+double SetSearch::MostGainOf(const Own& own, double residual) const {
+  const GroupGain widest = GainOf(own.information, own.gradient, kScales[kNumScales - 1]);
+  return likelihood_.Gain(residual, {widest.quad, 0.0});
 }
 
 double SetSearch::GainOfOwn(const Own& own, double residual, double* scale) const {
@@ -219,11 +226,34 @@ void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double
   Record(std::move(set));
 }
 
-WeightedSet SetSearch::Without(const WeightedSet& set, size_t member, const Members& all) const {
-  Key members = set.members;
-  members.erase(members.begin() + static_cast<long>(member));
-  const WeightedSet* known = found_.Find(members);
-  return known != nullptr ? *known : EvaluateFrom(members, all.Without(member));
+std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Members& all) const {
+  std::vector<WeightedSet> without;
+  double averages = 0.0;  // of each member's scales, over its best
+  std::vector<double> own_averages;
+  for (size_t m = 0; m < set.members.size(); ++m) {
+    WeightedSet others = set;
+    others.members.erase(others.members.begin() + static_cast<long>(m));
+    others.scales.erase(others.scales.begin() + static_cast<long>(m));
+    const GivenOthers given = all.Of(m);
+    others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
+    without.push_back(std::move(others));
+    const std::vector<double> logs = LogsOfScales(given);
+    own_averages.push_back(LogSumExp(logs) - std::log(kNumScales) - *std::max_element(logs.begin(), logs.end()));
+    averages += own_averages.back();
+  }
+  for (size_t m = 0; m < without.size(); ++m) {
+    WeightedSet& others = without[m];
+    const WeightedSet* known = found_.Find(others.members);
+    if (known != nullptr) {
+      others = *known;
+    } else if (others.members.size() <= kAveragedTogether) {
+      others = EvaluateFrom(others.members, all.Without(m));
+    } else {
+      others.log_likelihood += averages - own_averages[m];
+      others.log_weight = others.log_likelihood + prior_.Log(SharesOf(others.members));
+    }
+  }
+  return without;
 }
 
 // Every member's place for every candidate, by one sweep with all members: each is taken out of what is left of the
@@ -233,16 +263,15 @@ bool SetSearch::Exchange(const WeightedSet& set) {
   const Sweep sweep(normal_, GroupsOf(set.members), set.scales);
   Members all(normal_, GroupsOf(set.members));
   all.Condition(set.scales);
-  std::vector<WeightedSet> without;
+  const std::vector<WeightedSet> without = WithoutEach(set, all);
   std::vector<Sweep::WithoutOne> sweeps;
   std::vector<double> bases;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    without.push_back(Without(set, m, all));
-    Record(without.back());
+    Record(without[m]);
     sweeps.push_back(sweep.Without(m));
-    std::vector<double> shares = SharesOf(without.back().members);
+    std::vector<double> shares = SharesOf(without[m].members);
     shares.push_back(1.0);
-    bases.push_back(without.back().log_likelihood + prior_.Log(shares));
+    bases.push_back(without[m].log_likelihood + prior_.Log(shares));
   }
   struct Swap {
     size_t member;
@@ -259,9 +288,10 @@ bool SetSearch::Exchange(const WeightedSet& set) {
       const Eigen::MatrixXd back = ColumnsOf(explanations_[k].group, sweeps[m].root);
       const Own own{given_all.information + back.transpose() * back,
                     given_all.gradient + back.transpose() * sweeps[m].along};
+      const double before = bases[m] + std::log(explanations_[k].share);
+      if (before + MostGainOf(own, sweeps[m].residual) < most - kWorthKeeping) continue;
       double scale = 1.0;
-      const double gain = GainOfOwn(own, sweeps[m].residual, &scale);
-      const double weight = bases[m] + gain + std::log(explanations_[k].share);
+      const double weight = before + GainOfOwn(own, sweeps[m].residual, &scale);
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);
       swaps.push_back({m, static_cast<int>(k), scale, weight});
@@ -307,26 +337,28 @@ void SetSearch::SettleAll() {
   }
 }
 
-std::vector<WeightedSet> SetSearch::Run(const WeightedSet& start) {
+void SetSearch::ClimbFrom(const WeightedSet& start) {
   Record(Evaluate({}), true);
+  if (explanations_.empty()) return;
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
-  if (!explanations_.empty()) {
-    Expand(*found_.Find({}));
-    Climb(*found_.Find(start.members));
-    for (int explored = 0; explored < kMostExplored; ++explored) {
-      const WeightedSet* next = nullptr;
-      found_.BestFirst(kWorthExploring, [&](const WeightedSet& set) {
-        if (expanded_.count(set.members) == 0) next = &set;
-        return next == nullptr;
-      });
-      if (next == nullptr) break;
-      const WeightedSet from = Settled(*next);
-      Expand(from);
-      Exchange(from);
-    }
-    Climb(Best());
-    SettleAll();
+  Expand(*found_.Find({}));
+  Climb(*found_.Find(start.members));
+}
+
+std::vector<WeightedSet> SetSearch::Explore() {
+  for (int explored = 0; explored < kMostExplored && !explanations_.empty(); ++explored) {
+    const WeightedSet* next = nullptr;
+    found_.BestFirst(kWorthExploring, [&](const WeightedSet& set) {
+      if (expanded_.count(set.members) == 0) next = &set;
+      return next == nullptr;
+    });
+    if (next == nullptr) break;
+    const WeightedSet from = Settled(*next);
+    Expand(from);
+    Exchange(from);
   }
+  if (!explanations_.empty()) Climb(Best());
+  SettleAll();
   std::vector<WeightedSet> sets;
   bool holds_nothing = false;
   found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {
@@ -334,7 +366,7 @@ std::vector<WeightedSet> SetSearch::Run(const WeightedSet& start) {
     holds_nothing |= set.members.empty();
     return true;
   });
-  if (!holds_nothing) sets.push_back(*found_.Find({}));
+  if (!holds_nothing) sets.push_back(Empty());
   return sets;
 }
 

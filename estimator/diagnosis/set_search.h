@@ -74,8 +74,17 @@ class SetSearch {
   SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
             const ResidualLikelihood& likelihood);
 
-  // Sets within kWorthKeeping of the best, best first; the empty one is always among them. start: a set to climb from.
-  std::vector<WeightedSet> Run(const WeightedSet& start = {});
+  // To a set that no addition, drop or swap improves. start: a set to climb from.
+  void ClimbFrom(const WeightedSet& start = {});
+  // After a climb: the neighbours of the sets that share the probability. Sets within kWorthKeeping of the best, best
+  // first; the empty one is always among them.
+  std::vector<WeightedSet> Explore();
+  std::vector<WeightedSet> Run() {
+    ClimbFrom();
+    return Explore();
+  }
+  const WeightedSet& Best() const { return found_.Best(); }
+  const WeightedSet& Empty() const { return *found_.Find({}); }
   // One set; scales start where they are given.
   WeightedSet Evaluate(const std::vector<int>& members, const std::vector<double>& scales = {}) const;
   // Log weights of this set with each further explanation, averaged over its scale beside the best of the others;
@@ -95,23 +104,26 @@ class SetSearch {
   std::vector<const ColumnGroup*> GroupsOf(const Key& members) const;
   // conditioned: the members, at scales to begin with.
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
+  // Log likelihood at each scale of one member given the others.
+  std::vector<double> LogsOfScales(const GivenOthers& given) const;
   double AverageOverScales(Members* members) const;
   const Own& OwnOf(size_t candidate) const;
   Own Left(const Sweep& sweep, size_t candidate) const;
-  // Log of the evidence that it adds to a residual of this square, averaged over its scale.
+  // Log of the evidence that it adds to a residual of this square, averaged over its scale; and no less than that.
   double GainOfOwn(const Own& own, double residual, double* scale) const;
+  double MostGainOf(const Own& own, double residual) const;
   void Expand(const WeightedSet& given);
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
   void Record(WeightedSet set, bool replaces = false);
   WeightedSet Settled(const WeightedSet& set);
-  // all: of the set, at its scales.
-  WeightedSet Without(const WeightedSet& set, size_t member, const Members& all) const;
+  // A set without each of its members, the others' scales and averages kept unless the set is small. all: its members,
+  // at its scales.
+  std::vector<WeightedSet> WithoutEach(const WeightedSet& set, const Members& all) const;
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
   WeightedSet Climb(WeightedSet from);
   void SettleAll();
-  const WeightedSet& Best() const { return found_.Best(); }
   double BestWeight() const { return Best().log_weight; }
 
   const ProjectedNormal& normal_;

@@ -7,6 +7,7 @@
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
+#include "models/effects/learnt_deviation.h"
 
 namespace sagitta {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "estimator/diagnosis/driver_functions.h"
 #include "models/constants.h"
@@ -22,9 +21,7 @@ constexpr double kAlike = 1e-3;  // of the largest: directions of functions that
 class UnnamedBuilder {
  public:
   UnnamedBuilder(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
-      : problem_(problem), parameters_(parameters), columns_(columns) {
-    for (const int i : problem.CalibrationObservations()) fitted_.insert(problem.data.observations[i].shot);
-  }
+      : problem_(problem), parameters_(parameters), columns_(columns), fitted_(FittedShots(problem)) {}
 
   std::vector<UnnamedGroup> Build() {
     AddJointFunctions();
@@ -37,23 +34,7 @@ class UnnamedBuilder {
   }
 
  private:
-  std::vector<int> Columns(const FunctionFamily& family) {
-    const int first = columns_->Add(family);
-    std::vector<int> own;
-    for (int c = first; c < columns_->num_columns(); ++c) own.push_back(c);
-    return own;
-  }
-
-  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const {
-    return functions(std::vector<int>(fitted_.begin(), fitted_.end()), Eigen::all);
-  }
-
-  template <typename Value>
-  Eigen::VectorXd OfShots(const Value& value) const {
-    Eigen::VectorXd values(static_cast<long>(problem_.shot_inputs.size()));
-    for (long s = 0; s < values.size(); ++s) values[s] = value(problem_.shot_inputs[s].conditions);
-    return values;
-  }
+  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }
 
   // What functions one driver has, and which of them go together.
   struct Functions {
@@ -87,7 +68,7 @@ class UnnamedBuilder {
   void AddFunctions(const Functions& functions, const UnnamedFunction& what, const std::string& family) {
     const Compressed compressed = Compress(functions.columns, kAlike);
     std::vector<std::vector<int>> own;
-    for (const Source& source : what.sources) own.push_back(Columns({source, compressed.basis}));
+    for (const Source& source : what.sources) own.push_back(columns_->Add({source, compressed.basis}));
     const long height = compressed.basis.cols();
     for (const Functions::Group& group : functions.groups) {
       ColumnGroup columns;
@@ -117,7 +98,7 @@ class UnnamedBuilder {
       const Source source{Source::Kind::kJoint, j, 0};
       for (int k = 0; k < joints(); ++k) {
         Functions functions;
-        const Eigen::VectorXd q = OfShots([k](const ShotConditions& shot) { return shot.q[k]; });
+        const Eigen::VectorXd q = OfShots(problem_, [k](const ShotConditions& shot) { return shot.q[k]; });
         if (!Smooth(q, "smooth", &functions)) continue;
         if (k == j) {
           const Eigen::VectorXd seen = OnFitted(q);
@@ -156,8 +137,8 @@ class UnnamedBuilder {
   void AddPairs() {
     for (int a = 0; a < joints(); ++a) {
       for (int b = a + 1; b < joints(); ++b) {
-        const Eigen::VectorXd p = OfShots([a](const ShotConditions& shot) { return shot.q[a]; });
-        const Eigen::VectorXd q = OfShots([b](const ShotConditions& shot) { return shot.q[b]; });
+        const Eigen::VectorXd p = OfShots(problem_, [a](const ShotConditions& shot) { return shot.q[a]; });
+        const Eigen::VectorXd q = OfShots(problem_, [b](const ShotConditions& shot) { return shot.q[b]; });
         const Eigen::ArrayXd u = p.array() - OnFitted(p).mean(), v = q.array() - OnFitted(q).mean();
         if (!(OnFitted(p).maxCoeff() > OnFitted(p).minCoeff()) || !(OnFitted(q).maxCoeff() > OnFitted(q).minCoeff())) {
           continue;
@@ -257,7 +238,7 @@ class UnnamedBuilder {
         if (data.shots[s].station != station || data.shots[s].observations.empty()) continue;
         points.row(static_cast<long>(s)) = MeanPoint(data.shots[s]).transpose();
         if (!points.row(static_cast<long>(s)).allFinite()) points.row(static_cast<long>(s)) = mean;
-        if (fitted_.count(static_cast<int>(s)) == 0) continue;
+        if (!std::binary_search(fitted_.begin(), fitted_.end(), static_cast<int>(s))) continue;
         const Eigen::RowVector3d off = points.row(static_cast<long>(s)) - mean;
         if (second) {
           spread += off.cwiseAbs2();
@@ -282,7 +263,7 @@ class UnnamedBuilder {
   void AddLinks() {
     std::vector<Source> links;
     for (int joint = -1; joint < joints(); ++joint) {
-      if (!LengthsOfLink(problem_.robot.chain, joint).empty()) links.push_back({Source::Kind::kLink, joint, 0});
+      if (!columns_->LengthsOf(joint).empty()) links.push_back({Source::Kind::kLink, joint, 0});
     }
     for (const auto& [driver, name] : {std::pair{TimeOf(problem_), "time"}, {TemperatureOf(problem_), "temperature"}}) {
       const Eigen::VectorXd seen = OnFitted(driver.of_shot);
@@ -347,8 +328,8 @@ class UnnamedBuilder {
   const CalibrationProblem& problem_;
   const ParameterSet& parameters_;
   EvidenceColumns* columns_;
+  std::vector<int> fitted_;  // shots
   std::vector<UnnamedGroup> list_;
-  std::set<int> fitted_;  // shots
   Eigen::MatrixXd down_;  // shots x 3, in the flange frame
 };
 

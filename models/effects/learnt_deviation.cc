@@ -2,17 +2,26 @@
 // of a marker, of the lengths of the links; and of a joint by two angles together. The diagnosis fits them to what no
 // effect of the catalogue explains. They describe what was measured, and say nothing beyond the driver's range: there
 // they fade to zero.
+#include "models/effects/learnt_deviation.h"
+
 #include <cmath>
 
 #include "models/effects/bump.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
 
-// Sizes: `sizes`; rad, m, m, rad (what moves a point 2 m away so far), 1 (5 K of steel, 2 K of aluminium).
-constexpr double kTypicalTurn = 75e-6, kTypicalTravel = 50e-6, kTypicalMovement = 30e-6, kTypicalStationTurn = 15e-6,
-                 kTypicalGrowth = 50e-6;
+std::vector<std::vector<int>> LengthsByLink(const Chain& chain) {
+  std::vector<std::vector<int>> links(1);
+  for (int e = 0; e < chain.num_transforms(); ++e) {
+    const ElementaryTransform& transform = chain.transforms[e];
+    if (transform.has_joint()) links.emplace_back();
+    if (!transform.is_rotation() && !transform.has_joint() && transform.nominal != 0.0) links.back().push_back(e);
+  }
+  return links;
+}
+
+namespace {
 
 constexpr char kSeparateByKnowing[] = "nothing: it is whatever has no name; a cause that is known takes its place";
 constexpr char kDescribes[] = "It describes what was measured and is no cause; beyond its range it is zero.";
@@ -72,17 +81,6 @@ std::vector<EffectParameter> StationWeights(const Robot& robot, const EffectSpec
     AppendWeights(spec, axis, Quantity::kSmallAngle, kTypicalStationTurn, &weights);
   }
   return weights;
-}
-
-// Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j.
-std::vector<std::vector<int>> LengthsByLink(const Chain& chain) {
-  std::vector<std::vector<int>> links(1);
-  for (int e = 0; e < chain.num_transforms(); ++e) {
-    const ElementaryTransform& transform = chain.transforms[e];
-    if (transform.has_joint()) links.emplace_back();
-    if (!transform.is_rotation() && !transform.has_joint() && transform.nominal != 0.0) links.back().push_back(e);
-  }
-  return links;
 }
 
 // g<link>_<knot>, of links that have a length.

@@ -1,0 +1,22 @@
+// Sizes of a deviation that has no name, and the links that grow: shared by the effects that are learnt and by the
+// columns that find them.
+#pragma once
+
+#include <vector>
+
+#include "models/chain.h"
+
+namespace sagitta {
+
+// Those of a harmonic (joint_harmonic.cc), of what moves a station or a marker, of thermal growth (thermal_growth.cc).
+constexpr double kTypicalTurn = 75e-6;         // rad
+constexpr double kTypicalTravel = 50e-6;       // m, of a joint that slides
+constexpr double kTypicalMovement = 30e-6;     // m
+constexpr double kTypicalStationTurn = 15e-6;  // rad: what that makes at 2 m
+constexpr double kTypicalPlateTurn = 150e-6;   // rad: what that makes at 0.2 m
+constexpr double kTypicalGrowth = 50e-6;       // of a link's length: 5 K of steel or 2 K of aluminium
+
+// Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j.
+std::vector<std::vector<int>> LengthsByLink(const Chain& chain);
+
+}  // namespace sagitta
