@@ -10,7 +10,6 @@
 #include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
 #include "problems/io/output_files.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/baselines/compare_methods.h"
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/estimate/estimate.h"
 #include "estimator/intervals/prediction.h"

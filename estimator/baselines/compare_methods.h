@@ -21,6 +21,7 @@ struct ChoiceWords<Method> {
                                            "full-pose", "differencing"};
 };
 
+// What one method made of the data.
 struct MethodResult {
   std::string name;
   Estimate estimate;

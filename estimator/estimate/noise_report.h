@@ -8,6 +8,7 @@
 
 #include "models/geometry.h"
 #include "models/quantity.h"
+#include "problems/choices.h"
 
 namespace sagitta {
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/baselines/compare_methods.h"
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 

@@ -2,6 +2,7 @@
 // estimates; and that the number of threads does not show in any digit.
 #include "estimator/least_squares/normal_equations.h"
 
+#include <ceres/crs_matrix.h>
 #include <ceres/problem.h>
 #include <gtest/gtest.h>
 
@@ -303,7 +304,9 @@ TEST_P(NormalEquationsOf, CondensedCostIsTheCostPerMarker) {
   EXPECT_EQ(deviations.empty(), problem_.latent.empty());
   const Reduced of_a = Reduce(&condensed, blocks_a, {}), of_b = Reduce(&by_marker, blocks_b, deviations);
   ASSERT_GT(of_b.cost, 0.0);
-  EXPECT_NEAR(of_a.cost, of_b.cost, 1e-9 * of_b.cost);
+  // Of deviations the cost itself holds derivatives, which are known to 1e-8 (BatchedRowsAreTheModels), ten of them.
+  const double tolerance = deviations.empty() ? 1e-9 : 1e-7;
+  EXPECT_NEAR(of_a.cost, of_b.cost, tolerance * of_b.cost);
   ASSERT_EQ(of_a.gradient.size(), of_b.gradient.size());
   const Linearization scale = LinearizeByModel(problem_, a, rows_.observations, columns_, rows_.noise);
   for (int c = 0; c < of_a.gradient.size(); ++c) {

@@ -9,6 +9,7 @@
 #include "estimator/intervals/profile.h"
 #include "estimator/intervals/redraw.h"
 #include "estimator/least_squares/refit.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
@@ -131,8 +132,8 @@ TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
 }
 
 // More rows than are kept (row_sums.h): refits hold condensed ones, and the scores of the configurations come from the
-// rows themselves. Independent errors: the bootstrap's intervals are the model's but for its few draws. Of 39 the
-// extreme two of each parameter are the ends; beyond (0.7, 3.2) standard deviations lies one in 10^6 and fewer.
+// rows themselves. Independent errors: the bootstrap's intervals are the model's but for its few draws. Of 39 normal
+// numbers the largest is the end of the interval: below 0.7 it lies once in 50 000 times, above 4.5 once in 7000.
 TEST(Bootstrap, OfConfigurationsTakesMoreRowsThanAreKept) {
   test::Kr270Design design;
   design.configurations = 7000;

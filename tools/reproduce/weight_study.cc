@@ -34,15 +34,15 @@ Eigen::VectorXd SandwichSigma(const WeightDesign& design, const Eigen::MatrixXd&
 // The sigmas that residuals suggest, per row.
 Eigen::VectorXd SigmaFromResiduals(const WeightDesign& design, const Eigen::VectorXd& residuals,
                                    const WeightMethod& method) {
-  if (method.weights == Weights::kResidual) return residuals.cwiseAbs().cwiseMax(method.floor);
-  if (method.weights != Weights::kGroup) return design.sigma;
+  if (method.weights == StudyWeights::kResidual) return residuals.cwiseAbs().cwiseMax(method.floor);
+  if (method.weights != StudyWeights::kGroup) return design.sigma;
   return GroupSigmas(design.groups, residuals, Eigen::VectorXd::Ones(residuals.size()), method.floor);
 }
 
 // w^2, eq. (14) or 1 / sigma^2.
 Eigen::VectorXd SquaredWeights(const WeightMethod& method, const Eigen::VectorXd& sigma) {
-  if (method.weights == Weights::kEqual) return Eigen::VectorXd::Ones(sigma.size());
-  const double sigma0 = method.weights == Weights::kKnownSigma ? 0.0 : method.sigma0;
+  if (method.weights == StudyWeights::kEqual) return Eigen::VectorXd::Ones(sigma.size());
+  const double sigma0 = method.weights == StudyWeights::kKnownSigma ? 0.0 : method.sigma0;
   return sigma.unaryExpr([&](double s) { return std::pow(Eq14Weight(sigma0, method.lambda, s), 2); });
 }
 
@@ -79,7 +79,7 @@ WeightedFit Solve(const WeightDesign& design, const Eigen::VectorXd& deflections
 
 // The last fit alone, without the claims on the way.
 WeightedFit FitToTheEnd(const WeightDesign& design, const Eigen::VectorXd& deflections, const WeightMethod& method) {
-  const bool weights_known = method.weights == Weights::kEqual || method.weights == Weights::kKnownSigma;
+  const bool weights_known = method.weights == StudyWeights::kEqual || method.weights == StudyWeights::kKnownSigma;
   Eigen::VectorXd residuals;
   if (weights_known) return Solve(design, deflections, method, SquaredWeights(method, design.sigma), true, &residuals);
   WeightedFit fit =
@@ -94,7 +94,7 @@ WeightedFit FitToTheEnd(const WeightDesign& design, const Eigen::VectorXd& defle
 // OLS whose eq. (8) takes its sigmas from the same residuals.
 WeightMethod PlainFromResiduals() {
   WeightMethod method;
-  method.weights = Weights::kResidual;
+  method.weights = StudyWeights::kResidual;
   method.claim = Claim::kEstimatedSandwich;
   method.iterations = 0;
   return method;
@@ -168,11 +168,11 @@ std::vector<WeightedFit> FitWeighted(const WeightDesign& design, const Eigen::Ve
                                      const WeightMethod& method) {
   std::vector<WeightedFit> fits;
   Eigen::VectorXd residuals;
-  const bool from_residuals = method.weights == Weights::kGroup || method.weights == Weights::kResidual;
+  const bool from_residuals = method.weights == StudyWeights::kGroup || method.weights == StudyWeights::kResidual;
   const WeightMethod ols = from_residuals ? PlainFromResiduals() : WeightMethod();
   fits.push_back(Solve(design, deflections, ols, Eigen::VectorXd::Ones(deflections.size()), true, &residuals));
-  if (method.weights == Weights::kEqual) return fits;
-  const int iterations = method.weights == Weights::kKnownSigma ? 1 : method.iterations;
+  if (method.weights == StudyWeights::kEqual) return fits;
+  const int iterations = method.weights == StudyWeights::kKnownSigma ? 1 : method.iterations;
   for (int i = 0; i < iterations; ++i) {
     const Eigen::VectorXd w2 = SquaredWeights(method, SigmaFromResiduals(design, residuals, method));
     fits.push_back(Solve(design, deflections, method, w2, true, &residuals));
@@ -216,15 +216,15 @@ std::vector<MethodStudy> StudyWeights(const WeightDesign& design, const Eigen::V
 
 std::vector<WeightMethod> KnownWeightMethods() {
   return {
-      {"OLS, eq. 8, known sigmas", Weights::kEqual, Claim::kSandwich},
-      {"OLS, one common sigma", Weights::kEqual, Claim::kIid},
-      {"WLS, known sigmas, eq. 13", Weights::kKnownSigma, Claim::kSandwich},
-      {"per group, w = 1/s, eq. 13", Weights::kGroup, Claim::kEstimatedSigma, 1.0, 0.0},
-      {"per group, eq. 14, eq. 11", Weights::kGroup, Claim::kEstimatedSandwich},
-      {"per group, eq. 14, s0^2 (B'W^2B)^-1", Weights::kGroup, Claim::kNormalised},
-      {"per residual, eq. 14, s0^2 (B'W^2B)^-1", Weights::kResidual, Claim::kNormalised},
-      {"per residual, eq. 14, eq. 11 with |r|", Weights::kResidual, Claim::kEstimatedSandwich},
-      {"per residual, eq. 14, eq. 13 with |r|", Weights::kResidual, Claim::kEstimatedSigma},
+      {"OLS, eq. 8, known sigmas", StudyWeights::kEqual, Claim::kSandwich},
+      {"OLS, one common sigma", StudyWeights::kEqual, Claim::kIid},
+      {"WLS, known sigmas, eq. 13", StudyWeights::kKnownSigma, Claim::kSandwich},
+      {"per group, w = 1/s, eq. 13", StudyWeights::kGroup, Claim::kEstimatedSigma, 1.0, 0.0},
+      {"per group, eq. 14, eq. 11", StudyWeights::kGroup, Claim::kEstimatedSandwich},
+      {"per group, eq. 14, s0^2 (B'W^2B)^-1", StudyWeights::kGroup, Claim::kNormalised},
+      {"per residual, eq. 14, s0^2 (B'W^2B)^-1", StudyWeights::kResidual, Claim::kNormalised},
+      {"per residual, eq. 14, eq. 11 with |r|", StudyWeights::kResidual, Claim::kEstimatedSandwich},
+      {"per residual, eq. 14, eq. 13 with |r|", StudyWeights::kResidual, Claim::kEstimatedSigma},
   };
 }
 

@@ -46,7 +46,7 @@ struct WeightDesign {
 WeightDesign MakeWeightDesign(const Eigen::MatrixXd& columns, const std::vector<Vector3<double>>& sigma, int markers,
                               int repeats);
 
-enum class Weights {
+enum class StudyWeights {
   kEqual,       // OLS
   kKnownSigma,  // 1 / sigma
   kGroup,       // from the residuals of a group (configuration and axis)
@@ -62,7 +62,7 @@ enum class Claim {
 
 struct WeightMethod {
   std::string name;
-  Weights weights = Weights::kEqual;
+  StudyWeights weights = StudyWeights::kEqual;
   Claim claim = Claim::kSandwich;
   double lambda = 1.0;
   double sigma0 = 1e-5;  // m; 0: w = 1 / s
