@@ -20,15 +20,47 @@ constexpr int kSlices = 8;           // of an axis, in the table
 constexpr size_t kWorstShown = 20;
 constexpr double kArrowOfSize = 0.08;  // an arrow of the 95th percentile, of all that is shown
 
+// Torques on the joints of the loaded arm, shots x joints, as of JointTorques (estimator/diagnosis/drivers.h); of the
+// shots that are drawn, the others repeat the first of them.
+Eigen::MatrixXd TorquesOfDrawn(const CalibrationProblem& problem, const Estimate& estimate,
+                               const std::vector<ResidualRow>& rows) {
+  const Chain& chain = problem.robot.chain;
+  const std::vector<double> theta = estimate.parameters.ModelValues();
+  std::vector<int> slots;
+  for (int j = 0; j < chain.num_joints(); ++j) slots.push_back(chain.JointTransform(j));
+  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.data.shots.size()), chain.num_joints());
+  std::vector<bool> is_known(problem.data.shots.size(), false);
+  for (const ResidualRow& row : rows) {
+    const int s = problem.data.observations[row.observation].shot;
+    if (is_known[s]) continue;
+    is_known[s] = true;
+    const ShotInput& shot = problem.shot_inputs[s];
+    const Matrix3<double> rotation = estimate.parameters.BaseInStation(problem.data.shots[s].station).rotation;
+    const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
+    if (!equilibrium.converged) continue;
+    const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &shot.wrenches, &shot.terms};
+    torques.row(s) = TorquesOf(query, equilibrium.state, shot.wrenches, rotation).transpose();
+    for (size_t j = 0; j < slots.size(); ++j) {
+      if (const auto stated = StatedTorqueOn(shot.terms, slots[j])) torques(s, static_cast<long>(j)) = *stated;
+    }
+  }
+  const auto first = static_cast<long>(std::find(is_known.begin(), is_known.end(), true) - is_known.begin());
+  for (long s = 0; s < torques.rows() && first < torques.rows(); ++s) {
+    if (!is_known[static_cast<size_t>(s)]) torques.row(s) = torques.row(first).eval();
+  }
+  return torques;
+}
+
 // Everything that may drive an error and differs between shots.
-std::vector<Driver> DriversOf(const CalibrationProblem& problem, const Estimate& estimate) {
+std::vector<Driver> DriversOf(const CalibrationProblem& problem, const Estimate& estimate,
+                              const std::vector<ResidualRow>& rows) {
   std::vector<Driver> drivers;
   const auto add = [&drivers](Driver driver) {
     if (driver.Varies()) drivers.push_back(std::move(driver));
   };
   const int joints = problem.robot.chain.num_joints();
   for (int j = 0; j < joints; ++j) add(AngleOf(problem, j));
-  const Eigen::MatrixXd torques = JointTorques(problem, estimate.parameters);
+  const Eigen::MatrixXd torques = TorquesOfDrawn(problem, estimate, rows);
   for (int j = 0; j < joints; ++j) add(TorqueOf(problem, j, torques));
   for (int j = 0; j < joints; ++j) add(ApproachOf(problem, j));
   add(TimeOf(problem));
@@ -128,7 +160,7 @@ Picture ResidualsOverDrivers(const CalibrationProblem& problem, const Estimate& 
     const std::string name(1, "xyz"[axis]);
     add("residual " + name, xyz[axis], "residual in " + name + " of the base, mm", &down);
   }
-  for (const Driver& driver : DriversOf(problem, estimate)) {
+  for (const Driver& driver : DriversOf(problem, estimate, rows)) {
     std::vector<double> x;
     for (const ResidualRow& row : rows) x.push_back(driver.of_shot[problem.data.observations[row.observation].shot]);
     add("over " + driver.name, x, Labelled(driver), &across);
