@@ -10,7 +10,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kMaxNewtonSteps = 50;
-constexpr double kConverged = 1e-14;       // rad or m, of a Newton step
+constexpr double kConverged = 1e-9;        // rad or m, of a Newton step: the next one would be its square
 constexpr double kFoldedDeflection = 1.0;  // rad or m: no elastic model means this
 
 // A wrench times a factor, in the base frame.

@@ -24,17 +24,18 @@ bool IsLimitedByMotion(const ModelParameter& parameter) {
 class ShotBatches {
  public:
   explicit ShotBatches(const CalibrationProblem& problem) : problem_(problem) {
+    std::vector<std::int64_t> key;
     for (size_t s = 0; s < problem.data.shots.size(); ++s) {
       const Shot& shot = problem.data.shots[s];
       if (problem.data.configurations[shot.configuration].is_validation) continue;
-      std::vector<std::int64_t> key = StructureOf(problem.model, problem.shot_inputs[s], ReadingsOf(shot));
-      if (key.empty()) {
+      key.clear();
+      if (!AppendStructure(problem.model, problem.shot_inputs[s], ReadingsOf(shot), &key)) {
         by_model_.push_back(static_cast<int>(s));
         continue;
       }
       key.push_back(shot.station);
       for (const int i : shot.observations) key.push_back(problem.data.observations[i].marker);
-      groups_[std::move(key)].push_back(static_cast<int>(s));
+      groups_[key].push_back(static_cast<int>(s));
     }
   }
 

@@ -59,13 +59,13 @@ std::string Measurements::Cell(const Observation& observation, const std::string
   if (observation.file < 0) return "";
   const MeasurementFile& file = files[observation.file];
   const int index = file.FindColumn(column);
-  return index < 0 ? "" : file.rows[observation.row].cells[index];
+  return index < 0 ? "" : std::string(file.rows[observation.row].cells[index]);
 }
 
 std::string Measurements::SourceOf(const Observation& observation) const {
   if (observation.file < 0) return "";
   const MeasurementFile& file = files[observation.file];
-  return file.path + ":" + std::to_string(file.rows[observation.row].line);
+  return file.path + ":" + std::to_string(file.rows.LineOf(observation.row));
 }
 
 }  // namespace sagitta

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "models/reading.h"
+#include "problems/measurement_rows.h"
 
 namespace sagitta {
 
@@ -20,11 +21,8 @@ struct MeasurementFile {
   std::string path;
   std::string sha256;
   std::vector<std::string> header;
-  struct Row {
-    int line = 0;  // in the file, from 1
-    std::vector<std::string> cells;
-  };
-  std::vector<Row> rows;
+  using Row = MeasurementRows::Row;
+  MeasurementRows rows;
 
   int FindColumn(const std::string& name) const;  // -1: none
 };

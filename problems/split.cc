@@ -43,9 +43,9 @@ void SplitByColumn(const std::string& column, const std::set<std::string>& value
   for (const MeasurementFile& file : data->files) index.push_back(file.FindColumn(column));
   for (const Observation& observation : data->observations) {
     if (observation.file < 0) continue;
-    const MeasurementFile::Row& row = data->files[observation.file].rows[observation.row];
+    const MeasurementFile::Row row = data->files[observation.file].rows[observation.row];
     const int cell = index[observation.file];
-    const bool held_out = cell >= 0 && values.count(row.cells[cell]) > 0;
+    const bool held_out = cell >= 0 && values.count(std::string(row.cells[cell])) > 0;
     const int c = data->shots[observation.shot].configuration;
     Configuration& configuration = data->configurations[c];
     if (first[c] == nullptr) {

@@ -33,8 +33,8 @@ std::vector<std::string> CellsOf(const std::string& table, const std::string& na
 // What a file of these cells would hold: it tells one table from another, as SHA-256 of files do.
 std::string TextOf(const MeasurementFile& file) {
   std::string text;
-  const auto add = [&text](const std::vector<std::string>& cells) {
-    for (size_t c = 0; c < cells.size(); ++c) text += (c > 0 ? "," : "") + cells[c];
+  const auto add = [&text](const auto& cells) {
+    for (size_t c = 0; c < cells.size(); ++c) text.append(c > 0 ? "," : "").append(cells[c]);
     text += "\n";
   };
   add(file.header);
@@ -59,9 +59,8 @@ CsvTable TableFrom(const std::string& name, const py::dict& columns) {
   }
   if (cells.empty() || cells.front().empty()) throw InputError({name, 0, ""}, "there are no rows");
   for (size_t r = 0; r < cells.front().size(); ++r) {
-    MeasurementFile::Row row{static_cast<int>(r) + 1, {}};
-    for (std::vector<std::string>& column : cells) row.cells.push_back(std::move(column[r]));
-    file.rows.push_back(std::move(row));
+    file.rows.BeginRow(static_cast<int>(r) + 1);
+    for (const std::vector<std::string>& column : cells) file.rows.AddCell(column[r]);
   }
   file.sha256 = Sha256(TextOf(file));
   return table;

@@ -58,7 +58,7 @@ double LargestNumber(const MeasurementFile& file, const std::vector<std::string>
   for (const std::string& column : columns) {
     const int index = file.FindColumn(column);
     for (const MeasurementFile::Row& row : file.rows) {
-      largest = std::max(largest, std::abs(std::strtod(row.cells[index].c_str(), nullptr)));
+      largest = std::max(largest, std::abs(std::strtod(std::string(row.cells[index]).c_str(), nullptr)));
     }
   }
   return largest;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <set>
 
 namespace sagitta {
@@ -17,21 +18,27 @@ std::vector<int> JointSlots(const Chain& chain) {
 
 using WrenchesOfShot = std::function<std::vector<AppliedWrench>(const ShotInput&)>;
 
-// On each joint's transform, shots x joints; zero where the equilibrium diverges or a torque is stated.
+std::vector<int> AllShots(const CalibrationProblem& problem) {
+  std::vector<int> shots(problem.shot_inputs.size());
+  std::iota(shots.begin(), shots.end(), 0);
+  return shots;
+}
+
+// On each joint's transform, shots x joints, of the shots that are asked for; zero where the equilibrium diverges.
 Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                  const WrenchesOfShot& wrenches_of) {
+                                  const std::vector<int>& shots, const WrenchesOfShot& wrenches_of) {
   const Chain& chain = problem.robot.chain;
   const std::vector<int> slots = JointSlots(chain);
   const std::vector<double> theta = parameters.ModelValues();
   Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs.size()), chain.num_joints());
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+  for (const int s : shots) {
     const ShotInput& shot = problem.shot_inputs[s];
     const Matrix3<double> rotation = parameters.BaseInStation(problem.data.shots[s].station).rotation;
     const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
     if (!equilibrium.converged) continue;
     const std::vector<AppliedWrench> wrenches = wrenches_of(shot);
     const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &wrenches, &shot.terms};
-    torques.row(static_cast<long>(s)) = TorquesOf(query, equilibrium.state, wrenches, rotation).transpose();
+    torques.row(s) = TorquesOf(query, equilibrium.state, wrenches, rotation).transpose();
   }
   return torques;
 }
@@ -85,27 +92,37 @@ Driver OrderOf(const CalibrationProblem& problem) {
   return is_timed ? TimeOf(problem) : ConfigurationNumberOf(problem);
 }
 
-Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
+Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters,
+                             const std::vector<int>* of_shots) {
   const std::vector<int> slots = JointSlots(problem.robot.chain);
-  Eigen::MatrixXd torques = TorquesOfWrenches(problem, parameters, [](const ShotInput& shot) { return shot.wrenches; });
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+  std::vector<int> shots = of_shots == nullptr ? AllShots(problem) : *of_shots;
+  std::sort(shots.begin(), shots.end());
+  shots.erase(std::unique(shots.begin(), shots.end()), shots.end());
+  Eigen::MatrixXd torques =
+      TorquesOfWrenches(problem, parameters, shots, [](const ShotInput& shot) { return shot.wrenches; });
+  for (const int s : shots) {
     for (size_t j = 0; j < slots.size(); ++j) {
       const auto stated = StatedTorqueOn(problem.shot_inputs[s].terms, slots[j]);
-      if (stated) torques(static_cast<long>(s), static_cast<long>(j)) = *stated;
+      if (stated) torques(s, static_cast<long>(j)) = *stated;
     }
+  }
+  for (long s = 0; s < torques.rows() && !shots.empty(); ++s) {
+    const bool is_known = std::binary_search(shots.begin(), shots.end(), static_cast<int>(s));
+    if (!is_known) torques.row(s) = torques.row(shots[0]).eval();
   }
   return torques;
 }
 
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const int flange = problem.robot.chain.FlangeFrame();
-  const Eigen::MatrixXd torques = TorquesOfWrenches(problem, parameters, [flange](const ShotInput& shot) {
-    AppliedWrench weight;
-    weight.frame = flange;
-    weight.force = shot.conditions.gravity.normalized();
-    weight.expressed_in = shot.conditions.gravity_frame;
-    return std::vector<AppliedWrench>{weight};
-  });
+  const Eigen::MatrixXd torques =
+      TorquesOfWrenches(problem, parameters, AllShots(problem), [flange](const ShotInput& shot) {
+        AppliedWrench weight;
+        weight.frame = flange;
+        weight.force = shot.conditions.gravity.normalized();
+        weight.expressed_in = shot.conditions.gravity_frame;
+        return std::vector<AppliedWrench>{weight};
+      });
   return torques;
 }
 

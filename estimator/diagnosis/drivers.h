@@ -42,7 +42,9 @@ Driver OrderOf(const CalibrationProblem& problem);
 
 // Torque (force) of the known wrenches on each joint's axis, N m (N), at the equilibrium of these parameters: shots x
 // joints. The spring of a compensator takes no part. Zero where the equilibrium diverges.
-Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters);
+// shots: those that are asked for (null: all); the others repeat the first of them.
+Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters,
+                             const std::vector<int>* shots = nullptr);
 // The same of a weight of 1 N at the flange, shots x joints, m: what gravity makes of the arm's posture.
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters);
 // Unit vector of gravity in the flange frame, shots x 3, at the equilibrium of these parameters.

@@ -40,7 +40,7 @@ void KeepShot(const Measurements& all, int s, int configuration, Kept* kept) {
     Observation observation = all.observations[i];
     observation.shot = static_cast<int>(kept->data.shots.size());
     MeasurementFile& file = kept->data.files[observation.file];
-    file.rows.push_back(all.files[observation.file].rows[observation.row]);
+    file.rows.Append(all.files[observation.file].rows[observation.row]);
     observation.row = static_cast<int>(file.rows.size()) - 1;
     shot.observations.push_back(static_cast<int>(kept->data.observations.size()));
     kept->data.observations.push_back(observation);

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/satterthwaite.h"
 #include "models/batch/shot_program.h"
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kSampled = 2000.0;
 constexpr int kHeldScores = 32;  // rows of lanes that are summed together
+constexpr Eigen::Index kSampledRowsAtOnce = 512;
 
 // In [0, 1), the same for a cluster wherever it is asked (SplitMix64: Steele, Lea and Flood 2014).
 double Chance(int cluster) {
@@ -180,12 +182,37 @@ Eigen::MatrixXd ClusterSandwich::Columns(const RowMajorMatrix& rows, const Fit& 
 Eigen::VectorXd ClusterSandwich::DegreesOf(const Fit& fit) const {
   const Eigen::MatrixXd& root = fit.given.solution.covariance_root;
   Satterthwaite satterthwaite(static_cast<int>(root.cols()));
-  for (const Sample& sample : sample_) {
-    if (!Has(fit, sample.cluster)) continue;
-    const Eigen::MatrixXd b = Columns(sample.rows, fit) * root;
-    const Eigen::MatrixXd h = b * b.transpose();
-    const Eigen::MatrixXd a = (b + Unshrinking(h) * b) * root.transpose();
-    satterthwaite.Add(b, h, a, sample.weight);
+  for (size_t first = 0, next = 0; first < sample_.size(); first = next) {
+    std::vector<const Sample*> own;
+    Eigen::Index count = 0;
+    for (; next < sample_.size() && count < kSampledRowsAtOnce; ++next) {
+      if (!Has(fit, sample_[next].cluster)) continue;
+      own.push_back(&sample_[next]);
+      count += sample_[next].rows.rows();
+    }
+    Eigen::MatrixXd rows(count, root.rows());
+    Eigen::Index at = 0;
+    for (const Sample* sample : own) {
+      rows.middleRows(at, sample->rows.rows()) = Columns(sample->rows, fit);
+      at += sample->rows.rows();
+    }
+    const Eigen::MatrixXd b = TallProduct(rows, root);
+    Eigen::MatrixXd unshrunk = b;
+    std::vector<Eigen::MatrixXd> h;
+    at = 0;
+    for (const Sample* sample : own) {
+      const auto of_sample = b.middleRows(at, sample->rows.rows());
+      h.push_back(of_sample * of_sample.transpose());
+      unshrunk.middleRows(at, sample->rows.rows()) += Unshrinking(h.back()) * of_sample;
+      at += sample->rows.rows();
+    }
+    const Eigen::MatrixXd a = TallProduct(unshrunk, root.transpose());
+    at = 0;
+    for (size_t i = 0; i < own.size(); ++i) {
+      const Eigen::Index n = own[i]->rows.rows();
+      satterthwaite.Add(b.middleRows(at, n), h[i], a.middleRows(at, n), own[i]->weight);
+      at += n;
+    }
   }
   return satterthwaite.Degrees();
 }

@@ -121,8 +121,6 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
     for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
       const Run& run = units.runs[r];
       read(run);
-      const std::vector<std::int64_t> own = StructureOf(problem.model, problem.shot_inputs[shot_of(run)], readings);
-      by_model |= own.empty();
       for (int k = run.first; k < run.last; ++k) {
         const ReadingKind kind = problem.data.observations[observations[k]].kind;
         by_model |= kind != ReadingKind::kPoint;
@@ -131,7 +129,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       key.push_back(problem.data.shots[shot_of(run)].station);
       key.push_back(run.size());
       for (const BatchReading& reading : readings) key.push_back(reading.id);
-      key.insert(key.end(), own.begin(), own.end());
+      by_model |= !AppendStructure(problem.model, problem.shot_inputs[shot_of(run)], readings, &key);
     }
     const auto found = group_of.find(key);
     if (found != group_of.end()) {

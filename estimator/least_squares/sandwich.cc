@@ -7,6 +7,7 @@
 #include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/satterthwaite.h"
+#include "problems/split.h"
 
 namespace sagitta {
 namespace {
@@ -106,13 +107,18 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
 }
 
 std::vector<int> ConfigurationClusters(const Measurements& data, const std::vector<int>& observations) {
-  std::map<std::vector<double>, int> known;
-  std::vector<int> clusters;
+  const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(data);
+  std::vector<size_t> group_of(data.configurations.size());
+  for (size_t g = 0; g < groups.size(); ++g) {
+    for (const int c : groups[g]) group_of[static_cast<size_t>(c)] = g;
+  }
+  std::vector<int> cluster_of(groups.size(), -1), clusters;
   clusters.reserve(observations.size());
+  int count = 0;
   for (const int i : observations) {
-    const Eigen::VectorXd& q = data.ConfigurationOf(data.observations[i]).q;
-    const auto size = static_cast<int>(known.size());
-    clusters.push_back(known.emplace(std::vector<double>(q.data(), q.data() + q.size()), size).first->second);
+    int& cluster = cluster_of[group_of[static_cast<size_t>(data.shots[data.observations[i].shot].configuration)]];
+    if (cluster < 0) cluster = count++;
+    clusters.push_back(cluster);
   }
   return clusters;
 }

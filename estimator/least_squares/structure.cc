@@ -31,12 +31,19 @@ Structure StructureOf(const CalibrationProblem& problem, const ResidualSelection
   };
   double of_model = 0.0;
   for (int i = 0; i < parameters.num_model_parameters(); ++i) of_model += count(parameters.model_parameter(i));
+  std::vector<double> of_station, of_point, of_rotation;
+  for (int s = 0; s < parameters.num_stations(); ++s) {
+    of_station.push_back(count(parameters.station_translation(s)) + count(parameters.station_rotation(s)));
+  }
+  for (int m = 0; m < parameters.num_markers(); ++m) {
+    of_point.push_back(count(parameters.read_block(m, ReadingKind::kPoint)));
+    of_rotation.push_back(parameters.is_oriented(m) ? count(parameters.read_block(m, ReadingKind::kRotation)) : 0.0);
+  }
   double touched = 0.0;
   for (const int i : selection.observations) {
     const Observation& observation = problem.data.observations[i];
-    const int station = problem.data.shots[observation.shot].station;
-    touched += of_model + count(parameters.station_translation(station)) + count(parameters.station_rotation(station)) +
-               count(parameters.read_block(observation.marker, observation.kind));
+    const std::vector<double>& of_marker = observation.is_point() ? of_point : of_rotation;
+    touched += of_model + of_station[problem.data.shots[observation.shot].station] + of_marker[observation.marker];
   }
   Structure structure;
   structure.unknowns = static_cast<int>(parameters.EstimatedCoordinates().size());

@@ -258,10 +258,10 @@ std::string NextToCsv(const Diagnosis& d) {
       // A pose's two readings are one row.
       if (data.shots[observation.shot].configuration != pose.like || !observation.is_point()) continue;
       const MeasurementFile& file = data.files[observation.file];
-      const std::vector<std::string>& cells = file.rows[observation.row].cells;
+      const MeasurementRows::Cells cells = file.rows[observation.row].cells;
       for (size_t c = 0; c < header.size(); ++c) {
         const int own = file.FindColumn(header[c]);
-        text += (c > 0 ? "," : "") + NextCell(header[c], own < 0 ? "" : cells[own], pose, k);
+        text += (c > 0 ? "," : "") + NextCell(header[c], own < 0 ? "" : std::string(cells[own]), pose, k);
       }
       text += "\n";
     }

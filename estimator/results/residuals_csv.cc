@@ -91,7 +91,7 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& observation = data.observations[i];
     if (!observation.is_point()) continue;  // in the line of its point
-    const std::vector<std::string>& cells = data.files[observation.file].rows[observation.row].cells;
+    const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;
     for (size_t c = 0; c < names.size(); ++c) {
       if (c > 0) csv += ",";
       const int source = index[observation.file][c];

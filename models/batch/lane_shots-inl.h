@@ -86,7 +86,7 @@ class LaneShots {
   void AddLoads(int c) {
     const auto is_asked = [&](int parameter) { return parameter >= 0 && layout_.theta[parameter] >= 0; };
     for (const ShotProgram::Elastic& term : p_.elastic) {
-      if (!is_asked(term.parameter)) continue;
+      if (term.slot < 0 || !is_asked(term.parameter)) continue;
       TwistLanes& column = Parameters(c)[term.parameter];
       column = Fma(hn::Mul(statics_.Datum(term.data), statics_.Phi(term.law, term.slot)), statics_.Imposed(term.slot),
                    column);

@@ -334,6 +334,7 @@ class LaneStatics {
     }
     if (p_.has_spring) EvaluateSpring();
     for (const ShotProgram::Elastic& term : p_.elastic) {
+      if (term.slot < 0) continue;
       const V gain = hn::Mul(Of(at_.theta[term.parameter]), Datum(term.data));
       law_[term.slot] = Fma(gain, Phi(term.law, term.slot), law_[term.slot]);
       flexibility_[term.slot] = Fma(gain, PhiDerivative(term.law, term.slot), flexibility_[term.slot]);

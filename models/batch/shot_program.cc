@@ -20,13 +20,17 @@ std::vector<int> WrenchFrames(const ShotInput& shot) {
   return {frames.begin(), frames.end()};
 }
 
-// Slots that do not answer in this shot (no term on them) bend nothing and are left out.
+// Slots that do not answer in this shot bend nothing and are left out: those without a term, and where nothing pulls
+// but the spring, which acts on its own joint alone, those of the other joints: their torques are zero in every state.
 std::vector<int> ElasticSlots(const ForwardModel& model, const ShotInput& shot) {
   const bool has_spring = model.robot().gravity_compensator.has_value();
   const bool is_loaded = !shot.wrenches.empty() || !shot.terms.wrenches.empty() || has_spring;
   std::set<int> slots;
   if (shot.terms.sags.empty() && (shot.terms.elastic.empty() || !is_loaded)) return {};
-  for (const ElasticTerm& term : shot.terms.elastic) slots.insert(term.transform);
+  const bool is_pulled = !shot.wrenches.empty() || !shot.terms.wrenches.empty();
+  for (const ElasticTerm& term : shot.terms.elastic) {
+    if (is_pulled) slots.insert(term.transform);
+  }
   for (const SagTerm& term : shot.terms.sags) slots.insert(term.transform);
   if (has_spring) slots.insert(model.chain().JointTransform(model.robot().gravity_compensator->joint));
   return {slots.begin(), slots.end()};
@@ -90,7 +94,8 @@ class Builder {
       TwistOf(model_.parameters()[i].index);
     }
     for (const SlotTerm& term : shot_.terms.slots) {
-      program_.transforms[term.transform].terms.push_back({term.parameter, Take(1)});
+      program_.slot_data.push_back(Take(1));
+      program_.transforms[term.transform].terms.push_back({term.parameter, program_.slot_data.back()});
       TwistOf(term.transform);
     }
   }
@@ -184,9 +189,16 @@ bool TurnsWithFlange(const std::vector<AppliedWrench>& wrenches) {
 
 std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput& shot,
                                       const std::vector<BatchReading>& readings) {
-  if (!shot.prepared || !HasProgram(shot)) return {};
   std::vector<std::int64_t> key;
-  key.reserve(128);
+  AppendStructure(model, shot, readings, &key);
+  return key;
+}
+
+bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std::vector<BatchReading>& readings,
+                     std::vector<std::int64_t>* given) {
+  if (!shot.prepared || !HasProgram(shot)) return false;
+  std::vector<std::int64_t>& key = *given;
+  const size_t before = key.size();
   key.push_back(model.chain().num_transforms());
   bool known = true;
   const auto add_wrenches = [&](const std::vector<AppliedWrench>& wrenches) {
@@ -219,7 +231,8 @@ std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput
   for (const BaseTerm& term : shot.terms.base) key.push_back(term.parameter);
   begin_list(shot.terms.station.size());
   for (const StationTerm& term : shot.terms.station) key.push_back(term.parameter);
-  return known ? key : std::vector<std::int64_t>();
+  if (!known) key.resize(before);
+  return known;
 }
 
 ShotProgram MakeShotProgram(const ForwardModel& model, const ShotInput& shot,
@@ -244,7 +257,9 @@ void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotI
     }
   };
   const Chain& chain = model.chain();
-  const Eigen::VectorXd q = chain.CoupledJointValues(shot.conditions.q);
+  const Eigen::VectorXd coupled =
+      chain.couplings.empty() ? Eigen::VectorXd() : chain.CoupledJointValues(shot.conditions.q);
+  const Eigen::VectorXd& q = chain.couplings.empty() ? shot.conditions.q : coupled;
   for (int e = 0; e < chain.num_transforms(); ++e) {
     const ShotProgram::Transform& transform = program.transforms[e];
     if (transform.lane_value < 0) continue;
@@ -252,10 +267,7 @@ void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotI
     set(transform.lane_value, transform.is_rotation ? std::sin(value) : value);
     if (transform.is_rotation) set(transform.lane_value + 1, std::cos(value));
   }
-  std::vector<size_t> next(shot.terms.slots.empty() ? 0 : chain.num_transforms(), 0);
-  for (const SlotTerm& term : shot.terms.slots) {
-    set(program.transforms[term.transform].terms[next[term.transform]++].data, term.factor);
-  }
+  for (size_t i = 0; i < program.slot_data.size(); ++i) set(program.slot_data[i], shot.terms.slots[i].factor);
   if (program.is_elastic()) {
     set_wrenches(program.loads[0], shot.wrenches);
     for (size_t i = 0; i < shot.terms.wrenches.size(); ++i) {

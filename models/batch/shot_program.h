@@ -106,6 +106,7 @@ struct ShotProgram {
   std::vector<double> joint_signs;
   bool has_spring = false;
   Spring spring;
+  std::vector<int> slot_data;  // of the effects that add to values of transforms, in the shot's order
   int num_parameters = 0;
   int num_data = 0;  // numbers of each lane
 
@@ -124,6 +125,9 @@ struct BatchReading {
 // flange, errors along lines of sight, measured torques).
 std::vector<std::int64_t> StructureOf(const ForwardModel& model, const ShotInput& shot,
                                       const std::vector<BatchReading>& readings);
+// The same behind what `key` holds; false, and nothing is added: only the model itself evaluates the shot.
+bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std::vector<BatchReading>& readings,
+                     std::vector<std::int64_t>* key);
 
 // `shot` stands for all of its structure.
 ShotProgram MakeShotProgram(const ForwardModel& model, const ShotInput& shot,

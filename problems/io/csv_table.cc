@@ -137,6 +137,22 @@ void ForEachCell(const std::string& path, const Line& line, std::string* quoted,
   }
 }
 
+// The same where no cell of the file is in quotes or guarded.
+template <typename Take>
+void ForEachPlainCell(std::string_view line, const Take& take) {
+  const char* first = line.data();
+  const char* const end = first + line.size();
+  while (true) {
+    const char* last = first;
+    while (last != end && *last != ',') ++last;
+    const std::string_view cell(first, static_cast<size_t>(last - first));
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    take(!cell.empty() && (is_blank(cell.front()) || is_blank(cell.back())) ? Trimmed(cell) : cell);
+    if (last == end) return;
+    first = last + 1;
+  }
+}
+
 std::vector<std::string> SplitCells(const std::string& path, const Line& line) {
   CheckControl(path, line);
   std::vector<std::string> cells;
@@ -184,22 +200,28 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   CheckHeader(path, line, table.file.header);
 
   const size_t columns = table.file.header.size();
-  std::vector<MeasurementFile::Row>& rows = table.file.rows;
+  MeasurementRows& rows = table.file.rows;
+  // No cell is guarded or in quotes.
+  const bool is_plain = content.find('"') == std::string_view::npos && content.find('\'') == std::string_view::npos;
   std::string quoted;
   while (reader.Next(&line)) {
     if (has_control) CheckControl(path, line);
-    size_t count = 0;
     if (rows.empty()) {
       const size_t lines = content.size() / (line.text.size() + 1) + 1;  // if all are as long as the first
-      rows.reserve(std::min(lines, limits::kCells / columns));
+      rows.Reserve(std::min(lines, limits::kCells / columns), std::min(lines * columns, limits::kCells),
+                   content.size());
     }
-    MeasurementFile::Row& row = rows.emplace_back();
-    row.line = line.number;
-    row.cells.reserve(columns);
-    ForEachCell(path, line, &quoted, [&](std::string_view cell) {
-      row.cells.emplace_back(cell);
+    rows.BeginRow(line.number);
+    size_t count = 0;
+    const auto add = [&](std::string_view cell) {
+      rows.AddCell(cell);
       ++count;
-    });
+    };
+    if (is_plain) {
+      ForEachPlainCell(line.text, add);
+    } else {
+      ForEachCell(path, line, &quoted, add);
+    }
     if (count != columns) {
       throw InputError({path, line.number, ""},
                        "the row has " + std::to_string(count) + " cells, the header has " + std::to_string(columns),

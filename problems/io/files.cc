@@ -158,13 +158,16 @@ int LineOfInvalidUtf8(const std::string& bytes) {
 }
 
 std::string Sha256(const std::string& bytes) {
+  // Looked up once: names of configurations are hashed by the ten thousand.
+  static const EVP_MD* const kSha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) != 1) {
+  if (kSha256 == nullptr || EVP_Digest(bytes.data(), bytes.size(), digest, &size, kSha256, nullptr) != 1) {
     throw std::runtime_error("SHA-256 is not available in this OpenSSL");
   }
   constexpr char kHex[] = "0123456789abcdef";
   std::string text;
+  text.reserve(2 * size);
   for (unsigned int i = 0; i < size; ++i) {
     text += kHex[digest[i] >> 4];
     text += kHex[digest[i] & 15];

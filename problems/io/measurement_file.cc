@@ -114,7 +114,7 @@ class MeasurementsBuilder {
 
  private:
   const MeasurementFile& FileOf(int observation) const { return data_.files[data_.observations[observation].file]; }
-  const MeasurementFile::Row& RowOf(int observation) const {
+  MeasurementFile::Row RowOf(int observation) const {
     return FileOf(observation).rows[data_.observations[observation].row];
   }
   std::string SourceOf(int observation) const { return data_.SourceOf(data_.observations[observation]); }
@@ -267,7 +267,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
   for (size_t r = 0; r < file.rows.size(); ++r) {
     reader.Read(file.rows[r], &row);
     if (row.lost) {
-      if (lost_++ == 0) first_lost_ = file.path + ":" + std::to_string(file.rows[r].line);
+      if (lost_++ == 0) first_lost_ = file.path + ":" + std::to_string(file.rows.LineOf(r));
       continue;
     }
     current_ = static_cast<int>(data_.observations.size());

@@ -112,7 +112,7 @@ std::string MeasurementsToCsv(const Measurements& data) {
   csv += "\n";
   for (const Observation& observation : data.observations) {
     if (!observation.is_point()) continue;  // in the line of its point
-    const std::vector<std::string>& cells = data.files[observation.file].rows[observation.row].cells;
+    const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;
     for (size_t c = 0; c < columns.size(); ++c) {
       if (c > 0) csv += ",";
       const int axis = PointAxis(columns[c]);
@@ -126,7 +126,7 @@ std::string MeasurementsToCsv(const Measurements& data) {
         const double value = RotationVector(rotation)[RotationAxis(columns[c])];
         if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mrad")));
       } else if (source.index >= 0) {
-        csv += CsvCell(Converted(cells[source.index], source.unit, columns[c].unit));
+        csv += CsvCell(Converted(std::string(cells[source.index]), source.unit, columns[c].unit));
       }
     }
     csv += "\n";

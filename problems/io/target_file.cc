@@ -38,7 +38,7 @@ class TargetReader {
   void FindColumns();
   void CheckUnlisted() const;
 
-  const std::string& Cell(const TargetColumn& column) const;
+  std::string Cell(const TargetColumn& column) const;
   std::optional<double> Number(const TargetColumn& column) const;
   // All of a group or none.
   std::optional<Eigen::VectorXd> Numbers(const std::vector<TargetColumn>& columns) const;
@@ -135,9 +135,8 @@ void TargetReader::CheckUnlisted() const {
   }
 }
 
-const std::string& TargetReader::Cell(const TargetColumn& column) const {
-  static const std::string kEmpty;
-  return column.index < 0 ? kEmpty : row_->cells[column.index];
+std::string TargetReader::Cell(const TargetColumn& column) const {
+  return column.index < 0 ? "" : std::string(row_->cells[column.index]);
 }
 
 std::optional<double> TargetReader::Number(const TargetColumn& column) const {

@@ -114,7 +114,7 @@ TEST(SplitTest, TheSetColumnIsTheDefault) {
   Measurements data = Configurations(5);
   SplitConfigurations({}, &data);
   EXPECT_TRUE(HeldOut(data).empty());
-  data.files[0].rows[4].cells[1] = "validation";
+  data.files[0].rows.SetCell(4, 1, "validation");
   SplitConfigurations({}, &data);
   EXPECT_EQ(HeldOut(data), (Ids{"C04"}));
   data.files[0].header[1] = "other";  // no such column: nothing is held out
@@ -124,14 +124,14 @@ TEST(SplitTest, TheSetColumnIsTheDefault) {
 
 TEST(SplitTest, AConfigurationIsOneOrTheOther) {
   Measurements data = Configurations(5);
-  data.files[0].rows[4].cells[1] = "validation";
+  data.files[0].rows.SetCell(4, 1, "validation");
   data.observations[4].shot = 1;
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { SplitConfigurations({}, &data); }), {"m.csv:6: set", "'C01'", "m.csv:3"}));
 }
 
 TEST(SplitTest, NoneHoldsOutNothing) {
   Measurements data = Configurations(3);
-  data.files[0].rows[1].cells[1] = "validation";
+  data.files[0].rows.SetCell(1, 1, "validation");
   ValidationSpec spec;
   spec.kind = ValidationSpec::Kind::kNone;
   SplitConfigurations(spec, &data);

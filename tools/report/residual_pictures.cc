@@ -20,14 +20,17 @@ constexpr size_t kWorstShown = 20;
 constexpr double kArrowOfSize = 0.08;  // an arrow of the 95th percentile, of all that is shown
 
 // Everything that may drive an error and differs between shots.
-std::vector<Driver> DriversOf(const CalibrationProblem& problem, const ParameterSet& parameters) {
+std::vector<Driver> DriversOf(const CalibrationProblem& problem, const ParameterSet& parameters,
+                              const std::vector<ResidualRow>& rows) {
   std::vector<Driver> drivers;
   const auto add = [&drivers](Driver driver) {
     if (driver.Varies()) drivers.push_back(std::move(driver));
   };
   const int joints = problem.robot.chain.num_joints();
   for (int j = 0; j < joints; ++j) add(AngleOf(problem, j));
-  const Eigen::MatrixXd torques = JointTorques(problem, parameters);
+  std::vector<int> shots;
+  for (const ResidualRow& row : rows) shots.push_back(problem.data.observations[row.observation].shot);
+  const Eigen::MatrixXd torques = JointTorques(problem, parameters, &shots);
   for (int j = 0; j < joints; ++j) add(TorqueOf(problem, j, torques));
   for (int j = 0; j < joints; ++j) add(ApproachOf(problem, j));
   add(TimeOf(problem));
@@ -128,7 +131,7 @@ Picture ResidualsOverDrivers(const DrawnReadings& readings) {
     const std::string name(1, "xyz"[axis]);
     add("residual " + name, xyz[axis], "residual in " + name + " of the base, mm", &down);
   }
-  for (const Driver& driver : DriversOf(problem, readings.parameters)) {
+  for (const Driver& driver : DriversOf(problem, readings.parameters, rows)) {
     std::vector<double> x;
     for (const ResidualRow& row : rows) x.push_back(driver.of_shot[problem.data.observations[row.observation].shot]);
     add("over " + driver.name, x, Labelled(driver), &across);

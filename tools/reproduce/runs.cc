@@ -28,7 +28,7 @@ void AddValidation(const Chain& chain, unsigned long long seed, Measurements* ro
     Configuration configuration{"V" + std::to_string(++number), q, true};
     rows->configurations.push_back(configuration);
     split->values.push_back(configuration.id);
-    MeasurementFile::Row row{0, std::vector<std::string>(file.header.size())};
+    MeasurementRows::NewRow row{0, std::vector<std::string>(file.header.size())};
     row.cells[file.FindColumn(split->column)] = configuration.id;
     for (int repeat = 0; repeat < kValidationRepeats; ++repeat) {
       Shot shot;
