@@ -13,6 +13,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kHoldMotion = 5e-3;  // m or rad, FORMATS section 4
+constexpr double kRoundOff = 1e-12;   // a sum of some hundred products of what moves the others
 
 // Lengths of the spring move its ends: they are limited as lengths.
 bool IsLimitedByMotion(const ModelParameter& parameter) {
@@ -111,6 +112,21 @@ class ShotBatches {
   std::vector<int> by_model_;
 };
 
+// A force along the axis of its own lever leaves round-off where its neighbours of the same kind leave a motion: 0.
+void DropRoundOff(const std::vector<ModelParameter>& parameters, std::vector<double>* motions) {
+  using Kind = std::pair<int, Quantity>;
+  std::map<Kind, double> most;
+  const auto kind_of = [&](size_t i) { return Kind(parameters[i].index, parameters[i].quantity); };
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].law != ParameterLaw::kEffect) continue;
+    double& largest = most[kind_of(i)];
+    largest = std::max(largest, (*motions)[i]);
+  }
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].law == ParameterLaw::kEffect && (*motions)[i] < kRoundOff * most[kind_of(i)]) (*motions)[i] = 0.0;
+  }
+}
+
 }  // namespace
 
 std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -132,6 +148,7 @@ std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const 
       if (motions[i] < std::abs(feigned[i] - motions[i])) motions[i] = 0.0;
     }
   }
+  DropRoundOff(problem.model.parameters(), &motions);
   return motions;
 }
 

@@ -138,7 +138,7 @@ CompensatedTarget Compensator::Compensate(int shot, const Target& target, const 
   return result;
 }
 
-// J C J' + (J_h + J G) S (J_h + J G)' (prediction.h), times the model error's square.
+// J C J' + (J_h + J G) S (J_h + J G)' (prediction.h), the model error in C.
 void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
   FlangeState state;
   if (!LoadedAt(shot, result->solution.q, active_.model, &state)) return;
@@ -151,7 +151,6 @@ void Compensator::AddUncertainty(int shot, CompensatedTarget* result) const {
     const Eigen::MatrixXd held = columns.rightCols(known.held.size()) + estimated * known.slopes;
     covariance += held * known.second_moment * held.transpose();
   }
-  covariance *= input_.model_error * input_.model_error;
   result->u95_position = Radius95(covariance.topLeftCorner<3, 3>());
   result->u95_rotation = Radius95(covariance.bottomRightCorner<3, 3>());
 }

@@ -19,8 +19,7 @@ namespace sagitta {
 struct CompensationInput {
   CalibrationProblem problem;        // the estimated robot; one shot per target
   Chain nominal;                     // what the controller computes with: rigid, without errors
-  ParameterUncertainty uncertainty;  // of the estimate
-  double model_error = 1.0;          // factor on standard deviations
+  ParameterUncertainty uncertainty;  // of the estimate, with its model error
 };
 
 // A target with the joint values that reach it, and what is left.

@@ -74,8 +74,7 @@ Targets TargetsOf(const std::vector<Target>& rows, const LoadedTruth& truth, con
 }
 
 CompensationInput InputOf(const test::LoadedSetup& setup, const LoadedTruth& truth, const Targets& targets) {
-  CompensationInput input{
-      CalibrationProblem(setup.robot, targets.shots, setup.experiment), test::Kr270Chain(), {}, 1.0};
+  CompensationInput input{CalibrationProblem(setup.robot, targets.shots, setup.experiment), test::Kr270Chain(), {}};
   Pose<double> base;
   base.translation = truth.base_xyz[0];
   base.rotation = test::BaseRotation(truth, 0);

@@ -123,5 +123,34 @@ TEST_F(ConditionsTest, AComplianceIsLimitedByWhatItMoves) {
   }
 }
 
+// A pull along the slot's own axis turns nothing about it, wherever the arm is: 1e-17 is no motion, and its limit is
+// that of its kind. (A UR5's robot.extended.yaml held it to 10^14 rad, and the solver went astray along it.)
+TEST_F(ConditionsTest, RoundOffIsNoMotion) {
+  Robot robot = test::TwoLink();
+  EffectSpec sag{"self_weight_sag", "J1", {{"about", "v"}}, std::vector<double>(6, 0.0)};
+  robot.effects.push_back(sag);
+  Experiment experiment;
+  experiment.noise.sigma = 1e-5;
+  CalibrationProblem problem = MakeCalibrationProblem(
+      robot,
+      Read("config,marker,q1_deg,q2_deg,x_mm,y_mm,z_mm\nC1,M1,11,7,1400,0,500\nC2,M1,10,60,1,0,5\n"
+           "C3,M1,53,-30,1,2,5\nC4,M1,71,23,3,2,5\nC5,M1,-20,23,3,2,5\nC6,M1,-70,23,3,2,5\nC7,M1,-70,50,3,2,5\n"),
+      experiment);
+  Pose<double> base;
+  base.rotation = RotationFromVector(Vector3<double>(0.3, -0.2, 0.7));
+  problem.parameters.SetBaseInStation(0, base);
+  SetHoldLimits(problem, &problem.parameters);
+  int of_their_kind = 0;
+  for (const std::string axis : {"x", "y", "z"}) {
+    const double limit =
+        problem.parameters
+            .coordinates()[problem.parameters.FindCoordinate("effect/self_weight_sag[about=v]/J1/s1" + axis)]
+            .hold_limit;
+    EXPECT_LT(limit, 1.0) << axis;
+    of_their_kind += limit == TraitsOf(Quantity::kSmallAngle).hold_limit;
+  }
+  EXPECT_EQ(of_their_kind, 1);
+}
+
 }  // namespace
 }  // namespace sagitta
