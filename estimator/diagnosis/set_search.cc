@@ -14,7 +14,22 @@ constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
 constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
-constexpr size_t kMostSettled = 100;     // where a hundred sets share it, each has about a hundredth
+constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
+constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
+
+// A set with one more, or one fewer; its weights are to be found.
+WeightedSet Grown(WeightedSet set, int candidate, double scale) {
+  const auto at = std::lower_bound(set.members.begin(), set.members.end(), candidate) - set.members.begin();
+  set.members.insert(set.members.begin() + at, candidate);
+  set.scales.insert(set.scales.begin() + at, scale);
+  return set;
+}
+
+WeightedSet Shrunk(WeightedSet set, size_t at) {
+  set.members.erase(set.members.begin() + static_cast<long>(at));
+  set.scales.erase(set.scales.begin() + static_cast<long>(at));
+  return set;
+}
 
 }  // namespace
 
@@ -218,9 +233,7 @@ void SetSearch::Expand(const WeightedSet& given) {
 }
 
 void SetSearch::RecordGrown(WeightedSet set, int candidate, double scale, double log_weight) {
-  const auto at = std::lower_bound(set.members.begin(), set.members.end(), candidate) - set.members.begin();
-  set.members.insert(set.members.begin() + at, candidate);
-  set.scales.insert(set.scales.begin() + at, scale);
+  set = Grown(std::move(set), candidate, scale);
   set.log_weight = log_weight;
   set.log_likelihood = log_weight - prior_.Log(SharesOf(set.members));
   Record(std::move(set));
@@ -231,9 +244,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
   double averages = 0.0;  // of each member's scales, over its best
   std::vector<double> own_averages;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    WeightedSet others = set;
-    others.members.erase(others.members.begin() + static_cast<long>(m));
-    others.scales.erase(others.scales.begin() + static_cast<long>(m));
+    WeightedSet others = Shrunk(set, m);
     const GivenOthers given = all.Of(m);
     others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
     without.push_back(std::move(others));
@@ -273,11 +284,6 @@ bool SetSearch::Exchange(const WeightedSet& set) {
     shares.push_back(1.0);
     bases.push_back(without[m].log_likelihood + prior_.Log(shares));
   }
-  struct Swap {
-    size_t member;
-    int candidate;
-    double scale, log_weight;
-  };
   std::vector<Swap> swaps;
   double most = BestWeight();
   for (size_t k = 0; k < explanations_.size(); ++k) {
@@ -297,11 +303,35 @@ bool SetSearch::Exchange(const WeightedSet& set) {
       swaps.push_back({m, static_cast<int>(k), scale, weight});
     }
   }
+  std::stable_sort(swaps.begin(), swaps.end(),
+                   [](const Swap& a, const Swap& b) { return a.log_weight > b.log_weight; });
+  if (swaps.size() > kMostSwaps) swaps.resize(kMostSwaps);
   for (const Swap& swap : swaps) {
-    if (swap.log_weight < most - kWorthKeeping) continue;
+    if (swap.log_weight < most - kWorthKeeping) break;
     RecordGrown(without[swap.member], swap.candidate, swap.scale, swap.log_weight);
   }
+  SwapTogether(set, swaps);
   return Best().members != set.members;
+}
+
+// The swaps that make the set better by themselves, best first, one for each place: each is kept if the set is better
+// still with it.
+void SetSearch::SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps) {
+  WeightedSet now = set;
+  std::set<int> done;
+  for (const Swap& swap : swaps) {
+    if (swap.log_weight <= set.log_weight) return;
+    const int out = set.members[swap.member];
+    if (!done.insert(out).second) continue;
+    const auto at = std::find(now.members.begin(), now.members.end(), out) - now.members.begin();
+    WeightedSet swapped = Shrunk(now, static_cast<size_t>(at));
+    const auto& others = swapped.members;
+    const bool is_known = std::find(others.begin(), others.end(), swap.candidate) != others.end();
+    if (is_known || IsExcluded(others, swap.candidate)) continue;
+    swapped = Grown(std::move(swapped), swap.candidate, swap.scale);
+    swapped = Settled(swapped);
+    if (swapped.log_weight > now.log_weight) now = std::move(swapped);
+  }
 }
 
 // To the nearest set that no addition, drop or swap improves: each step is up, by evaluations that are kept.

@@ -120,8 +120,14 @@ class SetSearch {
   // A set without each of its members, the others' scales and averages kept unless the set is small. all: its members,
   // at its scales.
   std::vector<WeightedSet> WithoutEach(const WeightedSet& set, const Members& all) const;
+  struct Swap {
+    size_t member;  // place in the set
+    int candidate;
+    double scale, log_weight;
+  };
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
+  void SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps);
   WeightedSet Climb(WeightedSet from);
   void SettleAll();
   double BestWeight() const { return Best().log_weight; }
