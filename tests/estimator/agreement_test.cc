@@ -53,7 +53,7 @@ void ExpectNominal(const std::string& covariance, bool stated) {
     test::MeasureKr270(truth, design.sigma, 500 + t, &data);
     Estimate estimate;
     const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, experiment), &estimate, 0);
-    ASSERT_EQ(report.covariance, covariance);
+    ASSERT_EQ(report.covariance, experiment.covariance);
     const PartComparison& split = SplitOf(report, "A1");
     EXPECT_EQ(split.compared, 33);
     share += split.share() / kTrials;
