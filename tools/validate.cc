@@ -8,7 +8,6 @@
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
-#include "tools/report/report_html.h"
 #include "tools/report/validation_report.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
@@ -32,13 +31,12 @@ int RunValidate(const CommandLine& line) {
   const Validation validation = Validate(known, rows);
   const nlohmann::ordered_json json = ValidationToJson(validation, provenance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
-  const std::vector<Section> sections = ValidationPage(known, rows, validation);
-  std::cout << SectionsToText(sections);
+  std::cout << SectionsToText(ValidationSections(known, rows, validation));
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
   } else {
     out->Write({{"residuals.csv", ValidationToCsv(rows, validation)},
-                {"report.html", SectionsToPage(sections, provenance)},
+                {"report.html", ValidationToHtml(known, rows, validation, provenance)},
                 {"validation.json", DumpJson(json)}});
     std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";
   }

@@ -69,6 +69,13 @@ class FolderTest(unittest.TestCase):
 
 
 class SameAsTheProgram(FolderTest):
+    def assert_same_pictures(self, page, path):
+        """The numbers that the pictures of two pages draw."""
+        pictures = [re.findall(r'<script type="application/json">(.*?)</script>', text, re.S)
+                    for text in (page, path.read_text())]
+        self.assertTrue(pictures[0])
+        self.assertEqual(*pictures)
+
     def test_calibrate_and_write(self):
         run("calibrate", KR270 / "experiment.yaml", "--out=%s" % (self.folder / "program"), "--quiet")
         estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
@@ -126,7 +133,11 @@ class SameAsTheProgram(FolderTest):
             self.assertEqual(corrected.status, written["status"])
             np.testing.assert_allclose(np.degrees(corrected.joint_values[:, 0]), frame["q1_cmd_deg"], rtol=1e-14)
         validation = json.loads((out / "validation" / "validation.json").read_text())
-        self.assertEqual(sagitta.validate(estimate, KR270 / "geometric.csv").after, validation["validation"])
+        ours = sagitta.validate(estimate, KR270 / "geometric.csv")
+        self.assertEqual(ours.after, validation["validation"])
+        self.assert_same_pictures(sagitta.validate(out / "estimate.json", KR270 / "geometric.csv").report_html,
+                                  out / "validation" / "report.html")
+        self.assertIn('class="picture"', ours.report_html)
         rows = sagitta.simulate(sagitta.read(KR270 / "robot.yaml", KR270 / "geometric.csv"), estimate, sigma_mm=0.02,
                                 seed=9)
         rows.to_csv(self.folder / "simulated.csv")
@@ -187,6 +198,14 @@ class SameAsTheProgram(FolderTest):
         self.assertEqual((self.folder / "new.src").read_bytes(), corrected.text)
         self.assertIn("points corrected", corrected.summary)
         self.assertEqual([point["line"] for point in corrected.untouched], [3])
+        # A mass beyond what the arm carries: it bends an arm with compliances alone, and this one has none.
+        loaded = sagitta.compensate_program(out / "estimate.json", program, loads_kg_mm={"default": (250, 0, 0, 90)},
+                                            turn_joints=(1, 4, 6), **scene)
+        self.assertEqual(loaded.text, corrected.text)
+        with self.assertRaises(sagitta.InputError):
+            sagitta.compensate_program(out / "estimate.json", program, loads_kg_mm={"default": (250, 0)}, **scene)
+        with self.assertRaises(sagitta.InputError):
+            sagitta.compensate_program(out / "estimate.json", program, turn_joints=(1, 4), **scene)
         with self.assertRaises(sagitta.InputError) as raised:
             sagitta.compensate_program(out / "estimate.json", program)
         self.assertIn("world", str(raised.exception))
@@ -202,6 +221,7 @@ class SameAsTheProgram(FolderTest):
         self.assertEqual((self.folder / "plan.csv").read_text(), (out / "plan.csv").read_text())
         theirs = json.loads((out / "plan.json").read_text())
         self.assertEqual(plan.to_dict(), {k: v for k, v in theirs.items() if k not in ("version", "command")})
+        self.assert_same_pictures(plan.report_html, out / "report.html")
         cell, former = self.folder / "cell.yaml", self.folder / "former.json"
         cell.write_text("schema: sagitta/cell/1\nfloor_mm: 900\n")
         estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
@@ -224,6 +244,7 @@ class SameAsTheProgram(FolderTest):
         diagnosis = sagitta.diagnose(sagitta.read(KR270 / "experiment.yaml"), progress=said.append)
         theirs = json.loads((out / "diagnosis.json").read_text())
         self.assertEqual(without_circumstances(diagnosis.to_dict()), without_circumstances(theirs))
+        self.assert_same_pictures(diagnosis.report_html, out / "report.html")
         self.assertEqual(diagnosis.robot_yaml, without_run((out / "robot.extended.yaml").read_text()))
         self.assertEqual(len(diagnosis.to_dataframe()), sum(len(step["parameters"]) for step in diagnosis.steps))
 

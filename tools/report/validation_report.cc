@@ -52,24 +52,26 @@ Section Residuals(const KnownRobot& known, const Validation& validation) {
 
 }  // namespace
 
-std::vector<Section> ValidationPage(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
-  const CalibrationProblem problem = PredictionProblem(known, rows);
-  const DrawnReadings readings(problem, problem.parameters, validation.predicted);
-  Section residuals = Residuals(known, validation);
-  std::vector<int> all(problem.data.observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
-  residuals.pictures = BeforeAndAfter(DistancesOf(problem, nominal), DistancesOf(problem, validation.predicted));
-  Section left;
-  left.title = "What is left, and where";
-  left.paragraphs = {"measured − predicted. All rows are in residuals.csv."};
-  left.pictures = {ResidualsOverDrivers(readings), ResidualsInWorkspace(readings)};
-  return {Head(known, rows, validation), residuals, left};
+std::vector<Section> ValidationSections(const KnownRobot& known, const Measurements& rows,
+                                        const Validation& validation) {
+  return {Head(known, rows, validation), Residuals(known, validation)};
 }
 
 std::string ValidationToHtml(const KnownRobot& known, const Measurements& rows, const Validation& validation,
                              const Provenance& provenance) {
-  return SectionsToPage(ValidationPage(known, rows, validation), provenance);
+  std::vector<Section> sections = ValidationSections(known, rows, validation);
+  const CalibrationProblem problem = PredictionProblem(known, rows);
+  const DrawnReadings readings(problem, problem.parameters, validation.predicted);
+  std::vector<int> all(problem.data.observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
+  sections.back().pictures = BeforeAndAfter(DistancesOf(problem, nominal), DistancesOf(problem, validation.predicted));
+  Section left;
+  left.title = "What is left, and where";
+  left.paragraphs = {"measured − predicted. All rows are in residuals.csv."};
+  left.pictures = {ResidualsOverDrivers(readings), ResidualsInWorkspace(readings)};
+  sections.push_back(std::move(left));
+  return SectionsToPage(sections, provenance);
 }
 
 }  // namespace sagitta

@@ -9,8 +9,9 @@
 
 namespace sagitta {
 
-// validation: of `known` on `rows`.
-std::vector<Section> ValidationPage(const KnownRobot& known, const Measurements& rows, const Validation& validation);
+// validation: of `known` on `rows`. For the terminal; the page has pictures besides.
+std::vector<Section> ValidationSections(const KnownRobot& known, const Measurements& rows,
+                                        const Validation& validation);
 std::string ValidationToHtml(const KnownRobot& known, const Measurements& rows, const Validation& validation,
                              const Provenance& provenance);
 
