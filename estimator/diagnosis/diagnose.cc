@@ -164,8 +164,8 @@ class Session {
     candidates_ = ListCandidates(working, parameters);
     RefineMoments(working, parameters, &candidates_);
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
-    evidence_ =
-        std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof, options_.progress);
+    evidence_ = std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof,
+                                           options_.progress, evidence_.get());
     d_.not_testable = evidence_->list().not_testable;
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
     RefittedSet leading;

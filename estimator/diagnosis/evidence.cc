@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 namespace sagitta {
 namespace {
@@ -35,7 +37,8 @@ void Normalise(std::vector<WeightedModel>* models) {
 }
 
 Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
-                   const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress)
+                   const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
+                   const Evidence* before)
     : problem_(problem),
       columns_(problem, parameters, candidates.candidates),
       list_(ListExplanations(problem, parameters, candidates, masses, &columns_)),
@@ -50,7 +53,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   }
   std::deque<SetSearch> searches;
-  Climb(std::move(stated), &searches);
+  Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), &searches);
   const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);
   const auto& joints = problem.robot.chain.joints;
   const bool any_turns =
@@ -80,7 +83,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
                " urad");
     }
     const JointScatter scatter = ScatterOf(next->view);
-    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, &searches);
+    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best.set, &searches);
   }
   Explore(&searches);
 }
@@ -150,12 +153,28 @@ void Evidence::AddModel(int view, const WeightedSet& set) {
   models_.push_back({view, set, 0.0, set.log_weight + viewed.beside.log_constant + viewed.view.log_prior});
 }
 
-void Evidence::Climb(ViewedNormal viewed, std::deque<SetSearch>* searches) {
+WeightedSet Evidence::BestOf(const Evidence& other) const {
+  const auto key = [](const ExplanationList& list, size_t k) {
+    return std::make_tuple(list.name[k], list.start[k].Path(), list.math[k].group.size());
+  };
+  std::map<std::tuple<std::string, std::string, int>, int> here;
+  for (size_t k = 0; k < list_.math.size(); ++k) here.emplace(key(list_, k), static_cast<int>(k));
+  WeightedSet set;
+  for (const int m : other.models()[0].set.members) {
+    const auto same = here.find(key(other.list(), static_cast<size_t>(m)));
+    if (same != here.end()) set.members.push_back(same->second);
+  }
+  std::sort(set.members.begin(), set.members.end());
+  set.members.erase(std::unique(set.members.begin(), set.members.end()), set.members.end());
+  return set;
+}
+
+void Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, std::deque<SetSearch>* searches) {
   views_.push_back(std::move(viewed));
   const int view = static_cast<int>(views_.size()) - 1;
   searches->push_back(SearchIn(view));
   SetSearch& search = searches->back();
-  search.ClimbFrom(models_.empty() ? WeightedSet() : models_[0].set);
+  search.ClimbFrom(start);
   AddModel(view, search.Best());
   if (!search.Best().members.empty()) AddModel(view, search.Empty());
   Normalise(&models_);

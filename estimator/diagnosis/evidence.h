@@ -55,9 +55,11 @@ struct ViewedNormal {
 // What the rows say of all explanations, for every view of the noise.
 class Evidence {
  public:
-  // sigma_dof: what states the noise (ResidualLikelihood).
+  // sigma_dof: what states the noise (ResidualLikelihood). before: of other rows of the same problem; the search starts
+  // from its best set.
   Evidence(const CalibrationProblem& problem, const ParameterSet& parameters, const CandidateList& candidates,
-           const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress);
+           const PriorMasses& masses, double sigma_dof, const std::function<void(const std::string&)>& progress,
+           const Evidence* before = nullptr);
 
   const ExplanationList& list() const { return list_; }
   const EvidenceColumns& columns() const { return columns_; }
@@ -93,8 +95,10 @@ class Evidence {
   // Of the set beside a view, with its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set) const;
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
-  // In one more view, from the best set so far; what is best there is added to the models.
-  void Climb(ViewedNormal viewed, std::deque<SetSearch>* searches);
+  // What the best set of another evidence is called here.
+  WeightedSet BestOf(const Evidence& other) const;
+  // In one more view, from a set; what is best there is added to the models.
+  void Climb(ViewedNormal viewed, const WeightedSet& start, std::deque<SetSearch>* searches);
   // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
   void Explore(std::deque<SetSearch>* searches);
   void AddModel(int view, const WeightedSet& set);
