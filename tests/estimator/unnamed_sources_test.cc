@@ -6,6 +6,7 @@
 
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/evidence_columns.h"
+#include "models/effects/learnt_deviation.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -37,9 +38,9 @@ ParameterSet Placed(const CalibrationProblem& problem) {
 Eigen::VectorXd Moves(const CalibrationProblem& problem, const ParameterSet& parameters, const Source& source) {
   EvidenceColumns columns(problem, parameters, {});
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<long>(problem.data.shots.size()));
-  const int column = columns.Add({source, ones});
+  const std::vector<int> column = columns.Add({source, ones});
   const std::vector<int> all = problem.CalibrationObservations();
-  return kSigma * columns.RowsAt(all, StatedScatter(problem), {column}).rightCols(1);
+  return kSigma * columns.RowsAt(all, StatedScatter(problem), column).rightCols(1);
 }
 
 Eigen::VectorXd Predicted(const CalibrationProblem& problem, const ParameterSet& parameters) {
@@ -68,7 +69,7 @@ TEST(UnnamedSources, ALinkGrowsByItsLengths) {
   for (ElementaryTransform& transform : grown.chain.transforms) {
     if (transform.has_joint()) before = transform.joint;
     if (before != 1 || transform.is_rotation() || transform.nominal == 0.0) continue;
-    transform.nominal *= 1.0 + kTypicalGrowthOfLink;
+    transform.nominal *= 1.0 + kTypicalGrowth;
     ++lengths;
   }
   ASSERT_GT(lengths, 0);
