@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/compensation/turn_words.h"
 #include "estimator/report/compensation_words.h"
 #include "models/constants.h"
 

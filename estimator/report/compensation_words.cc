@@ -57,6 +57,11 @@ std::string NoSolutionAsStated() {
   return "no joint values of the nominal robot reach it in the configuration that the file states";
 }
 
+std::string TurnsInWords() {
+  return "a joint has made a whole turn, and which one the file does not say: --turn_joints=1,4,6 states it (the "
+         "controller's $SCR_GRP[1].$TURN_AXIS), and joint limits in the robot file may tell it";
+}
+
 std::string PoseOutOfReach() { return "the nominal robot does not reach it; is its frame or tool another?"; }
 
 }  // namespace sagitta

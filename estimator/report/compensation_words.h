@@ -20,6 +20,7 @@ std::string SolutionNotStated();
 std::string NoSolutionNearBefore();
 std::string SolutionsAreSeveral(size_t found);
 std::string NoSolutionAsStated();
+std::string TurnsInWords();  // poses whose whole turns may be of several joints
 std::string PoseOutOfReach();
 
 }  // namespace sagitta

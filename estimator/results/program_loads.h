@@ -23,10 +23,4 @@ struct ProgramLoads {
 // carries every load alike. `scene.load` decides where it is stated.
 ProgramLoads LoadsOfProgram(const KnownRobot& known, const RobotProgram& program, const ProgramScene& scene);
 
-// program_loads_words.cc
-std::string LoadUsedInWords(const std::string& name, const ProgramLoad& load, int points);
-std::string LoadUnknownInWords(const std::string& name, int points);
-std::string LoadOfTwoInWords(const std::string& one, const std::string& other);
-std::string ToolReplacedInWords(double tool_mass);
-
 }  // namespace sagitta

@@ -1,4 +1,5 @@
-#include "estimator/results/program_loads.h"
+#include "estimator/report/results_load_words.h"
+
 #include "problems/text.h"
 
 namespace sagitta {
