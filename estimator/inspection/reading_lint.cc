@@ -7,9 +7,11 @@
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/linear_state.h"
+#include "estimator/inspection/other_label.h"
 #include "estimator/inspection/readings.h"
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/inspection/wild_rows.h"
+#include "estimator/report/inspection_label_words.h"
 #include "models/constants.h"
 
 namespace sagitta {
@@ -20,11 +22,14 @@ constexpr double kImprovement = 5.0;
 constexpr double kAsGood = 1.1;    // readings that fit alike: the simplest is named
 constexpr double kPerfect = 1e-4;  // of the reach: no better fit means anything
 constexpr size_t kShown = 6;
+constexpr size_t kMostAlike = 2;
 constexpr double kLargestError = 4.0;  // times 5 mm or 1 deg: no arm is made or mastered that badly
 constexpr double kMostFarRows = 0.2;   // of all: more are no exceptions
 
-Finding Describe(const Reading& reading, double misfit) {
-  return {Severity::kSerious, reading.code, MisfitOfReading(misfit, reading.misfit, reading.name), reading.remedy, {}};
+// alike: names of other readings that fit as well.
+Finding Describe(const Reading& reading, double misfit, const std::vector<std::string>& alike) {
+  const std::string words = MisfitOfReading(misfit, reading.misfit, reading.name, alike);
+  return {Severity::kSerious, reading.code, words, reading.remedy, {}};
 }
 
 Finding Unexplained(double misfit, double suspicious, const ExplainedErrors& errors) {
@@ -49,6 +54,12 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
   const ExplainedErrors errors = ExplainByErrors(problem, sample);
   lint.is_suspicious = !(errors.left <= suspicious && errors.relative <= kLargestError);
   if (!lint.is_suspicious) return lint;
+  double spread = 0.0;
+  if (AreAllOnePoint(problem, &spread)) {
+    lint.findings.push_back(OnePointInWords(spread));
+    lint.is_explained = true;
+    return lint;
+  }
   if (const auto unit = GuessWrongUnit(problem)) {
     lint.findings.push_back({Severity::kSerious,
                              "unit",
@@ -76,7 +87,12 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
       std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
   const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < lint.misfit;
   lint.is_explained = explains;
-  lint.findings.push_back(explains ? Describe(*simplest, lint.misfit) : Unexplained(lint.misfit, suspicious, errors));
+  std::vector<std::string> alike;
+  for (auto other = simplest; explains && ++other != readings.end() && alike.size() < kMostAlike;) {
+    if (other->misfit <= best) alike.push_back(other->name);
+  }
+  lint.findings.push_back(explains ? Describe(*simplest, lint.misfit, alike)
+                                   : Unexplained(lint.misfit, suspicious, errors));
   std::stable_sort(readings.begin(), readings.end(),
                    [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });
   for (size_t i = 0; i < std::min(kShown, readings.size()); ++i)
@@ -87,6 +103,13 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
 ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   ReadingLint lint = LintReadings(problem);
   if (!lint.is_suspicious || lint.is_explained) return lint;
+  std::optional<OtherLabel> other = FindOtherFrame(problem);
+  if (!other) other = FindOtherLabel(problem);
+  if (other) {
+    lint.findings.front() = OtherLabelInWords(problem, *other);
+    lint.is_explained = true;
+    return lint;
+  }
   std::vector<Finding> rows;
   const CalibrationProblem sampled = SampledProblem(problem);
   const LinearState state = Align(sampled, false, &rows);

@@ -56,45 +56,60 @@ double RmsOf(const std::vector<double>& distances, const std::vector<int>& place
   return std::sqrt(sum / static_cast<double>(std::max<size_t>(1, places.size())));
 }
 
-Finding Describe(const CalibrationProblem& problem, const std::vector<int>& far, size_t all, double near_rms,
-                 double far_median) {
-  const std::string first = problem.data.SourceOf(problem.data.observations[far.front()]);
-  Finding finding = Found(Severity::kSerious, "wild_rows", RowsAreWild(far.size(), all, far_median, near_rms, first));
-  for (size_t k = 0; k < std::min(kMostShown, far.size()); ++k) {
-    finding.rows.push_back(problem.data.SourceOf(problem.data.observations[far[k]]));
+Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
+  const size_t count = rows.far.size(), all = count + rows.near.size();
+  const std::string first = problem.data.SourceOf(problem.data.observations[rows.far.front()]);
+  Finding finding =
+      Found(Severity::kSerious, "wild_rows", RowsAreWild(count, all, rows.far_median, rows.near_rms, first));
+  for (size_t k = 0; k < std::min(kMostShown, count); ++k) {
+    finding.rows.push_back(problem.data.SourceOf(problem.data.observations[rows.far[k]]));
   }
   return finding;
 }
 
 }  // namespace
 
-std::optional<Finding> FindWildRows(const CalibrationProblem& problem) {
+std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   const std::vector<int> points = problem.data.PointsAmong(problem.CalibrationObservations());
   if (points.empty()) return std::nullopt;
+  FarRows rows;
   std::vector<double> distances;
   std::vector<int> half, listed = points;
   for (int step = 0; step < kMostSteps; ++step) {
-    ParameterSet parameters = problem.parameters;
-    FindStartingValues(problem, listed, StartingValueOptions(), &parameters);
-    distances = Distances(problem, points, parameters);
+    rows.parameters = problem.parameters;
+    FindStartingValues(problem, listed, StartingValueOptions(), &rows.parameters);
+    distances = Distances(problem, points, rows.parameters);
     const std::vector<int> next = NearerHalf(problem, points, distances);
     if (next == half) break;
     half = next;
     listed.clear();
     for (const int k : half) listed.push_back(points[k]);
   }
-  const double limit = kNear * RmsOf(distances, half);
-  std::vector<int> near, far;
-  std::vector<double> far_distances;
+  rows.limit = kNear * RmsOf(distances, half);
+  std::vector<int> near;
   for (size_t k = 0; k < points.size(); ++k) {
-    (distances[k] <= limit ? near : far).push_back(static_cast<int>(k));
-    if (distances[k] > limit) far_distances.push_back(distances[k]);
+    const bool is_far = distances[k] > rows.limit;
+    (is_far ? rows.far : rows.near).push_back(points[k]);
+    if (is_far) {
+      rows.far_distances.push_back(distances[k]);
+    } else {
+      near.push_back(static_cast<int>(k));
+    }
   }
-  if (far.empty() || near.size() <= far.size()) return std::nullopt;
-  const double near_rms = RmsOf(distances, near), far_median = Median(far_distances);
-  if (near_rms > SuspiciousMisfit(problem.robot.chain) || far_median < kApart * near_rms) return std::nullopt;
-  for (int& k : far) k = points[k];
-  return Describe(problem, far, points.size(), near_rms, far_median);
+  if (rows.far.empty() || rows.near.size() <= rows.far.size()) return std::nullopt;
+  rows.near_rms = RmsOf(distances, near);
+  rows.far_median = Median(rows.far_distances);
+  return rows;
+}
+
+bool AreApart(const FarRows& rows, const CalibrationProblem& problem) {
+  return rows.near_rms <= SuspiciousMisfit(problem.robot.chain) && rows.far_median >= kApart * rows.near_rms;
+}
+
+std::optional<Finding> FindWildRows(const CalibrationProblem& problem) {
+  const std::optional<FarRows> rows = FindFarRows(problem);
+  if (!rows || !AreApart(*rows, problem)) return std::nullopt;
+  return Describe(problem, *rows);
 }
 
 }  // namespace sagitta

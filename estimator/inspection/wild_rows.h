@@ -6,11 +6,28 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "estimator/inspection/finding.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
+
+// Points of the calibration rows, those that fit the nominal robot and the others.
+struct FarRows {
+  std::vector<int> near, far;         // observations
+  std::vector<double> far_distances;  // m
+  double limit = 0.0;                 // m, between them
+  double near_rms = 0.0;              // distances, m
+  double far_median = 0.0;
+  ParameterSet parameters;  // base poses and markers of the nearer half
+};
+
+// Nothing where no row is far, or as many as fit.
+std::optional<FarRows> FindFarRows(const CalibrationProblem& problem);
+
+// Whether those that fit do so as a robot's do, and the others are clear of them.
+bool AreApart(const FarRows& rows, const CalibrationProblem& problem);
 
 // Nothing where no half of the rows fits as a robot's do, or where the rows that are left go over into those that fit:
 // a wrong model misses everywhere by something.

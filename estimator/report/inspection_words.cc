@@ -108,9 +108,11 @@ Advice LoadSignIsOff(const std::string& load) {
           "unless loads: says otherwise), and which rows are loaded"};
 }
 
-std::string MisfitOfReading(double misfit, double as_read, const std::string& name) {
-  return "the aligned nominal robot misses by " + WholeMillimetres(misfit) + " (RMS) as stated, by " +
-         WholeMillimetres(as_read) + " with " + name;
+std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
+                            const std::vector<std::string>& alike) {
+  const std::string words = "the aligned nominal robot misses by " + WholeMillimetres(misfit) +
+                            " (RMS) as stated, by " + WholeMillimetres(as_read) + " with " + name;
+  return alike.empty() ? words : words + " (as well: " + Enumerate(alike) + ")";
 }
 
 Advice MisfitUnexplained(double misfit) {

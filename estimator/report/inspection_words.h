@@ -36,8 +36,10 @@ Advice MissingFromData(Missing what);
 Advice LoadUnitIsOff(const std::string& load, double size, double flexibility, bool is_too_soft);
 Advice LoadSignIsOff(const std::string& load);
 
-// misfit: of the aligned nominal robot as stated, m RMS; `as_read`: with the other reading `name`.
-std::string MisfitOfReading(double misfit, double as_read, const std::string& name);
+// misfit: of the aligned nominal robot as stated, m RMS; `as_read`: with the other reading `name`. alike: others that
+// fit as well.
+std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
+                            const std::vector<std::string>& alike);
 Advice MisfitUnexplained(double misfit);
 // What would have to be off for the robot to be this one: `by` (m or rad) in the largest error, so named.
 std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string& largest);

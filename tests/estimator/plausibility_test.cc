@@ -123,6 +123,63 @@ TEST(Plausibility, ManyRowsShiftedByOneAreRefusedWithTheirCure) {
   EXPECT_EQ(found.finding.code, "row_shift") << found.finding.words;
 }
 
+// Rows of another station, another marker, and a marker on a link: said, with what to write; a few wild rows are not.
+TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
+  for (const Arm& arm : Arms()) {
+    const Measurements clean = Measure(arm.rows, 9, 60);
+    const auto elsewhere = [](const Vector3<double>& p) {
+      return Vector3<double>(1.5 - p.y(), p.x() - 0.7, p.z() + 0.25);
+    };
+    Measurements two = clean;
+    for (size_t i = 0; i < 60; i += 3)
+      two.observations[i].point_in_station = elsewhere(clean.observations[i].point_in_station);
+    const auto found = CheckPlausible(ProblemOf(arm.rows, two)).finding;
+    EXPECT_EQ(found.code, "station_moved") << found.words;
+    EXPECT_THAT(found.words, HasSubstr("20 of 60 rows"));
+    EXPECT_THAT(found.words, HasSubstr("90 deg away"));
+
+    Measurements exchanged = two;
+    exchanged.stations.push_back("S2");
+    for (size_t i = 0; i < 60; ++i) exchanged.shots[i].station = (i % 3 == 0) != (i % 10 == 0);
+    const auto labels = CheckPlausible(ProblemOf(arm.rows, exchanged)).finding;
+    EXPECT_EQ(labels.code, "station_label") << labels.words;
+    EXPECT_THAT(labels.remedy, HasSubstr("exchange the station labels"));
+
+    Measurements marker = clean;
+    for (size_t i = 0; i < 60; i += 4) {  // 80 mm farther out along the flange's x
+      Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+      for (size_t j = 0; j < arm.rows.size(); ++j)
+        pose = pose * test::Link(arm.rows[j], clean.configurations[i].q[static_cast<Eigen::Index>(j)]);
+      marker.observations[i].point_in_station += 0.08 * pose.block<3, 1>(0, 0);
+    }
+    const auto moved = CheckPlausible(ProblemOf(arm.rows, marker)).finding;
+    EXPECT_EQ(moved.code, "marker_moved") << moved.words;
+    EXPECT_THAT(moved.words, HasSubstr("80 mm away"));
+
+    Measurements link = clean;
+    link.markers.push_back("K1");  // on the second link, said to be on the flange
+    for (size_t i = 0; i < 60; i += 6) {
+      Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+      for (int j = 0; j < 2; ++j)
+        pose = pose * test::Link(arm.rows[static_cast<size_t>(j)], clean.configurations[i].q[j]);
+      link.observations[i].marker = 1;
+      link.observations[i].point_in_station = (pose * Eigen::Vector4d(0.2, 0.1, -0.1, 1)).head<3>();
+    }
+    const auto on = CheckPlausible(ProblemOf(arm.rows, link)).finding;
+    EXPECT_EQ(on.code, "marker_frame") << on.words;
+    EXPECT_THAT(on.remedy, HasSubstr("K1: {on: j2}"));
+
+    Measurements one = clean;
+    for (Observation& row : one.observations) row.point_in_station = clean.observations[0].point_in_station;
+    EXPECT_EQ(CheckPlausible(ProblemOf(arm.rows, one)).finding.code, "one_point");
+
+    Measurements wild = clean;
+    for (const size_t i : {7u, 11u, 31u, 50u})
+      wild.observations[i].point_in_station.x() += 0.3 + 0.05 * static_cast<double>(i);
+    EXPECT_TRUE(CheckPlausible(ProblemOf(arm.rows, wild)).plausible);
+  }
+}
+
 TEST(Plausibility, RealRobotsAreNotRefused) {
   if (!test::HasRealData()) GTEST_SKIP() << "no measured robots at " << test::RealData("");
   EXPECT_TRUE(CheckPlausible(test::RealProblem("ur5_gts3800", {"measurements.csv"}, Experiment())).plausible);

@@ -1,0 +1,266 @@
+#include "estimator/inspection/other_label.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "estimator/alignment/aligned_misfit.h"
+#include "estimator/alignment/starting_values.h"
+#include "estimator/inspection/reading_lint.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/median.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kFewest = 4;          // rows: 12 numbers to a pose of six
+constexpr size_t kFewestOfMarker = 3;  // rows: 9 numbers to a point of three
+constexpr double kClearlyBetter = 5.0;
+constexpr double kOnePoint = 1e-3;  // of the reach
+constexpr double kApart = 10.0;     // of the RMS distance of the rows that fit
+
+void Set(OtherLabel::Kind kind, const std::string& stated, const std::string& fits, OtherLabel* found) {
+  found->kind = kind;
+  found->stated = stated;
+  found->fits = fits;
+}
+
+Vector3<double> ToBase(const Pose<double>& base, const Vector3<double>& point) {
+  return base.rotation.transpose() * (point - base.translation);
+}
+
+// p = at_zero + sum_axis m_axis along[axis]: points of the listed rows, affine in their marker's point m.
+struct AffineInMarker {
+  AffineInMarker(const CalibrationProblem& problem, const ParameterSet& at, const std::vector<int>& rows, int marker) {
+    ParameterSet parameters = at;
+    const auto points = [&](const Vector3<double>& point) -> Eigen::Matrix3Xd {
+      parameters.SetMarkerPoint(marker, point);
+      return PredictPoints(problem, parameters, rows);
+    };
+    at_zero = points(Vector3<double>::Zero());
+    for (int axis = 0; axis < 3; ++axis) along[axis] = points(Vector3<double>::Unit(axis)) - at_zero;
+  }
+
+  Eigen::Matrix3Xd At(const Vector3<double>& m) const {
+    return at_zero + m[0] * along[0] + m[1] * along[1] + m[2] * along[2];
+  }
+
+  // Least squares: the columns along the axes are orthonormal in every row.
+  Vector3<double> Best(const Eigen::Matrix3Xd& measured) const {
+    Vector3<double> mean;
+    for (int axis = 0; axis < 3; ++axis) mean[axis] = along[axis].cwiseProduct(measured - at_zero).sum();
+    return mean / static_cast<double>(measured.cols());
+  }
+
+  Eigen::Matrix3Xd at_zero;
+  std::array<Eigen::Matrix3Xd, 3> along;
+};
+
+Eigen::Matrix3Xd MeasuredPoints(const CalibrationProblem& problem, const std::vector<int>& rows) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(rows.size()));
+  for (size_t k = 0; k < rows.size(); ++k) {
+    points.col(static_cast<Eigen::Index>(k)) = problem.data.observations[rows[k]].point_in_station;
+  }
+  return points;
+}
+
+double RmsDistance(const Eigen::Matrix3Xd& differences) {
+  return differences.norm() / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, differences.cols())));
+}
+
+// Rows that the nominal robot alone misses by somewhat more than others are no group of their own.
+void KeepThoseApart(FarRows* rows) {
+  std::vector<int> far;
+  std::vector<double> distances;
+  for (size_t k = 0; k < rows->far.size(); ++k) {
+    const bool is_apart = rows->far_distances[k] > kApart * rows->near_rms;
+    (is_apart ? far : rows->near).push_back(rows->far[k]);
+    if (is_apart) distances.push_back(rows->far_distances[k]);
+  }
+  rows->far = far;
+  rows->far_distances = distances;
+  if (!far.empty()) rows->far_median = Median(distances);
+}
+
+// The far rows of one station and one marker, and what else could have made them.
+class Group {
+ public:
+  Group(const CalibrationProblem& problem, const FarRows& all)
+      : problem_(problem), all_(all), marker_(RowOf(all.far.front()).marker), station_(StationOf(all.far.front())) {
+    measured_ = MeasuredPoints(problem, all.far);
+    for (size_t k = 0; k < all.far.size(); ++k) {
+      one_marker_ = one_marker_ && RowOf(all.far[k]).marker == marker_;
+      one_station_ = one_station_ && StationOf(all.far[k]) == station_;
+    }
+  }
+
+  // Every row with another station's pose.
+  bool FitsOtherStation(OtherLabel* found) const {
+    for (int s = 0; one_station_ && s < static_cast<int>(problem_.data.stations.size()); ++s) {
+      if (s == station_) continue;
+      if (!Fits(all_.parameters.BaseInStation(s), PointsInBase(all_.parameters))) continue;
+      Set(OtherLabel::Kind::kOtherStation, problem_.data.stations[station_], problem_.data.stations[s], found);
+      return true;
+    }
+    return false;
+  }
+
+  // Labels exchanged both ways: every row with the pose of the station that fits it best.
+  bool FitsExchangedStations(OtherLabel* found) const {
+    if (static_cast<int>(problem_.data.stations.size()) < 2) return false;
+    const Eigen::Matrix3Xd points = PointsInBase(all_.parameters);
+    std::set<int> stated;
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      double least = std::numeric_limits<double>::infinity();
+      const int own = StationOf(all_.far[static_cast<size_t>(k)]);
+      for (int s = 0; s < static_cast<int>(problem_.data.stations.size()); ++s) {
+        if (s == own) continue;
+        least = std::min(least, (all_.parameters.BaseInStation(s) * points.col(k) - measured_.col(k)).norm());
+      }
+      if (!(least <= kApart * all_.near_rms)) return false;
+      stated.insert(own);
+    }
+    Set(OtherLabel::Kind::kOtherStation, problem_.data.stations[*stated.begin()], "another one", found);
+    return true;
+  }
+
+  bool FitsOwnStation(OtherLabel* found) const {
+    if (!one_station_) return false;
+    const Eigen::Matrix3Xd points = PointsInBase(all_.parameters);
+    const Eigen::Matrix4d motion = Eigen::umeyama(points, measured_, false);
+    if (!motion.allFinite()) return false;
+    Pose<double> base;
+    base.rotation = motion.topLeftCorner<3, 3>();
+    base.translation = motion.topRightCorner<3, 1>();
+    if (!Fits(base, points)) return false;
+    Set(OtherLabel::Kind::kOwnStation, problem_.data.stations[station_], "", found);
+    const Pose<double> stated = all_.parameters.BaseInStation(station_);
+    const Vector3<double> origin = Vector3<double>::Zero();
+    found->moved = (ToBase(base, origin) - ToBase(stated, origin)).norm();
+    found->turned = std::abs(Eigen::AngleAxisd(stated.rotation.transpose() * base.rotation).angle());
+    return true;
+  }
+
+  bool FitsMarker(OtherLabel* found) const {
+    if (!one_marker_) return false;
+    const AffineInMarker points(problem_, all_.parameters, all_.far, marker_);
+    const Vector3<double> mean = points.Best(measured_);
+    const auto fits = [&](const Vector3<double>& m) { return IsNear(points.At(m)); };
+    for (int other = 0; other < static_cast<int>(problem_.data.markers.size()); ++other) {
+      if (other == marker_ || problem_.marker_frames[other] != problem_.marker_frames[marker_]) continue;
+      if (!fits(all_.parameters.MarkerPoint(other))) continue;
+      Set(OtherLabel::Kind::kOtherMarker, problem_.data.markers[marker_], problem_.data.markers[other], found);
+      return true;
+    }
+    if (!fits(mean)) return false;
+    Set(OtherLabel::Kind::kOwnMarker, problem_.data.markers[marker_], "", found);
+    found->moved = (mean - all_.parameters.MarkerPoint(marker_)).norm();
+    return true;
+  }
+
+ private:
+  const Observation& RowOf(int i) const { return problem_.data.observations[i]; }
+  int StationOf(int i) const { return problem_.data.shots[RowOf(i).shot].station; }
+
+  Eigen::Matrix3Xd PointsInBase(const ParameterSet& parameters) const {
+    Eigen::Matrix3Xd points = PredictPoints(problem_, parameters, all_.far);
+    for (Eigen::Index k = 0; k < points.cols(); ++k) {
+      points.col(k) = ToBase(parameters.BaseInStation(StationOf(all_.far[static_cast<size_t>(k)])), points.col(k));
+    }
+    return points;
+  }
+
+  bool Fits(const Pose<double>& base, const Eigen::Matrix3Xd& points) const {
+    Eigen::Matrix3Xd moved = points;
+    for (Eigen::Index k = 0; k < points.cols(); ++k) moved.col(k) = base * Vector3<double>(points.col(k));
+    return IsNear(moved);
+  }
+
+  // As the others fit: RMS distance.
+  bool IsNear(const Eigen::Matrix3Xd& predicted) const { return RmsDistance(predicted - measured_) <= all_.limit; }
+
+  const CalibrationProblem& problem_;
+  const FarRows& all_;
+  int marker_, station_;
+  bool one_marker_ = true, one_station_ = true;
+  Eigen::Matrix3Xd measured_;
+};
+
+}  // namespace
+
+std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem) {
+  std::optional<FarRows> rows = FindFarRows(problem);
+  if (!rows) return std::nullopt;
+  KeepThoseApart(&*rows);
+  if (rows->far.size() < kFewest || !AreApart(*rows, problem)) return std::nullopt;
+  const Group group(problem, *rows);
+  OtherLabel found;
+  if (!group.FitsOtherStation(&found) && !group.FitsExchangedStations(&found) && !group.FitsMarker(&found) &&
+      !group.FitsOwnStation(&found)) {
+    return std::nullopt;
+  }
+  found.far = rows->far;
+  found.rows = rows->far.size() + rows->near.size();
+  found.far_median = rows->far_median;
+  return found;
+}
+
+std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
+  const Chain& chain = problem.robot.chain;
+  const double suspicious = SuspiciousMisfit(chain);
+  const std::vector<int> points = problem.data.PointsAmong(problem.CalibrationObservations());
+  for (int marker = 0; marker < static_cast<int>(problem.data.markers.size()); ++marker) {
+    std::vector<int> own, others;
+    for (const int i : points) (problem.data.observations[i].marker == marker ? own : others).push_back(i);
+    if (own.size() < kFewestOfMarker || others.size() < own.size()) continue;
+    ParameterSet parameters = problem.parameters;
+    if (!(FindStartingValues(problem, others, StartingValueOptions(), &parameters) <= suspicious)) continue;
+    const Eigen::Matrix3Xd measured = MeasuredPoints(problem, own);
+    CalibrationProblem trial = problem;
+    const auto misfit_on = [&](int frame) {
+      trial.marker_frames[marker] = frame;
+      const AffineInMarker at(trial, parameters, own, marker);
+      return RmsDistance(at.At(at.Best(measured)) - measured);
+    };
+    const double stated = misfit_on(problem.marker_frames[marker]);
+    if (stated <= suspicious) continue;
+    OtherLabel found;
+    double least = std::min(suspicious, stated / kClearlyBetter);
+    for (int joint = -1; joint < chain.num_joints(); ++joint) {
+      const double misfit = misfit_on(joint < 0 ? 0 : chain.FrameAfterJoint(joint));
+      if (!(misfit < least)) continue;
+      least = misfit;
+      Set(OtherLabel::Kind::kOtherFrame, problem.data.markers[marker], joint < 0 ? "base" : chain.joints[joint].name,
+          &found);
+    }
+    if (found.fits.empty()) continue;
+    found.moved = least;
+    found.far_median = stated;
+    found.far = own;
+    found.rows = points.size();
+    return found;
+  }
+  return std::nullopt;
+}
+
+bool AreAllOnePoint(const CalibrationProblem& problem, double* spread) {
+  std::map<int, std::vector<int>> of_station;
+  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations()))
+    of_station[problem.data.shots[problem.data.observations[i].shot].station].push_back(i);
+  double squares = 0.0;
+  Eigen::Index count = 0;
+  for (const auto& [station, rows] : of_station) {
+    Eigen::Matrix3Xd points = MeasuredPoints(problem, rows);
+    points.colwise() -= Vector3<double>(points.rowwise().mean());
+    squares += points.squaredNorm();
+    count += points.cols();
+  }
+  *spread = std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(1, count)));
+  return count > 1 && *spread < kOnePoint * Reach(problem.robot.chain);
+}
+
+}  // namespace sagitta

@@ -1,0 +1,70 @@
+#include "estimator/report/inspection_label_words.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/constants.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kMostShown = 1000;  // rows
+
+}  // namespace
+
+Finding OnePointInWords(double spread) {
+  return {Severity::kSerious,
+          "one_point",
+          "the measured points are all the same within " + Significant(1e3 * spread, 2) +
+              " mm (RMS), while the joints move the marker",
+          "check the columns x, y, z: was one reading copied into all rows?",
+          {}};
+}
+
+Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& found) {
+  const auto source = [&](int i) { return problem.data.SourceOf(problem.data.observations[i]); };
+  const auto percent = std::lround(100.0 * static_cast<double>(found.far.size()) / static_cast<double>(found.rows));
+  const std::string rows = std::to_string(found.far.size()) + " of " + std::to_string(found.rows) + " rows (" +
+                           std::to_string(percent) + " %) are off, half of them by more than " +
+                           WholeMillimetres(found.far_median) + ", and fit as the others do ";
+  const std::string where = "; the first: " + source(found.far.front()) + ", the last: " + source(found.far.back());
+  Finding finding{Severity::kSerious, "", rows, "", {}};
+  switch (found.kind) {
+    case OtherLabel::Kind::kOtherStation:
+      finding.code = "station_label";
+      finding.words += "with the station of " + found.fits + " in place of " + found.stated;
+      finding.remedy = "exchange the station labels of these rows" + where;
+      break;
+    case OtherLabel::Kind::kOtherMarker:
+      finding.code = "marker_label";
+      finding.words += "with marker " + found.fits + " in place of " + found.stated;
+      finding.remedy = "exchange the marker names of these rows" + where;
+      break;
+    case OtherLabel::Kind::kOwnStation:
+      finding.code = "station_moved";
+      finding.words += "if they were read by another station than the others of " + found.stated + ", " +
+                       WholeMillimetres(found.moved) + " and " + Significant(found.turned / kDegree, 2) +
+                       " deg away from it";
+      finding.remedy = "give these rows a station of their own (column station)" + where;
+      break;
+    case OtherLabel::Kind::kOwnMarker:
+      finding.code = "marker_moved";
+      finding.words += "if they are of another marker than the others of " + found.stated + ", " +
+                       WholeMillimetres(found.moved) + " away from it";
+      finding.remedy = "give these rows a marker name of their own" + where;
+      break;
+    case OtherLabel::Kind::kOtherFrame:
+      finding.code = "marker_frame";
+      finding.words = "marker " + found.stated + " misses by " + WholeMillimetres(found.far_median) +
+                      " (RMS) on what it is said to be on (the flange where nothing is said), by " +
+                      WholeMillimetres(found.moved) + " on " + found.fits +
+                      (found.fits == "base" ? "" : ", the link that this joint moves");
+      finding.remedy = "state markers: {" + found.stated + ": {on: " + found.fits + "}} in the experiment file" + where;
+      break;
+  }
+  for (size_t k = 0; k < std::min(kMostShown, found.far.size()); ++k) finding.rows.push_back(source(found.far[k]));
+  return finding;
+}
+
+}  // namespace sagitta
