@@ -198,7 +198,9 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   for (int start = 0; start <= options.random_marker_starts; ++start) {
     ParameterSet trial = *parameters;
     for (int m = 0; start > 0 && m < trial.num_markers(); ++m) {
-      const Vector3<double> guess(normal(random), normal(random), normal(random));
+      // One draw after the other: the order of arguments is the compiler's.
+      const double z = normal(random), y = normal(random), x = normal(random);
+      const Vector3<double> guess(x, y, z);
       if (AllFree(trial, trial.marker(m))) trial.SetMarkerPoint(m, guess);
     }
     for (int i = 0; i < options.alternations; ++i) {

@@ -12,6 +12,7 @@
 #include "problems/loads.h"
 #include "problems/simulation.h"
 #include "tests/support/constant_orientation.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta {
 namespace {
@@ -112,7 +113,7 @@ TEST(HeldInfluence, IntervalsHoldElsewhereAndStayTightWithinTheGrid) {
   Tally elsewhere, within;
   NormalNumbers normal(17);
   for (int trial = 0; trial < trials; ++trial) {
-    const Vector3<double> off(normal(), normal(), normal());
+    const Vector3<double> off = test::RandomVector(normal);
     grid.truth.tools[0] = kStatedTool + kRange * off;
     const Estimate estimate = EstimateJointly(grid.Problem(40, 1000 + trial));
     ASSERT_EQ(estimate.status, Status::kConvergedWithHeldParameters) << estimate.message;
@@ -135,7 +136,7 @@ TEST(HeldInfluence, HoldsWithGeometryFree) {
   Tally elsewhere, within;
   NormalNumbers normal(23);
   for (int trial = 0; trial < trials; ++trial) {
-    const Vector3<double> off(normal(), normal(), normal());
+    const Vector3<double> off = test::RandomVector(normal);
     grid.truth.tools[0] = kStatedTool + 0.01 * off;
     const Estimate estimate = EstimateJointly(grid.Problem(80, 1000 + trial));
     ASSERT_EQ(estimate.status, Status::kConvergedWithHeldParameters) << estimate.message;

@@ -10,6 +10,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/constant_orientation.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta {
 namespace {
@@ -31,7 +32,7 @@ CalibrationProblem Grid(double wander, std::uint64_t seed) {
     configuration.q[0] += kRipple * std::sin(2.0 * configuration.q[0]);
   const test::Kr270Truth truth;
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Vector3<double> noise(normal(), normal(), normal());
+    const Vector3<double> noise = test::RandomVector(normal);
     data.observations[i].point_in_station = test::ExactPoint(truth, real, real.observations[i]) + kSigma * noise;
   }
   Robot robot;

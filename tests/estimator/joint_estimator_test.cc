@@ -5,6 +5,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta {
 namespace {
@@ -93,7 +94,7 @@ TEST(JointEstimator, AnyBaseRotationAndUnknownToolsConvergeToTheSameOptimum) {
     test::MeasureKr270(truth, 0.0, 1, &problem.data);
     NormalNumbers normal(5);
     for (Observation& observation : problem.data.observations) {
-      const Vector3<double> noise(normal(), normal(), normal());
+      const Vector3<double> noise = test::RandomVector(normal);
       observation.point_in_station += RotationFromVector(truth.base_rotvec[0]) * noise * design.sigma;
     }
     const Estimate estimate = EstimateJointly(problem);

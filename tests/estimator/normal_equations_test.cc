@@ -13,6 +13,7 @@
 #include "tests/support/kr270_poses.h"
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/random_numbers.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/stated_torques.h"
 
 namespace sagitta {
@@ -68,7 +69,7 @@ CalibrationProblem Poses(int configurations) {
     const Pose<double> exact =
         test::ExactPose(truth, target, data.ConfigurationOf(row).q, data.shots[row.shot].station);
     Observation& rotation = data.observations[row.partner];
-    const Vector3<double> off(normal(), normal(), normal()), turn(normal(), normal(), normal());
+    const Vector3<double> off = test::RandomVector(normal), turn = test::RandomVector(normal);
     row.point_in_station = rotation.point_in_station = exact.translation + 1e-4 * off;
     rotation.rotation_in_station = RotationFromVector<double>(1e-3 * turn) * exact.rotation;
   }

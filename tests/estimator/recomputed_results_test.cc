@@ -23,6 +23,7 @@
 #include "estimator/validation/unseen.h"
 #include "tests/support/constant_orientation.h"
 #include "tests/support/loaded_kr270.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta {
 namespace {
@@ -314,7 +315,7 @@ TEST(RecomputedResults, ASlippedDriverMovesWhatIsCoupledToIt) {
       Eigen::VectorXd q = data.ConfigurationOf(row).q;
       q[1] += slip;
       q[2] += kRatio * q[1];
-      const Vector3<double> noise(normal(), normal(), normal());
+      const Vector3<double> noise = test::RandomVector(normal);
       row.point_in_station =
           test::ExactPoint(truth, q, row.marker, data.shots[row.shot].station) + design.sigma * noise;
     }

@@ -13,6 +13,7 @@
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta {
 namespace {
@@ -113,7 +114,7 @@ TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
   CalibrationProblem problem = test::Kr270Problem(design, truth, 6);
   NormalNumbers normal(8);
   for (const Shot& shot : problem.data.shots) {
-    const Vector3<double> shared = 4e-4 * Vector3<double>(normal(), normal(), normal());
+    const Vector3<double> shared = 4e-4 * test::RandomVector(normal);
     for (const int k : shot.observations) problem.data.observations[k].point_in_station += shared;
   }
   const Estimate model = EstimateJointly(problem);

@@ -7,6 +7,7 @@
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/diagnosis/refit.h"
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta {
 namespace {
@@ -46,8 +47,7 @@ CalibrationProblem Warming(double lag, bool with_time = true) {
     const double grown = 1.0 + kGrowth * (ArmAt(kBetween * data.shots[row.shot].configuration, lag) - 23.5);
     const Vector3<double> in_base =
         test::IndependentKr270Point(data.ConfigurationOf(row).q, truth.errors, truth.tools[row.marker]);
-    row.point_in_station =
-        truth.base_xyz[0] + rotation * (grown * in_base) + kSigma * Vector3<double>(normal(), normal(), normal());
+    row.point_in_station = truth.base_xyz[0] + rotation * (grown * in_base) + kSigma * test::RandomVector(normal);
   }
   return test::Kr270ProblemOf(data, Experiment());
 }

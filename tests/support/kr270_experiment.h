@@ -11,6 +11,7 @@
 #include "problems/calibration_problem.h"
 #include "problems/simulation.h"
 #include "tests/support/kr270.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta::test {
 
@@ -110,7 +111,7 @@ inline Vector3<double> ExactPoint(const Kr270Truth& truth, const Measurements& d
 inline void MeasureKr270(const Kr270Truth& truth, double sigma, std::uint64_t seed, Measurements* data) {
   NormalNumbers normal(seed);
   for (Observation& observation : data->observations) {
-    const Vector3<double> noise(normal(), normal(), normal());
+    const Vector3<double> noise = test::RandomVector(normal);
     observation.point_in_station = ExactPoint(truth, *data, observation) + sigma * noise;
   }
 }

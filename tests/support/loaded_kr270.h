@@ -11,6 +11,7 @@
 
 #include "estimator/estimate/estimate.h"
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta::test {
 
@@ -220,7 +221,7 @@ inline std::vector<Vector3<double>> ExactPoints(const LoadedTruth& truth, const 
 inline void Measure(const std::vector<Vector3<double>>& exact, double sigma, std::uint64_t seed, Measurements* data) {
   NormalNumbers normal(seed);
   for (size_t i = 0; i < exact.size(); ++i) {
-    const Vector3<double> noise(normal(), normal(), normal());
+    const Vector3<double> noise = test::RandomVector(normal);
     data->observations[i].point_in_station = exact[i] + sigma * noise;
   }
 }

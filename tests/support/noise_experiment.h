@@ -10,6 +10,7 @@
 #include "estimator/calibration/noise_loop.h"
 #include "estimator/statistics/median.h"
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/random_vector.h"
 
 namespace sagitta::test {
 
@@ -76,7 +77,7 @@ inline void MeasureRepeated(const Kr270Truth& truth, const RepeatDesign& design,
     }
     const Eigen::VectorXd q = data->configurations[shot.configuration].q + deviation;
     for (const int i : shot.observations) {
-      const Vector3<double> noise(normal(), normal(), normal());
+      const Vector3<double> noise = test::RandomVector(normal);
       data->observations[i].point_in_station =
           ExactPoint(truth, q, data->observations[i].marker, shot.station) + design.tracker * noise;
     }
