@@ -16,7 +16,7 @@ namespace {
 
 // Random halves to compare: each costs two fits of half the rows.
 int RandomHalves(const CalibrationProblem& problem) {
-  return std::clamp(40000 / static_cast<int>(problem.data.observations.size() + 1), 4, 20);
+  return std::clamp(40000 / static_cast<int>(problem.data().observations.size() + 1), 4, 20);
 }
 
 void CheckMethod(const CalibrationProblem& problem, Method method) {
@@ -103,8 +103,9 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
   const CalibrationProblem& problem = calibration.problem;
   const Estimate& estimate = calibration.estimate;
   std::vector<NamedText> files;
-  files.emplace_back("robot.calibrated.yaml",
-                     RunComment(provenance) + RobotToYaml(problem.model.WithValues(estimate.parameters.ModelValues())));
+  files.emplace_back(
+      "robot.calibrated.yaml",
+      RunComment(provenance) + RobotToYaml(problem.model().WithValues(estimate.parameters.ModelValues())));
   files.emplace_back("residuals.csv", ResidualsToCsv(problem, estimate));
   files.emplace_back("estimate.json", DumpJson(CalibrationToJson(calibration, provenance)));
   const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});

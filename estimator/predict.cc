@@ -10,7 +10,7 @@ namespace sagitta {
 namespace {
 
 std::vector<int> AllRows(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
@@ -28,7 +28,7 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   Prediction prediction;
   prediction.points = PointsOrThrow(problem, problem.parameters);
   prediction.covariances = PredictionCovariances(problem, known.uncertainty, all, known.noise.scale);
-  for (const int k : all) prediction.instrument.push_back(known.noise.scale * problem.NoiseRoot(k));
+  for (const int k : all) prediction.instrument.push_back(known.noise.scale * problem.SqrtCovariance(k));
   return prediction;
 }
 

@@ -58,7 +58,7 @@ Measurements Simulate(const KnownRobot& known, const Measurements& given, const 
   AddKnownRotations(known, &rows);
   CalibrationProblem problem = PredictionProblem(known, rows);
   CheckLevelled(problem);
-  problem.latent = MakeLatentModel(problem.robot.chain, problem.data, experiment);
+  problem.latent = MakeLatentModel(problem.robot().chain, problem.data(), experiment);
   std::vector<int> all;
   for (size_t i = 0; i < rows.observations.size(); ++i) all.push_back(static_cast<int>(i));
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
@@ -66,7 +66,7 @@ Measurements Simulate(const KnownRobot& known, const Measurements& given, const 
     throw Failure("nothing simulated: equilibrium_diverged: " + FoldedInWords(problem, problem.parameters));
   }
   const Simulator simulator(problem, problem.parameters, RootsOf(experiment, rows, points, options.sigma));
-  Measurements simulated = problem.data;
+  Measurements simulated = problem.data();
   if (!simulator.Draw(options.seed, &simulated)) {
     throw Failure("nothing simulated: equilibrium_diverged: a joint's deviation folds the loaded arm");
   }

@@ -10,7 +10,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kParallelTolerance = 3.0 * kPi / 180.0;
+constexpr double kParallelTolerance = 3.0 * kDegree;
 constexpr double kIndependence = 1e-7;  // sine of the angle between a column and the kept span
 constexpr int kConfigurationsPerUnknown = 2;
 constexpr int kNuisance = 6 + 9;  // base and three markers

@@ -10,7 +10,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kParallel = 3.0 * kPi / 180.0;
+constexpr double kParallel = 3.0 * kDegree;
 constexpr double kExactlyParallel = 1e-10;  // rad: nearer, the common normal is rounding
 constexpr double kZero = 1e-12;             // m, rad: rounding of a chain of poses
 constexpr double kLengthPrior = 5e-3, kAnglePrior = 5e-3;

@@ -13,14 +13,13 @@
 namespace sagitta {
 namespace {
 
-std::vector<int> ResolveMarkerFrames(const CalibrationProblem& problem) {
-  const Chain& chain = problem.robot.chain;
+std::vector<int> ResolveMarkerFrames(const Chain& chain, const Measurements& data, const Experiment& experiment) {
   std::vector<std::string> places = {"flange", "base", "world"};
   for (const Joint& joint : chain.joints) places.push_back(joint.name);
   std::vector<int> frames;
-  for (const std::string& name : problem.data.markers) {
-    const auto spec = problem.experiment.markers.find(name);
-    const std::string on = spec == problem.experiment.markers.end() ? "flange" : spec->second.on;
+  for (const std::string& name : data.markers) {
+    const auto spec = experiment.markers.find(name);
+    const std::string on = spec == experiment.markers.end() ? "flange" : spec->second.on;
     const int joint = chain.FindJoint(on);
     if (on == "flange") {
       frames.push_back(chain.FlangeFrame());
@@ -29,7 +28,7 @@ std::vector<int> ResolveMarkerFrames(const CalibrationProblem& problem) {
     } else if (joint >= 0) {
       frames.push_back(chain.FrameAfterJoint(joint));
     } else {
-      FailProblem(problem, "markers." + name + ".on", "'" + on + "' is no place on this robot",
+      FailProblem(experiment, "markers." + name + ".on", "'" + on + "' is no place on this robot",
                   SpellingHint(on, places));
     }
   }
@@ -37,14 +36,14 @@ std::vector<int> ResolveMarkerFrames(const CalibrationProblem& problem) {
 }
 
 void SetStartValues(CalibrationProblem* problem) {
-  const Experiment& experiment = problem->experiment;
-  for (size_t s = 0; s < problem->data.stations.size(); ++s) {
-    const auto spec = experiment.stations.find(problem->data.stations[s]);
+  const Experiment& experiment = problem->experiment();
+  for (size_t s = 0; s < problem->data().stations.size(); ++s) {
+    const auto spec = experiment.stations.find(problem->data().stations[s]);
     const bool given = spec != experiment.stations.end() && (spec->second.base_xyz || spec->second.base_rotvec);
     if (!given && !experiment.estimate.base) {
       FailProblem(*problem, "estimate.base",
-                  "the base is held but station '" + problem->data.stations[s] + "' has no pose",
-                  "state stations: {" + problem->data.stations[s] + ": {xyz_mm: …, rotvec_mrad: …}}");
+                  "the base is held but station '" + problem->data().stations[s] + "' has no pose",
+                  "state stations: {" + problem->data().stations[s] + ": {xyz_mm: …, rotvec_mrad: …}}");
     }
     if (!given) continue;
     Pose<double> pose;
@@ -52,21 +51,22 @@ void SetStartValues(CalibrationProblem* problem) {
     pose.rotation = RotationFromVector(spec->second.base_rotvec.value_or(Vector3<double>::Zero()));
     problem->parameters.SetBaseInStation(s, pose);
   }
-  for (size_t m = 0; m < problem->data.markers.size(); ++m) {
-    const auto spec = experiment.markers.find(problem->data.markers[m]);
+  for (size_t m = 0; m < problem->data().markers.size(); ++m) {
+    const auto spec = experiment.markers.find(problem->data().markers[m]);
     const bool given = spec != experiment.markers.end() && spec->second.point;
     if (!given && !experiment.estimate.markers) {
       FailProblem(*problem, "estimate.markers",
-                  "the markers are held but marker '" + problem->data.markers[m] + "' has no point",
-                  "state markers: {" + problem->data.markers[m] + ": {xyz_mm: …}}");
+                  "the markers are held but marker '" + problem->data().markers[m] + "' has no point",
+                  "state markers: {" + problem->data().markers[m] + ": {xyz_mm: …}}");
     }
     if (given) problem->parameters.SetMarkerPoint(m, *spec->second.point);
     if (!problem->parameters.is_oriented(static_cast<int>(m))) continue;
     const bool is_turned = spec != experiment.markers.end() && spec->second.rotvec;
     if (!is_turned && !experiment.estimate.markers) {
-      FailProblem(*problem, "estimate.markers",
-                  "the markers are held but marker '" + problem->data.markers[m] + "', read as a pose, has no rotation",
-                  "state markers: {" + problem->data.markers[m] + ": {xyz_mm: …, rotvec_mrad: …}}");
+      FailProblem(
+          *problem, "estimate.markers",
+          "the markers are held but marker '" + problem->data().markers[m] + "', read as a pose, has no rotation",
+          "state markers: {" + problem->data().markers[m] + ": {xyz_mm: …, rotvec_mrad: …}}");
     }
     if (is_turned) problem->parameters.SetMarkerRotation(static_cast<int>(m), RotationFromVector(*spec->second.rotvec));
   }
@@ -75,7 +75,7 @@ void SetStartValues(CalibrationProblem* problem) {
 void SetPriors(CalibrationProblem* problem) {
   std::vector<std::string> known;
   for (const Coordinate& coordinate : problem->parameters.coordinates()) known.push_back(coordinate.name);
-  for (const auto& [name, prior] : problem->experiment.priors) {
+  for (const auto& [name, prior] : problem->experiment().priors) {
     const std::string key = "priors." + name;
     const int i = problem->parameters.FindCoordinate(name);
     if (i < 0) FailProblem(*problem, key, "there is no parameter '" + name + "'", SpellingHint(name, known));
@@ -99,64 +99,75 @@ void SetPriors(CalibrationProblem* problem) {
 
 }  // namespace
 
-CalibrationProblem::CalibrationProblem(Robot robot_in, Measurements data_in, Experiment experiment_in)
-    : robot(std::move(robot_in)),
-      data(std::move(data_in)),
-      experiment(std::move(experiment_in)),
-      model(robot, data.markers),
-      parameters(data.stations, data.markers, model.parameters(), data.OrientedMarkers()) {
-  robot = model.robot();  // with the tilt slots that effects need
-  marker_frames = ResolveMarkerFrames(*this);
-  shot_inputs = MakeShotInputs(model, data, experiment);
-  latent = MakeLatentModel(robot.chain, data, experiment);
+bool IsGravityCompensator(const EffectSpec& spec) { return spec.effect == "gravity_compensator"; }
+
+CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measurements> data,
+                                       SharedValue<Experiment> experiment)
+    : parameters(data->stations, data->markers, model.parameters(), data->OrientedMarkers()),
+      model_(std::move(model)),
+      data_(std::move(data)),
+      experiment_(std::move(experiment)),
+      marker_frames_(ResolveMarkerFrames(model_->robot().chain, *data_, *experiment_)) {
+  RenewShots();
+  latent = MakeLatentModel(robot().chain, *data_, *experiment_);
 }
 
-Matrix3<double> CalibrationProblem::NoiseRoot(int observation) const {
+void CalibrationProblem::RenewJoints() {
+  std::vector<ShotInput>& inputs = *mutable_shot_inputs();
+  for (size_t s = 0; s < inputs.size(); ++s) {
+    inputs[s].conditions.q = data_->configurations[data_->shots[s].configuration].q;
+  }
+  model_->Prepare(&inputs);
+}
+
+void CalibrationProblem::RenewShots() { shot_inputs_ = MakeShotInputs(*model_, *data_, *experiment_); }
+
+Matrix3<double> CalibrationProblem::SqrtCovariance(int observation) const {
   if (!resolved_noise.empty()) return resolved_noise[observation];
-  const Observation& row = data.observations[observation];
-  return StatedRoot(experiment, data, row, row.point_in_station);
+  const Observation& row = data_->observations[observation];
+  return StatedRoot(*experiment_, *data_, row, row.point_in_station);
 }
 
 bool CalibrationProblem::sigma_is_stated() const {
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    if (IsStated(NoiseRoot(static_cast<int>(i)))) return true;
+  for (size_t i = 0; i < data_->observations.size(); ++i) {
+    if (IsStated(SqrtCovariance(static_cast<int>(i)))) return true;
   }
   return false;
 }
 
 std::vector<int> CalibrationProblem::CalibrationObservations() const {
   std::vector<int> indices;
-  indices.reserve(data.observations.size());
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Observation& observation = data.observations[i];
-    if (!observation.excluded && !data.IsValidation(observation)) indices.push_back(i);
+  indices.reserve(data_->observations.size());
+  for (size_t i = 0; i < data_->observations.size(); ++i) {
+    const Observation& observation = data_->observations[i];
+    if (!observation.excluded && !data_->IsValidation(observation)) indices.push_back(i);
   }
   return indices;
 }
 
 std::vector<int> CalibrationProblem::ValidationObservations() const {
   std::vector<int> indices;
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    const Observation& observation = data.observations[i];
-    if (!observation.excluded && data.IsValidation(observation)) indices.push_back(i);
+  for (size_t i = 0; i < data_->observations.size(); ++i) {
+    const Observation& observation = data_->observations[i];
+    if (!observation.excluded && data_->IsValidation(observation)) indices.push_back(i);
   }
   return indices;
 }
 
 CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>& specs) const {
-  Robot extended = robot;
+  Robot extended = robot();
   bool adds_compensator = false;
   for (const EffectSpec& spec : specs) {
-    if (spec.effect != "gravity_compensator") {
+    if (!IsGravityCompensator(spec)) {
       extended.effects.push_back(spec);
       continue;
     }
     const std::vector<double>& p = spec.values;
     extended.gravity_compensator =
-        GravityCompensator{robot.chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
+        GravityCompensator{robot().chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
     adds_compensator = true;
   }
-  CalibrationProblem problem(std::move(extended), data, experiment);
+  CalibrationProblem problem(ForwardModel(std::move(extended), data_->markers), data_, experiment_);
   problem.parameters.CopyByName(parameters);
   if (adds_compensator) problem.parameters.coordinate(problem.parameters.FindCoordinate("compensator/L")).free = false;
   problem.latent = latent;  // found, not as stated
@@ -174,7 +185,8 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckStatedLoads(experiment, &data);
   const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
   Robot elastic = WithCompliances(std::move(robot), compliant);
-  CalibrationProblem problem(std::move(elastic), std::move(data), std::move(experiment));
+  ForwardModel model(std::move(elastic), data.markers);
+  CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));
   CheckNames(problem);
   CheckCompensator(problem);
   CheckEffects(problem);
@@ -189,6 +201,25 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   SetPriors(&problem);
   TieSpringMarkers(&problem);
   CheckEnoughData(problem);
+  return problem;
+}
+
+CalibrationProblem MakeKnownProblem(Robot robot, Measurements data, Experiment experiment, const KnownPlaces& places) {
+  for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
+  ForwardModel model(std::move(robot), data.markers);
+  CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));
+  const Measurements& rows = problem.data();
+  for (size_t s = 0; s < rows.stations.size(); ++s) {
+    const auto found = places.base_in_station.find(rows.stations[s]);
+    if (found != places.base_in_station.end()) problem.parameters.SetBaseInStation(static_cast<int>(s), found->second);
+  }
+  for (size_t m = 0; m < rows.markers.size(); ++m) {
+    const auto found = places.markers.find(rows.markers[m]);
+    if (found == places.markers.end()) continue;
+    const MarkerSpec& marker = found->second;
+    if (marker.point) problem.parameters.SetMarkerPoint(static_cast<int>(m), *marker.point);
+    if (marker.rotvec) problem.parameters.SetMarkerRotation(static_cast<int>(m), RotationFromVector(*marker.rotvec));
+  }
   return problem;
 }
 

@@ -1,7 +1,15 @@
-// The one problem type: robot, observations, noise, and what is unknown.
-// Every method takes it; nothing in it says how to solve.
+// The one problem type: what was given, what is unknown, and what rows weigh.
+//
+//   given    robot, measurements, experiment, and what follows from the three: shared by all problems made of each
+//            other, so that a copy costs what is unknown and no more
+//   unknown  ParameterSet (values; free, held or with a prior) and LatentModel
+//   noise    a root per row where it was found and is not as stated
+//
+// Every method takes it; how to solve is the method's (MethodSpec of the experiment, JointOptions), and what came out
+// is an Estimate.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,23 +21,43 @@
 #include "problems/measurements.h"
 #include "problems/noise_model.h"
 #include "problems/parameter_set.h"
+#include "problems/shared_value.h"
 
 namespace sagitta {
 
-struct CalibrationProblem {
-  // Complete: places of markers, what acts in each shot and stated repeatability follow from the three; unknowns are at
-  // their nominal values. Throws InputError. MakeCalibrationProblem also checks the data and takes start values and
-  // what is free from the experiment.
-  CalibrationProblem(Robot robot, Measurements data, Experiment experiment);
+struct KnownPlaces;
 
-  Robot robot;
-  Measurements data;
-  Experiment experiment;
-  ForwardModel model;                         // of `robot`
-  std::vector<int> marker_frames;             // chain frame of each marker of `data`
-  std::vector<ShotInput> shot_inputs;         // joint values and wrenches of each shot of `data`
-  LatentModel latent;                         // joint deviations per visit; empty where repeatability is 0
+// The one effect that has a home of its own in the robot (Robot::gravity_compensator).
+bool IsGravityCompensator(const EffectSpec& spec);
+
+// Robot, measurements and experiment with what is unknown. Always whole: MakeCalibrationProblem and MakeKnownProblem
+// are the only sources, all others are copies.
+class CalibrationProblem {
+ public:
+  const Robot& robot() const { return model_->robot(); }  // with the tilt slots that effects need
+  const ForwardModel& model() const { return *model_; }   // of `robot`
+  const Measurements& data() const { return *data_; }
+  const Experiment& experiment() const { return *experiment_; }
+  // Chain frame of each marker of `data`.
+  const std::vector<int>& marker_frames() const { return *marker_frames_; }
+  // Joint values, conditions and wrenches of each shot of `data`, prepared for the model.
+  const std::vector<ShotInput>& shot_inputs() const { return *shot_inputs_; }
+
+  // Given otherwise, for this problem alone. Readings, exclusions and the split may change at will; where joint values
+  // or conditions do, RenewJoints or RenewShots follows.
+  Measurements* mutable_data() { return data_.Own(); }
+  void set_data(Measurements data) { data_ = std::move(data); }
+  Experiment* mutable_experiment() { return experiment_.Own(); }
+  std::vector<ShotInput>* mutable_shot_inputs() { return shot_inputs_.Own(); }
+  void set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
+  void set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
+  // Joint values of the shots as the configurations have them now; everything else of the shots stays.
+  void RenewJoints();
+  // All that acts in the shots, as data and experiment say now.
+  void RenewShots();
+
   ParameterSet parameters;                    // start values; free and fixed as the experiment says
+  LatentModel latent;                         // joint deviations per visit; empty where repeatability is 0
   std::vector<std::string> redundant_errors;  // default free set: what stays nominal
 
   // Noise that is found, not stated (from repeats, or by the estimator): one root
@@ -42,7 +70,7 @@ struct CalibrationProblem {
 
   // Root of the noise covariance of an observation, m or rad (problems/noise_model.h);
   // zero where nothing states one: then all rows share one sigma that is estimated.
-  Matrix3<double> NoiseRoot(int observation) const;
+  Matrix3<double> SqrtCovariance(int observation) const;
   bool sigma_is_stated() const;
 
   // The same problem with more effects in the robot; their parameters are free
@@ -54,6 +82,19 @@ struct CalibrationProblem {
   // Observations that are fitted, and those of held-out configurations, by index; none that is excluded.
   std::vector<int> CalibrationObservations() const;
   std::vector<int> ValidationObservations() const;
+
+ private:
+  friend CalibrationProblem MakeCalibrationProblem(Robot, Measurements, Experiment);
+  friend CalibrationProblem MakeKnownProblem(Robot, Measurements, Experiment, const KnownPlaces&);
+
+  // All unknowns at their nominal values; throws InputError.
+  CalibrationProblem(ForwardModel model, SharedValue<Measurements> data, SharedValue<Experiment> experiment);
+
+  SharedValue<ForwardModel> model_;
+  SharedValue<Measurements> data_;
+  SharedValue<Experiment> experiment_;
+  SharedValue<std::vector<int>> marker_frames_;
+  SharedValue<std::vector<ShotInput>> shot_inputs_;
 };
 
 // Reads nothing: puts robot, data and experiment together, marks the split and
@@ -61,5 +102,15 @@ struct CalibrationProblem {
 // than unknowns, a station or marker that only validation rows have, a load
 // without a point or a force). Throws InputError.
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment);
+
+// Where stations and markers are, from an estimate or a truth.
+struct KnownPlaces {
+  std::map<std::string, Pose<double>> base_in_station;  // of every station, by name
+  std::map<std::string, MarkerSpec> markers;            // point (m) and rotation of each that is known
+};
+
+// The problem of prediction and simulation, where nothing is to be found: stations and markers where they are known to
+// be (others at the origin), the robot as it is. Throws InputError.
+CalibrationProblem MakeKnownProblem(Robot robot, Measurements data, Experiment experiment, const KnownPlaces& places);
 
 }  // namespace sagitta

@@ -26,30 +26,30 @@ class ShotBatches {
  public:
   explicit ShotBatches(const CalibrationProblem& problem) : problem_(problem) {
     std::vector<std::int64_t> key;
-    for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-      const Shot& shot = problem.data.shots[s];
-      if (problem.data.configurations[shot.configuration].is_validation) continue;
+    for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+      const Shot& shot = problem.data().shots[s];
+      if (problem.data().configurations[shot.configuration].is_validation) continue;
       key.clear();
-      if (!AppendStructure(problem.model, problem.shot_inputs[s], ReadingsOf(shot), &key)) {
+      if (!AppendStructure(problem.model(), problem.shot_inputs()[s], ReadingsOf(shot), &key)) {
         by_model_.push_back(static_cast<int>(s));
         continue;
       }
       key.push_back(shot.station);
-      for (const int i : shot.observations) key.push_back(problem.data.observations[i].marker);
+      for (const int i : shot.observations) key.push_back(problem.data().observations[i].marker);
       groups_[key].push_back(static_cast<int>(s));
     }
   }
 
   // At each of the given values.
   std::vector<std::vector<double>> LargestMotions(const std::vector<ParameterSet>& at) const {
-    std::vector<std::vector<double>> largest(at.size(), std::vector<double>(problem_.model.num_parameters(), 0.0));
+    std::vector<std::vector<double>> largest(at.size(), std::vector<double>(problem_.model().num_parameters(), 0.0));
     for (const auto& [key, shots] : groups_) Raise(shots, at, &largest);
     for (const int s : by_model_) {
       for (size_t i = 0; i < at.size(); ++i) RaiseByModel(s, at[i], &largest[i]);
     }
     for (std::vector<double>& motions : largest) {
-      for (int i = 0; i < problem_.model.num_parameters() && !groups_.empty(); ++i) {
-        if (problem_.model.parameters()[i].law == ParameterLaw::kGeometry) motions[i] = 1.0;
+      for (int i = 0; i < problem_.model().num_parameters() && !groups_.empty(); ++i) {
+        if (problem_.model().parameters()[i].law == ParameterLaw::kGeometry) motions[i] = 1.0;
       }
     }
     return largest;
@@ -59,22 +59,24 @@ class ShotBatches {
   std::vector<BatchReading> ReadingsOf(const Shot& shot) const {
     std::vector<BatchReading> readings;
     for (const int i : shot.observations) {
-      const int marker = problem_.data.observations[i].marker;
-      readings.push_back({marker, problem_.marker_frames[marker], Vector3<double>::Zero(), Matrix3<double>::Zero()});
+      const int marker = problem_.data().observations[i].marker;
+      readings.push_back({marker, problem_.marker_frames()[marker], Vector3<double>::Zero(), Matrix3<double>::Zero()});
     }
     return readings;
   }
 
   void Raise(const std::vector<int>& shots, const std::vector<ParameterSet>& at,
              std::vector<std::vector<double>>* largest) const {
-    const Shot& first = problem_.data.shots[shots.front()];
-    const ShotProgram program = MakeShotProgram(problem_.model, problem_.shot_inputs[shots.front()], ReadingsOf(first));
+    const Shot& first = problem_.data().shots[shots.front()];
+    const ShotProgram program =
+        MakeShotProgram(problem_.model(), problem_.shot_inputs()[shots.front()], ReadingsOf(first));
     std::vector<std::vector<double>> theta;
     std::vector<BatchPoint> points;
     for (const ParameterSet& parameters : at) theta.push_back(parameters.ModelValues());
     for (size_t i = 0; i < at.size(); ++i) {
       std::vector<Vector3<double>> markers;
-      for (const int k : first.observations) markers.push_back(at[i].MarkerPoint(problem_.data.observations[k].marker));
+      for (const int k : first.observations)
+        markers.push_back(at[i].MarkerPoint(problem_.data().observations[k].marker));
       points.emplace_back(program, theta[i].data(), at[i].BaseInStation(first.station), std::move(markers));
     }
     BatchScratch numbers, scratch;
@@ -83,7 +85,8 @@ class ShotBatches {
       const auto shot_of = [&](int lane) { return shots[std::min(next + lane, shots.size() - 1)]; };
       for (int lane = 0; lane < kBatchLanes; ++lane) {
         const int s = shot_of(lane);
-        PackShot(problem_.model, program, problem_.shot_inputs[s], ReadingsOf(problem_.data.shots[s]), lane, data);
+        PackShot(problem_.model(), program, problem_.shot_inputs()[s], ReadingsOf(problem_.data().shots[s]), lane,
+                 data);
       }
       for (size_t i = 0; i < at.size(); ++i) {
         const unsigned left = RaiseMotions(program, points[i], data, &scratch, (*largest)[i].data());
@@ -95,14 +98,14 @@ class ShotBatches {
   }
 
   void RaiseByModel(int s, const ParameterSet& parameters, std::vector<double>* largest) const {
-    const Shot& shot = problem_.data.shots[s];
+    const Shot& shot = problem_.data().shots[s];
     std::vector<MarkerInFrame> markers;
     for (const int i : shot.observations) {
-      const int marker = problem_.data.observations[i].marker;
-      markers.push_back({problem_.marker_frames[marker], parameters.MarkerPoint(marker), marker});
+      const int marker = problem_.data().observations[i].marker;
+      markers.push_back({problem_.marker_frames()[marker], parameters.MarkerPoint(marker), marker});
     }
     const std::vector<double> motion =
-        MotionPerUnit(problem_.model, problem_.shot_inputs[s], parameters.ModelValues().data(),
+        MotionPerUnit(problem_.model(), problem_.shot_inputs()[s], parameters.ModelValues().data(),
                       parameters.BaseInStation(shot.station), markers);
     for (size_t i = 0; i < largest->size(); ++i) (*largest)[i] = std::max((*largest)[i], motion[i]);
   }
@@ -148,12 +151,12 @@ std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const 
       if (motions[i] < std::abs(feigned[i] - motions[i])) motions[i] = 0.0;
     }
   }
-  DropRoundOff(problem.model.parameters(), &motions);
+  DropRoundOff(problem.model().parameters(), &motions);
   return motions;
 }
 
 void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) {
-  const auto& model_parameters = problem.model.parameters();
+  const auto& model_parameters = problem.model().parameters();
   const bool any = std::any_of(model_parameters.begin(), model_parameters.end(), IsLimitedByMotion);
   if (!any) return;
   const std::vector<double> motions = LargestTrueMotions(problem, *parameters);

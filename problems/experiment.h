@@ -123,6 +123,14 @@ struct BootstrapSpec {
   unsigned long long seed = 1;
 };
 
+// How to solve, and what the intervals are made of.
+struct MethodSpec {
+  Weights weights = Weights::kSigma;
+  LossKind loss = LossKind::kNone;
+  CovarianceKind covariance = CovarianceKind::kModel;
+  BootstrapSpec bootstrap;
+};
+
 // Everything that the file states; each default is the one that FORMATS.md gives.
 struct Experiment {
   std::string file;  // "" when put together from the command line
@@ -141,10 +149,7 @@ struct Experiment {
   std::map<std::string, StationSpec> stations;
   NoiseSpec noise;
   RepeatabilitySpec repeatability;
-  Weights weights = Weights::kSigma;
-  CovarianceKind covariance = CovarianceKind::kModel;
-  BootstrapSpec bootstrap;
-  LossKind loss = LossKind::kNone;
+  MethodSpec method;
   EstimateSpec estimate;
   std::map<std::string, Prior> priors;
   ValidationSpec validation;

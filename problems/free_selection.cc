@@ -24,16 +24,16 @@ std::vector<std::string> SelectFrom(const std::vector<std::string>& all, const S
 }
 
 std::vector<std::string> FreeErrors(CalibrationProblem* problem) {
-  const Selection& selection = problem->experiment.estimate.geometry;
+  const Selection& selection = problem->experiment().estimate.geometry;
   if (selection.kind != Selection::Kind::kDefault) {
     std::vector<std::string> all;
-    for (const ElementaryTransform& transform : problem->robot.chain.transforms) {
+    for (const ElementaryTransform& transform : problem->robot().chain.transforms) {
       if (!transform.error.empty()) all.push_back(transform.error);
     }
-    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment);
+    return SelectFrom(all, selection, "estimate.geometry", "geometric error", problem->experiment());
   }
-  const EstimateSpec& estimate = problem->experiment.estimate;
-  FreeSet set = DefaultFreeSet(problem->robot.chain, {estimate.base, estimate.markers});
+  const EstimateSpec& estimate = problem->experiment().estimate;
+  FreeSet set = DefaultFreeSet(problem->robot().chain, {estimate.base, estimate.markers});
   problem->redundant_errors = set.redundant;
   return set.free;
 }
@@ -44,14 +44,14 @@ bool AnyLoaded(const Measurements& data, const Experiment& experiment) {
 }
 
 std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
-  const Selection& selection = problem.experiment.estimate.gravity_compensator;
+  const Selection& selection = problem.experiment().estimate.gravity_compensator;
   if (selection.kind == Selection::Kind::kDefault || selection.kind == Selection::Kind::kNone) return {};
-  if (!problem.robot.gravity_compensator) {
+  if (!problem.robot().gravity_compensator) {
     FailProblem(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
                 "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
   }
   return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator", "compensator parameter",
-                    problem.experiment);
+                    problem.experiment());
 }
 
 // The parameters of the name's family (geometry/...), or all where it has none.
@@ -98,23 +98,42 @@ Robot WithCompliances(Robot robot, const std::vector<std::string>& joints) {
 
 void SetFree(CalibrationProblem* problem) {
   ParameterSet& parameters = problem->parameters;
-  const EstimateSpec& estimate = problem->experiment.estimate;
+  const EstimateSpec& estimate = problem->experiment().estimate;
   const std::vector<std::string> errors = FreeErrors(problem);
-  const std::vector<std::string> compliant = CompliantJoints(problem->robot, problem->data, problem->experiment);
+  const std::vector<std::string> compliant = CompliantJoints(problem->robot(), problem->data(), problem->experiment());
   const std::vector<std::string> spring = FreeSpring(*problem);
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
     Coordinate& coordinate = parameters.coordinate(i);
-    const std::string family = coordinate.name.substr(0, coordinate.name.find('/'));
-    if (family == "base") coordinate.free = estimate.base;
-    if (family == "marker") coordinate.free = estimate.markers;
-    const std::string name = coordinate.name.substr(family.size() + 1);
+    const ParameterBlock& block = parameters.blocks()[coordinate.block];
+    switch (block.kind) {
+      case BlockKind::kStationTranslation:
+      case BlockKind::kStationRotation:
+        coordinate.free = estimate.base;
+        continue;
+      case BlockKind::kMarker:
+      case BlockKind::kMarkerRotation:
+        coordinate.free = estimate.markers;
+        continue;
+      case BlockKind::kModelParameter:
+        break;
+    }
+    const std::string name = coordinate.name.substr(coordinate.name.find('/') + 1);
     const auto is_in = [&](const std::vector<std::string>& names, const std::string& wanted) {
       return std::find(names.begin(), names.end(), wanted) != names.end();
     };
-    if (family == "geometry") coordinate.free = is_in(errors, name);
-    if (family == "compliance") coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
-    if (family == "compensator") coordinate.free = is_in(spring, name);
-    if (family == "effect") coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
+    switch (problem->model().parameters()[block.owner].law) {
+      case ParameterLaw::kGeometry:
+        coordinate.free = is_in(errors, name);
+        break;
+      case ParameterLaw::kCompliance:
+        coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
+        break;
+      case ParameterLaw::kCompensator:
+        coordinate.free = is_in(spring, name);
+        break;
+      case ParameterLaw::kEffect:
+        coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
+    }
   }
   const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
     for (const std::string& name : names) {

@@ -14,11 +14,11 @@ using From = NoiseSpec::From;
 
 // The noise differs between rows or axes: equal weights are not those of the noise.
 bool RowsDiffer(const CalibrationProblem& problem) {
-  const From from = problem.experiment.noise.from;
+  const From from = problem.experiment().noise.from;
   if (from == From::kInstrument || from == From::kRepeats) return true;
   double low = std::numeric_limits<double>::infinity(), high = 0.0;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    const Vector3<double> sigma = problem.NoiseRoot(static_cast<int>(i)).diagonal();
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Vector3<double> sigma = problem.SqrtCovariance(static_cast<int>(i)).diagonal();
     low = std::min(low, sigma.minCoeff());
     high = std::max(high, sigma.maxCoeff());
   }
@@ -26,7 +26,7 @@ bool RowsDiffer(const CalibrationProblem& problem) {
 }
 
 void CheckInstrument(const CalibrationProblem& problem) {
-  const NoiseSpec& noise = problem.experiment.noise;
+  const NoiseSpec& noise = problem.experiment().noise;
   if (noise.from != From::kInstrument) return;
   if (noise.range + noise.range_per_m > 0.0 && noise.angle + noise.angle_per_m > 0.0) return;
   FailProblem(problem, "noise.instrument",
@@ -36,13 +36,13 @@ void CheckInstrument(const CalibrationProblem& problem) {
 
 // Spread of residuals holds everything that scatters: nothing else can be told from it beside.
 void CheckResiduals(const CalibrationProblem& problem) {
-  const Experiment& experiment = problem.experiment;
+  const Experiment& experiment = problem.experiment();
   if (experiment.noise.from != From::kResiduals) return;
   if (!experiment.repeatability.IsZero()) {
     FailProblem(problem, "noise.from", "the residuals contain the repeatability already, which is asked for beside",
                 "use {from: variance-components}, or leave repeatability out");
   }
-  if (experiment.loss != LossKind::kNone) {
+  if (experiment.method.loss != LossKind::kNone) {
     FailProblem(problem, "loss", "a loss needs noise that outliers do not widen; that of residuals they do",
                 "state noise: {sigma_mm: …}, or use loss: none");
   }
@@ -50,23 +50,23 @@ void CheckResiduals(const CalibrationProblem& problem) {
 
 // Weights other than the noise's: the noise has to be known per row, and be all that scatters.
 void CheckWeights(const CalibrationProblem& problem) {
-  const Experiment& experiment = problem.experiment;
+  const Experiment& experiment = problem.experiment();
   const From from = experiment.noise.from;
-  const std::vector<bool> oriented = problem.data.OrientedMarkers();
+  const std::vector<bool> oriented = problem.data().OrientedMarkers();
   const bool has_poses = std::find(oriented.begin(), oriented.end(), true) != oriented.end();
-  if (has_poses && (experiment.weights != Weights::kSigma || from == From::kResiduals)) {
-    FailProblem(problem, experiment.weights != Weights::kSigma ? "weights" : "noise.from",
+  if (has_poses && (experiment.method.weights != Weights::kSigma || from == From::kResiduals)) {
+    FailProblem(problem, experiment.method.weights != Weights::kSigma ? "weights" : "noise.from",
                 "these weights are of points, the data have rotations of poses too: the two compare by standard "
                 "deviations only",
                 "use weights: sigma, with sigma columns or noise: {sigma_mm: …}");
   }
-  if (experiment.weights == Weights::kSigma || from == From::kResiduals || from == From::kVarianceComponents) {
-    if (experiment.weights == Weights::kEq14 && from == From::kVarianceComponents) {
+  if (experiment.method.weights == Weights::kSigma || from == From::kResiduals || from == From::kVarianceComponents) {
+    if (experiment.method.weights == Weights::kEq14 && from == From::kVarianceComponents) {
       FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", "use weights: sigma");
     }
     return;
   }
-  const bool is_eq14 = experiment.weights == Weights::kEq14;
+  const bool is_eq14 = experiment.method.weights == Weights::kEq14;
   const char* kHint = "use weights: sigma";
   if (is_eq14 && (from == From::kInstrument || from == From::kRepeats)) {
     FailProblem(problem, "weights", "eq. (14) weighs standard deviations of rows, per axis", kHint);
@@ -78,16 +78,17 @@ void CheckWeights(const CalibrationProblem& problem) {
   if (!is_eq14 && !RowsDiffer(problem)) return;  // the noise's own weights, or sigma is estimated
   const std::string which = is_eq14 ? "eq. (14)" : "eq. (8) for equal weights";
   if (!experiment.repeatability.IsZero()) FailProblem(problem, "weights", which + " knows no repeatability", kHint);
-  if (experiment.loss != LossKind::kNone) FailProblem(problem, "weights", which + " does not go with a loss", kHint);
-  if (experiment.covariance == CovarianceKind::kProfile) {
+  if (experiment.method.loss != LossKind::kNone)
+    FailProblem(problem, "weights", which + " does not go with a loss", kHint);
+  if (experiment.method.covariance == CovarianceKind::kProfile) {
     FailProblem(problem, "covariance",
-                "a profile likelihood weighs by the noise, the fit by weights: " + WordOf(experiment.weights),
+                "a profile likelihood weighs by the noise, the fit by weights: " + WordOf(experiment.method.weights),
                 "use covariance: model, sandwich or bootstrap");
   }
 }
 
 void CheckRows(const CalibrationProblem& problem) {
-  if (problem.experiment.noise.from != From::kRows || problem.sigma_is_stated()) return;
+  if (problem.experiment().noise.from != From::kRows || problem.sigma_is_stated()) return;
   FailProblem(problem, "noise.from", "no row states a standard deviation",
               "add the columns sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
 }
@@ -95,8 +96,9 @@ void CheckRows(const CalibrationProblem& problem) {
 }  // namespace
 
 void CheckNoise(CalibrationProblem* problem) {
-  RepeatabilitySpec& repeatability = problem->experiment.repeatability;
-  if (problem->experiment.noise.from == From::kVarianceComponents && repeatability.IsZero()) {
+  const Experiment& experiment = problem->experiment();
+  if (experiment.noise.from == From::kVarianceComponents && experiment.repeatability.IsZero()) {
+    RepeatabilitySpec& repeatability = problem->mutable_experiment()->repeatability;
     repeatability.angle.estimate = repeatability.length.estimate = true;
   }
   CheckInstrument(*problem);
@@ -106,8 +108,8 @@ void CheckNoise(CalibrationProblem* problem) {
 }
 
 void ResolveRepeats(CalibrationProblem* problem) {
-  if (problem->experiment.noise.from != From::kRepeats) return;
-  problem->repeat_scatter = PooledRepeats(problem->data);
+  if (problem->experiment().noise.from != From::kRepeats) return;
+  problem->repeat_scatter = PooledRepeats(problem->data());
   if (!problem->repeat_scatter) {
     FailProblem(*problem, "noise.from", "no marker was shot twice at one visit under one load: there are no repeats",
                 "measure repeats (column repeat), or state noise: {sigma_mm: …}");
@@ -119,7 +121,7 @@ void ResolveRepeats(CalibrationProblem* problem) {
   }
   const Vector3<double>& turned = problem->repeat_scatter->rotation_sigma;
   NoiseRoots roots;
-  for (const Observation& observation : problem->data.observations) {
+  for (const Observation& observation : problem->data().observations) {
     if (observation.is_point()) {
       roots.push_back(sigma.asDiagonal());
     } else if (turned.minCoeff() > 0.0) {
@@ -137,17 +139,17 @@ void SayRotationSigmas(CalibrationProblem* problem) {
   const bool is_stated = problem->sigma_is_stated();
   if (is_stated && problem->repeat_scatter && problem->repeat_scatter->rotation_sigma.minCoeff() > 0.0) return;
   int unstated = 0, stated = 0;
-  for (const Observation& observation : problem->data.observations) {
+  for (const Observation& observation : problem->data().observations) {
     if (observation.is_point()) continue;
     ++(observation.rotation_sigma.minCoeff() > 0.0 ? stated : unstated);
     if (is_stated || stated == 0) continue;
-    const MeasurementFile& file = problem->data.files[observation.file];
+    const MeasurementFile& file = problem->data().files[observation.file];
     throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
                      "the rotations state standard deviations, the points none: nothing says how the two compare",
                      "add sigma_x_mm, sigma_y_mm, sigma_z_mm, or state noise: {sigma_mm: …}");
   }
   if (unstated == 0) return;
-  problem->data.warnings.push_back(
+  problem->mutable_data()->warnings.push_back(
       std::to_string(unstated) + " poses state no standard deviation of their rotation: " +
       (is_stated ? "1 mrad is assumed, that of 1 mm over 1 m" : "that of the points over 1 m is assumed") +
       "; add the column sigma_rot_urad");
@@ -155,14 +157,14 @@ void SayRotationSigmas(CalibrationProblem* problem) {
 
 void CheckSigmas(const CalibrationProblem& problem) {
   if (!problem.sigma_is_stated()) {
-    if (problem.latent.empty() || problem.experiment.noise.from == From::kVarianceComponents) return;
+    if (problem.latent.empty() || problem.experiment().noise.from == From::kVarianceComponents) return;
     FailProblem(problem, "repeatability_urad", "the repeatability is stated but the instrument's noise is not",
                 "state noise: {sigma_mm: …}, sigma columns, --sigma_mm, or noise: {from: variance-components}");
   }
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    if (IsStated(problem.NoiseRoot(static_cast<int>(i)))) continue;
-    const Observation& observation = problem.data.observations[i];
-    const MeasurementFile& file = problem.data.files[observation.file];
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    if (IsStated(problem.SqrtCovariance(static_cast<int>(i)))) continue;
+    const Observation& observation = problem.data().observations[i];
+    const MeasurementFile& file = problem.data().files[observation.file];
     throw InputError({file.path, file.rows[observation.row].line, "sigma_x_mm"},
                      "other rows state standard deviations, this one has none",
                      "add the columns, state noise: {sigma_mm: …}, or give --sigma_mm");

@@ -40,7 +40,8 @@ Matrix3<double> StatedRoot(const Experiment& experiment, const Measurements& dat
   }
   const double otherwise = noise.sigma.value_or(0.0);
   // Equal weights with variance components: one common sigma for all rows, to be found.
-  const bool is_common = experiment.weights == Weights::kEqual && noise.from == NoiseSpec::From::kVarianceComponents;
+  const bool is_common =
+      experiment.method.weights == Weights::kEqual && noise.from == NoiseSpec::From::kVarianceComponents;
   const bool rows_count = !is_common && !noise.replaces_rows;
   const bool row_states = rows_count && observation.sigma.minCoeff() > 0.0;
   return (row_states ? observation.sigma : Vector3<double>::Constant(otherwise).eval()).asDiagonal();

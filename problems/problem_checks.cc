@@ -33,18 +33,23 @@ int LineOf(const Experiment& experiment, std::string key) {
 
 void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
                  const std::string& hint) {
-  throw InputError({problem.experiment.file, LineOf(problem.experiment, key), key}, what, hint);
+  FailProblem(problem.experiment(), key, what, hint);
+}
+
+void FailProblem(const Experiment& experiment, const std::string& key, const std::string& what,
+                 const std::string& hint) {
+  throw InputError({experiment.file, LineOf(experiment, key), key}, what, hint);
 }
 
 void CheckNames(const CalibrationProblem& problem) {
-  for (const auto& [name, spec] : problem.experiment.markers) {
-    const auto& known = problem.data.markers;
+  for (const auto& [name, spec] : problem.experiment().markers) {
+    const auto& known = problem.data().markers;
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       FailProblem(problem, "markers." + name, "no row measures this marker", SpellingHint(name, known));
     }
   }
-  for (const auto& [name, spec] : problem.experiment.stations) {
-    const auto& known = problem.data.stations;
+  for (const auto& [name, spec] : problem.experiment().stations) {
+    const auto& known = problem.data().stations;
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       FailProblem(problem, "stations." + name, "no row is measured from this station", SpellingHint(name, known));
     }
@@ -53,15 +58,15 @@ void CheckNames(const CalibrationProblem& problem) {
 
 void CheckEffects(const CalibrationProblem& problem) {
   std::set<std::string> loads;
-  for (const Shot& shot : problem.data.shots) loads.insert(shot.load);
-  for (const EffectSpec& spec : problem.robot.effects) {
+  for (const Shot& shot : problem.data().shots) loads.insert(shot.load);
+  for (const EffectSpec& spec : problem.robot().effects) {
     std::vector<std::string> known;
-    switch (FindEffect(problem.robot, spec.effect)->target) {
+    switch (FindEffect(problem.robot(), spec.effect)->target) {
       case EffectTarget::kStation:
-        known = problem.data.stations;
+        known = problem.data().stations;
         break;
       case EffectTarget::kMarker:
-        known = problem.data.markers;
+        known = problem.data().markers;
         break;
       case EffectTarget::kLoad:
         known.assign(loads.begin(), loads.end());
@@ -70,20 +75,21 @@ void CheckEffects(const CalibrationProblem& problem) {
         continue;
     }
     if (std::find(known.begin(), known.end(), spec.target) != known.end()) continue;
-    throw InputError({problem.experiment.robot_file, 0, "effects"},
+    throw InputError({problem.experiment().robot_file, 0, "effects"},
                      "effect " + spec.effect + ": the data have no '" + spec.target + "'",
                      SpellingHint(spec.target, known));
   }
 }
 
 void CheckEffectColumns(const CalibrationProblem& problem) {
-  for (const EffectSpec& spec : problem.robot.effects) {
-    for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-      const EffectContext context{&problem.robot, &spec, &problem.shot_inputs[s].conditions, &problem.data.markers, 0};
-      const std::string column = MissingColumn(*FindEffect(problem.robot, spec.effect), context);
+  for (const EffectSpec& spec : problem.robot().effects) {
+    for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
+      const EffectContext context{&problem.robot(), &spec, &problem.shot_inputs()[s].conditions,
+                                  &problem.data().markers, 0};
+      const std::string column = MissingColumn(*FindEffect(problem.robot(), spec.effect), context);
       if (column.empty()) continue;
-      const Observation& first = problem.data.observations[problem.data.shots[s].observations.front()];
-      const MeasurementFile& file = problem.data.files[first.file];
+      const Observation& first = problem.data().observations[problem.data().shots[s].observations.front()];
+      const MeasurementFile& file = problem.data().files[first.file];
       throw InputError({file.path, file.rows[first.row].line, column}, "effect " + spec.Path() + " needs this column",
                        "add it, or take the effect out of the robot file");
     }
@@ -91,16 +97,16 @@ void CheckEffectColumns(const CalibrationProblem& problem) {
 }
 
 std::string UnlevelledStationWithWeights(const CalibrationProblem& problem) {
-  const Experiment& experiment = problem.experiment;
+  const Experiment& experiment = problem.experiment();
   if (experiment.gravity_in_base) return "";
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    const Shot& shot = problem.data.shots[s];
-    const std::string& name = problem.data.stations[shot.station];
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    const Shot& shot = problem.data().shots[s];
+    const std::string& name = problem.data().stations[shot.station];
     const auto station = experiment.stations.find(name);
     if (station == experiment.stations.end() || station->second.levelled.value_or(true)) continue;
     const auto load = experiment.loads.find(shot.load);
     const bool hangs = shot.wrench.IsZero() && load != experiment.loads.end() && load->second.mass;
-    const ShotTerms& terms = problem.shot_inputs[s].terms;
+    const ShotTerms& terms = problem.shot_inputs()[s].terms;
     if (terms.elastic.empty() && terms.sags.empty()) continue;  // nothing gives way
     if (hangs || experiment.tool_mass > 0.0 || !terms.sags.empty() || !terms.wrenches.empty()) return name;
   }
@@ -116,16 +122,16 @@ void CheckLevelled(const CalibrationProblem& problem) {
 }
 
 void CheckCompensator(const CalibrationProblem& problem) {
-  if (!problem.robot.gravity_compensator) return;
-  const GravityCompensator& c = *problem.robot.gravity_compensator;
+  if (!problem.robot().gravity_compensator) return;
+  const GravityCompensator& c = *problem.robot().gravity_compensator;
   const CompensatorParameters<double> parameters{c.L, c.a_x, c.a_y, c.s0, c.Kc};
   if (c.L <= 0.0 || c.s0 <= 0.0 || c.Kc < 0.0) {
-    throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
+    throw InputError({problem.experiment().robot_file, 0, "gravity_compensator"},
                      "L and s0 must be positive and Kc not negative", "state lengths in mm, stiffness in N/mm");
   }
-  for (const Configuration& configuration : problem.data.configurations) {
+  for (const Configuration& configuration : problem.data().configurations) {
     if (CompensatorSpringLength(parameters, configuration.q[c.joint]) > 1e-3 * c.s0) continue;
-    throw InputError({problem.experiment.robot_file, 0, "gravity_compensator"},
+    throw InputError({problem.experiment().robot_file, 0, "gravity_compensator"},
                      "the spring would have no length at configuration '" + configuration.id + "'",
                      "check L, a_x and a_y: the lever end would lie on the anchor");
   }
@@ -134,32 +140,32 @@ void CheckCompensator(const CalibrationProblem& problem) {
 void CheckEnoughData(const CalibrationProblem& problem) {
   std::set<int> configurations;
   int latest = -1;
-  std::vector<bool> station_seen(problem.data.stations.size()), marker_seen(problem.data.markers.size());
+  std::vector<bool> station_seen(problem.data().stations.size()), marker_seen(problem.data().markers.size());
   const std::vector<int> observations = problem.CalibrationObservations();
   for (const int i : observations) {
-    const Observation& observation = problem.data.observations[i];
-    const Shot& shot = problem.data.shots[observation.shot];
+    const Observation& observation = problem.data().observations[i];
+    const Shot& shot = problem.data().shots[observation.shot];
     if (shot.configuration != latest) configurations.insert(configurations.end(), shot.configuration);
     latest = shot.configuration;
     station_seen[shot.station] = true;
     marker_seen[observation.marker] = true;
   }
-  const std::string file = problem.data.files.empty() ? "" : problem.data.files[0].path;
+  const std::string file = problem.data().files.empty() ? "" : problem.data().files[0].path;
   for (size_t s = 0; s < station_seen.size(); ++s) {
     if (station_seen[s]) continue;
-    throw InputError({file, 0, "station"}, "station '" + problem.data.stations[s] + "' has validation rows only",
+    throw InputError({file, 0, "station"}, "station '" + problem.data().stations[s] + "' has validation rows only",
                      "its base pose cannot be estimated; move some of its configurations to calibration");
   }
   for (size_t m = 0; m < marker_seen.size(); ++m) {
     if (marker_seen[m]) continue;
-    throw InputError({file, 0, "marker"}, "marker '" + problem.data.markers[m] + "' has validation rows only",
+    throw InputError({file, 0, "marker"}, "marker '" + problem.data().markers[m] + "' has validation rows only",
                      "its point cannot be estimated; move some of its configurations to calibration");
   }
   const int unknowns = problem.parameters.EstimatedCoordinates().size();
   if (unknowns == 0) throw InputError({file, 0, ""}, "nothing is free: there is nothing to estimate");
   const bool is_one = configurations.size() < 2;
-  const bool asks_for_both = problem.experiment.estimate.base && problem.experiment.estimate.markers;
-  if (is_one || (asks_for_both && DifferentPoses(problem.data, configurations) < 2)) {
+  const bool asks_for_both = problem.experiment().estimate.base && problem.experiment().estimate.markers;
+  if (is_one || (asks_for_both && DifferentPoses(problem.data(), configurations) < 2)) {
     const std::string alike = "all " + std::to_string(configurations.size()) +
                               " configurations are alike (equal joint values), and one pose cannot tell the robot "
                               "from the base";

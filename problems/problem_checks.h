@@ -13,6 +13,8 @@ int LineOf(const Experiment& experiment, std::string key);
 // At `key` of the experiment file.
 [[noreturn]] void FailProblem(const CalibrationProblem& problem, const std::string& key, const std::string& what,
                               const std::string& hint = "");
+[[noreturn]] void FailProblem(const Experiment& experiment, const std::string& key, const std::string& what,
+                              const std::string& hint = "");
 
 // Markers and stations of the experiment that no row has.
 void CheckNames(const CalibrationProblem& problem);

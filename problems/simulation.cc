@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "models/constants.h"
+
 namespace sagitta {
 
 double NormalNumbers::Uniform() {
@@ -11,13 +13,12 @@ double NormalNumbers::Uniform() {
 }
 
 double NormalNumbers::operator()() {
-  constexpr double kTwoPi = 6.283185307179586;
   if (has_spare_) {
     has_spare_ = false;
     return spare_;
   }
   const double radius = std::sqrt(-2.0 * std::log(Uniform()));
-  const double angle = kTwoPi * Uniform();
+  const double angle = 2.0 * kPi * Uniform();
   spare_ = radius * std::sin(angle);
   has_spare_ = true;
   return radius * std::cos(angle);
@@ -39,24 +40,24 @@ Simulator::Simulator(const CalibrationProblem& problem, const ParameterSet& trut
       theta_(truth.ModelValues()),
       roots_(std::move(roots)),
       repeatability_scale_(repeatability_scale),
-      exact_(Eigen::Matrix3Xd::Constant(3, problem.data.observations.size(), std::nan(""))) {
-  assert(roots_.size() == problem.data.observations.size());
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
+      exact_(Eigen::Matrix3Xd::Constant(3, problem.data().observations.size(), std::nan(""))) {
+  assert(roots_.size() == problem.data().observations.size());
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
     if (!PredictShot(static_cast<int>(s), nullptr, &exact_)) break;
   }
 }
 
 bool Simulator::PredictShot(int s, const double* deviations, Eigen::Matrix3Xd* points) const {
-  const Shot& shot = problem_.data.shots[s];
+  const Shot& shot = problem_.data().shots[s];
   std::vector<MarkerInFrame> markers;
   for (const int k : shot.observations) {
-    const Observation& observation = problem_.data.observations[k];
+    const Observation& observation = problem_.data().observations[k];
     markers.push_back(
-        truth_.MarkerOn(problem_.marker_frames[observation.marker], observation.marker, observation.kind));
+        truth_.MarkerOn(problem_.marker_frames()[observation.marker], observation.marker, observation.kind));
   }
   std::vector<PointPrediction> predictions;
-  if (!problem_.model.Predict(problem_.shot_inputs[s], theta_.data(), {}, truth_.BaseInStation(shot.station), markers,
-                              &predictions, deviations)) {
+  if (!problem_.model().Predict(problem_.shot_inputs()[s], theta_.data(), {}, truth_.BaseInStation(shot.station),
+                                markers, &predictions, deviations)) {
     return false;
   }
   for (size_t m = 0; m < markers.size(); ++m) points->col(shot.observations[m]) = predictions[m].point;
@@ -69,7 +70,7 @@ bool Simulator::Draw(std::uint64_t seed, Measurements* data) const {
   Eigen::Matrix3Xd points = exact_;
   if (!latent.empty()) {
     NormalNumbers arm(seed + kOtherStream);
-    Eigen::MatrixXd deviations = Eigen::MatrixXd::Zero(problem_.robot.num_joints(), latent.num_visits);
+    Eigen::MatrixXd deviations = Eigen::MatrixXd::Zero(problem_.robot().num_joints(), latent.num_visits);
     for (int v = 0; v < latent.num_visits; ++v) {
       for (int i = 0; i < latent.size(); ++i) {
         deviations(latent.joints[i], v) = repeatability_scale_ * latent.sigmas[i] * arm();
@@ -96,15 +97,12 @@ Measurements SimulateMeasurements(const Measurements& rows, const SimulationTrut
   assert(sigma.size() == rows.observations.size());
   Robot rigid;
   rigid.chain = truth.robot.chain;
-  CalibrationProblem problem(std::move(rigid), rows, Experiment());
-  for (size_t s = 0; s < truth.base_in_station.size(); ++s) {
-    problem.parameters.SetBaseInStation(static_cast<int>(s), truth.base_in_station[s]);
-  }
-  for (size_t m = 0; m < truth.markers.size(); ++m) {
-    problem.parameters.SetMarkerPoint(static_cast<int>(m), truth.markers[m].point);
-    problem.marker_frames.push_back(truth.markers[m].frame);
-  }
-  for (const Shot& shot : rows.shots) problem.shot_inputs.emplace_back(rows.configurations[shot.configuration].q);
+  KnownPlaces places;
+  for (size_t s = 0; s < rows.stations.size(); ++s) places.base_in_station[rows.stations[s]] = truth.base_in_station[s];
+  for (size_t m = 0; m < rows.markers.size(); ++m) places.markers[rows.markers[m]].point = truth.markers[m].point;
+  CalibrationProblem problem = MakeKnownProblem(std::move(rigid), rows, Experiment(), places);
+  for (size_t m = 0; m < truth.markers.size(); ++m)
+    problem.set_marker_frame(static_cast<int>(m), truth.markers[m].frame);
   NoiseRoots roots;
   for (const Vector3<double>& axes : sigma) roots.emplace_back(axes.asDiagonal());
   Measurements simulated = rows;

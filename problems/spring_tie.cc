@@ -9,23 +9,23 @@ namespace sagitta {
 namespace {
 
 std::optional<SpringEnd> StatedEnd(const CalibrationProblem& problem, int marker) {
-  const auto spec = problem.experiment.markers.find(problem.data.markers[marker]);
-  return spec == problem.experiment.markers.end() ? std::nullopt : spec->second.spring;
+  const auto spec = problem.experiment().markers.find(problem.data().markers[marker]);
+  return spec == problem.experiment().markers.end() ? std::nullopt : spec->second.spring;
 }
 
 // The marker that is this end of the spring; -1: none, or no single one.
 int FindEnd(const CalibrationProblem& problem, SpringEnd end, int frame) {
   int stated = -1, candidate = -1, candidates = 0;
-  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
+  for (size_t m = 0; m < problem.data().markers.size(); ++m) {
     const std::optional<SpringEnd> says = StatedEnd(problem, static_cast<int>(m));
-    const std::string key = "markers." + problem.data.markers[m] + ".spring";
+    const std::string key = "markers." + problem.data().markers[m] + ".spring";
     if (says == end) {
       const std::string word = WordOf(end);
       if (stated >= 0)
         FailProblem(problem, key, "the spring has one " + word + " only", "leave one marker its " + word);
       stated = static_cast<int>(m);
     }
-    if (says || problem.marker_frames[m] != frame) continue;
+    if (says || problem.marker_frames()[m] != frame) continue;
     candidate = static_cast<int>(m);
     ++candidates;
   }
@@ -35,8 +35,8 @@ int FindEnd(const CalibrationProblem& problem, SpringEnd end, int frame) {
 
 // How well a marker sits on its end, m; nothing where not stated.
 std::optional<double> SigmaOfEnd(const CalibrationProblem& problem, int marker) {
-  const auto spec = problem.experiment.markers.find(problem.data.markers[marker]);
-  return spec == problem.experiment.markers.end() ? std::nullopt : spec->second.spring_sigma;
+  const auto spec = problem.experiment().markers.find(problem.data().markers[marker]);
+  return spec == problem.experiment().markers.end() ? std::nullopt : spec->second.spring_sigma;
 }
 
 // An end off by e moves L by its radial part; its tangential part turns u and v by e / L, hence
@@ -58,7 +58,7 @@ int FrameBefore(const Chain& chain, int joint_transform) {
 
 // A spring end that is named although there is no spring.
 void CheckNoEnds(const CalibrationProblem& problem) {
-  for (const auto& [name, spec] : problem.experiment.markers) {
+  for (const auto& [name, spec] : problem.experiment().markers) {
     if (!spec.spring || *spec.spring == SpringEnd::kNone) continue;
     FailProblem(problem, "markers." + name + ".spring", "the robot has no gravity_compensator",
                 "describe it in the robot file");
@@ -66,16 +66,16 @@ void CheckNoEnds(const CalibrationProblem& problem) {
 }
 
 void CheckFrames(const CalibrationProblem& problem, const SpringTie& tie, int joint) {
-  const Chain& chain = problem.robot.chain;
+  const Chain& chain = problem.robot().chain;
   const auto fail = [&](int marker, const std::string& what, const std::string& hint) {
-    FailProblem(problem, "markers." + problem.data.markers[marker] + ".on", what, hint);
+    FailProblem(problem, "markers." + problem.data().markers[marker] + ".on", what, hint);
   };
-  const int spring_joint = problem.robot.gravity_compensator->joint;
-  if (problem.marker_frames[tie.lever_marker] != chain.FrameAfterJoint(spring_joint)) {
+  const int spring_joint = problem.robot().gravity_compensator->joint;
+  if (problem.marker_frames()[tie.lever_marker] != chain.FrameAfterJoint(spring_joint)) {
     fail(tie.lever_marker, "the lever end turns with the compensator's joint",
          "state on: " + chain.joints[spring_joint].name);
   }
-  const int from = problem.marker_frames[tie.anchor_marker];
+  const int from = problem.marker_frames()[tie.anchor_marker];
   if (from > joint) fail(tie.anchor_marker, "the anchor lies before the compensator's joint", "state the joint before");
   for (int e = from; e < joint; ++e) {
     if (!chain.transforms[e].has_joint()) continue;
@@ -86,13 +86,13 @@ void CheckFrames(const CalibrationProblem& problem, const SpringTie& tie, int jo
 
 // The chain from the anchor's frame to the joint, and which parameters are on it.
 void FillChain(const CalibrationProblem& problem, int joint, SpringTie* tie) {
-  const Chain& chain = problem.robot.chain;
-  const int from = problem.marker_frames[tie->anchor_marker];
+  const Chain& chain = problem.robot().chain;
+  const int from = problem.marker_frames()[tie->anchor_marker];
   tie->anchors.between.transforms.assign(chain.transforms.begin() + from, chain.transforms.begin() + joint);
   tie->anchors.axis = chain.transforms[joint];
-  tie->anchors.axis.nominal = problem.robot.gravity_compensator->zero.value_or(tie->anchors.axis.nominal);
+  tie->anchors.axis.nominal = problem.robot().gravity_compensator->zero.value_or(tie->anchors.axis.nominal);
   tie->errors.assign(joint - from, -1);
-  const std::vector<ModelParameter>& parameters = problem.model.parameters();
+  const std::vector<ModelParameter>& parameters = problem.model().parameters();
   for (int i = 0; i < static_cast<int>(parameters.size()); ++i) {
     const ModelParameter& p = parameters[i];
     if (p.law == ParameterLaw::kGeometry && p.index >= from && p.index < joint) tie->errors[p.index - from] = i;
@@ -103,9 +103,9 @@ void FillChain(const CalibrationProblem& problem, int joint, SpringTie* tie) {
 }  // namespace
 
 void TieSpringMarkers(CalibrationProblem* problem) {
-  if (!problem->robot.gravity_compensator) return CheckNoEnds(*problem);
-  const Chain& chain = problem->robot.chain;
-  const GravityCompensator& spring = *problem->robot.gravity_compensator;
+  if (!problem->robot().gravity_compensator) return CheckNoEnds(*problem);
+  const Chain& chain = problem->robot().chain;
+  const GravityCompensator& spring = *problem->robot().gravity_compensator;
   const int joint = chain.JointTransform(spring.joint);
   SpringTie tie;
   tie.lever_marker = FindEnd(*problem, SpringEnd::kLever, chain.FrameAfterJoint(spring.joint));

@@ -11,7 +11,7 @@
 
 namespace sagitta {
 
-struct CalibrationProblem;
+class CalibrationProblem;
 
 struct SpringTie {
   int lever_marker = -1;                             // P1, right after the joint

@@ -27,7 +27,7 @@ struct CalibratedExperiment {
   std::string Json() const { return DumpJson(CalibrationToJson(calibration, provenance)); }
   std::string ReportHtml() const { return CalibrationToHtml(calibration, provenance); }
   std::string RobotYaml() const {
-    return RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()));
+    return RobotToYaml(calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues()));
   }
   // The files of `sagitta calibrate`, all or none.
   void Write(const std::string& folder) const {
@@ -77,8 +77,8 @@ std::shared_ptr<CalibratedExperiment> CalibrateInputs(const ExperimentInputs& in
 py::array LeverageOf(const py::object& self) {
   const auto& c = py::cast<const CalibratedExperiment&>(self).calibration;
   const Eigen::VectorXd& leverage = c.estimate.leverage;
-  if (leverage.size() != c.problem.data.NumRows()) {
-    return PointsOf(c.problem.data, leverage.transpose().replicate(3, 1), self)
+  if (leverage.size() != c.problem.data().NumRows()) {
+    return PointsOf(c.problem.data(), leverage.transpose().replicate(3, 1), self)
         .attr("__getitem__")(py::make_tuple(py::ellipsis(), 0));
   }
   py::array_t<double> view(leverage.size(), leverage.data(), self);
@@ -95,14 +95,14 @@ void BindEstimate(py::module_& module) {
                              [of](const py::object& self) { return ViewOf(of(self).estimate.covariance, self); })
       .def_property_readonly(
           "predicted_m",
-          [of](const py::object& self) { return PointsOf(of(self).problem.data, of(self).estimate.predicted, self); })
+          [of](const py::object& self) { return PointsOf(of(self).problem.data(), of(self).estimate.predicted, self); })
       .def_property_readonly("whitened",
                              [of](const py::object& self) {
                                const Eigen::Matrix3Xd all = WhitenedResiduals(of(self).problem, of(self).estimate);
-                               return PointsOf(of(self).problem.data, all, self).attr("copy")();
+                               return PointsOf(of(self).problem.data(), all, self).attr("copy")();
                              })
       .def_property_readonly("leverage", &LeverageOf)
-      .def_property_readonly("rows", [](const CalibratedExperiment& e) { return Rows{e.calibration.problem.data}; })
+      .def_property_readonly("rows", [](const CalibratedExperiment& e) { return Rows{e.calibration.problem.data()}; })
       .def("json", &CalibratedExperiment::Json)
       .def("residuals_csv",
            [](const CalibratedExperiment& e) { return ResidualsToCsv(e.calibration.problem, e.calibration.estimate); })

@@ -43,7 +43,7 @@ struct ResultFiles {
       : json(CalibrationToJson(calibration, provenance)),
         residuals(ResidualsToCsv(calibration.problem, calibration.estimate)),
         robot(RunComment(provenance) +
-              RobotToYaml(calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues()))),
+              RobotToYaml(calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues()))),
         report(CalibrationToHtml(calibration, provenance)) {}
 
   static std::vector<std::string> Names() {

@@ -21,8 +21,8 @@ int RunChanged(const CommandLine& line) {
   std::cout << "Predictions are " << Significant(1e3 * changes.before_rms, 3) << " mm apart (RMS), "
             << Significant(1e3 * changes.after_rms, 3) << " mm with that taken out\n";
   for (const Change& other : changes.alternatives) {
-    std::cout << "possible too: " << other.what << " " << other.target << " (" << Significant(other.probability, 2)
-              << ")\n";
+    std::cout << "possible too: " << WordOf(other.kind) << " " << other.target << " ("
+              << Significant(other.probability, 2) << ")\n";
   }
   for (const std::string& note : changes.notes) std::cout << note << "\n";
   return 0;

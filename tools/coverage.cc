@@ -50,7 +50,7 @@ Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& proble
                    {"version", SAGITTA_VERSION},
                    {"seed", FLAGS_seed},
                    {"method", FLAGS_method},
-                   {"covariance", WordOf(problem.experiment.covariance)},
+                   {"covariance", WordOf(problem.experiment().method.covariance)},
                    {"inputs", Json::array()},
                    {"flags", Json::object()}};
   for (const InputFile& input : inputs.files) identity["inputs"].push_back(input.sha256);
@@ -127,7 +127,7 @@ Json ResultToJson(const std::string& command, const ExperimentInputs& inputs, co
   json["level"] = kLevel;
   json["seed"] = FLAGS_seed;
   json["method"] = FLAGS_method;
-  json["covariance"] = WordOf(problem.experiment.covariance);
+  json["covariance"] = WordOf(problem.experiment().method.covariance);
   json["status"] = Json::object();
   for (const CoverageTrial& trial : trials) json["status"][trial.status] = json["status"].value(trial.status, 0) + 1;
   json["parameters"] = Json::array();

@@ -164,8 +164,8 @@ int RunDiagnose(const CommandLine& line) {
                                     {"alternatives and halves", 3.0}});
     FoundSoFar found;
     DiagnosisOptions options;
-    options.significance = problem.experiment.significance;
-    options.prior = ReadDiagnosisPrior(problem.experiment.file);
+    options.significance = problem.experiment().significance;
+    options.prior = ReadDiagnosisPrior(problem.experiment().file);
     options.points_are_measured = !IsAgainstColumns();
     options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
@@ -174,7 +174,7 @@ int RunDiagnose(const CommandLine& line) {
       diagnosis = Diagnose(problem, options);
       CheckInterruption();
     } catch (const Interruption&) {
-      std::cerr << InWords(problem.robot, found);
+      std::cerr << InWords(problem.robot(), found);
       throw;
     }
   }
@@ -185,7 +185,7 @@ int RunDiagnose(const CommandLine& line) {
   }
   if (IsAgainstColumns()) CautionOfSimulation(baseline, &diagnosis);
   std::cout << DiagnosisToText(diagnosis);
-  const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, problem.experiment.significance);
+  const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, problem.experiment().significance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";

@@ -125,7 +125,7 @@ BetweenParts ModelErrorOf(const std::vector<PartComparison>& kinds, const std::m
   BetweenParts found;
   PartMoments all(whole.num_columns());
   for (const PartComparison& kind : kinds) {
-    if (!Contradict(kind, whole.problem.experiment.significance)) continue;
+    if (!Contradict(kind, whole.problem.experiment().significance)) continue;
     all.Add(moments.at(kind.by));
     TakeLarger(moments.at(kind.by).Result(whole.turns), &found);
   }
@@ -185,7 +185,7 @@ RepeatFit TestRepeats(const Whole& whole) {
     Vector3<double> sum = Vector3<double>::Zero();
     double squares = 0.0;
   };
-  const Measurements& data = whole.problem.data;
+  const Measurements& data = whole.problem.data();
   const NoiseRoots noise = ObservationNoise(whole.problem, whole.observations, kFallbackSigma);
   std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
   for (size_t k = 0; k < whole.observations.size(); ++k) {
@@ -238,7 +238,7 @@ BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOp
   report.repeats = TestRepeats(whole);
   const bool larger = SandwichIsLarger(whole, robust, &report.sandwich_ratio);
   report.known = !report.kinds.empty();
-  const double level = problem.experiment.significance;
+  const double level = problem.experiment().significance;
   for (const PartComparison& kind : report.kinds) {
     if (!Contradict(kind, level)) continue;
     report.disagrees = true;

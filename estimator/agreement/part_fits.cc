@@ -158,8 +158,8 @@ Whole::Whole(const CalibrationProblem& given, const Estimate& at)
       observations(given.CalibrationObservations()),
       columns(at.estimated),
       turns(at.parameters, columns),
-      clusters(ConfigurationClusters(given.data, observations)),
-      is_scaled(!at.sigma.stated || at.sigma.scaled || WeighsByEq14(given.experiment)),
+      clusters(ConfigurationClusters(given.data(), observations)),
+      is_scaled(!at.sigma.stated || at.sigma.scaled || WeighsByEq14(given.experiment())),
       by_sandwich(at.intervals.is_empirical()),
       stream(
           given, observations,

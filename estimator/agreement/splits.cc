@@ -23,7 +23,7 @@ class Splitter {
   std::vector<Split> All(unsigned long long seed, int random_halves) {
     std::mt19937_64 random(seed);
     for (int i = 0; i < random_halves; ++i) AddRandom(&random);
-    for (int j = 0; j < problem_.robot.num_joints(); ++j) AddJoint(j);
+    for (int j = 0; j < problem_.robot().num_joints(); ++j) AddJoint(j);
     for (int axis = 0; axis < 3; ++axis) {
       AddMedian(SplitBy::kRegion, std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i)[axis]; }));
     }
@@ -35,11 +35,11 @@ class Splitter {
  private:
   using Clusters = std::vector<char>;  // of each: 1 where it belongs
 
-  const Shot& ShotOf(int i) const { return problem_.data.shots[problem_.data.observations[i].shot]; }
+  const Shot& ShotOf(int i) const { return problem_.data().shots[problem_.data().observations[i].shot]; }
 
   // Of an observation, base frame.
   Vector3<double> PlaceOf(int i) const {
-    const Observation& observation = problem_.data.observations[i];
+    const Observation& observation = problem_.data().observations[i];
     const Pose<double> base = estimate_.parameters.BaseInStation(ShotOf(i).station);
     return base.rotation.transpose() * (observation.point_in_station - base.translation);
   }
@@ -94,26 +94,27 @@ class Splitter {
 
   void AddJoint(int j) {
     const std::vector<double> q =
-        MeanOf([&](int i) { return problem_.data.ConfigurationOf(problem_.data.observations[i]).q[j]; });
+        MeanOf([&](int i) { return problem_.data().ConfigurationOf(problem_.data().observations[i]).q[j]; });
     if (q.empty() || *std::max_element(q.begin(), q.end()) - *std::min_element(q.begin(), q.end()) < kStill) return;
-    AddMedian(SplitBy::kRegion, problem_.robot.chain.joints[j].name, q);
+    AddMedian(SplitBy::kRegion, problem_.robot().chain.joints[j].name, q);
   }
 
   // Series: stations that share no configuration; else their rows share the robot's error there.
   void AddStations() {
-    const auto n = problem_.data.stations.size();
+    const auto n = problem_.data().stations.size();
     std::vector<Clusters> seen(n, Clusters(static_cast<size_t>(num_clusters_), 0));
     for (size_t k = 0; k < rows_.size(); ++k) seen[ShotOf(rows_[k]).station][clusters_[k]] = 1;
     for (size_t a = 0; a < n; ++a) {
       for (size_t b = a + 1; b < n && n <= kMostPairs; ++b) {
-        AddRows(SplitBy::kStation, problem_.data.stations[a] + " and " + problem_.data.stations[b], seen[a], seen[b]);
+        AddRows(SplitBy::kStation, problem_.data().stations[a] + " and " + problem_.data().stations[b], seen[a],
+                seen[b]);
       }
       if (n <= kMostPairs) continue;
       Clusters rest(static_cast<size_t>(num_clusters_), 0);
       for (size_t b = 0; b < n; ++b) {
         for (size_t c = 0; b != a && c < rest.size(); ++c) rest[c] |= seen[b][c];
       }
-      AddRows(SplitBy::kStation, problem_.data.stations[a] + " and the others", seen[a], rest);
+      AddRows(SplitBy::kStation, problem_.data().stations[a] + " and the others", seen[a], rest);
     }
   }
 
@@ -132,7 +133,7 @@ class Splitter {
 
   // Time counts from each station's first row.
   void AddTime() {
-    if (rows_.empty() || problem_.data.stations.size() > 1) return;
+    if (rows_.empty() || problem_.data().stations.size() > 1) return;
     if (!std::all_of(rows_.begin(), rows_.end(), [&](int i) { return ShotOf(i).has_time; })) return;
     AddMedian(SplitBy::kTime, "", MeanOf([&](int i) { return ShotOf(i).time; }));
   }

@@ -25,8 +25,8 @@ double Reach(const Chain& chain) {
 std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
   std::map<std::pair<int, int>, std::vector<int>> pairs;
   for (const int i : problem.CalibrationObservations()) {
-    const Observation& observation = problem.data.observations[i];
-    pairs[{problem.data.shots[observation.shot].station, observation.marker}].push_back(i);
+    const Observation& observation = problem.data().observations[i];
+    pairs[{problem.data().shots[observation.shot].station, observation.marker}].push_back(i);
   }
   std::vector<int> sample;
   for (const auto& [pair, all] : pairs) {
@@ -48,12 +48,12 @@ std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& probl
   const std::vector<double> theta = parameters.ModelValues();
   std::vector<Matrix3<double>> orientations;
   ChainState<double> state;
-  for (const Observation& observation : problem.data.observations) {
+  for (const Observation& observation : problem.data().observations) {
     if (!observation.is_point()) continue;
-    const ShotInput& input = problem.shot_inputs[observation.shot];
-    EvaluateChain(problem.model.chain(), problem.model.TransformValues(input, theta.data()).data(), &state);
-    const Pose<double>& frame = state.frames[problem.marker_frames[observation.marker]];
-    orientations.push_back(parameters.BaseInStation(problem.data.shots[observation.shot].station).rotation *
+    const ShotInput& input = problem.shot_inputs()[observation.shot];
+    EvaluateChain(problem.model().chain(), problem.model().TransformValues(input, theta.data()).data(), &state);
+    const Pose<double>& frame = state.frames[problem.marker_frames()[observation.marker]];
+    orientations.push_back(parameters.BaseInStation(problem.data().shots[observation.shot].station).rotation *
                            frame.rotation);
   }
   return orientations;

@@ -38,14 +38,14 @@ std::vector<FramedObservation> EvaluateFrames(const CalibrationProblem& problem,
   ChainState<double> state;
   int evaluated_shot = -1;
   for (const int i : observations) {
-    const Observation& observation = problem.data.observations[i];
-    const Shot& shot = problem.data.shots[observation.shot];
+    const Observation& observation = problem.data().observations[i];
+    const Shot& shot = problem.data().shots[observation.shot];
     if (observation.shot != evaluated_shot) {
-      const ShotInput& input = problem.shot_inputs[observation.shot];
-      EvaluateChain(problem.model.chain(), problem.model.TransformValues(input, theta.data()).data(), &state);
+      const ShotInput& input = problem.shot_inputs()[observation.shot];
+      EvaluateChain(problem.model().chain(), problem.model().TransformValues(input, theta.data()).data(), &state);
       evaluated_shot = observation.shot;
     }
-    framed.push_back({shot.station, observation.marker, state.frames[problem.marker_frames[observation.marker]],
+    framed.push_back({shot.station, observation.marker, state.frames[problem.marker_frames()[observation.marker]],
                       observation.reading()});
   }
   return framed;
@@ -126,8 +126,8 @@ std::vector<int> RowsOfStarts(const CalibrationProblem& problem, const std::vect
   std::map<std::tuple<int, int, ReadingKind>, size_t> seen;
   std::vector<int> rows;
   for (const int i : observations) {
-    const Observation& observation = problem.data.observations[i];
-    const int station = problem.data.shots[observation.shot].station;
+    const Observation& observation = problem.data().observations[i];
+    const int station = problem.data().shots[observation.shot].station;
     if (seen[{station, observation.marker, observation.kind}]++ % stride == 0) rows.push_back(i);
   }
   return rows;

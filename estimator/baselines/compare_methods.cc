@@ -70,9 +70,9 @@ Method MethodNamed(const std::string& word, const std::string& key) {
 std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
   const std::string name = WordOf(method);
   if (method == Method::kJoint) return "";
-  if (problem.experiment.loss != LossKind::kNone) return name + " knows no robust loss";
+  if (problem.experiment().method.loss != LossKind::kNone) return name + " knows no robust loss";
   if (method == Method::kTwoStep) return "";  // exact halves whiten as the joint estimate does
-  const std::vector<bool> oriented = problem.data.OrientedMarkers();
+  const std::vector<bool> oriented = problem.data().OrientedMarkers();
   if (std::find(oriented.begin(), oriented.end(), true) != oriented.end()) {
     return name + " knows measured points, not the rotation of a pose";
   }
@@ -82,9 +82,9 @@ std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
     const bool is_ignored = method == Method::kTwoStepRelinearised && HasPriors(problem.parameters, family);
     if (is_ignored) return name + " knows no priors of " + family + "…";
   }
-  if (method == Method::kFullPose && problem.experiment.covariance == CovarianceKind::kSandwich)
+  if (method == Method::kFullPose && problem.experiment().method.covariance == CovarianceKind::kSandwich)
     return name + " knows no sandwich";
-  if (!problem.latent.empty() || problem.experiment.repeatability.IsEstimated()) {
+  if (!problem.latent.empty() || problem.experiment().repeatability.IsEstimated()) {
     return name + " knows no joint deviations (repeatability)";
   }
   if (!IsDiagonal(CalibrationResiduals(problem).noise)) {

@@ -88,8 +88,8 @@ DifferenceContext MakeContext(const CalibrationProblem& problem) {
   context.noise = ObservationNoise(problem, context.observations, kFallbackSigma);
   std::map<std::pair<int, std::string>, OfMarker> visits;
   for (size_t k = 0; k < context.observations.size(); ++k) {
-    const Observation& observation = problem.data.observations[context.observations[k]];
-    const Shot& shot = problem.data.shots[observation.shot];
+    const Observation& observation = problem.data().observations[context.observations[k]];
+    const Shot& shot = problem.data().shots[observation.shot];
     auto& lists = visits[{shot.configuration, shot.visit}][{shot.station, observation.marker}];
     (IsLoaded(shot) ? lists.second : lists.first).push_back(static_cast<int>(k));
   }
@@ -130,15 +130,15 @@ Linearization LinearizeDifferences(const DifferenceContext& context, const Param
 bool IsElastic(const CalibrationProblem& problem, const ParameterSet& parameters, int coordinate) {
   const ParameterBlock& block = parameters.blocks()[parameters.coordinates()[coordinate].block];
   if (block.kind != BlockKind::kModelParameter) return false;
-  const ParameterLaw law = problem.model.parameters()[block.owner].law;
+  const ParameterLaw law = problem.model().parameters()[block.owner].law;
   return law == ParameterLaw::kCompliance || law == ParameterLaw::kCompensator;
 }
 
 // Step 1: what does not bend, from the unloaded rows.
 Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   CalibrationProblem unloaded = problem;
-  for (Observation& observation : unloaded.data.observations) {
-    if (IsLoaded(unloaded.data.shots[observation.shot])) observation.excluded = true;
+  for (Observation& observation : unloaded.mutable_data()->observations) {
+    if (IsLoaded(unloaded.data().shots[observation.shot])) observation.excluded = true;
   }
   for (int i = 0; i < unloaded.parameters.num_coordinates(); ++i) {
     if (IsElastic(problem, unloaded.parameters, i)) unloaded.parameters.coordinate(i).free = false;
@@ -186,8 +186,8 @@ void StateIntervals(const DifferenceContext& context, const std::vector<int>& el
     row.ci95.low = std::max(row.ci95.low, lower);
   }
   estimate->warnings.push_back(DifferencesTakeRestAsExact());
-  const auto& spring = context.problem.robot.gravity_compensator;
-  if ((spring && spring->preload) || context.problem.experiment.tool_mass > 0.0) {
+  const auto& spring = context.problem.robot().gravity_compensator;
+  if ((spring && spring->preload) || context.problem.experiment().tool_mass > 0.0) {
     estimate->warnings.push_back(PreloadWentIntoGeometry());
   }
 }
@@ -236,7 +236,7 @@ Estimate EstimateByDifferencing(const CalibrationProblem& problem,
   }
   estimate.status = unloaded;
   estimate.message = std::to_string(context.num_differences) + " differences fitted";
-  JudgeEstimate(problem, &estimate);
+  ComputeStatistics(problem, &estimate);
   StateIntervals(context, elastic, solution, &estimate);
   return estimate;
 }

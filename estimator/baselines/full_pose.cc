@@ -35,7 +35,7 @@ struct Context {
 
   bool tool_is_free() const { return free_marker_coordinates > 0; }
 
-  const Observation& observation(int k) const { return problem.data.observations[observations[k]]; }
+  const Observation& observation(int k) const { return problem.data().observations[observations[k]]; }
 };
 
 Eigen::Matrix3Xd MarkerPoints(const Context& context, const PoseShot& shot, const ParameterSet& parameters) {
@@ -56,11 +56,11 @@ void CollectShots(const ParameterSet& aligned, Context* context) {
   const CalibrationProblem& problem = context->problem;
   const std::vector<int> all = problem.CalibrationObservations();
   for (size_t first = 0, last = 0; first < all.size(); first = last) {
-    const int shot = problem.data.observations[all[first]].shot;
+    const int shot = problem.data().observations[all[first]].shot;
     Eigen::Matrix3Xd points(3, 0);
-    for (last = first; last < all.size() && problem.data.observations[all[last]].shot == shot; ++last) {
+    for (last = first; last < all.size() && problem.data().observations[all[last]].shot == shot; ++last) {
       points.conservativeResize(3, points.cols() + 1);
-      points.rightCols<1>() = aligned.MarkerPoint(problem.data.observations[all[last]].marker);
+      points.rightCols<1>() = aligned.MarkerPoint(problem.data().observations[all[last]].marker);
     }
     if (!SpansAPlane(points)) continue;
     context->shots.push_back({static_cast<int>(context->observations.size()), static_cast<int>(last - first)});
@@ -97,8 +97,8 @@ void AverageShape(const Context& context, ParameterSet* parameters) {
 // Empty if there is an estimate from poses.
 std::string Obstacle(const Context& context, int unknowns) {
   const CalibrationProblem& problem = context.problem;
-  for (const int frame : problem.marker_frames) {
-    if (frame != problem.marker_frames[0]) return NotRunBecause(MarkersOnSeveralLinks());
+  for (const int frame : problem.marker_frames()) {
+    if (frame != problem.marker_frames()[0]) return NotRunBecause(MarkersOnSeveralLinks());
   }
   if (context.tool_is_free() && context.free_marker_coordinates != 3 * problem.parameters.num_markers()) {
     return NotRunBecause(SomeMarkersHeld());
@@ -246,7 +246,7 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
     TakeStep(solution.step, coordinates, map, context.tool_is_free(), &estimate->parameters);
     estimate->iterations = i + 1;
     if (size < kConvergedStep) {
-      Stop(Status::kConverged, "the pose least squares stands still", estimate);
+      Stop(Status::kConverged, PosesStandStill(), estimate);
       break;
     }
   }
@@ -289,7 +289,7 @@ Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPose
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     if (coordinate.held) estimate.status = Status::kConvergedWithHeldParameters;
   }
-  JudgeEstimate(problem, &estimate);
+  ComputeStatistics(problem, &estimate);
   ReplaceCovariance(covariance, &estimate);
   return estimate;
 }

@@ -16,8 +16,8 @@ bool RobotPoses(const StepContext& context, const ParameterSet& parameters, std:
       poses->push_back(poses->back());
       continue;
     }
-    const Equilibrium equilibrium = context.problem.model.Equilibrate(
-        context.problem.shot_inputs[shot], theta.data(), parameters.BaseInStation(context.shot(k).station).rotation);
+    const Equilibrium equilibrium = context.problem.model().Equilibrate(
+        context.problem.shot_inputs()[shot], theta.data(), parameters.BaseInStation(context.shot(k).station).rotation);
     if (!equilibrium.converged) return false;
     poses->push_back(equilibrium.state.frames.back());
     evaluated = shot;
@@ -129,10 +129,10 @@ bool LiteralStepTwo(const StepContext& context, StepState* state) {
   std::vector<PointPrediction> prediction;
   for (size_t k = 0; k < context.observations.size(); ++k) {
     const Observation& observation = context.observation(k);
-    const MarkerInFrame marker{problem.marker_frames[observation.marker],
+    const MarkerInFrame marker{problem.marker_frames()[observation.marker],
                                state->parameters.MarkerPoint(observation.marker)};
-    if (!problem.model.Predict(problem.shot_inputs[observation.shot], theta.data(), active,
-                               state->bases[context.shot(k).station], {marker}, &prediction)) {
+    if (!problem.model().Predict(problem.shot_inputs()[observation.shot], theta.data(), active,
+                                 state->bases[context.shot(k).station], {marker}, &prediction)) {
       return false;
     }
     const Matrix3<double> whiten = context.noise[k].inverse();

@@ -21,8 +21,8 @@ struct StepContext {
   std::vector<int> base_and_markers;  // coordinates of step 1
   std::vector<int> geometry;          // coordinates of step 2
 
-  const Observation& observation(size_t k) const { return problem.data.observations[observations[k]]; }
-  const Shot& shot(size_t k) const { return problem.data.shots[observation(k).shot]; }
+  const Observation& observation(size_t k) const { return problem.data().observations[observations[k]]; }
+  const Shot& shot(size_t k) const { return problem.data().shots[observation(k).shot]; }
 };
 
 // Least squares |a x - b| with column scaling; false when the columns are dependent.

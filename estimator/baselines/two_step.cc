@@ -71,9 +71,9 @@ StepContext MakeContext(const CalibrationProblem& problem) {
 
 // Why the printed step 1 cannot run on this problem; empty if it can.
 std::string Obstacle(const CalibrationProblem& problem) {
-  for (size_t m = 0; m < problem.marker_frames.size(); ++m) {
-    if (problem.marker_frames[m] == problem.robot.chain.FlangeFrame()) continue;
-    return NotRunBecause(MarkerOffFlange(problem.data.markers[m]));
+  for (size_t m = 0; m < problem.marker_frames().size(); ++m) {
+    if (problem.marker_frames()[m] == problem.robot().chain.FlangeFrame()) continue;
+    return NotRunBecause(MarkerOffFlange(problem.data().markers[m]));
   }
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     const BlockKind kind = problem.parameters.blocks()[coordinate.block].kind;
@@ -144,8 +144,7 @@ void Alternate(const StepContext& context, const TwoStepOptions& options, TwoSte
   if (yardstick.singular && Iterate(options.variant, context, &state) == StepOutcome::kTaken) {
     yardstick = MakeYardstick(context, state.parameters);
   }
-  if (yardstick.singular)
-    return Stop(Status::kSingular, "the identification Jacobian is singular at the start", &estimate);
+  if (yardstick.singular) return Stop(Status::kSingular, IdentificationSingular(), &estimate);
   std::vector<double> norms;
   Stop(Status::kNoConvergence, "stopped after " + std::to_string(options.max_iterations) + " iterations", &estimate);
   for (int i = 0; i < options.max_iterations; ++i) {
@@ -218,7 +217,7 @@ TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoSte
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     if (coordinate.held) estimate.status = Status::kConvergedWithHeldParameters;
   }
-  JudgeEstimate(problem, &estimate);
+  ComputeStatistics(problem, &estimate);
   if (!is_exact) estimate.warnings.push_back(BiasIsIgnored());
   return result;
 }

@@ -284,7 +284,7 @@ double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters)
 }
 
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
-  Report(options, "aligning the nominal robot: base poses and markers");
+  Report(options, AligningNominal());
   ParameterSet start = problem.parameters;
   AlignNominal(problem, &start);
   return EstimateFrom(problem, start, options);
@@ -322,7 +322,7 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (IsUsable(estimate.status) && options.judge) {
     Report(options, "intervals, identifiability and hold-out");
-    JudgeEstimate(problem, &estimate);
+    ComputeStatistics(problem, &estimate);
     AddLoadRemedies(problem, &estimate);
   }
   return estimate;

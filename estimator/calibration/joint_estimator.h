@@ -37,6 +37,6 @@ double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters)
 
 // Step 4 alone, for any method's parameters: fills the judgement of an estimate
 // whose parameters, aligned, status and iterations are set.
-void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate);
+void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate);
 
 }  // namespace sagitta

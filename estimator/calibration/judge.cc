@@ -1,4 +1,4 @@
-// JudgeEstimate: covariance, intervals, leverage and hold-out of an estimate,
+// ComputeStatistics: covariance, intervals, leverage and hold-out of an estimate,
 // all from one Linearization at its parameters.
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -30,12 +30,12 @@ constexpr double kFarBelow = 4.0;  // standard deviations
 // predicted: of all observations.
 ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted,
                     const std::vector<int>& observations) {
-  return MeasureReadings(problem.data, observations, predicted(Eigen::all, observations));
+  return MeasureReadings(problem.data(), observations, predicted(Eigen::all, observations));
 }
 
 // Where the fit has weights of its own, chi-square is the least that the known noise allows near the estimate.
 double SquaredMisfit(const CalibrationProblem& problem, const Linearization& linearization) {
-  const bool is_known = problem.experiment.noise.from != NoiseSpec::From::kResiduals;
+  const bool is_known = problem.experiment().noise.from != NoiseSpec::From::kResiduals;
   if (problem.weight_roots.empty() || !is_known) return linearization.residual.squaredNorm();
   return SolveLinearization(linearization).residual_norm_squared;
 }
@@ -61,7 +61,7 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   if (dof <= 0) return;
   sigma.a_posteriori = std::sqrt(sum / dof);
   sigma.p_value = FSurvival(sum / dof, dof, SigmaDof(problem.repeat_scatter));
-  sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment.significance;
+  sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment().significance;
 }
 
 // Multiplies covariance at the whitening sigmas into one at the true noise.
@@ -77,7 +77,7 @@ void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece&
   std::map<std::pair<int, int>, std::vector<int>> rows_of;  // by visit; an outlier is alone
   for (int i = 0; i < piece.num_observations(); ++i) {
     const int k = piece.positions[i];
-    const Observation& observation = problem.data.observations[k];
+    const Observation& observation = problem.data().observations[k];
     std::vector<int>& rows =
         rows_of[{problem.latent.visit_of_shot[observation.shot], observation.excluded ? 1 + k : 0}];
     for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * i + axis);
@@ -99,7 +99,7 @@ class RowJudge {
   // normal_root: R of R R' = (J'W^2 J)^-1 of the fit.
   RowJudge(const CalibrationProblem& problem, const Eigen::MatrixXd& normal_root, double scale, Estimate* estimate)
       : problem_(problem), normal_root_(normal_root), scale_(scale), estimate_(estimate) {
-    const size_t n = problem.data.observations.size();
+    const size_t n = problem.data().observations.size();
     estimate->leverage.resize(static_cast<Eigen::Index>(n));
     estimate->scatter.resize(n);
     if (problem.ValidationObservations().empty()) return;
@@ -111,9 +111,9 @@ class RowJudge {
   void Judge() {
     std::vector<int> columns = estimate_->estimated;
     columns.insert(columns.end(), estimate_->held.coordinates.begin(), estimate_->held.coordinates.end());
-    std::vector<int> all(problem_.data.observations.size()), visits;
+    std::vector<int> all(problem_.data().observations.size()), visits;
     std::iota(all.begin(), all.end(), 0);
-    for (const Observation& observation : problem_.data.observations) {  // rows of one visit go together
+    for (const Observation& observation : problem_.data().observations) {  // rows of one visit go together
       if (!problem_.latent.empty()) visits.push_back(problem_.latent.visit_of_shot[observation.shot]);
     }
     const auto noise = [this](const std::vector<int>& listed) {
@@ -152,8 +152,8 @@ class RowJudge {
       const Eigen::MatrixXd latent = RowBlock(piece.latent, row, 3);  // in units of the instrument's noise
       const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
       estimate.scatter[k] = own * Matrix3<double>(relative.llt().matrixL());
-      const Observation& observation = problem_.data.observations[k];
-      if (observation.excluded || !problem_.data.IsValidation(observation) || !observation.is_point()) continue;
+      const Observation& observation = problem_.data().observations[k];
+      if (observation.excluded || !problem_.data().IsValidation(observation) || !observation.is_point()) continue;
       // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
       const double scatter = own.squaredNorm() + (own * latent).squaredNorm();
       const auto variance = [&](const Eigen::MatrixXd& by_root) {
@@ -195,7 +195,7 @@ RowStream::Noise RootsOfFit(const CalibrationProblem& problem) {
 RobustCovariance SandwichOfFit(const CalibrationProblem& problem, const Linearization& linearization,
                                const LinearSolution& solution, const Estimate& estimate) {
   const std::vector<int> observations = problem.CalibrationObservations();
-  const std::vector<int> clusters = ConfigurationClusters(problem.data, observations);
+  const std::vector<int> clusters = ConfigurationClusters(problem.data(), observations);
   if (!linearization.observations.empty()) return SandwichCovariance(linearization, clusters);
   const auto columns = static_cast<int>(estimate.estimated.size());
   ClusterFit fit;
@@ -242,7 +242,7 @@ bool JudgeCovariance(const CalibrationProblem& problem, const Linearization& lin
   if (problem.repeat_scatter && !estimate->sigma.scaled) {
     estimate->interval_dof.setConstant(SigmaDof(problem.repeat_scatter));
   }
-  if (problem.experiment.covariance != CovarianceKind::kSandwich || scale == 0.0) return true;
+  if (problem.experiment().method.covariance != CovarianceKind::kSandwich || scale == 0.0) return true;
   const RobustCovariance robust = SandwichOfFit(problem, linearization, solution, *estimate);
   estimate->covariance = robust.covariance;
   estimate->interval_dof = robust.dof;
@@ -259,7 +259,7 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
     Vector3<double> predicted = Vector3<double>::Zero();
     int count = 0;
   };
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   const auto key_of = [&](const Observation& observation) {
     const Shot& shot = data.shots[observation.shot];
     return std::make_tuple(shot.configuration, shot.visit, shot.station, observation.marker);
@@ -310,7 +310,7 @@ void WarnOfBounds(const Linearization& fit, double scale, Estimate* estimate) {
 
 }  // namespace
 
-void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
+void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
   const std::vector<int> calibration = problem.CalibrationObservations();
   const std::vector<int> validation = problem.ValidationObservations();
   const ParameterSet& parameters = estimate->parameters;
@@ -341,7 +341,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
   WarnOfBounds(fit, scale, estimate);
   fitted = FittedRows();  // its memory
 
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
   estimate->predicted = PredictPoints(problem, parameters, all);
@@ -354,7 +354,7 @@ void JudgeEstimate(const CalibrationProblem& problem, Estimate* estimate) {
 
   std::set<int> configurations;
   for (const int i : calibration)
-    configurations.insert(problem.data.shots[problem.data.observations[i].shot].configuration);
+    configurations.insert(problem.data().shots[problem.data().observations[i].shot].configuration);
   estimate->calibration_configurations = static_cast<int>(configurations.size());
   estimate->fit = SizeOf(problem, estimate->predicted, calibration);
   estimate->validation = SizeOf(problem, estimate->predicted, validation);

@@ -29,22 +29,22 @@ double NoiseScale(const SigmaReport& sigma) {
 
 // Where and how the data's loads act: the first loaded shot's own wrench.
 AppliedWrench LoadAtHand(const CalibrationProblem& problem) {
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    if (IsLoaded(problem.data.shots[s])) return problem.shot_inputs[s].wrenches.back();
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    if (IsLoaded(problem.data().shots[s])) return problem.shot_inputs()[s].wrenches.back();
   }
   AppliedWrench at_flange;
-  at_flange.frame = problem.robot.chain.FlangeFrame();
+  at_flange.frame = problem.robot().chain.FlangeFrame();
   return at_flange;
 }
 
 // One shot of each configuration that is fitted, unloaded where there is one.
 std::vector<int> ShotPerConfiguration(const CalibrationProblem& problem) {
-  std::vector<int> shot_of(problem.data.configurations.size(), -1);
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    const Shot& shot = problem.data.shots[s];
+  std::vector<int> shot_of(problem.data().configurations.size(), -1);
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    const Shot& shot = problem.data().shots[s];
     int& chosen = shot_of[shot.configuration];
-    if (problem.data.configurations[shot.configuration].is_validation) continue;
-    if (chosen < 0 || (IsLoaded(problem.data.shots[chosen]) && !IsLoaded(shot))) chosen = static_cast<int>(s);
+    if (problem.data().configurations[shot.configuration].is_validation) continue;
+    if (chosen < 0 || (IsLoaded(problem.data().shots[chosen]) && !IsLoaded(shot))) chosen = static_cast<int>(s);
   }
   std::vector<int> shots;
   for (const int s : shot_of) {
@@ -92,16 +92,16 @@ struct Candidate {
 // Rows of `shot`'s markers with `wrench` in place of its load.
 Candidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estimate, const Background& background,
                         int shot, const AppliedWrench& wrench, CalibrationProblem* scratch) {
-  ShotInput& input = scratch->shot_inputs[shot];
-  const ShotInput original = problem.shot_inputs[shot];
+  ShotInput& input = (*scratch->mutable_shot_inputs())[shot];
+  const ShotInput original = problem.shot_inputs()[shot];
   input = original;
-  if (IsLoaded(problem.data.shots[shot])) input.wrenches.pop_back();
+  if (IsLoaded(problem.data().shots[shot])) input.wrenches.pop_back();
   input.wrenches.push_back(wrench);
-  const std::vector<int>& rows = problem.data.shots[shot].observations;
+  const std::vector<int>& rows = problem.data().shots[shot].observations;
   const Linearization there = Linearize(*scratch, estimate.parameters, rows, background.columns,
                                         ObservationNoise(problem, rows, kFallbackSigma), LatentTreatment::kIgnore);
   input = original;
-  Candidate candidate{problem.data.shots[shot].configuration, wrench, {}, {}, {}};
+  Candidate candidate{problem.data().shots[shot].configuration, wrench, {}, {}, {}};
   if (!there.valid) return candidate;  // folds the arm
   const int n = static_cast<int>(background.columns.size()) - 1;
   candidate.others = there.jacobian.leftCols(n);
@@ -150,7 +150,7 @@ LoadPlan ChooseBest(const CalibrationProblem& problem, const Estimate& estimate,
     }
     if (best == nullptr) return plan;
     chosen.push_back(best);
-    plan.configurations.push_back(problem.data.configurations[best->configuration].id);
+    plan.configurations.push_back(problem.data().configurations[best->configuration].id);
     plan.wrenches.push_back(best->wrench);
     plan.sigma = NoiseScale(estimate.sigma) / std::sqrt(most);
   }
@@ -175,7 +175,7 @@ LoadPlan PlanDisplacedLoad(const CalibrationProblem& problem, const Estimate& es
   std::vector<AppliedWrench> wrenches;
   for (int side = 0; side < 6; ++side) {
     AppliedWrench wrench = LoadAtHand(problem);
-    if (wrench.force.isZero()) wrench.force = kPull * problem.experiment.gravity_direction;
+    if (wrench.force.isZero()) wrench.force = kPull * problem.experiment().gravity_direction;
     wrench.point[side / 2] += side % 2 == 0 ? kOffAxis : -kOffAxis;
     wrenches.push_back(wrench);
   }
@@ -211,7 +211,7 @@ std::string SpringRemedy(const Direction& direction, bool tied) {
 }  // namespace
 
 LoadPlan PlanPulls(const CalibrationProblem& problem, const Estimate& estimate, int held, double force, int count) {
-  const Vector3<double> down = problem.experiment.gravity_direction;
+  const Vector3<double> down = problem.experiment().gravity_direction;
   const Vector3<double> u = down.unitOrthogonal(), v = down.cross(u);
   std::vector<AppliedWrench> wrenches;
   for (int heading = 0; heading < kHeadings; ++heading) {
@@ -219,7 +219,7 @@ LoadPlan PlanPulls(const CalibrationProblem& problem, const Estimate& estimate, 
     AppliedWrench wrench = LoadAtHand(problem);
     wrench.force = force * (std::cos(angle) * u + std::sin(angle) * v);
     wrench.moment.setZero();
-    wrench.expressed_in = problem.experiment.gravity_in_base ? WrenchFrame::kBase : WrenchFrame::kMeasurement;
+    wrench.expressed_in = problem.experiment().gravity_in_base ? WrenchFrame::kBase : WrenchFrame::kMeasurement;
     wrenches.push_back(wrench);
   }
   return PlanLoads(problem, estimate, held, wrenches, count);
@@ -247,12 +247,12 @@ void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate) {
 
 std::string FoldedShot(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const std::vector<double> theta = parameters.ModelValues();
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    const Shot& shot = problem.data.shots[s];
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    const Shot& shot = problem.data().shots[s];
     const Matrix3<double> rotation = parameters.BaseInStation(shot.station).rotation;
-    if (problem.model.Equilibrate(problem.shot_inputs[s], theta.data(), rotation).converged) continue;
-    return ShotThatFolds(IsLoaded(shot) ? shot.load : "", problem.data.configurations[shot.configuration].id,
-                         problem.data.SourceOf(problem.data.observations[shot.observations.front()]));
+    if (problem.model().Equilibrate(problem.shot_inputs()[s], theta.data(), rotation).converged) continue;
+    return ShotThatFolds(IsLoaded(shot) ? shot.load : "", problem.data().configurations[shot.configuration].id,
+                         problem.data().SourceOf(problem.data().observations[shot.observations.front()]));
   }
   return "";
 }

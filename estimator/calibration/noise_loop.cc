@@ -12,6 +12,7 @@
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/robust.h"
 #include "estimator/noise/weighting.h"
+#include "estimator/report/calibration_words.h"
 #include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
 
@@ -28,7 +29,7 @@ constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of 
 bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from == NoiseSpec::From::kResiduals; }
 
 NoiseRoots AllRoots(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   return ObservationNoise(problem, all, kTinySigma);
 }
@@ -48,11 +49,11 @@ struct Loop {
 
   explicit Loop(const CalibrationProblem& given) : problem(given), base(AllRoots(given)) {
     stated = given.sigma_is_stated();
-    loss = given.experiment.loss;
-    report.loss = given.experiment.loss;
+    loss = given.experiment().method.loss;
+    report.loss = given.experiment().method.loss;
     report.loss_tuning = loss == LossKind::kNone ? 0.0 : LossTuning(loss);
     weights.assign(given.CalibrationObservations().size(), 1.0);
-    if (UsesResiduals(given.experiment)) groups = GroupRows(given.data, given.experiment.noise.group);
+    if (UsesResiduals(given.experiment())) groups = GroupRows(given.data(), given.experiment().noise.group);
   }
 };
 
@@ -80,14 +81,14 @@ CalibrationProblem Cleaned(const Loop& loop, const NoiseRoots& roots) {
   cleaned.resolved_noise = roots;
   const std::vector<int> observations = loop.problem.CalibrationObservations();
   for (size_t k = 0; k < observations.size(); ++k) {
-    if (loop.weights[k] < kSmallWeight) cleaned.data.observations[observations[k]].excluded = true;
+    if (loop.weights[k] < kSmallWeight) cleaned.mutable_data()->observations[observations[k]].excluded = true;
   }
-  for (const Outlier& outlier : loop.outliers) cleaned.data.ExcludeRow(outlier.observation);
+  for (const Outlier& outlier : loop.outliers) cleaned.mutable_data()->ExcludeRow(outlier.observation);
   return cleaned;
 }
 
 double UpdateComponents(const Estimate& estimate, int round, Loop* loop, NoiseRoots* roots) {
-  if (!EstimatesComponents(loop->problem.experiment)) return 0.0;
+  if (!EstimatesComponents(loop->problem.experiment())) return 0.0;
   const CalibrationProblem at_base = Cleaned(*loop, loop->base);
   const double change = FindComponents(at_base, estimate.parameters, loop->stated, round, &loop->choice);
   loop->problem.latent = loop->choice.latent;
@@ -97,12 +98,12 @@ double UpdateComponents(const Estimate& estimate, int round, Loop* loop, NoiseRo
 
 // {from: residuals} weighs by eq. (14), unless equal weights are asked for.
 NoiseRoots ResidualWeights(const Experiment& experiment, const NoiseRoots& spread) {
-  if (experiment.weights == Weights::kEqual) return RootsOfWeights(experiment, spread);
+  if (experiment.method.weights == Weights::kEqual) return RootsOfWeights(experiment, spread);
   return Eq14Roots(spread, experiment.noise.sigma0, experiment.noise.lambda);
 }
 
 double UpdateSpread(const Estimate& estimate, Loop* loop, NoiseRoots* roots) {
-  const Experiment& experiment = loop->problem.experiment;
+  const Experiment& experiment = loop->problem.experiment();
   if (!UsesResiduals(experiment)) return 0.0;
   const NoiseRoots before = loop->spread;
   loop->spread = SpreadOfResiduals(loop->problem, estimate, loop->groups, &loop->report.groups);
@@ -127,7 +128,7 @@ double UpdateWeights(const Estimate& estimate, const NoiseRoots& roots, Loop* lo
   PointCheck check = CheckPoints(problem, estimate.parameters, noise, loop->weights, loop->report.robust_scale);
   *scale = loop->report.robust_scale * RobustScale(check);
   // Where components are estimated they set the scale; where sigmas are stated it only grows.
-  if (loop->stated && !EstimatesComponents(problem.experiment)) *scale = std::max(1.0, *scale);
+  if (loop->stated && !EstimatesComponents(problem.experiment())) *scale = std::max(1.0, *scale);
   check = CheckPoints(problem, estimate.parameters, noise, loop->weights, *scale);
   double change = std::abs(*scale / loop->report.robust_scale - 1.0);
   for (size_t k = 0; k < observations.size(); ++k) {
@@ -136,7 +137,7 @@ double UpdateWeights(const Estimate& estimate, const NoiseRoots& roots, Loop* lo
     loop->weights[k] = weight;
   }
   loop->report.robust_scale = *scale;
-  loop->outliers = FlagOutliers(problem, check, estimate.parameters, problem.experiment.significance);
+  loop->outliers = FlagOutliers(problem, check, estimate.parameters, problem.experiment().significance);
   return change;
 }
 
@@ -149,9 +150,9 @@ bool Update(const Estimate& estimate, int round, Loop* loop) {
   const double weight_change = UpdateWeights(estimate, roots, loop, &scale);
   loop->problem.resolved_noise = roots;
   ApplyWeights(loop->problem.CalibrationObservations(), scale, loop);
-  if (UsesResiduals(loop->problem.experiment)) {
+  if (UsesResiduals(loop->problem.experiment())) {
     loop->report.converged = spread_change < kSettledResiduals;
-    return round >= loop->problem.experiment.noise.iterations;
+    return round >= loop->problem.experiment().noise.iterations;
   }
   loop->report.converged = component_change < kSettled && weight_change < kWeightSettled;
   return loop->report.converged;
@@ -162,11 +163,11 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   NoiseReport& report = loop->report;
   report.outliers = loop->outliers;
   report.shared =
-      WhatTheyShare(loop->problem, estimate->parameters, loop->outliers, loop->problem.experiment.significance);
+      WhatTheyShare(loop->problem, estimate->parameters, loop->outliers, loop->problem.experiment().significance);
   report.systematic = !report.shared.empty();
   const std::vector<int> observations = loop->problem.CalibrationObservations();
   NoiseRoots noise;
-  for (const int i : observations) noise.push_back(judged->NoiseRoot(i));
+  for (const int i : observations) noise.push_back(judged->SqrtCovariance(i));
   for (Matrix3<double>& root : noise) {
     if (!IsStated(root)) root = kTinySigma * Matrix3<double>::Identity();
   }
@@ -177,7 +178,7 @@ void FinishRobust(Loop* loop, CalibrationProblem* judged, Estimate* estimate) {
   }
   report.loss_inflation = report.systematic ? 1.0 : std::max(1.0, LossInflation(loop->loss, check, kept));
   if (report.systematic) return;
-  for (const Outlier& outlier : loop->outliers) judged->data.ExcludeRow(outlier.observation);
+  for (const Outlier& outlier : loop->outliers) judged->mutable_data()->ExcludeRow(outlier.observation);
 }
 
 // Degrees of freedom of each interval where variances were estimated. The sandwich has its own: it does not use them.
@@ -198,7 +199,7 @@ void ToMetres(VarianceComponent* instrument) {
 
 // Judged without weights: chi2, residuals and hold-out are those of the noise that was found.
 CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
-  const Experiment& experiment = loop->problem.experiment;
+  const Experiment& experiment = loop->problem.experiment();
   CalibrationProblem judged = loop->problem;
   judged.resolved_noise = loop->base;
   for (Matrix3<double>& root : judged.resolved_noise) root *= loop->choice.instrument;
@@ -209,7 +210,7 @@ CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
     judged.resolved_noise.clear();  // one common sigma, estimated
   }
   if (loop->loss != LossKind::kNone) FinishRobust(loop, &judged, estimate);
-  JudgeEstimate(judged, estimate);
+  ComputeStatistics(judged, estimate);
   if (EstimatesComponents(experiment)) {
     FinishComponents(judged, estimate->parameters, &loop->choice, &loop->report);
     loop->report.instrument_is_factor = loop->stated;
@@ -223,7 +224,7 @@ CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
 }
 
 ParameterSet Align(const JointOptions& options, Loop* loop) {
-  if (options.progress) options.progress("aligning the nominal robot: base poses and markers");
+  if (options.progress) options.progress(AligningNominal());
   ParameterSet aligned = loop->problem.parameters;
   if (loop->loss == LossKind::kNone) {
     AlignNominal(loop->problem, &aligned);
@@ -261,9 +262,9 @@ ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions&
 }  // namespace
 
 bool FindsNoise(const CalibrationProblem& problem) {
-  const Experiment& experiment = problem.experiment;
+  const Experiment& experiment = problem.experiment();
   return EstimatesComponents(experiment) || UsesResiduals(experiment) || WeighsOtherwise(problem) ||
-         experiment.loss != LossKind::kNone;
+         experiment.method.loss != LossKind::kNone;
 }
 
 ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
@@ -274,7 +275,7 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
   }
   if (WeighsOtherwise(problem)) {
     ResolvedEstimate result{std::move(problem), {}};
-    result.problem.weight_roots = RootsOfWeights(result.problem.experiment, AllRoots(result.problem));
+    result.problem.weight_roots = RootsOfWeights(result.problem.experiment(), AllRoots(result.problem));
     result.estimate = EstimateJointly(result.problem, options);
     DescribeNoise(result.problem, &result.estimate);
     return result;

@@ -68,8 +68,8 @@ double LargestNumber(const MeasurementFile& file, const std::vector<std::string>
 std::vector<bool> FilesConcerned(const Reading& reading, const std::string& point_prefix,
                                  const CalibrationProblem& problem) {
   std::vector<bool> concerned;
-  for (const MeasurementFile& file : problem.data.files) {
-    const std::vector<std::string> columns = ColumnsOf(reading, point_prefix, problem.robot.chain, file);
+  for (const MeasurementFile& file : problem.data().files) {
+    const std::vector<std::string> columns = ColumnsOf(reading, point_prefix, problem.robot().chain, file);
     const double largest = LargestNumber(file, columns);
     concerned.push_back(!columns.empty() && largest > reading.least && largest <= reading.most);
   }
@@ -79,37 +79,35 @@ std::vector<bool> FilesConcerned(const Reading& reading, const std::string& poin
 CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading,
                           const std::vector<bool>& concerned) {
   CalibrationProblem reread = problem;
-  std::vector<bool> done(reread.data.configurations.size());
-  for (Observation& observation : reread.data.observations) {
+  Measurements& data = *reread.mutable_data();
+  std::vector<bool> done(data.configurations.size());
+  for (Observation& observation : data.observations) {
     if (!concerned[observation.file]) continue;
     if (!reading.is_joint) {
       observation.point_in_station *= reading.factor;
       continue;
     }
-    const int index = reread.data.shots[observation.shot].configuration;
+    const int index = data.shots[observation.shot].configuration;
     if (done[index]) continue;
     done[index] = true;
-    const MeasurementFile& file = reread.data.files[observation.file];
-    for (int j = 0; j < reread.robot.num_joints(); ++j) {
+    const MeasurementFile& file = data.files[observation.file];
+    for (int j = 0; j < reread.robot().num_joints(); ++j) {
       const bool meant = file.FindColumn("q" + std::to_string(j + 1) + reading.suffix) >= 0;
-      const bool revolute = reread.robot.chain.joints[j].type == JointType::kRevolute;
-      if (meant && revolute) reread.data.configurations[index].q[j] *= reading.factor;
+      const bool revolute = reread.robot().chain.joints[j].type == JointType::kRevolute;
+      if (meant && revolute) data.configurations[index].q[j] *= reading.factor;
     }
   }
-  for (size_t s = 0; s < reread.shot_inputs.size(); ++s) {
-    reread.shot_inputs[s].conditions.q = reread.data.configurations[reread.data.shots[s].configuration].q;
-  }
-  reread.model.Prepare(&reread.shot_inputs);
+  reread.RenewJoints();
   return reread;
 }
 
 UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, const std::string& point_prefix,
                      int file_index, double before, double after) {
-  const MeasurementFile& file = problem.data.files[file_index];
+  const MeasurementFile& file = problem.data().files[file_index];
   UnitFinding finding;
   finding.file = file.path;
   finding.line = file.rows.empty() ? 0 : file.rows.front().line;
-  finding.column = ColumnsOf(reading, point_prefix, problem.robot.chain, file).front();
+  finding.column = ColumnsOf(reading, point_prefix, problem.robot().chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
   finding.words = NumbersLookLike(reading.better_words, before, after);
   finding.hint = ConvertNumbers(point_prefix.empty() ? stem + reading.better : "");
@@ -121,7 +119,7 @@ UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, 
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix) {
   const std::vector<int> sample = SampleOfRows(problem);
   const double before = AlignedMisfit(problem, sample);
-  const double tolerance = kSuspicious * Reach(problem.robot.chain);
+  const double tolerance = kSuspicious * Reach(problem.robot().chain);
   if (!(before > tolerance)) return std::nullopt;
   for (const Reading& reading : kReadings) {
     if (reading.is_joint && !point_prefix.empty()) continue;
@@ -146,9 +144,9 @@ std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const s
   std::vector<std::string> large;
   for (const ParameterEstimate& row : table) {
     if (row.name.rfind(kGeometry, 0) != 0) continue;
-    const int at = problem.robot.chain.FindError(row.name.substr(kGeometry.size()));
-    if (at < 0 || problem.robot.chain.transforms[at].motion != Motion::kTranslation) continue;
-    const double length = problem.robot.chain.transforms[at].nominal, by = row.value;
+    const int at = problem.robot().chain.FindError(row.name.substr(kGeometry.size()));
+    if (at < 0 || problem.robot().chain.transforms[at].motion != Motion::kTranslation) continue;
+    const double length = problem.robot().chain.transforms[at].nominal, by = row.value;
     if (length == 0.0 || !(std::abs(by) > std::max(kOfALink * std::abs(length), kLargeCorrection))) continue;
     large.push_back(CorrectedLength(row.name, length, by));
   }
@@ -157,7 +155,7 @@ std::string WarningOfLargeCorrections(const CalibrationProblem& problem, const s
 }
 
 std::string WarningOfMisfit(const CalibrationProblem& problem, double distance_rms) {
-  if (!(distance_rms > kMisfit * Reach(problem.robot.chain))) return "";
+  if (!(distance_rms > kMisfit * Reach(problem.robot().chain))) return "";
   return CalibratedRobotMisses(distance_rms);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/changes/comparison.h"
 #include "estimator/changes/sparse_search.h"
 #include "estimator/report/changes_words.h"
 #include "estimator/statistics/distributions.h"
@@ -21,7 +20,7 @@ Change Describe(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eig
                 double probability) {
   const double k = NormalQuantile(0.975);
   Change change;
-  change.what = group.what;
+  change.kind = group.kind;
   change.target = group.target;
   change.probability = probability;
   Eigen::VectorXd factor(group.size());
@@ -45,12 +44,12 @@ Change Describe(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eig
   const double sigma = std::sqrt(along.dot(spread.topLeftCorner(3, 3) * along));
   change.ci95[0] = std::max(0.0, change.value - k * sigma), change.ci95[1] = change.value + k * sigma;
   change.words = ChangeInWords(change);
-  if (group.size() == 6) change.words += ", turned by " + Significant(value.tail(3).norm(), 3) + " mrad";
+  if (group.size() == 6) change.words += TurnedInWords(value.tail(3).norm());
   return change;
 }
 
 nlohmann::ordered_json ToJson(const Change& change) {
-  nlohmann::ordered_json json = {{"what", change.what},
+  nlohmann::ordered_json json = {{"what", WordOf(change.kind)},
                                  {"target", change.target},
                                  {"value", change.value},
                                  {"unit", change.unit},
@@ -96,22 +95,13 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
       continue;
     }
     Change other;
-    other.what = groups[g].what, other.target = groups[g].target, other.probability = p;
+    other.kind = groups[g].kind, other.target = groups[g].target, other.probability = p;
     result.alternatives.push_back(other);
   }
   const auto likelier = [](const Change& a, const Change& b) { return a.probability > b.probability; };
   std::sort(result.changes.begin(), result.changes.end(), likelier);
   std::sort(result.alternatives.begin(), result.alternatives.end(), likelier);
-  if (result.changes.empty()) {
-    result.words =
-        "Nothing changed beyond what both estimates leave open (probability " + Significant(result.nothing, 3) + ").";
-    return result;
-  }
-  std::vector<std::string> sentences;
-  for (const Change& change : result.changes) {
-    sentences.push_back(change.words + " (probability " + Significant(change.probability, 3) + ")");
-  }
-  result.words = "What changed: " + Enumerate(sentences) + ".";
+  result.words = ChangesInWords(result);
   return result;
 }
 
@@ -123,7 +113,7 @@ nlohmann::ordered_json ChangesToJson(const Changes& changes) {
   json["alternatives"] = nlohmann::ordered_json::array();
   for (const Change& other : changes.alternatives) {
     json["alternatives"].push_back(
-        {{"what", other.what}, {"target", other.target}, {"probability", other.probability}});
+        {{"what", WordOf(other.kind)}, {"target", other.target}, {"probability", other.probability}});
   }
   json["apart_rms_mm"] = {{"before", 1e3 * changes.before_rms}, {"after", 1e3 * changes.after_rms}};
   json["notes"] = changes.notes;

@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "estimator/results/estimate_json.h"
+#include "estimator/changes/comparison.h"
 
 namespace sagitta {
 
 struct Change {
-  std::string what;    // joint_zero, tool, marker, base, geometry, compliance, compensator, effect
+  ChangeKind kind = ChangeKind::kJointZero;
   std::string target;  // A3, flange, M1, S1, p_x1, ...
   double value = 0.0;  // in `unit`; a motion: its largest distance over the markers or about the base
   std::string unit;    // mm, mrad, ...

@@ -172,9 +172,9 @@ Measurements EstimateComparison::MakeRows(const KnownRobot& a, const KnownRobot&
 }
 
 // Six coordinates of a rigid motion: base/<station>, or all markers on the flange about the flange.
-ChangeGroup EstimateComparison::Motion(const std::string& what, const std::string& target) const {
+ChangeGroup EstimateComparison::Motion(ChangeKind kind, const std::string& target) const {
   const ParameterSet& parameters = problems_[0].parameters;
-  ChangeGroup group{what, target};
+  ChangeGroup group{kind, target};
   group.coordinates.setZero(parameters.num_coordinates(), 6);
   for (int i = 0; i < 6; ++i) {
     const bool turns = i >= 3;
@@ -182,13 +182,13 @@ ChangeGroup EstimateComparison::Motion(const std::string& what, const std::strin
     group.unit.push_back(1e-3);
     group.units.push_back(turns ? "mrad" : "mm");
     group.typical.push_back(turns ? kTypicalAngle : kTypicalLength);
-    if (what == "base") {
+    if (kind == ChangeKind::kBase) {
       group.coordinates(parameters.FindCoordinate("base/" + target + "/" + group.names[i]), i) = group.typical[i];
       continue;
     }
     const Vector3<double> unit = Vector3<double>::Unit(i % 3);
-    for (size_t m = 0; m < problems_[0].data.markers.size(); ++m) {
-      const std::string& name = problems_[0].data.markers[m];
+    for (size_t m = 0; m < problems_[0].data().markers.size(); ++m) {
+      const std::string& name = problems_[0].data().markers[m];
       if (old_.markers.at(name).on != "flange") continue;
       const Vector3<double> way = turns ? unit.cross(parameters.MarkerPoint(static_cast<int>(m))) : unit;
       for (int a = 0; a < 3; ++a) {
@@ -202,9 +202,9 @@ ChangeGroup EstimateComparison::Motion(const std::string& what, const std::strin
 void EstimateComparison::AddMarkers() {
   const ParameterSet& parameters = problems_[0].parameters;
   int on_flange = 0;
-  for (const std::string& name : problems_[0].data.markers) {
+  for (const std::string& name : problems_[0].data().markers) {
     on_flange += old_.markers.at(name).on == "flange";
-    ChangeGroup group{"marker", name};
+    ChangeGroup group{ChangeKind::kMarker, name};
     group.coordinates.setZero(parameters.num_coordinates(), 3);
     for (int a = 0; a < 3; ++a) {
       group.names.push_back(std::string(1, "xyz"[a]));
@@ -216,24 +216,24 @@ void EstimateComparison::AddMarkers() {
     groups_.push_back(group);
   }
   // With one marker on the flange a knocked tool is a reseated marker.
-  if (on_flange > 1) groups_.push_back(Motion("tool", "flange"));
+  if (on_flange > 1) groups_.push_back(Motion(ChangeKind::kTool, "flange"));
 }
 
 void EstimateComparison::ListGroups() {
   const CalibrationProblem& problem = problems_[0];
-  const Chain& chain = problem.model.chain();
+  const Chain& chain = problem.model().chain();
   const int n = problem.parameters.num_coordinates();
   for (int j = 0; j < chain.num_joints(); ++j) {
     const bool turns = chain.joints[j].type == JointType::kRevolute;
-    ChangeGroup group{"joint_zero", chain.joints[j].name, Eigen::MatrixXd::Zero(n, 1), j,
+    ChangeGroup group{ChangeKind::kJointZero, chain.joints[j].name, Eigen::MatrixXd::Zero(n, 1), j,
                       turns ? kTypicalAngle : kTypicalLength};
     group.names = {"zero"}, group.unit = {1e-3}, group.units = {turns ? "mrad" : "mm"},
     group.typical = {group.joint_size};
     groups_.push_back(group);
   }
-  for (const std::string& station : problem.data.stations) groups_.push_back(Motion("base", station));
+  for (const std::string& station : problem.data().stations) groups_.push_back(Motion(ChangeKind::kBase, station));
   AddMarkers();
-  for (const ModelParameter& parameter : problem.model.parameters()) {
+  for (const ModelParameter& parameter : problem.model().parameters()) {
     const int coordinate = problem.parameters.FindCoordinate(parameter.name);
     // An offset of a joint is its zero.
     if (parameter.law == ParameterLaw::kGeometry && chain.transforms[parameter.index].has_joint()) continue;
@@ -241,11 +241,11 @@ void EstimateComparison::ListGroups() {
     double typical = parameter.quantity == Quantity::kLength ? kTypicalLength : kTypicalAngle;
     if (parameter.law != ParameterLaw::kGeometry) typical = kTypicalShare * std::abs(parameter.nominal);
     if (typical == 0.0) continue;
-    const char* what = parameter.law == ParameterLaw::kGeometry     ? "geometry"
-                       : parameter.law == ParameterLaw::kCompliance ? "compliance"
-                       : parameter.law == ParameterLaw::kEffect     ? "effect"
-                                                                    : "compensator";
-    ChangeGroup group{what, parameter.name.substr(parameter.name.find('/') + 1), Eigen::MatrixXd::Zero(n, 1)};
+    const ChangeKind kind = parameter.law == ParameterLaw::kGeometry     ? ChangeKind::kGeometry
+                            : parameter.law == ParameterLaw::kCompliance ? ChangeKind::kCompliance
+                            : parameter.law == ParameterLaw::kEffect     ? ChangeKind::kEffect
+                                                                         : ChangeKind::kCompensator;
+    ChangeGroup group{kind, parameter.name.substr(parameter.name.find('/') + 1), Eigen::MatrixXd::Zero(n, 1)};
     group.coordinates(coordinate, 0) = typical;
     group.names = {"value"}, group.typical = {typical};
     group.units = {TraitsOf(parameter.quantity).unit}, group.unit = {TraitsOf(parameter.quantity).si_per_unit};
@@ -333,7 +333,8 @@ EstimateComparison::Linear EstimateComparison::Linearise() const {
     const ChangeGroup& group = groups_[g];
     auto columns = linear.columns.middleCols(first, group.size());
     columns = all.jacobian * group.coordinates;
-    if (group.joint >= 0) columns.col(0) += group.joint_size * ZeroColumn(problems_[0].model.chain(), all, group.joint);
+    if (group.joint >= 0)
+      columns.col(0) += group.joint_size * ZeroColumn(problems_[0].model().chain(), all, group.joint);
     applied.segment(first, group.size()) = applied_[g];
     std::vector<int> indices(group.size());
     std::iota(indices.begin(), indices.end(), first);
@@ -349,14 +350,15 @@ EstimateComparison::Linear EstimateComparison::Linearise() const {
 
 void EstimateComparison::MoveTo(const std::vector<Eigen::VectorXd>& applied) {
   CalibrationProblem& problem = problems_[0];
+  std::vector<ShotInput>& inputs = *problem.mutable_shot_inputs();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(problem.parameters.num_coordinates());
   for (size_t g = 0; g < groups_.size(); ++g) {
     const Eigen::VectorXd way = applied[g] - applied_[g];
     step += groups_[g].coordinates * way;
     if (groups_[g].joint < 0 || way[0] == 0.0) continue;
-    for (ShotInput& shot : problem.shot_inputs) shot.conditions.q[groups_[g].joint] += groups_[g].joint_size * way[0];
+    for (ShotInput& shot : inputs) shot.conditions.q[groups_[g].joint] += groups_[g].joint_size * way[0];
   }
-  for (ShotInput& shot : problem.shot_inputs) problem.model.Prepare(&shot);
+  problem.model().Prepare(&inputs);
   problem.parameters.Plus(step);
   applied_ = applied;
 }

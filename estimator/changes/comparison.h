@@ -7,12 +7,22 @@
 #include <vector>
 
 #include "estimator/results/estimate_json.h"
+#include "problems/choices.h"
 
 namespace sagitta {
 
+// What can have changed between two estimates.
+enum class ChangeKind { kJointZero, kTool, kMarker, kBase, kGeometry, kCompliance, kCompensator, kEffect };
+template <>
+struct ChoiceWords<ChangeKind> {
+  static constexpr const char* kWords[] = {"joint_zero", "tool",       "marker",      "base",
+                                           "geometry",   "compliance", "compensator", "effect"};
+};
+
 // One explanation: what moves, per typical size of each of its parameters.
 struct ChangeGroup {
-  std::string what, target;
+  ChangeKind kind;
+  std::string target;
   Eigen::MatrixXd coordinates = {};  // of the old problem's coordinates (SI) by parameter
   int joint = -1;                    // whose encoder zero moves; -1: none
   double joint_size = 0.0;           // rad or m, typical
@@ -47,7 +57,7 @@ class EstimateComparison {
   void CheckSameRobot(const KnownRobot& a, const KnownRobot& b) const;
   Measurements MakeRows(const KnownRobot& a, const KnownRobot& b);
   void ListGroups();
-  ChangeGroup Motion(const std::string& what, const std::string& target) const;
+  ChangeGroup Motion(ChangeKind kind, const std::string& target) const;
   void AddMarkers();
   void FactorCovariance();
   Eigen::MatrixXd SpreadOf(const CalibrationProblem& problem, const KnownRobot& known, const KnownRobot& other) const;

@@ -58,10 +58,10 @@ class Compensator {
       : input_(input),
         nominal_model_(input.nominal),
         nominal_(nominal_model_, nominal_model_.NominalValues()),
-        loaded_(input.problem.model, input.problem.parameters.ModelValues()),
+        loaded_(input.problem.model(), input.problem.parameters.ModelValues()),
         names_(input.uncertainty.estimated) {
     names_.insert(names_.end(), input.uncertainty.held.begin(), input.uncertainty.held.end());
-    active_ = FindActive(input.problem.model, names_);
+    active_ = FindActive(input.problem.model(), names_);
   }
 
   FlangeSolution Nominal(const Target& target, const Eigen::VectorXd& previous) const;
@@ -72,9 +72,9 @@ class Compensator {
     return nominal_.At(q, ShotInput(q), Matrix3<double>::Identity(), {}, state);
   }
   bool LoadedAt(int shot, const Eigen::VectorXd& q, const std::vector<int>& parameters, FlangeState* state) const {
-    const int station = input_.problem.data.shots[shot].station;
+    const int station = input_.problem.data().shots[shot].station;
     const Matrix3<double> base = input_.problem.parameters.BaseInStation(station).rotation;
-    return loaded_.At(q, input_.problem.shot_inputs[shot], base, parameters, state);
+    return loaded_.At(q, input_.problem.shot_inputs()[shot], base, parameters, state);
   }
   void AddUncertainty(int shot, CompensatedTarget* result) const;
   std::string Words(const Target& target, const CompensatedTarget& result) const;
@@ -127,7 +127,7 @@ CompensatedTarget Compensator::Compensate(int shot, const Target& target, const 
     result.before_rotation = off.tail<3>().norm();
   }
   const FlangeFunction arm = [&](const Eigen::VectorXd& q, FlangeState* s) { return LoadedAt(shot, q, {}, s); };
-  result.solution = SolveFlange(input_.problem.model.chain(), arm, goal, nominal.q, true);
+  result.solution = SolveFlange(input_.problem.model().chain(), arm, goal, nominal.q, true);
   if (result.solution.status != TargetStatus::kEquilibriumDiverged) {
     FlangeState at;
     NominalAt(result.solution.q, &at);

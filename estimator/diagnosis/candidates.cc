@@ -6,6 +6,7 @@
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/diagnosis/moments.h"
 #include "estimator/report/diagnosis_caution_words.h"
+#include "estimator/report/diagnosis_function_words.h"
 #include "models/effects/catalogue.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -18,7 +19,7 @@ constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
 constexpr int kConfigurationsPerOrder = 20;
 
 bool AnyLoad(const CalibrationProblem& problem) {
-  return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
+  return std::any_of(problem.shot_inputs().begin(), problem.shot_inputs().end(),
                      [](const ShotInput& shot) { return !shot.wrenches.empty() || !shot.terms.torques.empty(); });
 }
 
@@ -26,7 +27,7 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
   std::vector<std::string> targets;
   switch (definition.target) {
     case EffectTarget::kJoint:
-      for (const Joint& joint : problem.robot.chain.joints) targets.push_back(joint.name);
+      for (const Joint& joint : problem.robot().chain.joints) targets.push_back(joint.name);
       break;
     case EffectTarget::kError:
       for (const Coordinate& coordinate : problem.parameters.coordinates()) {
@@ -41,18 +42,18 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
       targets = {"robot"};
       break;
     case EffectTarget::kStation:
-      targets = problem.data.stations;
+      targets = problem.data().stations;
       break;
     case EffectTarget::kLoad: {
       std::set<std::string> loads;
-      for (const Shot& shot : problem.data.shots) {
+      for (const Shot& shot : problem.data().shots) {
         if (IsLoaded(shot)) loads.insert(shot.load);
       }
       targets.assign(loads.begin(), loads.end());
       break;
     }
     case EffectTarget::kMarker:
-      targets = problem.data.markers;
+      targets = problem.data().markers;
       break;
   }
   return targets;
@@ -60,7 +61,7 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
 
 // As many orders as the configurations can resolve.
 int ResolvedOrders(const CalibrationProblem& problem) {
-  const auto& configurations = problem.data.configurations;
+  const auto& configurations = problem.data().configurations;
   const auto fitted = std::count_if(configurations.begin(), configurations.end(),
                                     [](const Configuration& c) { return !c.is_validation; });
   return std::min(kMostHarmonicOrders, std::max(kHarmonicOrders, static_cast<int>(fitted) / kConfigurationsPerOrder));
@@ -81,7 +82,7 @@ std::vector<std::string> Choices(const SettingDefinition& setting, const std::st
       choices = setting.choices;
       break;
     case SettingDefinition::Kind::kJoint:
-      for (const Joint& joint : problem.robot.chain.joints) {
+      for (const Joint& joint : problem.robot().chain.joints) {
         if (joint.name != target) choices.push_back(joint.name);
       }
       break;
@@ -93,7 +94,7 @@ std::vector<std::string> Choices(const SettingDefinition& setting, const std::st
 }
 
 bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
-  for (const EffectSpec& own : problem.robot.effects) {
+  for (const EffectSpec& own : problem.robot().effects) {
     if (own.Path() == spec.Path()) return true;
   }
   if (spec.effect != "joint_compliance") return false;
@@ -106,8 +107,8 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
 // Whether what drives the effect is more than one value.
 template <typename Value>
 bool Varies(const CalibrationProblem& problem, const Value& value) {
-  return std::any_of(problem.shot_inputs.begin(), problem.shot_inputs.end(), [&](const ShotInput& shot) {
-    return value(shot.conditions) != value(problem.shot_inputs[0].conditions);
+  return std::any_of(problem.shot_inputs().begin(), problem.shot_inputs().end(), [&](const ShotInput& shot) {
+    return value(shot.conditions) != value(problem.shot_inputs()[0].conditions);
   });
 }
 
@@ -124,16 +125,16 @@ std::string StandingColumn(const CalibrationProblem& problem, const EffectDefini
     return varies ? "" : "temperature_degC that varies";
   }
   if (spec.TextSetting("by", "") != "approach") return "";
-  const int joint = problem.robot.chain.FindJoint(spec.target);
-  if (joint < 0 || !problem.shot_inputs[0].conditions.StatesApproachOf(joint)) return "";
+  const int joint = problem.robot().chain.FindJoint(spec.target);
+  if (joint < 0 || !problem.shot_inputs()[0].conditions.StatesApproachOf(joint)) return "";
   if (Varies(problem, [joint](const ShotConditions& shot) { return shot.approach[joint]; })) return "";
-  const bool is_zero = problem.shot_inputs[0].conditions.approach[joint] == 0;
+  const bool is_zero = problem.shot_inputs()[0].conditions.approach[joint] == 0;
   return "approach" + std::to_string(joint + 1) + (is_zero ? "" : " that varies");
 }
 
 std::string Missing(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
-  for (const ShotInput& shot : problem.shot_inputs) {
-    const EffectContext context{&problem.robot, &spec, &shot.conditions, &problem.data.markers, 0};
+  for (const ShotInput& shot : problem.shot_inputs()) {
+    const EffectContext context{&problem.robot(), &spec, &shot.conditions, &problem.data().markers, 0};
     const std::string column = MissingColumn(definition, context);
     if (!column.empty()) return column;
   }
@@ -154,8 +155,8 @@ std::string UnknownGravity(const CalibrationProblem& problem, const EffectSpec& 
 // Joints that give way: what acts through a compliance of zero does nothing.
 std::set<std::string> CompliantJoints(const CalibrationProblem& problem, const ParameterSet& estimated) {
   std::set<std::string> joints;
-  for (const JointCompliance& compliance : problem.robot.compliances) {
-    const std::string& joint = problem.robot.chain.joints[compliance.joint].name;
+  for (const JointCompliance& compliance : problem.robot().compliances) {
+    const std::string& joint = problem.robot().chain.joints[compliance.joint].name;
     if (ComplianceOf(estimated, joint) > 0.0) joints.insert(joint);
   }
   return joints;
@@ -165,11 +166,11 @@ std::set<std::string> CompliantJoints(const CalibrationProblem& problem, const P
 // the transverse compliance.
 void AppendCompensators(const CalibrationProblem& problem, const std::set<std::string>& compliant,
                         CandidateList* list) {
-  if (problem.robot.gravity_compensator) return;
-  for (const Joint& joint : problem.robot.chain.joints) {
+  if (problem.robot().gravity_compensator) return;
+  for (const Joint& joint : problem.robot().chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
     if (compliant.count(joint.name) == 0) {
-      list->not_testable.push_back({"gravity_compensator", joint.name, "the joint's compliance above 0 (loaded rows)"});
+      list->not_testable.push_back({"gravity_compensator", joint.name, ComplianceAboveZero()});
     } else {
       list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}});
     }
@@ -184,7 +185,7 @@ struct Knowledge {
 // Whether it is a joint that slides, for which the effect says nothing.
 bool SlidesInstead(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target) {
   if (definition.target != EffectTarget::kJoint || definition.on_prismatic) return false;
-  return problem.robot.chain.joints[problem.robot.chain.FindJoint(target)].type != JointType::kRevolute;
+  return problem.robot().chain.joints[problem.robot().chain.FindJoint(target)].type != JointType::kRevolute;
 }
 
 // "" or what the data or the model lack. Sag with unknown compliance (kNoCompliances) stands for link weights where no
@@ -207,7 +208,7 @@ std::vector<EffectSpec> Variants(const CalibrationProblem& problem, const Effect
       if (setting.silent || !means_something) grown.push_back(variant);
       if (!means_something) continue;
       for (const std::string& choice : choices) {
-        if (setting.silent && choice == setting.FallbackFor(problem.robot)) continue;
+        if (setting.silent && choice == setting.FallbackFor(problem.robot())) continue;
         grown.push_back(variant);
         grown.back().settings[setting.name] = choice;
       }
@@ -248,8 +249,8 @@ std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
 CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated) {
   CandidateList list;
   const std::set<std::string> compliant = CompliantJoints(problem, estimated);
-  const Knowledge known{AnyLoad(problem), !compliant.empty(), IsLevelled(problem.experiment)};
-  for (const EffectDefinition* definition : EffectsOf(problem.robot)) {
+  const Knowledge known{AnyLoad(problem), !compliant.empty(), IsLevelled(problem.experiment())};
+  for (const EffectDefinition* definition : EffectsOf(problem.robot())) {
     if (definition->is_learnt) continue;
     if (definition->name == "link_gravity") AppendCompensators(problem, compliant, &list);
     if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;

@@ -11,8 +11,8 @@
 namespace sagitta {
 
 struct Candidate {
-  EffectSpec spec;                      // values empty: neutral
-  std::vector<std::string> vague = {};  // parameters that the data cannot tell
+  EffectSpec spec;                                  // values empty: neutral
+  std::vector<std::string> poorly_determined = {};  // parameters
   // Those, and what the data tell poorly: refitted with a prior.
   std::vector<std::string> loose = {};
   double prior_scale = 3.0;  // typical sizes, of that prior

@@ -45,14 +45,14 @@ Counts CountConfigurations(const Measurements& data) {
 // Joints that hardly move over the fitted configurations.
 std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
   std::vector<std::string> standing;
-  for (int j = 0; j < problem.robot.num_joints(); ++j) {
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Configuration& configuration : problem.data.configurations) {
+    for (const Configuration& configuration : problem.data().configurations) {
       if (configuration.is_validation) continue;
       low = std::min(low, configuration.q[j]);
       high = std::max(high, configuration.q[j]);
     }
-    const Joint& joint = problem.robot.chain.joints[j];
+    const Joint& joint = problem.robot().chain.joints[j];
     if (high - low < (joint.type == JointType::kRevolute ? kStill : kStillLength)) standing.push_back(joint.name);
   }
   return standing;
@@ -60,7 +60,7 @@ std::vector<std::string> StandingJoints(const CalibrationProblem& problem) {
 
 // Of a problem that asks for components it is known.
 void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
-  const bool is_asked = problem.experiment.noise.from == NoiseSpec::From::kVarianceComponents;
+  const bool is_asked = problem.experiment().noise.from == NoiseSpec::From::kVarianceComponents;
   if (problem.sigma_is_stated() || is_asked) return;
   cautions->push_back(NoNoiseIsStated(RowsShareVisits(problem)));
 }
@@ -68,11 +68,11 @@ void AppendNoise(const CalibrationProblem& problem, std::vector<std::string>* ca
 // The search compares chi-squares of one least-squares model: other ways to weigh the rows are not taken.
 void AppendUnused(const Experiment& experiment, std::vector<std::string>* cautions) {
   std::vector<std::string> keys;
-  if (experiment.loss != LossKind::kNone) keys.push_back("loss: " + WordOf(experiment.loss));
-  if (experiment.weights != Weights::kSigma) keys.push_back("weights: " + WordOf(experiment.weights));
-  const bool is_judged =
-      experiment.covariance == CovarianceKind::kModel || experiment.covariance == CovarianceKind::kSandwich;
-  if (!is_judged) keys.push_back("covariance: " + WordOf(experiment.covariance));
+  if (experiment.method.loss != LossKind::kNone) keys.push_back("loss: " + WordOf(experiment.method.loss));
+  if (experiment.method.weights != Weights::kSigma) keys.push_back("weights: " + WordOf(experiment.method.weights));
+  const bool is_judged = experiment.method.covariance == CovarianceKind::kModel ||
+                         experiment.method.covariance == CovarianceKind::kSandwich;
+  if (!is_judged) keys.push_back("covariance: " + WordOf(experiment.method.covariance));
   if (experiment.noise.from == NoiseSpec::From::kResiduals) keys.push_back("noise from residuals");
   if (keys.empty()) return;
   cautions->push_back(MethodKeysUnused(keys));
@@ -88,7 +88,7 @@ void AppendFew(const CalibrationProblem& problem, const Counts& counts, std::vec
 void AppendStanding(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
   const std::vector<std::string> standing = StandingJoints(problem);
   if (standing.empty()) return;
-  const bool all = static_cast<int>(standing.size()) == problem.robot.num_joints();
+  const bool all = static_cast<int>(standing.size()) == problem.robot().num_joints();
   cautions->push_back(JointsStandStill(standing, all));
 }
 
@@ -110,12 +110,12 @@ std::vector<DrivingColumn> DrivingColumns(int joints) {
 
 // An effect acts in every shot or is not looked for: a few empty cells silence a whole column.
 void AppendPartlyStated(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::vector<std::string> partly;
-  for (const DrivingColumn& column : DrivingColumns(problem.robot.num_joints())) {
-    const auto stating = std::count_if(problem.shot_inputs.begin(), problem.shot_inputs.end(),
+  for (const DrivingColumn& column : DrivingColumns(problem.robot().num_joints())) {
+    const auto stating = std::count_if(problem.shot_inputs().begin(), problem.shot_inputs().end(),
                                        [&](const ShotInput& shot) { return column.is_stated(shot.conditions); });
-    if (stating == 0 || stating == static_cast<long>(problem.shot_inputs.size())) continue;
+    if (stating == 0 || stating == static_cast<long>(problem.shot_inputs().size())) continue;
     const auto empty = std::count_if(data.observations.begin(), data.observations.end(),
                                      [&](const Observation& row) { return data.Cell(row, column.name).empty(); });
     partly.push_back(PartlyStated(column.name, empty, data.observations.size()));
@@ -136,7 +136,7 @@ void AppendHeld(const Estimate& estimate, std::vector<std::string>* cautions) {
 // What the robot file states and the experiment holds is neither estimated nor a candidate.
 void AppendHeldEffects(const CalibrationProblem& problem, std::vector<std::string>* cautions) {
   std::vector<std::string> held;
-  for (const EffectSpec& spec : problem.robot.effects) {
+  for (const EffectSpec& spec : problem.robot().effects) {
     const auto& coordinates = problem.parameters.coordinates();
     const bool is_free = std::any_of(coordinates.begin(), coordinates.end(), [&](const Coordinate& coordinate) {
       return coordinate.free && IsParameterOf(spec, coordinate.name);
@@ -170,10 +170,10 @@ std::vector<std::string> CautionsOfReadings(const CalibrationProblem& problem) {
 }
 
 std::vector<std::string> FindCautions(const CalibrationProblem& stated, const DiagnosedModel& believed) {
-  const Counts counts = CountConfigurations(stated.data);
+  const Counts counts = CountConfigurations(stated.data());
   std::vector<std::string> cautions;
   AppendNoise(stated, &cautions);
-  AppendUnused(stated.experiment, &cautions);
+  AppendUnused(stated.experiment(), &cautions);
   AppendFew(stated, counts, &cautions);
   AppendStanding(stated, &cautions);
   AppendPartlyStated(stated, &cautions);
@@ -185,7 +185,7 @@ std::vector<std::string> FindCautions(const CalibrationProblem& stated, const Di
 
 void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::vector<std::string>* cautions) {
   const double rms = final.estimate.validation.rms, floor = final.estimate.noise_floor;
-  const int held_out = CountConfigurations(final.problem->data).held_out;
+  const int held_out = CountConfigurations(final.problem->data()).held_out;
   if (held_out < kFewHeldOut) return;
   if (!has_unexplained && rms > kFarAboveFloor * floor) cautions->push_back(HoldoutFarAboveFloor(rms, floor));
   // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/constants.h"
 #include "models/gravity_compensator.h"
 
 namespace sagitta {
@@ -12,8 +13,7 @@ namespace {
 constexpr double kLever = 0.2;  // m: L of every shape; the gauge makes it free
 // a / L of springs from short to long; beyond 8 the torque is a sine whatever the ratio (to 1 %).
 constexpr double kRatios[] = {1.3, 1.8, 2.5, 3.5, 5.0, 8.0};
-constexpr int kDirections = 24;  // of the anchor around the joint: neighbours differ by 15 degrees
-constexpr double kTwoPi = 6.283185307179586;
+constexpr int kDirections = 24;       // of the anchor around the joint: neighbours differ by 15 degrees
 constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y: the largest arms are as long
 constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
 constexpr double kLeastRate = 100.0;  // N/m
@@ -21,7 +21,7 @@ constexpr double kKeptWithin = 0.3;   // of a: 17 degrees and a factor of 1.35, 
 
 // Of an even distribution over a cell of the grid: its width over the root of 12. Ratios differ by factors of
 // about 1.4.
-const double kDirectionDeviation = kTwoPi / kDirections / std::sqrt(12.0);
+const double kDirectionDeviation = 2.0 * kPi / kDirections / std::sqrt(12.0);
 const double kRatioDeviation = std::log(1.4) / std::sqrt(12.0);
 
 EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
@@ -51,7 +51,7 @@ std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
   std::vector<EffectSpec> shapes;
   for (const double ratio : kRatios) {
     for (int d = 0; d < kDirections; ++d) {
-      shapes.push_back(ShapeOf(joint, ratio, kTwoPi * d / kDirections));
+      shapes.push_back(ShapeOf(joint, ratio, 2.0 * kPi * d / kDirections));
     }
   }
   return shapes;

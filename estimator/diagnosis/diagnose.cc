@@ -10,14 +10,14 @@
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/refitted_set.h"
 #include "estimator/diagnosis/set_aside.h"
+#include "estimator/report/diagnosis_function_words.h"
 #include "estimator/statistics/distributions.h"
 
 namespace sagitta {
 namespace {
 
 constexpr double kShareOfLackOfFit = 0.15;  // of the significance: lack of fit is asked beside the posterior
-constexpr double kEvenOdds = 0.5;
-constexpr double kMostOfTheSets = 0.99;  // of the probability: FORMATS section 6
+constexpr double kMostOfTheSets = 0.99;     // of the probability: FORMATS section 6
 constexpr unsigned long long kSeedOfPoses = 1;
 constexpr double kIntervalMisses = 0.05;  // of the intervals of 95 %: one that holds no effect at all names none
 constexpr int kMostScatterRounds = 6;
@@ -26,7 +26,7 @@ constexpr double kSettledScatter = 0.05;  // of sigma: what a hundred degrees of
 constexpr int kMostRounds = 2;            // outliers beside the believed model, then beside the extended one
 
 bool IsSigmaStated(const CalibrationProblem& problem) {
-  return problem.sigma_is_stated() && problem.experiment.noise.from != NoiseSpec::From::kVarianceComponents;
+  return problem.sigma_is_stated() && problem.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
 }
 
 // Where nothing states sigma the scatter about the baseline scales the rows; its level has no say (Student).
@@ -37,7 +37,7 @@ CalibrationProblem WithWorkingSigma(const DiagnosedModel& baseline, bool is_stat
   if (working.sigma_is_stated()) {
     return WithScaledSigmas(working, std::sqrt(estimate.chi2 / std::max(1, estimate.dof)));
   }
-  working.experiment.noise.sigma = estimate.sigma.estimated;
+  working.mutable_experiment()->noise.sigma = estimate.sigma.estimated;
   return working;
 }
 
@@ -103,7 +103,7 @@ ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, c
     const WeightedModel& best = evidence.models()[set.best];
     report.sets.push_back(ReportSet(list, best.set.members, set.probability));
     if (evidence.views()[best.view].view.kind == NoiseView::Kind::kPose) {
-      report.sets.back().unnamed.push_back("a deviation of the joints that follows the pose");
+      report.sets.back().unnamed.push_back(JointsFollowPose());
     }
   }
   for (const Flip& flip : WhatFlips(evidence, posterior, gate)) {
@@ -150,7 +150,7 @@ class Session {
   void SayFound() const {
     if (!options_.found) return;
     FoundSoFar found;
-    for (const ChosenStep& step : steps_)
+    for (const SelectedEffect& step : steps_)
       found.emplace_back(step.candidate.spec, posterior_.Of(evidence_->list().name[step.explanation]));
     options_.found(found);
   }
@@ -229,7 +229,7 @@ class Session {
   }
 
   // The step whose values the full estimator takes for chance, if there is one.
-  std::vector<ChosenStep>::iterator LeastSupported() {
+  std::vector<SelectedEffect>::iterator LeastSupported() {
     auto least = steps_.end();
     double largest = kIntervalMisses;
     for (auto step = steps_.begin(); step != steps_.end(); ++step) {
@@ -241,7 +241,7 @@ class Session {
     return least;
   }
 
-  DiagnosedModel JudgedWith(const std::vector<ChosenStep>& steps) const {
+  DiagnosedModel JudgedWith(const std::vector<SelectedEffect>& steps) const {
     const DiagnosedModel quick = Extend(lacking_, CandidatesOf(steps), joint_);
     if (!IsUsable(quick.estimate.status)) return quick;
     const ParameterSet aligned = AlignedWith(steps, quick.problem->parameters, d_.baseline.estimate.aligned);
@@ -253,7 +253,7 @@ class Session {
   int MeasurePrefixes() {
     prefixes_.assign(1, lacking_);
     for (size_t count = 1; count < steps_.size(); ++count) {
-      const std::vector<ChosenStep> first(steps_.begin(), steps_.begin() + static_cast<long>(count));
+      const std::vector<SelectedEffect> first(steps_.begin(), steps_.begin() + static_cast<long>(count));
       prefixes_.push_back(Extend(lacking_, CandidatesOf(first), joint_));
     }
     prefixes_.push_back(d_.final);
@@ -316,7 +316,7 @@ class Session {
     }
   }
 
-  DiagnosisStep DescribeStep(const ChosenStep& chosen, int tests) const {
+  DiagnosisStep DescribeStep(const SelectedEffect& chosen, int tests) const {
     DiagnosisStep step;
     step.candidate = chosen.candidate;
     step.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
@@ -341,7 +341,7 @@ class Session {
   void Decide() {
     d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
     for (const int i : aside_.outliers()) {
-      d_.noise.outliers.push_back(problem_.data.SourceOf(problem_.data.observations[i]));
+      d_.noise.outliers.push_back(problem_.data().SourceOf(problem_.data().observations[i]));
     }
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
@@ -361,11 +361,12 @@ class Session {
     }
     d_.noise.is_bound = d_.has_unexplained;
     if (!steps_.empty()) {
-      d_.verdict = d_.has_unexplained ? "partly" : "explained";
+      d_.verdict = d_.has_unexplained ? DiagnosisVerdict::kPartly : DiagnosisVerdict::kExplained;
     } else if (d_.has_unexplained) {
-      d_.verdict = "unknown";
+      d_.verdict = DiagnosisVerdict::kUnknown;
     } else {
-      d_.verdict = d_.noise.is_finding || !d_.noise.outliers.empty() ? "noise" : "consistent";
+      const bool is_noise = d_.noise.is_finding || !d_.noise.outliers.empty();
+      d_.verdict = is_noise ? DiagnosisVerdict::kNoise : DiagnosisVerdict::kConsistent;
     }
     CautionOfHoldout(d_.final, d_.has_unexplained, &d_.cautions);
   }
@@ -382,7 +383,7 @@ class Session {
   bool named_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model beside the noise that goes with the leading set
-  std::vector<ChosenStep> steps_;
+  std::vector<SelectedEffect> steps_;
   std::vector<DiagnosedModel> prefixes_;
 };
 

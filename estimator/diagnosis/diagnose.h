@@ -17,6 +17,7 @@
 #include "estimator/diagnosis/step_checks.h"
 #include "estimator/diagnosis/step_view.h"
 #include "estimator/diagnosis/thermal_lag.h"
+#include "problems/choices.h"
 
 namespace sagitta {
 
@@ -42,7 +43,7 @@ struct ScreenedCandidate {
 
 // An effect that the diagnosis names, with what it explains and what speaks for it.
 struct DiagnosisStep {
-  Candidate candidate;  // vague: parameters that the data cannot tell
+  Candidate candidate;
   double probability = 0.0;
   double reduction = 0.0;  // chi-square, the others given
   double corrected_p = 1.0;
@@ -90,9 +91,17 @@ struct ReportedPosterior {
 
 struct LearntModel;  // learnt_model.h
 
+// What a diagnosis comes to: nothing is missing; only the noise is not as stated; what is missing has a name; some of
+// it has; none of it has.
+enum class DiagnosisVerdict { kConsistent, kNoise, kExplained, kPartly, kUnknown };
+template <>
+struct ChoiceWords<DiagnosisVerdict> {
+  static constexpr const char* kWords[] = {"consistent", "noise", "explained", "partly", "unknown"};
+};
+
 // All that a diagnosis found; the verdict is pessimistic until it is done.
 struct Diagnosis {
-  std::string verdict;  // consistent, noise, explained, partly, unknown
+  DiagnosisVerdict verdict = DiagnosisVerdict::kUnknown;
   Status status = Status::kNoConvergence;
   std::string message;
   DiagnosedModel baseline, final;

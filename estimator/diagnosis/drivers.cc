@@ -5,10 +5,10 @@
 #include <numeric>
 #include <set>
 
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 std::vector<int> JointSlots(const Chain& chain) {
   std::vector<int> slots;
@@ -19,7 +19,7 @@ std::vector<int> JointSlots(const Chain& chain) {
 using WrenchesOfShot = std::function<std::vector<AppliedWrench>(const ShotInput&)>;
 
 std::vector<int> AllShots(const CalibrationProblem& problem) {
-  std::vector<int> shots(problem.shot_inputs.size());
+  std::vector<int> shots(problem.shot_inputs().size());
   std::iota(shots.begin(), shots.end(), 0);
   return shots;
 }
@@ -27,14 +27,14 @@ std::vector<int> AllShots(const CalibrationProblem& problem) {
 // On each joint's transform, shots x joints, of the shots that are asked for; zero where the equilibrium diverges.
 Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const ParameterSet& parameters,
                                   const std::vector<int>& shots, const WrenchesOfShot& wrenches_of) {
-  const Chain& chain = problem.robot.chain;
+  const Chain& chain = problem.robot().chain;
   const std::vector<int> slots = JointSlots(chain);
   const std::vector<double> theta = parameters.ModelValues();
-  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs.size()), chain.num_joints());
+  Eigen::MatrixXd torques = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs().size()), chain.num_joints());
   for (const int s : shots) {
-    const ShotInput& shot = problem.shot_inputs[s];
-    const Matrix3<double> rotation = parameters.BaseInStation(problem.data.shots[s].station).rotation;
-    const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
+    const ShotInput& shot = problem.shot_inputs()[s];
+    const Matrix3<double> rotation = parameters.BaseInStation(problem.data().shots[s].station).rotation;
+    const Equilibrium equilibrium = problem.model().Equilibrate(shot, theta.data(), rotation);
     if (!equilibrium.converged) continue;
     const std::vector<AppliedWrench> wrenches = wrenches_of(shot);
     const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &wrenches, &shot.terms};
@@ -47,17 +47,17 @@ Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const Param
 
 std::vector<int> FittedShots(const CalibrationProblem& problem) {
   std::set<int> shots;
-  for (const int i : problem.CalibrationObservations()) shots.insert(problem.data.observations[i].shot);
+  for (const int i : problem.CalibrationObservations()) shots.insert(problem.data().observations[i].shot);
   return {shots.begin(), shots.end()};
 }
 
-bool Turns(const CalibrationProblem& problem, int joint) {
-  return problem.robot.chain.joints[joint].type == JointType::kRevolute;
+bool IsRevolute(const CalibrationProblem& problem, int joint) {
+  return problem.robot().chain.joints[joint].type == JointType::kRevolute;
 }
 
 Driver AngleOf(const CalibrationProblem& problem, int joint) {
-  const double scale = Turns(problem, joint) ? kDegreesPerRadian : 1e3;
-  return {problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "deg" : "mm", "q",
+  const double scale = IsRevolute(problem, joint) ? 1.0 / kDegree : 1e3;
+  return {problem.robot().chain.joints[joint].name, IsRevolute(problem, joint) ? "deg" : "mm", "q",
           OfShots(problem, [&](const ShotConditions& shot) { return scale * shot.q[joint]; })};
 }
 
@@ -65,7 +65,7 @@ Driver ApproachOf(const CalibrationProblem& problem, int joint) {
   const auto approach = [joint](const ShotConditions& shot) -> double {
     return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
   };
-  return {"approach of " + problem.robot.chain.joints[joint].name, "", "", OfShots(problem, approach)};
+  return {"approach of " + problem.robot().chain.joints[joint].name, "", "", OfShots(problem, approach)};
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {
@@ -79,22 +79,22 @@ Driver TemperatureOf(const CalibrationProblem& problem) {
 }
 
 Driver ConfigurationNumberOf(const CalibrationProblem& problem) {
-  Driver driver{"configuration", "", "", Eigen::VectorXd(static_cast<long>(problem.data.shots.size()))};
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    driver.of_shot[static_cast<long>(s)] = 1.0 + problem.data.shots[s].configuration;
+  Driver driver{"configuration", "", "", Eigen::VectorXd(static_cast<long>(problem.data().shots.size()))};
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    driver.of_shot[static_cast<long>(s)] = 1.0 + problem.data().shots[s].configuration;
   }
   return driver;
 }
 
 Driver OrderOf(const CalibrationProblem& problem) {
-  const bool is_timed = std::all_of(problem.shot_inputs.begin(), problem.shot_inputs.end(),
+  const bool is_timed = std::all_of(problem.shot_inputs().begin(), problem.shot_inputs().end(),
                                     [](const ShotInput& shot) { return shot.conditions.has_time; });
   return is_timed ? TimeOf(problem) : ConfigurationNumberOf(problem);
 }
 
 Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterSet& parameters,
                              const std::vector<int>* of_shots) {
-  const std::vector<int> slots = JointSlots(problem.robot.chain);
+  const std::vector<int> slots = JointSlots(problem.robot().chain);
   std::vector<int> shots = of_shots == nullptr ? AllShots(problem) : *of_shots;
   std::sort(shots.begin(), shots.end());
   shots.erase(std::unique(shots.begin(), shots.end()), shots.end());
@@ -102,7 +102,7 @@ Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterS
       TorquesOfWrenches(problem, parameters, shots, [](const ShotInput& shot) { return shot.wrenches; });
   for (const int s : shots) {
     for (size_t j = 0; j < slots.size(); ++j) {
-      const auto stated = StatedTorqueOn(problem.shot_inputs[s].terms, slots[j]);
+      const auto stated = StatedTorqueOn(problem.shot_inputs()[s].terms, slots[j]);
       if (stated) torques(s, static_cast<long>(j)) = *stated;
     }
   }
@@ -114,7 +114,7 @@ Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterS
 }
 
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const int flange = problem.robot.chain.FlangeFrame();
+  const int flange = problem.robot().chain.FlangeFrame();
   const Eigen::MatrixXd torques =
       TorquesOfWrenches(problem, parameters, AllShots(problem), [flange](const ShotInput& shot) {
         AppliedWrench weight;
@@ -127,13 +127,13 @@ Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const Parame
 }
 
 Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const int flange = problem.model.chain().FlangeFrame();
+  const int flange = problem.model().chain().FlangeFrame();
   const std::vector<double> theta = parameters.ModelValues();
-  Eigen::MatrixXd down = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs.size()), 3);
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-    const ShotInput& shot = problem.shot_inputs[s];
-    const Matrix3<double> rotation = parameters.BaseInStation(problem.data.shots[s].station).rotation;
-    const Equilibrium equilibrium = problem.model.Equilibrate(shot, theta.data(), rotation);
+  Eigen::MatrixXd down = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs().size()), 3);
+  for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
+    const ShotInput& shot = problem.shot_inputs()[s];
+    const Matrix3<double> rotation = parameters.BaseInStation(problem.data().shots[s].station).rotation;
+    const Equilibrium equilibrium = problem.model().Equilibrate(shot, theta.data(), rotation);
     if (!equilibrium.converged) continue;
     Vector3<double> in_base = shot.conditions.gravity.normalized();
     if (shot.conditions.gravity_frame == WrenchFrame::kMeasurement) in_base = rotation.transpose() * in_base;
@@ -143,8 +143,8 @@ Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterS
 }
 
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques) {
-  return {"torque on " + problem.robot.chain.joints[joint].name, Turns(problem, joint) ? "N m" : "N", "torque_Nm",
-          joint_torques.col(joint)};
+  return {"torque on " + problem.robot().chain.joints[joint].name, IsRevolute(problem, joint) ? "N m" : "N",
+          "torque_Nm", joint_torques.col(joint)};
 }
 
 }  // namespace sagitta

@@ -23,13 +23,13 @@ std::vector<int> FittedShots(const CalibrationProblem& problem);
 // value(conditions) of every shot.
 template <typename Value>
 Eigen::VectorXd OfShots(const CalibrationProblem& problem, const Value& value) {
-  Eigen::VectorXd values(static_cast<long>(problem.shot_inputs.size()));
-  for (long s = 0; s < values.size(); ++s) values[s] = value(problem.shot_inputs[static_cast<size_t>(s)].conditions);
+  Eigen::VectorXd values(static_cast<long>(problem.shot_inputs().size()));
+  for (long s = 0; s < values.size(); ++s) values[s] = value(problem.shot_inputs()[static_cast<size_t>(s)].conditions);
   return values;
 }
 
 // A revolute joint, whose angle is read; of the others a length is.
-bool Turns(const CalibrationProblem& problem, int joint);
+bool IsRevolute(const CalibrationProblem& problem, int joint);
 
 Driver AngleOf(const CalibrationProblem& problem, int joint);     // deg or mm, commanded
 Driver ApproachOf(const CalibrationProblem& problem, int joint);  // +1, -1 or 0; zero where it is not stated

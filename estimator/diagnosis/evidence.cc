@@ -6,6 +6,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "estimator/report/diagnosis_function_words.h"
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
 
@@ -18,7 +21,6 @@ constexpr int kMostViews = 4;
 // A deviation is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not hold
 // what is stated: half the quantile of chi-square with one degree of freedom.
 constexpr double kLeastGain = 1.92;
-constexpr double kTwoPi = 6.283185307179586;
 // Where a thousand sets share the probability they differ in details: the rest would say the same of every effect.
 constexpr size_t kMostModels = 1000;
 // A deviation that follows the pose in its own way is one family of unnamed functions among about ten
@@ -55,7 +57,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   std::deque<SetSearch> searches;
   Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), &searches);
   const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);
-  const auto& joints = problem.robot.chain.joints;
+  const auto& joints = problem.robot().chain.joints;
   const bool any_turns =
       std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
   for (int round = 1; round < kMostViews && any_turns; ++round) {
@@ -79,8 +81,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     }
     if (next == nullptr) break;
     if (progress) {
-      progress("once more with joints that deviate by " + std::to_string(std::lround(1e6 * next->view.sigma)) +
-               " urad");
+      progress(SearchingWithRepeatability(next->view.sigma));
     }
     const JointScatter scatter = ScatterOf(next->view);
     Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best.set, &searches);
@@ -92,7 +93,7 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
   JointScatter scatter = stated_;
   if (view.kind == NoiseView::Kind::kStated) return scatter;
   for (long j = 0; j < scatter.visit.size(); ++j) {
-    if (problem_.robot.chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
+    if (problem_.robot().chain.joints[static_cast<size_t>(j)].type != JointType::kRevolute) continue;
     (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
   }
   return scatter;
@@ -133,7 +134,7 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
   // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
   const double apart = 4.0 * kSettled;
   const double curvature = (2.0 * best_weight - weight(best - apart) - weight(best + apart)) / (apart * apart);
-  const double width = std::sqrt(kTwoPi / std::max(curvature, 1e-3));
+  const double width = std::sqrt(2.0 * kPi / std::max(curvature, 1e-3));
   const double occam = std::log(std::min(1.0, width / (high - low)));
   return {{kind, std::exp(best), log_prior + occam}, best_weight + occam};
 }

@@ -20,6 +20,7 @@
 
 namespace sagitta {
 
+constexpr double kEvenOdds = 0.5;  // as likely as not
 // That a stated noise is wrong in its factor, and in its repeatability: one experiment in twenty each.
 constexpr double kNoiseIsWrong = 0.05;
 

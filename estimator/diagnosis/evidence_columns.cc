@@ -44,17 +44,17 @@ void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
 LatentModel AllJoints(const CalibrationProblem& problem) {
   LatentModel latent = problem.latent;
   latent.joints.clear();
-  for (int j = 0; j < problem.robot.num_joints(); ++j) latent.joints.push_back(j);
-  latent.sigmas = Eigen::VectorXd::Ones(problem.robot.num_joints());
+  for (int j = 0; j < problem.robot().num_joints(); ++j) latent.joints.push_back(j);
+  latent.sigmas = Eigen::VectorXd::Ones(problem.robot().num_joints());
   return latent;
 }
 
 std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
   std::set<std::string> known;
-  for (const EffectSpec& own : problem.robot.effects) known.insert(own.Path());
+  for (const EffectSpec& own : problem.robot().effects) known.insert(own.Path());
   std::vector<EffectSpec> fresh;
   for (const Candidate& candidate : candidates) {
-    const bool has_columns = candidate.spec.effect != "gravity_compensator";
+    const bool has_columns = !IsGravityCompensator(candidate.spec);
     if (has_columns && known.insert(candidate.spec.Path()).second) fresh.push_back(candidate.spec);
   }
   return fresh;
@@ -88,14 +88,14 @@ const char* UnitOf(const Source& source, const Chain& chain) {
 
 std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
   std::vector<int> markers;
-  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
-    if (problem.marker_frames[m] == problem.model.chain().FlangeFrame()) markers.push_back(static_cast<int>(m));
+  for (size_t m = 0; m < problem.data().markers.size(); ++m) {
+    if (problem.marker_frames()[m] == problem.model().chain().FlangeFrame()) markers.push_back(static_cast<int>(m));
   }
   return markers;
 }
 
 JointScatter StatedScatter(const CalibrationProblem& problem) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot.num_joints());
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.robot().num_joints());
   JointScatter scatter{none, none};
   for (int i = 0; i < problem.latent.size(); ++i) scatter.visit[problem.latent.joints[i]] = problem.latent.sigmas[i];
   return scatter;
@@ -143,13 +143,13 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     append(all.station_rotation(s));
   }
   for (int m = 0; m < all.num_markers(); ++m) append(all.marker(m));
-  for (int joint = -1; joint < extended_.robot.num_joints(); ++joint) {
+  for (int joint = -1; joint < extended_.robot().num_joints(); ++joint) {
     for (const auto& [coordinate, nominal] : LengthsOf(joint)) {
       if (there.count(coordinate) == 0) linearized_.push_back(coordinate);
     }
   }
 
-  const Measurements& data = extended_.data;
+  const Measurements& data = extended_.data();
   std::vector<int> pose_of_configuration(data.configurations.size(), -1);
   int next = 0;
   for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
@@ -204,9 +204,9 @@ std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
 
 std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const {
   std::vector<std::pair<int, double>> lengths;
-  const std::vector<std::vector<int>> links = LengthsByLink(extended_.robot.chain);
+  const std::vector<std::vector<int>> links = LengthsByLink(extended_.robot().chain);
   for (const int transform : links[static_cast<size_t>(joint + 1)]) {
-    const ElementaryTransform& length = extended_.robot.chain.transforms[transform];
+    const ElementaryTransform& length = extended_.robot().chain.transforms[transform];
     const int coordinate = length.error.empty() ? -1 : extended_.parameters.FindCoordinate("geometry/" + length.error);
     if (coordinate >= 0) lengths.emplace_back(coordinate, length.nominal);
   }
@@ -214,7 +214,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const 
 }
 
 Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
-  Eigen::MatrixXd functions(static_cast<long>(extended_.data.shots.size()), static_cast<long>(columns.size()));
+  Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), static_cast<long>(columns.size()));
   for (size_t c = 0; c < columns.size(); ++c) {
     const size_t beyond = static_cast<size_t>(columns[c]) - catalogue_.size();
     functions.col(static_cast<long>(c)) =
@@ -240,7 +240,7 @@ const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch
 
 std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& source) const {
   const ParameterSet& all = extended_.parameters;
-  const double size = TypicalSizeOf(source, extended_.robot.chain);
+  const double size = TypicalSizeOf(source, extended_.robot().chain);
   const Vector3<double> axis = Vector3<double>::Unit(source.axis % 3);
   std::vector<std::pair<int, double>> moved;
   switch (source.kind) {
@@ -272,7 +272,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
 // rows.
 Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& source) const {
   if (source.kind == Source::Kind::kJoint) {
-    return TypicalSizeOf(source, extended_.robot.chain) * block.here.latent.col(source.owner);
+    return TypicalSizeOf(source, extended_.robot().chain) * block.here.latent.col(source.owner);
   }
   Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
   for (const auto& [coordinate, size] : MovedBy(source)) {
@@ -305,7 +305,7 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
     }
     const auto function = families_[family].functions.col(function_of_column_[beyond]);
     for (size_t o = 0; o < block.observations.size(); ++o) {
-      const double value = function[extended_.data.observations[block.observations[o]].shot];
+      const double value = function[extended_.data().observations[block.observations[o]].shot];
       own.segment<3>(static_cast<long>(3 * o)) = value * source.segment<3>(static_cast<long>(3 * o));
     }
   }
@@ -330,7 +330,7 @@ double EvidenceColumns::Whiten(const Block& block, const JointScatter& scatter, 
       for (long j = 0; j <= i; ++j) {
         const auto visit = [&](long row) {
           const int observation = block.observations[first + static_cast<size_t>(row / 3)];
-          return extended_.latent.visit_of_shot[extended_.data.observations[observation].shot];
+          return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
         };
         if (visit(i) == visit(j)) covariance(i, j) += within(i, j);
       }

@@ -6,6 +6,7 @@
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/unnamed_functions.h"
+#include "estimator/report/diagnosis_function_words.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
 
@@ -87,7 +88,7 @@ class ListBuilder {
 
   void Append(ColumnGroup group, int candidate, int unnamed, const EffectSpec& start, const PlaceInPrior& place,
               const std::string& excludes) {
-    list_.name.push_back(start.effect == "gravity_compensator" ? start.effect + "/" + start.target : excludes);
+    list_.name.push_back(IsGravityCompensator(start) ? start.effect + "/" + start.target : excludes);
     list_.math.push_back({std::move(group), 0.0, Number(excludes)});
     list_.candidate.push_back(candidate);
     list_.unnamed.push_back(unnamed);
@@ -100,11 +101,11 @@ class ListBuilder {
     for (size_t c = 0; c < list_.candidates.size(); ++c) {
       const EffectSpec& spec = list_.candidates[c].spec;
       const int candidate = static_cast<int>(c);
-      if (spec.effect == "gravity_compensator") {
+      if (IsGravityCompensator(spec)) {
         AddCompensator(candidate);
       } else if (!columns_->ColumnsOf(candidate).empty()) {
         Append({columns_->ColumnsOf(candidate), {}}, candidate, -1, spec, {spec.effect, spec.target},
-               WithoutChangePoint(problem_.robot, spec));
+               WithoutChangePoint(problem_.robot(), spec));
       }
     }
   }
@@ -115,7 +116,7 @@ class ListBuilder {
   // the standard deviations of an even distribution over the cell.
   void AddCompensator(int candidate) {
     const EffectSpec& spec = list_.candidates[candidate].spec;
-    const int joint = problem_.robot.chain.FindJoint(spec.target);
+    const int joint = problem_.robot().chain.FindJoint(spec.target);
     const Source source{Source::Kind::kJoint, joint, 0};
     const std::vector<EffectSpec> shapes = CompensatorShapes(spec.target);
     const Eigen::VectorXd angles = OfShots(problem_, [&](const ShotConditions& shot) { return shot.q[joint]; });
@@ -140,7 +141,7 @@ class ListBuilder {
   // kElsewhere of the prior is equal over joints and shapes: springs that balance something else.
   Eigen::VectorXd SpringWeights(int joint, const Eigen::MatrixXd& torques) {
     if (of_weight_.size() == 0) of_weight_ = OnFitted(TorquesPerWeight(problem_, parameters_));
-    const Chain& chain = problem_.robot.chain;
+    const Chain& chain = problem_.robot().chain;
     const double sign = chain.transforms[chain.JointTransform(joint)].sign;  // a spring's torque is along the joint
     const long shapes = torques.cols() / kPerShape;
     Eigen::VectorXd against(shapes);
@@ -150,7 +151,7 @@ class ListBuilder {
       against[s] = cosine < 0.0 ? cosine * cosine : 0.0;
     }
     double all = 0.0;
-    for (int j = 0; j < joints(); ++j) all += Turns(problem_, j) ? of_weight_.col(j).squaredNorm() : 0.0;
+    for (int j = 0; j < joints(); ++j) all += IsRevolute(problem_, j) ? of_weight_.col(j).squaredNorm() : 0.0;
     const double sum = against.sum(), of_joint = all > 0.0 ? of_weight_.col(joint).squaredNorm() / all : 0.0;
     const double elsewhere = kElsewhere / static_cast<double>(joints() * shapes);
     if (!(sum > 0.0)) return Eigen::VectorXd::Constant(shapes, elsewhere);
@@ -159,7 +160,7 @@ class ListBuilder {
 
   Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }
 
-  int joints() const { return problem_.robot.num_joints(); }
+  int joints() const { return problem_.robot().num_joints(); }
 
   void AddUnnamed() {
     for (UnnamedGroup& unnamed : ListUnnamed(problem_, parameters_, columns_)) {
@@ -200,7 +201,7 @@ void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, Expl
   }
   for (const auto& [what, is_visible] : seen) {
     if (is_visible) continue;
-    list->not_testable.push_back({what.first, what.second, "rows in which it would stand out of the noise"});
+    list->not_testable.push_back({what.first, what.second, RowsAboveTheNoise()});
   }
   list->math = Kept(std::move(list->math), kept);
   list->candidate = Kept(std::move(list->candidate), kept);

@@ -14,10 +14,10 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Squared hold-out residuals per configuration, m^2, and how many coordinates.
 std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel& model) {
-  std::vector<std::pair<double, int>> sums(model.problem->data.configurations.size(), {0.0, 0});
-  for (const int i : model.problem->data.PointsAmong(model.problem->ValidationObservations())) {
-    const Observation& observation = model.problem->data.observations[i];
-    auto& sum = sums[model.problem->data.shots[observation.shot].configuration];
+  std::vector<std::pair<double, int>> sums(model.problem->data().configurations.size(), {0.0, 0});
+  for (const int i : model.problem->data().PointsAmong(model.problem->ValidationObservations())) {
+    const Observation& observation = model.problem->data().observations[i];
+    auto& sum = sums[model.problem->data().shots[observation.shot].configuration];
     sum.first += (observation.point_in_station - model.estimate.predicted.col(i)).squaredNorm();
     sum.second += 3;
   }
@@ -37,11 +37,11 @@ double SquaredGap(const std::vector<std::pair<double, int>>& sums, const std::ve
 }  // namespace
 
 double HoldoutRms(const DiagnosedModel& model) {
-  const std::vector<int> held_out = model.problem->data.PointsAmong(model.problem->ValidationObservations());
+  const std::vector<int> held_out = model.problem->data().PointsAmong(model.problem->ValidationObservations());
   const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, held_out);
   double sum = 0.0;
   for (size_t k = 0; k < held_out.size(); ++k) {
-    sum += (model.problem->data.observations[held_out[k]].point_in_station - predicted.col(k)).squaredNorm();
+    sum += (model.problem->data().observations[held_out[k]].point_in_station - predicted.col(k)).squaredNorm();
   }
   return std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
 }

@@ -23,10 +23,10 @@ std::vector<AlongJoint> AlongJoints(const DiagnosedModel& model) {
   // The rows as they are: what the joints of one visit share is part of what is looked for.
   const Linearization here = LinearizeEstimate(problem, parameters, LatentTreatment::kIgnore);
   const Eigen::MatrixXd columns = JointDeviationColumns(problem, parameters, LatentTreatment::kIgnore);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(static_cast<long>(problem.data.shots.size()));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(static_cast<long>(problem.data().shots.size()));
   std::vector<AlongJoint> along(columns.cols(), {none, none});
   for (size_t k = 0; k < here.observations.size(); ++k) {
-    const int shot = problem.data.observations[here.observations[k]].shot;
+    const int shot = problem.data().observations[here.observations[k]].shot;
     const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
     for (long j = 0; j < columns.cols(); ++j) {
       along[j].information[shot] += columns(rows, j).squaredNorm();
@@ -59,7 +59,7 @@ std::vector<JointGap> MapGap(const DiagnosedModel& baseline, const DiagnosedMode
   const double rounding = kUnseen * BestInformation(before);
   std::vector<JointGap> gaps;
   for (size_t j = 0; j < before.size(); ++j) {
-    const Joint& joint = problem.robot.chain.joints[j];
+    const Joint& joint = problem.robot().chain.joints[j];
     JointGap gap{joint.name, joint.type == JointType::kRevolute ? "urad" : "um", {}, {}, {}, {}};
     const double least = std::max(rounding, kHardlySeen * before[j].information.maxCoeff());
     for (long s = 0; s < before[j].information.size(); ++s) {

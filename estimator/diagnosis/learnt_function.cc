@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <numeric>
 
+#include "estimator/report/diagnosis_function_words.h"
 #include "models/constants.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kTableRows = 41;
-constexpr double kPerMicro = 1e-6;
 constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
 
 std::string Rounded(double value) {
@@ -135,8 +135,7 @@ class FormulaSearch {
       size = std::hypot(c_[0], c_[1]);
       order = n;
     }
-    Offer(most, "a wave of " + Rounded(size) + " " + of_ + " that repeats " + std::to_string(order) +
-                    " time(s) per turn of " + driver_);
+    Offer(most, WaveInWords(Rounded(size) + " " + of_, order, driver_));
   }
 
   void TryExponential() {
@@ -149,7 +148,7 @@ class FormulaSearch {
       size = c_[0];
       tau = t;
     }
-    Offer(most, "exponential in time: " + Rounded(size) + " " + of_ + " that fade with " + Rounded(tau) + " s");
+    Offer(most, ExponentialInWords(Rounded(size) + " " + of_, Rounded(tau) + " s"));
   }
 
   void TryDeadband() {
@@ -164,8 +163,7 @@ class FormulaSearch {
       slope = c_[0];
       width = half;
     }
-    Offer(most, "a deadband of " + Rounded(width) + " " + unit_ + " about 0 of " + driver_ + ", beyond it " +
-                    Rounded(slope) + " " + of_ + " per " + unit_);
+    Offer(most, DeadbandInWords(Rounded(width) + " " + unit_, driver_, Rounded(slope) + " " + of_ + " per " + unit_));
   }
 
   std::string driver_, unit_, of_;
@@ -210,8 +208,8 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
     best = s;
   }
   const Source& source = what.sources[static_cast<size_t>(best)];
-  const double typical = TypicalSizeOf(source, problem.robot.chain);
-  learnt.unit = UnitOf(source, problem.robot.chain);
+  const double typical = TypicalSizeOf(source, problem.robot().chain);
+  learnt.unit = UnitOf(source, problem.robot().chain);
   std::sort(shots.begin(), shots.end(), [&](int a, int b) { return what.driver.of_shot[a] < what.driver.of_shot[b]; });
   const auto equal = [&](int a, int b) { return what.driver.of_shot[a] == what.driver.of_shot[b]; };
   shots.erase(std::unique(shots.begin(), shots.end(), equal), shots.end());
@@ -220,7 +218,7 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
     const int shot = shots[rows > 1 ? r * (shots.size() - 1) / (rows - 1) : 0];
     const Eigen::VectorXd row =
         ((functions.row(shot) - mean) * group.mixing.middleRows(best * height, height)).transpose();
-    const double unit = typical / kPerMicro;
+    const double unit = typical / kMicro;
     learnt.table.push_back({what.driver.of_shot[shot], unit * row.dot(coefficients),
                             unit * std::sqrt(std::max(0.0, row.dot(covariance * row)))});
   }

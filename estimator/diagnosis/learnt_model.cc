@@ -45,7 +45,7 @@ std::optional<EffectSpec> PairSpec(const UnnamedFunction& what, const Chain& cha
 // The same function as an effect; nothing where there is none that follows it.
 std::optional<EffectSpec> SpecOf(const ExplanationList& list, int explanation, const CalibrationProblem& problem) {
   const UnnamedFunction& what = list.functions[list.unnamed[explanation]];
-  if (what.driver.column.empty()) return PairSpec(what, problem.robot.chain);
+  if (what.driver.column.empty()) return PairSpec(what, problem.robot().chain);
   const EffectDefinition* definition = FindEffect(EffectOf(what.sources[0].kind));
   if (definition == nullptr) return std::nullopt;
   const std::vector<std::string>& known = definition->settings[0].choices;
@@ -104,7 +104,7 @@ class Learner {
   bool Take(int explanation, double scale) {
     const std::optional<EffectSpec> spec = SpecOf(evidence_.list(), explanation, *final_.problem);
     if (!spec || Has(*spec)) return false;
-    added_.push_back(CandidateOf(*spec, final_.problem->robot, scale));
+    added_.push_back(CandidateOf(*spec, final_.problem->robot(), scale));
     DiagnosedModel with = Extend(final_, added_, joint_);
     if (IsUsable(with.estimate.status) && !MakesHoldoutWorse(with_, with)) {
       with_ = std::move(with);
@@ -142,7 +142,7 @@ class Learner {
   }
 
   static EffectSpec WithValues(EffectSpec spec, const DiagnosedModel& model) {
-    const Robot robot = model.problem->model.WithValues(model.estimate.parameters.ModelValues());
+    const Robot robot = model.problem->model().WithValues(model.estimate.parameters.ModelValues());
     for (const EffectSpec& own : robot.effects) {
       if (own.Path() == spec.Path()) return own;
     }

@@ -1,11 +1,9 @@
 #include "estimator/diagnosis/model_rows.h"
 
+#include "models/constants.h"
+
 namespace sagitta {
-namespace {
-
-constexpr double kPerMicro = 1e-6;
-
-}  // namespace
+namespace {}  // namespace
 
 Linearization LinearizeEstimate(const CalibrationProblem& problem, const ParameterSet& parameters,
                                 LatentTreatment treatment) {
@@ -18,7 +16,7 @@ Linearization LinearizeEstimate(const CalibrationProblem& problem, const Paramet
 Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                                       LatentTreatment treatment) {
   std::vector<EffectSpec> specs;
-  for (const Joint& joint : problem.robot.chain.joints) {
+  for (const Joint& joint : problem.robot().chain.joints) {
     specs.push_back({"joint_harmonic", joint.name, {{"order", "0"}}, {}});
   }
   CalibrationProblem extended = problem.WithEffects(specs);
@@ -26,9 +24,9 @@ Eigen::MatrixXd JointDeviationColumns(const CalibrationProblem& problem, const P
   std::vector<int> cosines;
   for (const EffectSpec& spec : specs) cosines.push_back(extended.parameters.FindCoordinate(spec.Path() + "/cos"));
   const std::vector<int> observations = extended.CalibrationObservations();
-  return kPerMicro * Linearize(extended, extended.parameters, observations, cosines,
-                               ObservationNoise(extended, observations, kFallbackSigma), treatment)
-                         .jacobian;
+  return kMicro * Linearize(extended, extended.parameters, observations, cosines,
+                            ObservationNoise(extended, observations, kFallbackSigma), treatment)
+                      .jacobian;
 }
 
 }  // namespace sagitta

@@ -19,9 +19,10 @@ constexpr size_t kMostAround = 20;      // on either side, in one round
 // Times at which a fitted shot was measured, ascending.
 std::vector<double> FittedTimes(const CalibrationProblem& problem) {
   std::set<double> times;
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-    const bool held_out = problem.data.configurations[problem.data.shots[s].configuration].is_validation;
-    if (problem.shot_inputs[s].conditions.has_time && !held_out) times.insert(problem.shot_inputs[s].conditions.time);
+  for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
+    const bool held_out = problem.data().configurations[problem.data().shots[s].configuration].is_validation;
+    if (problem.shot_inputs()[s].conditions.has_time && !held_out)
+      times.insert(problem.shot_inputs()[s].conditions.time);
   }
   return {times.begin(), times.end()};
 }
@@ -52,7 +53,7 @@ std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const
     const double log_evidence =
         AverageGain(known_sigma, beside.normal.residual, alone.Information(group), alone.Gradient(group));
     EffectSpec others = candidates[c].spec;
-    others.settings.erase(MomentOf(problem.robot, others));
+    others.settings.erase(MomentOf(problem.robot(), others));
     Best& known = best[others.Path()];
     if (log_evidence > known.log_evidence) known = {&candidates[c], log_evidence};
   }
@@ -82,14 +83,14 @@ void RefineMoments(const CalibrationProblem& problem, const ParameterSet& parame
   const std::vector<double> times = FittedTimes(problem);
   std::vector<Candidate> tried;
   for (const Candidate& candidate : list->candidates) {
-    if (!MomentOf(problem.robot, candidate.spec).empty()) tried.push_back(candidate);
+    if (!MomentOf(problem.robot(), candidate.spec).empty()) tried.push_back(candidate);
   }
   for (size_t stride = StrideOf(times); stride > 1 && !tried.empty();) {
     const size_t finer = std::max<size_t>(1, stride / kMostAround);
     std::vector<Candidate> centres, around;
     for (const auto& [others, best] : BestMoments(problem, parameters, tried)) {
       if (best.candidate == nullptr) continue;
-      const std::string setting = MomentOf(problem.robot, best.candidate->spec);
+      const std::string setting = MomentOf(problem.robot(), best.candidate->spec);
       centres.push_back(*best.candidate);
       const double moment = std::stod(best.candidate->spec.settings.at(setting));
       const auto after = static_cast<size_t>(std::lower_bound(times.begin(), times.end(), moment) - times.begin());

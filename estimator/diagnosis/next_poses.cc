@@ -23,16 +23,16 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned 
   const auto uniform = [&random](double low, double high) {
     return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
   };
-  const std::vector<Configuration>& configurations = problem.data.configurations;
+  const std::vector<Configuration>& configurations = problem.data().configurations;
   std::vector<ProposedPose> poses;
   for (int k = 0; k < kPosesDrawn; ++k) {
     ProposedPose pose;
     do {
       pose.like = static_cast<int>(random() % configurations.size());
     } while (configurations[static_cast<size_t>(pose.like)].is_validation);
-    pose.q.resize(problem.robot.num_joints());
-    for (int j = 0; j < problem.robot.num_joints(); ++j) {
-      const Joint& joint = problem.robot.chain.joints[static_cast<size_t>(j)];
+    pose.q.resize(problem.robot().num_joints());
+    for (int j = 0; j < problem.robot().num_joints(); ++j) {
+      const Joint& joint = problem.robot().chain.joints[static_cast<size_t>(j)];
       double low = std::numeric_limits<double>::infinity(), high = -low;
       for (const Configuration& each : configurations) {
         low = std::min(low, each.q[j]);
@@ -51,21 +51,21 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned 
 
 // The problem with the poses as configurations that are not fitted, shot like those they are like.
 CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
-  Measurements data = problem.data;
+  Measurements data = problem.data();
   NoiseRoots roots = problem.resolved_noise;
   for (const ProposedPose& pose : poses) {
     const int configuration = static_cast<int>(data.configurations.size());
     data.configurations.push_back({"next" + std::to_string(configuration), pose.q, true});
-    const size_t shots = problem.data.shots.size();
+    const size_t shots = problem.data().shots.size();
     for (size_t s = 0; s < shots; ++s) {
-      if (problem.data.shots[s].configuration != pose.like) continue;
-      Shot shot = problem.data.shots[s];
+      if (problem.data().shots[s].configuration != pose.like) continue;
+      Shot shot = problem.data().shots[s];
       shot.configuration = configuration;
       shot.observations.clear();
       const int first = static_cast<int>(data.observations.size());
-      const std::vector<int>& own = problem.data.shots[s].observations;
-      for (const int o : problem.data.shots[s].observations) {
-        Observation observation = problem.data.observations[static_cast<size_t>(o)];
+      const std::vector<int>& own = problem.data().shots[s].observations;
+      for (const int o : problem.data().shots[s].observations) {
+        Observation observation = problem.data().observations[static_cast<size_t>(o)];
         observation.shot = static_cast<int>(data.shots.size());
         if (observation.partner >= 0) {  // the other reading of a pose comes along
           observation.partner =
@@ -79,11 +79,11 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
     }
   }
   CalibrationProblem extended = problem;
-  extended.data = std::move(data);
+  extended.set_data(std::move(data));
   extended.resolved_noise = std::move(roots);
   extended.weight_roots.clear();
-  extended.shot_inputs = MakeShotInputs(extended.model, extended.data, extended.experiment);
-  extended.latent = MakeLatentModel(extended.robot.chain, extended.data, extended.experiment);
+  extended.RenewShots();
+  extended.latent = MakeLatentModel(extended.robot().chain, extended.data(), extended.experiment());
   return extended;
 }
 
@@ -253,10 +253,10 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
     rivals.push_back(MakeRival(columns, list, scatter, set, each.probability / sum));
   }
   std::vector<Shown> shown(drawn.size());
-  const int first = static_cast<int>(problem.data.configurations.size());
+  const int first = static_cast<int>(problem.data().configurations.size());
   std::vector<std::vector<int>> observations(drawn.size());
-  for (size_t o = problem.data.observations.size(); o < extended.data.observations.size(); ++o) {
-    const int configuration = extended.data.shots[extended.data.observations[o].shot].configuration;
+  for (size_t o = problem.data().observations.size(); o < extended.data().observations.size(); ++o) {
+    const int configuration = extended.data().shots[extended.data().observations[o].shot].configuration;
     observations[static_cast<size_t>(configuration - first)].push_back(static_cast<int>(o));
   }
   for (size_t c = 0; c < drawn.size(); ++c) {

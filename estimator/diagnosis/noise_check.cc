@@ -34,8 +34,8 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
   const NoiseRoots noise = ObservationNoise(problem, all, kFallbackSigma);
   std::map<std::pair<int, int>, std::vector<size_t>> members;  // of each shot and body
   for (size_t k = 0; k < all.size(); ++k) {
-    const Observation& observation = problem.data.observations[all[k]];
-    members[{observation.shot, problem.marker_frames[observation.marker]}].push_back(k);
+    const Observation& observation = problem.data().observations[all[k]];
+    members[{observation.shot, problem.marker_frames()[observation.marker]}].push_back(k);
   }
   std::vector<ShotResidual> shots;
   for (const auto& [shot, ks] : members) {
@@ -44,12 +44,12 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
     result.rigid.resize(3 * ks.size(), 6);
     Vector3<double> center = Vector3<double>::Zero();
     double points = 0.0;
-    for (const size_t k : ks) points += problem.data.observations[all[k]].is_point() ? 1.0 : 0.0;
+    for (const size_t k : ks) points += problem.data().observations[all[k]].is_point() ? 1.0 : 0.0;
     for (const size_t k : ks) {
-      if (problem.data.observations[all[k]].is_point()) center += predicted.col(k) / points;
+      if (problem.data().observations[all[k]].is_point()) center += predicted.col(k) / points;
     }
     for (size_t i = 0; i < ks.size(); ++i) {
-      const Observation& observation = problem.data.observations[all[ks[i]]];
+      const Observation& observation = problem.data().observations[all[ks[i]]];
       const Matrix3<double> whitener = noise[ks[i]].inverse();
       result.observations.push_back(all[ks[i]]);
       result.residual.segment<3>(3 * i) =
@@ -82,7 +82,7 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
 // What the shapes of the bodies cost, their marker points being estimated: 3 m - 6 each, one distance where m is 2.
 int ShapeCost(const CalibrationProblem& problem) {
   std::map<int, int> markers;
-  for (const int frame : problem.marker_frames) ++markers[frame];
+  for (const int frame : problem.marker_frames()) ++markers[frame];
   int cost = 0;
   for (const auto& [frame, m] : markers) cost += m == 2 ? 1 : std::max(0, 3 * m - 6);
   return cost;
@@ -99,11 +99,11 @@ std::vector<DeviationGroup> StatedDeviations(const CalibrationProblem& problem) 
 // One repeatability of all revolute joints, estimated, then those of the sliding ones as stated.
 std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) {
   std::vector<DeviationGroup> groups(1);
-  for (int j = 0; j < problem.robot.num_joints(); ++j) {
-    if (Turns(problem, j)) groups[0].joints.push_back(j);
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    if (IsRevolute(problem, j)) groups[0].joints.push_back(j);
   }
   for (const DeviationGroup& stated : StatedDeviations(problem)) {
-    if (!Turns(problem, stated.joints[0])) groups.push_back(stated);
+    if (!IsRevolute(problem, stated.joints[0])) groups.push_back(stated);
   }
   return groups;
 }
@@ -189,7 +189,7 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
   const double limit = ChiSquareQuantile(1.0 - significance / n, 3.0);
   for (size_t k = 0; k < outliers.size(); ++k) {
     const Vector3<double> residual =
-        MeasuredMinusPredicted(problem.data.observations[outliers[k]].reading(), predicted.col(k));
+        MeasuredMinusPredicted(problem.data().observations[outliers[k]].reading(), predicted.col(k));
     if ((noise[k].inverse() * residual).squaredNorm() < limit) explained.push_back(outliers[k]);
   }
   return explained;
@@ -197,21 +197,21 @@ std::vector<int> ExplainedOutliers(const CalibrationProblem& problem, const Para
 
 CalibrationProblem WithScaledSigmas(const CalibrationProblem& problem, double factor) {
   CalibrationProblem scaled = problem;
-  scaled.resolved_noise.resize(problem.data.observations.size());
+  scaled.resolved_noise.resize(problem.data().observations.size());
   for (size_t i = 0; i < scaled.resolved_noise.size(); ++i) {
-    scaled.resolved_noise[i] = factor * problem.NoiseRoot(static_cast<int>(i));
+    scaled.resolved_noise[i] = factor * problem.SqrtCovariance(static_cast<int>(i));
   }
   return scaled;
 }
 
 CalibrationProblem WithRepeatability(const CalibrationProblem& problem, double sigma) {
   CalibrationProblem with = problem;
-  with.experiment.repeatability.angle = {};
-  for (const Joint& joint : with.robot.chain.joints) {
-    if (sigma > 0.0 && joint.type == JointType::kRevolute)
-      with.experiment.repeatability.angle.per_joint[joint.name] = sigma;
+  RepeatabilitySpec::OfKind& angle = with.mutable_experiment()->repeatability.angle;
+  angle = {};
+  for (const Joint& joint : with.robot().chain.joints) {
+    if (sigma > 0.0 && joint.type == JointType::kRevolute) angle.per_joint[joint.name] = sigma;
   }
-  with.latent = MakeLatentModel(with.robot.chain, with.data, with.experiment);
+  with.latent = MakeLatentModel(with.robot().chain, with.data(), with.experiment());
   return with;
 }
 
@@ -238,7 +238,7 @@ bool RowsShareVisits(const CalibrationProblem& problem) {
   std::set<int> visits;
   const std::vector<int> observations = problem.CalibrationObservations();
   for (const int i : observations) {
-    visits.insert(problem.latent.visit_of_shot[problem.data.observations[i].shot]);
+    visits.insert(problem.latent.visit_of_shot[problem.data().observations[i].shot]);
   }
   return observations.size() >= visits.size() + kSharedRows;
 }

@@ -10,7 +10,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kEvenOdds = 0.5;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOnePercent = 1.314;  // arms of an interval of 99 % over those of 95 %
 constexpr double kNearlyAll = 0.999;   // of the probability: best models first
@@ -20,7 +19,7 @@ double MeanStated(const CalibrationProblem& stated) {
   int count = 0;
   for (int i = 0; i < stated.latent.size(); ++i) {
     const int joint = stated.latent.joints[i];
-    if (stated.robot.chain.joints[static_cast<size_t>(joint)].type != JointType::kRevolute) continue;
+    if (stated.robot().chain.joints[static_cast<size_t>(joint)].type != JointType::kRevolute) continue;
     sum += stated.latent.sigmas[i];
     ++count;
   }
@@ -70,8 +69,8 @@ CalibrationProblem WithNoiseOf(const Evidence& evidence, const WeightedModel& mo
 NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& stated,
                        const DiagnosedModel& final) {
   NoiseFinding noise;
-  noise.is_stated = stated.sigma_is_stated() && stated.experiment.noise.from != NoiseSpec::From::kVarianceComponents;
-  noise.asks_repeatability = stated.experiment.repeatability.IsEstimated();
+  noise.is_stated = stated.sigma_is_stated() && stated.experiment().noise.from != NoiseSpec::From::kVarianceComponents;
+  noise.asks_repeatability = stated.experiment().repeatability.IsEstimated();
   noise.is_told_from_pose = evidence.columns().HasRevisits();
   double seen = 0.0;
   for (const WeightedModel& each : evidence.models()) {

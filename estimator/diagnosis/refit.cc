@@ -20,7 +20,7 @@ bool TellsAll(const QuickRefit& refit) {
 }  // namespace
 
 bool IsParameterOf(const EffectSpec& spec, const std::string& name) {
-  const std::string home = spec.effect == "gravity_compensator" ? "compensator" : spec.Path();
+  const std::string home = IsGravityCompensator(spec) ? "compensator" : spec.Path();
   return name.rfind(home + "/", 0) == 0;
 }
 
@@ -41,8 +41,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
     }
   }
   for (const Candidate& candidate : added) {
-    if (candidate.spec.effect == "gravity_compensator")
-      BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
+    if (IsGravityCompensator(candidate.spec)) BoundCompensatorShape(candidate.keeps_shape, &problem.parameters);
   }
   return problem;
 }

@@ -8,7 +8,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kEvenOdds = 0.5;
 // Of the probability: a set that may lead once others have lost what the full model does not keep.
 constexpr double kMayLead = 0.05;
 constexpr size_t kMostRefitted = 4;
@@ -24,8 +23,8 @@ DiagnosedModel LackingBeside(const Evidence& evidence, const WeightedModel& mode
 // A spring's shape is a narrow valley, or one without an end where the data hardly tell it: near the start's shape, and
 // near others, the refit may find its floor.
 void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
-  for (ChosenStep& step : refitted->steps) {
-    if (step.candidate.spec.effect != "gravity_compensator") continue;
+  for (SelectedEffect& step : refitted->steps) {
+    if (!IsGravityCompensator(step.candidate.spec)) continue;
     step.candidate.keeps_shape = true;
     std::vector<EffectSpec> springs = OtherSprings(evidence, refitted->model, step, refitted->lacking);
     springs.insert(springs.begin(), step.candidate.spec);

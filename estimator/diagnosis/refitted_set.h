@@ -17,8 +17,8 @@ namespace sagitta {
 
 struct RefittedSet {
   WeightedModel model;
-  DiagnosedModel lacking;         // the believed model beside the noise that goes with the set
-  std::vector<ChosenStep> steps;  // of the catalogue
+  DiagnosedModel lacking;             // the believed model beside the noise that goes with the set
+  std::vector<SelectedEffect> steps;  // of the catalogue
   DiagnosedModel with_steps;
 
   bool IsUsable() const { return sagitta::IsUsable(with_steps.estimate.status); }

@@ -31,10 +31,10 @@ std::vector<double> Moments(const Robot& robot) {
 // Whether no more than one other time was measured between an observation and a moment: such a row may be on the wrong
 // side of it, because the moment was found without the row.
 bool IsNextToAny(const std::vector<double>& moments, const CalibrationProblem& problem, int observation) {
-  const double own = problem.shot_inputs[problem.data.observations[observation].shot].conditions.time;
+  const double own = problem.shot_inputs()[problem.data().observations[observation].shot].conditions.time;
   return std::any_of(moments.begin(), moments.end(), [&](double moment) {
     std::set<double> between;
-    for (const ShotInput& shot : problem.shot_inputs) {
+    for (const ShotInput& shot : problem.shot_inputs()) {
       const double time = shot.conditions.time;
       if (time > std::min(own, moment) && time < std::max(own, moment)) between.insert(time);
     }
@@ -54,7 +54,7 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   const ParameterSet& parameters = extended.estimate.parameters;
   const double significance = kShareOfOutliers * significance_;
   std::vector<int> back = ExplainedOutliers(seen, parameters, outliers_, significance);
-  const std::vector<double> moments = Moments(seen.robot);
+  const std::vector<double> moments = Moments(seen.robot());
   for (const int i : outliers_) {
     const bool is_back = std::find(back.begin(), back.end(), i) != back.end();
     if (!is_back && IsNextToAny(moments, seen, i)) back.push_back(i);
@@ -65,8 +65,8 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
   out.erase(std::remove_if(out.begin(), out.end(), came_back), out.end());
   if (back.empty() && out.empty()) return false;
   CalibrationProblem problem = *baseline->problem;
-  for (const int i : back) problem.data.ExcludeRow(i, false);
-  for (const int i : out) problem.data.ExcludeRow(i);
+  for (const int i : back) problem.mutable_data()->ExcludeRow(i, false);
+  for (const int i : out) problem.mutable_data()->ExcludeRow(i);
   if (!Replace(problem, joint_, baseline)) return false;
   for (const int i : back) outliers_.erase(std::find(outliers_.begin(), outliers_.end(), i));
   returned_.insert(back.begin(), back.end());
@@ -82,12 +82,12 @@ void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, Diagnos
         FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
                      kShareOfOutliers * significance_, !lacks_nothing, removed.size());
     if (outliers.empty()) break;
-    for (const int i : outliers) cleaned.data.ExcludeRow(i);
+    for (const int i : outliers) cleaned.mutable_data()->ExcludeRow(i);
     removed.insert(removed.end(), outliers.begin(), outliers.end());
   }
   if (removed.empty()) return;
   CalibrationProblem before = *baseline->problem;
-  for (const int i : removed) before.data.ExcludeRow(i);
+  for (const int i : removed) before.mutable_data()->ExcludeRow(i);
   DiagnosedModel cleaned_baseline = *baseline;  // both or none: the gap compares the same rows
   if (!Replace(before, joint_, &cleaned_baseline) || !Replace(cleaned, joint_, final)) return;
   *baseline = std::move(cleaned_baseline);

@@ -6,12 +6,11 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/least_squares/linearization.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kMillimetre = 1e-3;
 
 Vector3<double> SimulatedPoint(const Measurements& data, const Observation& observation) {
   Vector3<double> point;
@@ -42,20 +41,21 @@ void RefuseWrongUnit(const CalibrationProblem& of_simulation) {
 SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
   std::vector<int> all;
   std::vector<Vector3<double>> simulated;
-  for (const Observation& observation : problem.data.observations) {
+  for (const Observation& observation : problem.data().observations) {
     all.push_back(static_cast<int>(all.size()));
-    simulated.push_back(SimulatedPoint(problem.data, observation));
+    simulated.push_back(SimulatedPoint(problem.data(), observation));
   }
   CalibrationProblem of_simulation = problem;
-  for (Observation& observation : of_simulation.data.observations) observation.excluded |= !observation.is_point();
-  for (const int i : all) of_simulation.data.observations[i].point_in_station = simulated[i];
+  std::vector<Observation>& rows_of_simulation = of_simulation.mutable_data()->observations;
+  for (Observation& observation : rows_of_simulation) observation.excluded |= !observation.is_point();
+  for (const int i : all) rows_of_simulation[i].point_in_station = simulated[i];
   RefuseWrongUnit(of_simulation);
   SimulationBaseline baseline{problem, Eigen::Matrix3Xd(3, all.size()), 0.0};
   AlignNominal(of_simulation, &baseline.problem.parameters);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, baseline.problem.parameters, all);
   baseline.shift.setZero();
   for (const int i : all) {
-    Observation& row = baseline.problem.data.observations[i];
+    Observation& row = baseline.problem.mutable_data()->observations[i];
     row.excluded |= !row.is_point();  // another simulation's columns predict points
     if (!row.is_point()) continue;
     baseline.shift.col(i) = nominal.col(i) - simulated[i];
@@ -67,7 +67,8 @@ SimulationBaseline AgainstSimulation(const CalibrationProblem& problem) {
 }
 
 void SimulationBaseline::Unshift(CalibrationProblem* extended, Estimate* estimate) const {
-  for (long i = 0; i < shift.cols(); ++i) extended->data.observations[i].point_in_station -= shift.col(i);
+  std::vector<Observation>& rows = extended->mutable_data()->observations;
+  for (long i = 0; i < shift.cols(); ++i) rows[i].point_in_station -= shift.col(i);
   estimate->predicted -= shift;
 }
 

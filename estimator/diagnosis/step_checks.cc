@@ -15,7 +15,7 @@ namespace {
 constexpr double kRank = 1e-6;  // of the largest eigenvalue: directions below are rounding
 // Of the prior variance, what is left of a parameter that the data hardly tell. A direction that they do not tell at
 // all may lie along all four parameters of an effect: each keeps a quarter.
-constexpr double kHardlyTold = 0.2;
+constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
@@ -141,7 +141,7 @@ double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
   const std::vector<const ColumnGroup*> groups = evidence.GroupsOf(model.set);
   std::vector<double> scales = model.set.scales;
   for (size_t k = 0; k < groups.size(); ++k) {
-    const bool is_spring = evidence.list().start[model.set.members[k]].effect == "gravity_compensator";
+    const bool is_spring = IsGravityCompensator(evidence.list().start[model.set.members[k]]);
     if (!is_spring) scales[k] = kScales[kNumScales - 1];
   }
   const Eigen::VectorXd values = -ValuesOf(normal, groups, scales).values;  // measured minus predicted
@@ -169,7 +169,7 @@ MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member
       precision.llt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols())).diagonal();
   for (long c = 0; c < left.size(); ++c) {
     const std::string& name = evidence.columns().Name(own.columns[static_cast<size_t>(c)]);
-    if (left[c] > kHardlyTold * variance) fit.vague.push_back(name);
+    if (left[c] > kPoorlyDetermined * variance) fit.poorly_determined.push_back(name);
     if (left[c] > kPriorMatters * variance) fit.loose.push_back(name);
   }
   return fit;

@@ -31,8 +31,8 @@ constexpr double kWorthListing = 0.01;  // FORMATS section 6
 struct MemberFit {
   double reduction = 0.0;
   int parameters = 0;
-  std::vector<std::string> vague;  // coordinates
-  std::vector<std::string> loose;  // names of those that need their prior
+  std::vector<std::string> poorly_determined;  // coordinates
+  std::vector<std::string> loose;              // names of those that need their prior
 };
 // Square of the residual at the set's values beside the widest prior, as refits have it (refit.h), of a spring beside
 // its own; the prior's own term left out.

@@ -20,19 +20,19 @@ std::string DrivingJoint(const EffectDefinition& definition, const EffectSpec& s
 }
 
 Driver DriverOf(const CalibrationProblem& problem, const EffectSpec& spec) {
-  const EffectDefinition* definition = FindEffect(problem.robot, spec.effect);  // none of the compensator
+  const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);  // none of the compensator
   const EffectDriver by = definition == nullptr ? EffectDriver::kJoint : definition->driven_by;
   if (by == EffectDriver::kTemperature) return TemperatureOf(problem);
   if (by == EffectDriver::kTime) return TimeOf(problem);
   const std::string name = definition == nullptr ? spec.target : DrivingJoint(*definition, spec);
-  const int joint = problem.robot.chain.FindJoint(name);
+  const int joint = problem.robot().chain.FindJoint(name);
   return joint >= 0 ? AngleOf(problem, joint) : ConfigurationNumberOf(problem);
 }
 
 // The effect's contribution to the whitened rows: its columns times its values (neutral: 0). The torque of a
 // compensator is proportional to its rate.
 Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec, const Linearization& here) {
-  const bool spring = spec.effect == "gravity_compensator";
+  const bool spring = IsGravityCompensator(spec);
   Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
   for (int c = 0; c < here.num_columns(); ++c) {
     const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
@@ -55,9 +55,9 @@ StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
   const Driver driver = DriverOf(problem, spec);
   StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
   Eigen::VectorXd along = contribution;
-  const int joint = problem.robot.chain.FindJoint(spec.target);
+  const int joint = problem.robot().chain.FindJoint(spec.target);
   if (joint >= 0) {
-    const bool turns = Turns(problem, joint);
+    const bool turns = IsRevolute(problem, joint);
     along = JointDeviationColumns(problem, with.estimate.parameters).col(joint);
     view.quantity = "deviation of " + spec.target;
     view.unit = turns ? "urad" : "um";
@@ -65,7 +65,7 @@ StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
   // Residuals are predicted - measured: without the step they would be lower by its contribution.
   std::map<int, VisitSums> visits;
   for (size_t k = 0; k < here.observations.size(); ++k) {
-    const int s = problem.data.observations[here.observations[k]].shot;
+    const int s = problem.data().observations[here.observations[k]].shot;
     VisitSums& sums = visits[problem.latent.visit_of_shot[s]];
     const auto rows = Eigen::seqN(static_cast<long>(3 * k), 3);
     sums.x = driver.of_shot[s];

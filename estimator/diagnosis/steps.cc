@@ -25,12 +25,12 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
   const ColumnGroup& group = evidence.list().math[member].group;
   const Eigen::VectorXd coefficients = group.mixing * evidence.ValuesOfMember(model, member).values;
   const Eigen::VectorXd turned = kTypicalTurn * evidence.columns().FunctionOf(group.columns) * coefficients;
-  const int joint = problem.robot.chain.FindJoint(spring.target);
+  const int joint = problem.robot().chain.FindJoint(spring.target);
   std::vector<double> angles, torques;
   const double compliance = ComplianceOf(lacking.estimate.parameters, spring.target);
   for (const int i : problem.CalibrationObservations()) {
-    const int shot = problem.data.observations[i].shot;
-    angles.push_back(problem.shot_inputs[shot].conditions.q[joint]);
+    const int shot = problem.data().observations[i].shot;
+    angles.push_back(problem.shot_inputs()[shot].conditions.q[joint]);
     torques.push_back(turned[shot] / compliance);
   }
   const auto vector = [](const std::vector<double>& list) {
@@ -42,7 +42,7 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
 
 // Squared untouched residuals per configuration, m^2; 0 of the others.
 Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* counts) {
-  const Measurements& data = model.problem->data;
+  const Measurements& data = model.problem->data();
   const std::vector<int> held_out = data.PointsAmong(model.problem->ValidationObservations());
   const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, held_out);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<long>(data.configurations.size()));
@@ -58,22 +58,23 @@ Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* co
 
 }  // namespace
 
-std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& model, const DiagnosedModel& lacking) {
+std::vector<SelectedEffect> StepsOf(const Evidence& evidence, const WeightedModel& model,
+                                    const DiagnosedModel& lacking) {
   const ExplanationList& list = evidence.list();
   const SetSearch search = evidence.SearchIn(model.view);
   const double whole = search.Evaluate(model.set.members, model.set.scales).log_weight;
-  std::vector<ChosenStep> steps;
+  std::vector<SelectedEffect> steps;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
     const int member = model.set.members[k];
     if (list.IsUnnamed(member)) continue;
-    ChosenStep step;
+    SelectedEffect step;
     step.explanation = member;
     step.candidate = list.candidates[list.candidate[member]];
-    if (step.candidate.spec.effect == "gravity_compensator") {
+    if (IsGravityCompensator(step.candidate.spec)) {
       step.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
     step.fit = FitOf(evidence, model, member);
-    step.candidate.vague = step.fit.vague;
+    step.candidate.poorly_determined = step.fit.poorly_determined;
     step.candidate.loose = step.fit.loose;
     std::vector<int> others = model.set.members;
     std::vector<double> scales = model.set.scales;
@@ -86,7 +87,7 @@ std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& m
   return steps;
 }
 
-std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const ChosenStep& step,
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& step,
                                      const DiagnosedModel& lacking) {
   std::vector<int> shapes;
   for (const NamedProbability& shape : ShapesInPlaceOf(evidence, model, step.explanation)) {
@@ -102,9 +103,9 @@ std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedMod
   return springs;
 }
 
-std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps) {
+std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& steps) {
   std::vector<Candidate> candidates;
-  for (const ChosenStep& step : steps) candidates.push_back(step.candidate);
+  for (const SelectedEffect& step : steps) candidates.push_back(step.candidate);
   return candidates;
 }
 
@@ -115,15 +116,16 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
   return std::min(1.0, tests * p);
 }
 
-ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
+ParameterSet AlignedWith(const std::vector<SelectedEffect>& steps, const ParameterSet& extended,
                          const ParameterSet& nominal) {
   ParameterSet aligned = extended;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
   for (int i = 0; i < aligned.num_coordinates(); ++i) {
     const std::string& name = aligned.coordinates()[i].name;
     const bool is_shape = name.rfind("compensator/", 0) == 0 && name != "compensator/Kc";
-    const bool is_new = std::any_of(steps.begin(), steps.end(),
-                                    [&](const ChosenStep& step) { return IsParameterOf(step.candidate.spec, name); });
+    const bool is_new = std::any_of(steps.begin(), steps.end(), [&](const SelectedEffect& step) {
+      return IsParameterOf(step.candidate.spec, name);
+    });
     if (is_new && !is_shape) delta[i] = -aligned.Value(i);
   }
   aligned.Plus(delta);
@@ -138,7 +140,7 @@ bool IsEstimated(const EffectSpec& spec, const Estimate& estimate) {
 
 double WaldP(const EffectSpec& spec, const Estimate& estimate) {
   if (!IsEstimated(spec, estimate)) return 1.0;
-  if (spec.effect == "gravity_compensator") return 0.0;  // no values of it are those of no effect
+  if (IsGravityCompensator(spec)) return 0.0;  // no values of it are those of no effect
   std::vector<int> own;
   for (size_t c = 0; c < estimate.estimated.size(); ++c) {
     if (IsParameterOf(spec, estimate.parameters.coordinates()[estimate.estimated[c]].name))

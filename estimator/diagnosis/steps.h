@@ -8,7 +8,7 @@
 
 namespace sagitta {
 
-struct ChosenStep {
+struct SelectedEffect {
   int explanation = 0;
   Candidate candidate;
   MemberFit fit;
@@ -17,11 +17,12 @@ struct ChosenStep {
 
 // The catalogue's effects of the set, strongest first; a compensator starts from the spring of its shape that the data
 // ask for.
-std::vector<ChosenStep> StepsOf(const Evidence& evidence, const WeightedModel& model, const DiagnosedModel& lacking);
+std::vector<SelectedEffect> StepsOf(const Evidence& evidence, const WeightedModel& model,
+                                    const DiagnosedModel& lacking);
 // Springs of the next most probable shapes in a step's place, best first.
-std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const ChosenStep& step,
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& step,
                                      const DiagnosedModel& lacking);
-std::vector<Candidate> CandidatesOf(const std::vector<ChosenStep>& steps);
+std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& steps);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.
@@ -29,7 +30,7 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
 
 // What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
 // rate does nothing, whatever its shape.
-ParameterSet AlignedWith(const std::vector<ChosenStep>& steps, const ParameterSet& extended,
+ParameterSet AlignedWith(const std::vector<SelectedEffect>& steps, const ParameterSet& extended,
                          const ParameterSet& nominal);
 bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
 

@@ -45,8 +45,8 @@ std::vector<LaggedFit> FitLags(const DiagnosedModel& final) {
   std::vector<LaggedFit> fits;
   for (double lag = 0.0; lag <= kLongestLag; lag += kLagStep) {
     CalibrationProblem late = *final.problem;
-    LagTemperatures(lag, &late.data);
-    late.shot_inputs = MakeShotInputs(late.model, late.data, late.experiment);
+    LagTemperatures(lag, late.mutable_data());
+    late.RenewShots();
     QuickRefit refit = RefitQuickly(late, final.estimate.parameters);
     if (!refit.converged && lag == 0.0) break;
     if (refit.converged) fits.push_back({lag, std::move(refit)});
@@ -104,12 +104,12 @@ void LagTemperatures(double lag, Measurements* data) {
 
 std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectSpec& spec,
                                       std::vector<ParameterEstimate>* rows) {
-  if (rows->empty() || !IsDrivenByTemperature(final.problem->robot, spec)) return std::nullopt;
+  if (rows->empty() || !IsDrivenByTemperature(final.problem->robot(), spec)) return std::nullopt;
   const std::vector<LaggedFit> fits = FitLags(final);
   if (fits.size() < 2) return std::nullopt;
   const double least = LeastChiSquare(fits), noise = NoiseScale(fits, rows->front());
   const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
-  ThermalLag lag{0.0, kLongestLag, 0.0, IsTimed(final.problem->data)};
+  ThermalLag lag{0.0, kLongestLag, 0.0, IsTimed(final.problem->data())};
   for (const LaggedFit& fit : fits) {
     if (fit.refit.chi2 == least) lag.best = fit.lag;
     if (fit.refit.chi2 > least + within) continue;

@@ -13,10 +13,10 @@ std::vector<double> TypicalSizes(const CalibrationProblem& problem, const Parame
   for (size_t i = 0; i < largest.size(); ++i) {
     motions[static_cast<size_t>(parameters.model_parameter(static_cast<int>(i)).first_coordinate)] = largest[i];
   }
-  for (const EffectSpec& spec : problem.robot.effects) {
-    const EffectDefinition* definition = FindEffect(problem.robot, spec.effect);
+  for (const EffectSpec& spec : problem.robot().effects) {
+    const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);
     if (definition == nullptr) continue;
-    const std::vector<EffectParameter> own = definition->parameters(problem.robot, spec);
+    const std::vector<EffectParameter> own = definition->parameters(problem.robot(), spec);
     const auto find = [&](const EffectParameter& parameter) {
       return parameters.FindCoordinate(spec.Path() + "/" + parameter.name);
     };

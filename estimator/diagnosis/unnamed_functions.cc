@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/diagnosis/driver_functions.h"
+#include "estimator/report/diagnosis_function_words.h"
 #include "models/constants.h"
 
 namespace sagitta {
@@ -84,12 +85,12 @@ class UnnamedBuilder {
     }
   }
 
-  std::string JointName(int j) const { return problem_.robot.chain.joints[j].name; }
-  int joints() const { return problem_.robot.num_joints(); }
+  std::string JointName(int j) const { return problem_.robot().chain.joints[j].name; }
+  int joints() const { return problem_.robot().num_joints(); }
 
   // A joint deviates with a driver.
   void AddJointFunctions() {
-    const bool loaded = std::any_of(problem_.shot_inputs.begin(), problem_.shot_inputs.end(),
+    const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
                                     [](const ShotInput& shot) { return !shot.wrenches.empty(); });
     const Eigen::MatrixXd torques = loaded ? JointTorques(problem_, parameters_) : Eigen::MatrixXd();
     std::vector<std::pair<Driver, std::string>> common = {{TimeOf(problem_), "time"},
@@ -105,12 +106,12 @@ class UnnamedBuilder {
           functions.Append(Bumps(q, seen.minCoeff(), seen.maxCoeff(), kFineBumps), "smooth", kFineBumps);
         }
         if (k == j) functions.Append(Steps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1);
-        if (k != j && Turns(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2);
+        if (k != j && IsRevolute(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2);
         AddFunctions(functions,
                      {"",
                       JointName(j),
                       {JointName(k)},
-                      "a deviation of " + JointName(j) + " that depends on " + JointName(k),
+                      DeviatesWith(JointName(j), JointName(k)),
                       {source},
                       AngleOf(problem_, k)},
                      k == j ? "own angle" : "other angle");
@@ -124,8 +125,7 @@ class UnnamedBuilder {
                      {"",
                       JointName(j),
                       {family == "torque" ? JointName(j) : family},
-                      "a deviation of " + JointName(j) + " that depends on " +
-                          (family == "torque" ? "the torque on it" : family),
+                      DeviatesWith(JointName(j), family == "torque" ? "the torque on it" : family),
                       {source},
                       driver},
                      family);
@@ -148,10 +148,9 @@ class UnnamedBuilder {
         Eigen::MatrixXd turning(p.size(), 4);
         turning << (p + q).array().cos().matrix(), (p + q).array().sin().matrix(), (p - q).array().cos().matrix(),
             (p - q).array().sin().matrix();
-        if (Turns(problem_, a) && Turns(problem_, b)) functions.Append(turning, "other", 4);
+        if (IsRevolute(problem_, a) && IsRevolute(problem_, b)) functions.Append(turning, "other", 4);
         for (int j = 0; j < joints(); ++j) {
-          const std::string words = "a deviation of " + JointName(j) + " that depends on " + JointName(a) + " and " +
-                                    JointName(b) + " together";
+          const std::string words = DeviatesWithBoth(JointName(j), JointName(a), JointName(b));
           AddFunctions(functions,
                        {"", JointName(j), {JointName(a), JointName(b)}, words, {{Source::Kind::kJoint, j, 0}}, {}},
                        "two angles");
@@ -167,49 +166,29 @@ class UnnamedBuilder {
   // A station's points move with time, or with where they are.
   void AddStations() {
     const Driver time = TimeOf(problem_);
-    for (size_t s = 0; s < problem_.data.stations.size(); ++s) {
-      const std::string& station = problem_.data.stations[s];
+    for (size_t s = 0; s < problem_.data().stations.size(); ++s) {
+      const std::string& station = problem_.data().stations[s];
       const int owner = static_cast<int>(s);
       Functions functions;
       if (Smooth(time.of_shot, "time", &functions)) {
         const double span = time.of_shot.maxCoeff() - time.of_shot.minCoeff();
         functions.Append(Waves(2.0 * kPi / span * time.of_shot, kPeriods), "time", 2);
         AddFunctions(functions,
-                     {"",
-                      station,
-                      {"time"},
-                      "station " + station + " moves with time",
-                      Axes(Source::Kind::kStation, owner),
-                      time},
+                     {"", station, {"time"}, StationMoves(station), Axes(Source::Kind::kStation, owner), time},
                      "station in time");
-        AddFunctions(functions,
-                     {"",
-                      station,
-                      {"time"},
-                      "the base turns in station " + station + " with time",
-                      Axes(Source::Kind::kStationTurn, owner),
-                      time},
-                     "station in time");
+        AddFunctions(
+            functions,
+            {"", station, {"time"}, BaseTurnsInStation(station), Axes(Source::Kind::kStationTurn, owner), time},
+            "station in time");
         for (const Source& axis : Axes(Source::Kind::kStation, owner)) {
-          AddFunctions(functions,
-                       {"",
-                        station,
-                        {"time"},
-                        "station " + station + " moves along " + "xyz"[axis.axis] + " with time",
-                        {axis},
-                        time},
+          AddFunctions(functions, {"", station, {"time"}, StationMovesAlong(station, "xyz"[axis.axis]), {axis}, time},
                        "station in time");
         }
       }
       Functions field;
       field.Append(Field(owner), "other", 9);
       AddFunctions(field,
-                   {"",
-                    station,
-                    {station},
-                    "the readings of station " + station + " are distorted over its field",
-                    Axes(Source::Kind::kStation, owner),
-                    {}},
+                   {"", station, {station}, StationIsDistorted(station), Axes(Source::Kind::kStation, owner), {}},
                    "station field");
     }
   }
@@ -219,7 +198,7 @@ class UnnamedBuilder {
     Vector3<double> sum = Vector3<double>::Zero();
     int count = 0;
     for (const int i : shot.observations) {
-      const Observation& row = problem_.data.observations[i];
+      const Observation& row = problem_.data().observations[i];
       if (!row.is_point() || !row.point_in_station.allFinite()) continue;
       sum += row.point_in_station;
       ++count;
@@ -229,7 +208,7 @@ class UnnamedBuilder {
 
   // Linear and quadratic functions of where the shot's points were read, their mean, over the spread of all shots.
   Eigen::MatrixXd Field(int station) const {
-    const Measurements& data = problem_.data;
+    const Measurements& data = problem_.data();
     Eigen::MatrixXd points = Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), 3);
     Eigen::RowVector3d mean = Eigen::RowVector3d::Zero(), spread = Eigen::RowVector3d::Zero();
     double count = 0.0;
@@ -281,8 +260,8 @@ class UnnamedBuilder {
 
   // A marker moves in its frame with time or with a joint's angle, or sits loose.
   void AddMarkers() {
-    for (size_t m = 0; m < problem_.data.markers.size(); ++m) {
-      const std::string& marker = problem_.data.markers[m];
+    for (size_t m = 0; m < problem_.data().markers.size(); ++m) {
+      const std::string& marker = problem_.data().markers[m];
       const std::vector<Source> sources = Axes(Source::Kind::kMarker, static_cast<int>(m));
       std::vector<Driver> drivers = {TimeOf(problem_)};
       for (int j = 0; j < joints(); ++j) drivers.push_back(AngleOf(problem_, j));
@@ -294,8 +273,7 @@ class UnnamedBuilder {
         const bool is_time = driver.name == "time";
         functions.Append(Bumps(driver.of_shot, low, high, kBumps[is_time ? 1 : 0]), is_time ? "time" : "smooth",
                          kBumps[is_time ? 1 : 0]);
-        AddFunctions(functions,
-                     {"", marker, {driver.name}, "marker " + marker + " moves with " + driver.name, sources, driver},
+        AddFunctions(functions, {"", marker, {driver.name}, MarkerMovesWith(marker, driver.name), sources, driver},
                      "marker");
       }
       AddLoose("marker " + marker, marker, sources);
@@ -310,11 +288,11 @@ class UnnamedBuilder {
       const Eigen::MatrixXd functions = OfDirection(down_, degree);
       down.Append(functions, "other", static_cast<int>(functions.cols()));
     }
-    AddFunctions(down, {"", acts_on, {"gravity"}, what + " moves with the direction of gravity", sources, {}}, "loose");
+    AddFunctions(down, {"", acts_on, {"gravity"}, MovesWithGravity(what), sources, {}}, "loose");
     Functions seats;
     const Eigen::MatrixXd stretches = Stretches(OrderOf(problem_).of_shot, kSeats);
     seats.Append(stretches, "other", static_cast<int>(stretches.cols()));
-    AddFunctions(seats, {"", acts_on, {"visits"}, what + " changes its seat between visits", sources, {}}, "loose");
+    AddFunctions(seats, {"", acts_on, {"visits"}, ChangesItsSeat(what), sources, {}}, "loose");
   }
 
   // With one marker it is that marker.

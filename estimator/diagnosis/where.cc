@@ -36,11 +36,11 @@ std::map<std::string, Group> ByJoint(const DiagnosedModel& model, const Lineariz
   const CalibrationProblem& problem = *model.problem;
   const Eigen::MatrixXd deviations = JointDeviationColumns(problem, model.estimate.parameters);
   std::map<std::string, Group> groups;
-  for (const Joint& joint : problem.robot.chain.joints) {
-    const Eigen::VectorXd l = deviations.col(problem.robot.chain.FindJoint(joint.name));
+  for (const Joint& joint : problem.robot().chain.joints) {
+    const Eigen::VectorXd l = deviations.col(problem.robot().chain.FindJoint(joint.name));
     std::map<int, std::pair<double, double>> sums;
     for (size_t k = 0; k < here.observations.size(); ++k) {
-      auto& sum = sums[problem.latent.visit_of_shot[problem.data.observations[here.observations[k]].shot]];
+      auto& sum = sums[problem.latent.visit_of_shot[problem.data().observations[here.observations[k]].shot]];
       sum.first += l.segment<3>(3 * k).dot(here.residual.segment<3>(3 * k));
       sum.second += l.segment<3>(3 * k).squaredNorm();
     }
@@ -57,7 +57,7 @@ std::map<std::string, Group> ByJoint(const DiagnosedModel& model, const Lineariz
 // First and last, s; both 0 where no shot states one.
 Interval TimesOf(const CalibrationProblem& problem) {
   std::vector<double> times;
-  for (const ShotInput& shot : problem.shot_inputs) {
+  for (const ShotInput& shot : problem.shot_inputs()) {
     if (shot.conditions.has_time) times.push_back(shot.conditions.time);
   }
   if (times.empty()) return {0.0, 0.0};
@@ -93,8 +93,8 @@ std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
   const Interval times = TimesOf(problem);
   const double slice_length = (times.high - times.low) / kTimeSlices;
   for (size_t k = 0; k < here.observations.size(); ++k) {
-    const Observation& observation = problem.data.observations[here.observations[k]];
-    const Shot& shot = problem.data.shots[observation.shot];
+    const Observation& observation = problem.data().observations[here.observations[k]];
+    const Shot& shot = problem.data().shots[observation.shot];
     const auto add = [&](const std::string& family, const std::string& key, double chi2, double rows) {
       Group& group = by[family][key];
       group.chi2 += chi2;
@@ -102,14 +102,14 @@ std::vector<WhereShare> FindWhere(const DiagnosedModel& model) {
     };
     const Eigen::Vector3d of_axis = shares.segment<3>(3 * static_cast<long>(k));
     const double chi2 = of_axis.sum();
-    add("config", problem.data.configurations[shot.configuration].id, chi2, 3.0);
-    add("marker", problem.data.markers[observation.marker], chi2, 3.0);
+    add("config", problem.data().configurations[shot.configuration].id, chi2, 3.0);
+    add("marker", problem.data().markers[observation.marker], chi2, 3.0);
     add("load", shot.load, chi2, 3.0);
-    add("station", problem.data.stations[shot.station], chi2, 3.0);
+    add("station", problem.data().stations[shot.station], chi2, 3.0);
     for (int axis = 0; axis < 3; ++axis) {
       add("axis", (observation.is_point() ? "" : "r") + std::string(1, "xyz"[axis]), of_axis[axis], 1.0);
     }
-    const ShotConditions& conditions = problem.shot_inputs[observation.shot].conditions;
+    const ShotConditions& conditions = problem.shot_inputs()[observation.shot].conditions;
     if (!conditions.has_time || !(slice_length > 0.0)) continue;
     const int slice = std::min(kTimeSlices - 1, static_cast<int>((conditions.time - times.low) / slice_length));
     add("time", std::to_string(std::lround(times.low + slice * slice_length)) + " s", chi2, 3.0);

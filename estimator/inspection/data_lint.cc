@@ -30,12 +30,12 @@ constexpr double kManyCopies = 0.05;  // of the rows
 std::map<int, int> CalibrationConfigurations(const CalibrationProblem& problem) {
   std::map<int, int> first;
   for (const int i : problem.CalibrationObservations())
-    first.try_emplace(problem.data.shots[problem.data.observations[i].shot].configuration, i);
+    first.try_emplace(problem.data().shots[problem.data().observations[i].shot].configuration, i);
   return first;
 }
 
 void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {
-  const Chain& chain = problem.robot.chain;
+  const Chain& chain = problem.robot().chain;
   for (const MeasuredRange& range : MeasuredRangesOf(problem)) {
     const Joint& joint = chain.joints[range.joint];
     const bool turns = joint.type == JointType::kRevolute;
@@ -54,9 +54,9 @@ void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* finding
 }
 
 void LintOrientation(const CalibrationProblem& problem, std::vector<Finding>* findings) {
-  if (!problem.experiment.estimate.base || !problem.experiment.estimate.markers) return;
+  if (!problem.experiment().estimate.base || !problem.experiment().estimate.markers) return;
   bool on_flange = false;
-  for (const int frame : problem.marker_frames) on_flange |= frame == problem.robot.chain.FlangeFrame();
+  for (const int frame : problem.marker_frames()) on_flange |= frame == problem.robot().chain.FlangeFrame();
   if (!on_flange) return;
   const OrientationVariety variety = OrientationVarietyOf(problem);
   if (variety.most < kConstantOrientation) {
@@ -72,14 +72,14 @@ void LintCounts(const CalibrationProblem& problem, std::vector<Finding>* finding
   const int equations = 3 * static_cast<int>(problem.CalibrationObservations().size());
   const int configurations = static_cast<int>(CalibrationConfigurations(problem).size());
   // What one configuration can add at most: the pose of the flange, and less with fewer markers.
-  const int per_configuration = std::min<int>(6, 3 * problem.data.markers.size());
+  const int per_configuration = std::min<int>(6, 3 * problem.data().markers.size());
   if (equations >= kEquationsPerUnknown * unknowns && per_configuration * configurations >= unknowns) return;
   findings->push_back(
       Found(Severity::kWarning, "few_configurations", FewConfigurations(configurations, equations, unknowns)));
 }
 
 void LintDuplicatedPoses(const CalibrationProblem& problem, std::vector<Finding>* findings) {
-  const auto& configurations = problem.data.configurations;
+  const auto& configurations = problem.data().configurations;
   std::vector<int> order(configurations.size());
   for (size_t c = 0; c < order.size(); ++c) order[c] = static_cast<int>(c);
   const auto less = [&](int a, int b) {
@@ -88,13 +88,13 @@ void LintDuplicatedPoses(const CalibrationProblem& problem, std::vector<Finding>
   };
   std::stable_sort(order.begin(), order.end(), less);
   std::map<int, int> first_row;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i)
-    first_row.try_emplace(problem.data.shots[problem.data.observations[i].shot].configuration, static_cast<int>(i));
+  for (size_t i = 0; i < problem.data().observations.size(); ++i)
+    first_row.try_emplace(problem.data().shots[problem.data().observations[i].shot].configuration, static_cast<int>(i));
   std::vector<std::string> rows;
   for (size_t k = 1; k < order.size(); ++k) {
     const Eigen::VectorXd difference = configurations[order[k]].q - configurations[order[k - 1]].q;
     if (difference.cwiseAbs().maxCoeff() > kEqualJoints) continue;
-    rows.push_back(problem.data.SourceOf(problem.data.observations[first_row[order[k]]]));
+    rows.push_back(problem.data().SourceOf(problem.data().observations[first_row[order[k]]]));
   }
   if (rows.empty()) return;
   findings->push_back(Found(Severity::kNote, "duplicated_poses", PosesAreRepeated(rows.size()), rows));
@@ -102,7 +102,7 @@ void LintDuplicatedPoses(const CalibrationProblem& problem, std::vector<Finding>
 
 // The same point to the last digit although the arm moved: a copied line, an instrument that did not update.
 void LintCopiedPoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::map<std::tuple<int, int, double, double, double>, int> seen;
   std::vector<std::string> rows;
   for (size_t i = 0; i < data.observations.size(); ++i) {
@@ -123,7 +123,7 @@ void LintCopiedPoints(const CalibrationProblem& problem, std::vector<Finding>* f
 }
 
 void LintLoads(const CalibrationProblem& problem, std::vector<Finding>* findings) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::set<std::pair<int, int>> unloaded;  // configuration and station
   bool any_loaded = false;
   for (const Shot& shot : data.shots) {
@@ -141,7 +141,7 @@ void LintLoads(const CalibrationProblem& problem, std::vector<Finding>* findings
 }
 
 void LintColumns(const CalibrationProblem& problem, std::vector<Finding>* findings) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   const auto any = [&](const auto& has) { return std::any_of(data.shots.begin(), data.shots.end(), has); };
   std::map<int, std::set<std::string>> visits, repeats;
   for (const Shot& shot : data.shots) {
@@ -178,17 +178,17 @@ const char* SeverityName(Severity severity) {
 std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem) {
   std::vector<MeasuredRange> ranges;
   const std::map<int, int> configurations = CalibrationConfigurations(problem);
-  for (int j = 0; j < problem.robot.num_joints(); ++j) {
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
     MeasuredRange range;
     range.joint = j;
     bool first = true;
     for (const auto& [c, row] : configurations) {
-      const double q = problem.data.configurations[c].q[j];
+      const double q = problem.data().configurations[c].q[j];
       range.least = first ? q : std::min(range.least, q);
       range.most = first ? q : std::max(range.most, q);
       first = false;
     }
-    const Joint& joint = problem.robot.chain.joints[j];
+    const Joint& joint = problem.robot().chain.joints[j];
     if (joint.min && joint.max && *joint.max > *joint.min)
       range.share = (range.most - range.least) / (*joint.max - *joint.min);
     ranges.push_back(range);
@@ -198,7 +198,7 @@ std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem) {
 
 std::vector<Finding> LintData(const CalibrationProblem& problem) {
   std::vector<Finding> findings;
-  for (const std::string& warning : problem.data.warnings)
+  for (const std::string& warning : problem.data().warnings)
     findings.push_back({Severity::kWarning, "reader", warning, "", {}});
   LintCopiedPoints(problem, &findings);
   LintOrientation(problem, &findings);

@@ -27,7 +27,7 @@ Unknowns UnknownsOf(const CalibrationProblem& problem) {
     const Coordinate& coordinate = parameters.coordinates()[i];
     const ParameterBlock& block = parameters.blocks()[coordinate.block];
     const bool is_model = block.kind == BlockKind::kModelParameter;
-    const bool is_error = is_model && problem.model.parameters()[block.owner].law == ParameterLaw::kGeometry;
+    const bool is_error = is_model && problem.model().parameters()[block.owner].law == ParameterLaw::kGeometry;
     if (is_model ? !is_error : !coordinate.free) continue;
     unknowns.columns.push_back(i);
     unknowns.is_error.push_back(is_error);
@@ -61,12 +61,12 @@ void AppendSizes(const Unknowns& unknowns, const Eigen::VectorXd& errors, Linear
 }  // namespace
 
 ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::vector<int>& readings) {
-  const std::vector<int> rows = problem.data.PointsAmong(readings);
+  const std::vector<int> rows = problem.data().PointsAmong(readings);
   const Unknowns unknowns = UnknownsOf(problem);
   ParameterSet parameters = problem.parameters;
   ExplainedErrors found;
   found.left = FindStartingValues(problem, readings, StartingValueOptions(), &parameters);
-  const double precision = kPrecision * Reach(problem.robot.chain);
+  const double precision = kPrecision * Reach(problem.robot().chain);
   if (unknowns.columns.empty() || !(precision > 0.0)) return found;
   const NoiseRoots noise(rows.size(), precision * Matrix3<double>::Identity());
   const auto rows_at = [&](const ParameterSet& at, const std::vector<int>& columns) -> FittedRows {

@@ -11,6 +11,7 @@
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/least_squares/ceres_problem.h"
+#include "estimator/report/inspection_words.h"
 
 namespace sagitta {
 namespace {
@@ -100,9 +101,9 @@ std::vector<ConfigurationLeverage> FindLeverage(const LinearState& state) {
   const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(state.estimated.num_rows(), n);
   std::map<int, std::vector<int>> rows;
   for (size_t k = 0; k < state.estimated.observations.size(); ++k) {
-    const Observation& observation = state.problem.data.observations[state.estimated.observations[k]];
+    const Observation& observation = state.problem.data().observations[state.estimated.observations[k]];
     for (int axis = 0; axis < 3; ++axis)
-      rows[state.problem.data.shots[observation.shot].configuration].push_back(static_cast<int>(3 * k) + axis);
+      rows[state.problem.data().shots[observation.shot].configuration].push_back(static_cast<int>(3 * k) + axis);
   }
   for (const auto& [configuration, own] : rows) {
     const Eigen::MatrixXd block = q(own, Eigen::all);
@@ -128,11 +129,11 @@ void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& ins
   std::string names;
   for (const ConfigurationLeverage& entry : inspection.leverage) {
     if (entry.most < kAlone) continue;
-    const std::string& id = problem.data.configurations[entry.configuration].id;
+    const std::string& id = problem.data().configurations[entry.configuration].id;
     if (rows.size() < 6) names += (names.empty() ? "" : ", ") + id;
-    for (const Observation& observation : problem.data.observations) {
-      if (problem.data.shots[observation.shot].configuration != entry.configuration) continue;
-      rows.push_back(problem.data.SourceOf(observation));
+    for (const Observation& observation : problem.data().observations) {
+      if (problem.data().shots[observation.shot].configuration != entry.configuration) continue;
+      rows.push_back(problem.data().SourceOf(observation));
       break;
     }
   }
@@ -146,7 +147,7 @@ ResidualSize AlignedSize(const CalibrationProblem& problem) {
   ParameterSet nominal = problem.parameters;
   AlignNominal(problem, &nominal);
   const std::vector<int> rows = problem.CalibrationObservations();
-  return MeasureReadings(problem.data, rows, PredictPoints(problem, nominal, rows));
+  return MeasureReadings(problem.data(), rows, PredictPoints(problem, nominal, rows));
 }
 
 // What a linear fit leaves, unweighted.
@@ -184,11 +185,11 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
   inspection.findings = LintData(problem);
   inspection.joints = MeasuredRangesOf(problem);
   inspection.orientation = OrientationVarietyOf(problem);
-  say("reading robot and rows in other ways");
+  say(ReadingOtherwise());
   inspection.reading = LintReadingsOfGoodRows(problem);
   inspection.findings.insert(inspection.findings.end(), inspection.reading.findings.begin(),
                              inspection.reading.findings.end());
-  say("linearizing at the aligned nominal robot");
+  say(LinearizingAtNominal());
   const LinearState state = Align(problem, inspection.reading.is_suspicious, &inspection.findings);
   inspection.aligned = AlignedSize(problem);
   inspection.torques = CompareTorques(state.problem, state.parameters);

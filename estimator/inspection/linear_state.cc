@@ -23,7 +23,7 @@ ParameterSet NominalValues(const CalibrationProblem& problem) {
     spring |= coordinate.free && coordinate.name.rfind("compensator/", 0) == 0;
   for (int i = 0; spring && i < parameters.num_model_parameters(); ++i) {
     const Coordinate& coordinate = parameters.coordinates()[parameters.model_parameter(i).first_coordinate];
-    const bool rigid = problem.model.parameters()[i].law == ParameterLaw::kCompliance &&
+    const bool rigid = problem.model().parameters()[i].law == ParameterLaw::kCompliance &&
                        parameters.Value(parameters.model_parameter(i).first_coordinate) == 0.0;
     if (rigid && coordinate.free) parameters.SetModelValue(i, kTypicalCompliance);
   }
@@ -73,11 +73,11 @@ void DecideRank(bool misfit, LinearState* state) {
 // The nominal robot is rigid: aligned to the unloaded rows where these see every station and marker.
 void AlignRigid(const CalibrationProblem& problem, ParameterSet* parameters) {
   CalibrationProblem unloaded = problem;
-  std::vector<bool> station(problem.data.stations.size()), marker(problem.data.markers.size());
-  for (Observation& observation : unloaded.data.observations) {
-    const Shot& shot = unloaded.data.shots[observation.shot];
+  std::vector<bool> station(problem.data().stations.size()), marker(problem.data().markers.size());
+  for (Observation& observation : unloaded.data().observations) {
+    const Shot& shot = unloaded.data().shots[observation.shot];
     observation.excluded |= IsLoaded(shot);
-    if (observation.excluded || unloaded.data.IsValidation(observation)) continue;
+    if (observation.excluded || unloaded.data().IsValidation(observation)) continue;
     station[shot.station] = marker[observation.marker] = true;
   }
   const auto all = [](const std::vector<bool>& seen) {
@@ -96,7 +96,7 @@ void TakeLinearStep(LinearState* state) {
     const int i = state->estimated.columns[c];
     const ParameterBlock& block = state->parameters.blocks()[state->parameters.coordinates()[i].block];
     const bool rigid = block.kind != BlockKind::kModelParameter ||
-                       state->problem.model.parameters()[block.owner].law == ParameterLaw::kGeometry;
+                       state->problem.model().parameters()[block.owner].law == ParameterLaw::kGeometry;
     if (rigid) delta[i] = solution.step[c];
   }
   state->parameters.Plus(delta);
@@ -127,8 +127,8 @@ LinearState Align(const CalibrationProblem& problem, bool misfit, std::vector<Fi
     found = LintRows(problem, all, left);
     if (now == outliers) break;
     outliers = now;
-    state.problem.data = problem.data;
-    for (const int k : outliers) state.problem.data.ExcludeRow(rows.observations[k]);
+    state.problem.set_data(problem.data());
+    for (const int k : outliers) state.problem.mutable_data()->ExcludeRow(rows.observations[k]);
   }
   findings->insert(findings->end(), found.begin(), found.end());
   if (!misfit && state.all.valid) TakeLinearStep(&state);

@@ -34,22 +34,22 @@ Key KeyOf(const Shot& shot, const Observation& row) {
 }
 
 void AddPair(const CalibrationProblem& problem, int loaded, const Vector3<double>& unloaded, Deflections* all) {
-  const Observation& row = problem.data.observations[loaded];
-  const std::vector<AppliedWrench>& wrenches = problem.shot_inputs[row.shot].conditions.load_wrenches;
+  const Observation& row = problem.data().observations[loaded];
+  const std::vector<AppliedWrench>& wrenches = problem.shot_inputs()[row.shot].conditions.load_wrenches;
   if (wrenches.empty() || wrenches.front().force.norm() == 0.0) return;
   const AppliedWrench& wrench = wrenches.front();
   const Vector3<double> moved = row.point_in_station - unloaded;
   if (all->first_row < 0) all->first_row = loaded;
   all->sizes.push_back(moved.norm());
   all->per_force.push_back(moved.norm() / wrench.force.norm());
-  all->noise = std::max(all->noise, problem.NoiseRoot(loaded).norm());
+  all->noise = std::max(all->noise, problem.SqrtCovariance(loaded).norm());
   if (wrench.expressed_in != WrenchFrame::kMeasurement || moved.norm() == 0.0) return;
   all->cosines += moved.dot(wrench.force) / (moved.norm() * wrench.force.norm());
   ++all->directed;
 }
 
 std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::map<Key, Vector3<double>> unloaded;
   for (const Observation& row : data.observations) {
     if (!IsLoaded(data.shots[row.shot])) unloaded.try_emplace(KeyOf(data.shots[row.shot], row), row.point_in_station);
@@ -74,7 +74,7 @@ std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
     const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
     if (size <= kSeen * deflections.noise) continue;
     const std::vector<std::string> first_row = {
-        problem.data.SourceOf(problem.data.observations[deflections.first_row])};
+        problem.data().SourceOf(problem.data().observations[deflections.first_row])};
     if (flexibility > kSoftest || flexibility < kStiffest) {
       findings.push_back(Found(Severity::kSerious, "load_unit",
                                LoadUnitIsOff(load, size, flexibility, flexibility > kSoftest), first_row));

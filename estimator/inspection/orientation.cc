@@ -12,12 +12,12 @@ namespace {
 
 // Stations connected by markers seen from both: the lowest index of each group.
 std::vector<int> StationGroups(const CalibrationProblem& problem) {
-  std::vector<int> group(problem.data.stations.size());
+  std::vector<int> group(problem.data().stations.size());
   for (size_t s = 0; s < group.size(); ++s) group[s] = static_cast<int>(s);
-  std::vector<int> station_of_marker(problem.data.markers.size(), -1);
+  std::vector<int> station_of_marker(problem.data().markers.size(), -1);
   for (const int i : problem.CalibrationObservations()) {
-    const Observation& observation = problem.data.observations[i];
-    const int own = problem.data.shots[observation.shot].station;
+    const Observation& observation = problem.data().observations[i];
+    const int own = problem.data().shots[observation.shot].station;
     int& other = station_of_marker[observation.marker];
     if (other < 0) other = own;
     const int low = std::min(group[own], group[other]), high = std::max(group[own], group[other]);
@@ -29,12 +29,12 @@ std::vector<int> StationGroups(const CalibrationProblem& problem) {
 // configurations: each with one of its rows.
 OrientationVariety VarietyOf(const CalibrationProblem& problem, const std::map<int, int>& configurations) {
   const std::vector<double> theta = problem.parameters.ModelValues();
-  const Chain& chain = problem.model.chain();
+  const Chain& chain = problem.model().chain();
   std::vector<Matrix3<double>> rotations;
   ChainState<double> state;
   for (const auto& [c, row] : configurations) {
-    const ShotInput& input = problem.shot_inputs[problem.data.observations[row].shot];
-    EvaluateChain(chain, problem.model.TransformValues(input, theta.data()).data(), &state);
+    const ShotInput& input = problem.shot_inputs()[problem.data().observations[row].shot];
+    EvaluateChain(chain, problem.model().TransformValues(input, theta.data()).data(), &state);
     rotations.push_back(state.frames[chain.FlangeFrame()].rotation);
   }
   Matrix3<double> mean = Matrix3<double>::Zero(), scatter = Matrix3<double>::Zero();
@@ -53,15 +53,15 @@ OrientationVariety VarietyOf(const CalibrationProblem& problem, const std::map<i
 
 OrientationVariety OrientationVarietyOf(const CalibrationProblem& problem) {
   const std::vector<int> group = StationGroups(problem);
-  const std::vector<std::string>& stations = problem.data.stations;
+  const std::vector<std::string>& stations = problem.data().stations;
   OrientationVariety poorest;
   poorest.least = poorest.most = 2.0;  // more than any
   for (int g = 0; g < static_cast<int>(stations.size()); ++g) {
     std::map<int, int> configurations;
     for (const int i : problem.CalibrationObservations()) {
-      const Observation& observation = problem.data.observations[i];
-      const Shot& shot = problem.data.shots[observation.shot];
-      const bool on_flange = problem.marker_frames[observation.marker] == problem.robot.chain.FlangeFrame();
+      const Observation& observation = problem.data().observations[i];
+      const Shot& shot = problem.data().shots[observation.shot];
+      const bool on_flange = problem.marker_frames()[observation.marker] == problem.robot().chain.FlangeFrame();
       if (on_flange && group[shot.station] == g) configurations.try_emplace(shot.configuration, i);
     }
     if (configurations.empty()) continue;

@@ -63,7 +63,7 @@ struct AffineInMarker {
 Eigen::Matrix3Xd MeasuredPoints(const CalibrationProblem& problem, const std::vector<int>& rows) {
   Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(rows.size()));
   for (size_t k = 0; k < rows.size(); ++k) {
-    points.col(static_cast<Eigen::Index>(k)) = problem.data.observations[rows[k]].point_in_station;
+    points.col(static_cast<Eigen::Index>(k)) = problem.data().observations[rows[k]].point_in_station;
   }
   return points;
 }
@@ -100,10 +100,10 @@ class Group {
 
   // Every row with another station's pose.
   bool FitsOtherStation(OtherLabel* found) const {
-    for (int s = 0; one_station_ && s < static_cast<int>(problem_.data.stations.size()); ++s) {
+    for (int s = 0; one_station_ && s < static_cast<int>(problem_.data().stations.size()); ++s) {
       if (s == station_) continue;
       if (!Fits(all_.parameters.BaseInStation(s), PointsInBase(all_.parameters))) continue;
-      Set(OtherLabel::Kind::kOtherStation, problem_.data.stations[station_], problem_.data.stations[s], found);
+      Set(OtherLabel::Kind::kOtherStation, problem_.data().stations[station_], problem_.data().stations[s], found);
       return true;
     }
     return false;
@@ -111,20 +111,20 @@ class Group {
 
   // Labels exchanged both ways: every row with the pose of the station that fits it best.
   bool FitsExchangedStations(OtherLabel* found) const {
-    if (static_cast<int>(problem_.data.stations.size()) < 2) return false;
+    if (static_cast<int>(problem_.data().stations.size()) < 2) return false;
     const Eigen::Matrix3Xd points = PointsInBase(all_.parameters);
     std::set<int> stated;
     for (Eigen::Index k = 0; k < points.cols(); ++k) {
       double least = std::numeric_limits<double>::infinity();
       const int own = StationOf(all_.far[static_cast<size_t>(k)]);
-      for (int s = 0; s < static_cast<int>(problem_.data.stations.size()); ++s) {
+      for (int s = 0; s < static_cast<int>(problem_.data().stations.size()); ++s) {
         if (s == own) continue;
         least = std::min(least, (all_.parameters.BaseInStation(s) * points.col(k) - measured_.col(k)).norm());
       }
       if (!(least <= kApart * all_.near_rms)) return false;
       stated.insert(own);
     }
-    Set(OtherLabel::Kind::kOtherStation, problem_.data.stations[*stated.begin()], "another one", found);
+    Set(OtherLabel::Kind::kOtherStation, problem_.data().stations[*stated.begin()], "another one", found);
     return true;
   }
 
@@ -137,7 +137,7 @@ class Group {
     base.rotation = motion.topLeftCorner<3, 3>();
     base.translation = motion.topRightCorner<3, 1>();
     if (!Fits(base, points)) return false;
-    Set(OtherLabel::Kind::kOwnStation, problem_.data.stations[station_], "", found);
+    Set(OtherLabel::Kind::kOwnStation, problem_.data().stations[station_], "", found);
     const Pose<double> stated = all_.parameters.BaseInStation(station_);
     const Vector3<double> origin = Vector3<double>::Zero();
     found->moved = (ToBase(base, origin) - ToBase(stated, origin)).norm();
@@ -150,21 +150,21 @@ class Group {
     const AffineInMarker points(problem_, all_.parameters, all_.far, marker_);
     const Vector3<double> mean = points.Best(measured_);
     const auto fits = [&](const Vector3<double>& m) { return IsNear(points.At(m)); };
-    for (int other = 0; other < static_cast<int>(problem_.data.markers.size()); ++other) {
-      if (other == marker_ || problem_.marker_frames[other] != problem_.marker_frames[marker_]) continue;
+    for (int other = 0; other < static_cast<int>(problem_.data().markers.size()); ++other) {
+      if (other == marker_ || problem_.marker_frames()[other] != problem_.marker_frames()[marker_]) continue;
       if (!fits(all_.parameters.MarkerPoint(other))) continue;
-      Set(OtherLabel::Kind::kOtherMarker, problem_.data.markers[marker_], problem_.data.markers[other], found);
+      Set(OtherLabel::Kind::kOtherMarker, problem_.data().markers[marker_], problem_.data().markers[other], found);
       return true;
     }
     if (!fits(mean)) return false;
-    Set(OtherLabel::Kind::kOwnMarker, problem_.data.markers[marker_], "", found);
+    Set(OtherLabel::Kind::kOwnMarker, problem_.data().markers[marker_], "", found);
     found->moved = (mean - all_.parameters.MarkerPoint(marker_)).norm();
     return true;
   }
 
  private:
-  const Observation& RowOf(int i) const { return problem_.data.observations[i]; }
-  int StationOf(int i) const { return problem_.data.shots[RowOf(i).shot].station; }
+  const Observation& RowOf(int i) const { return problem_.data().observations[i]; }
+  int StationOf(int i) const { return problem_.data().shots[RowOf(i).shot].station; }
 
   Eigen::Matrix3Xd PointsInBase(const ParameterSet& parameters) const {
     Eigen::Matrix3Xd points = PredictPoints(problem_, parameters, all_.far);
@@ -210,23 +210,23 @@ std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem) {
 }
 
 std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
-  const Chain& chain = problem.robot.chain;
+  const Chain& chain = problem.robot().chain;
   const double suspicious = SuspiciousMisfit(chain);
-  const std::vector<int> points = problem.data.PointsAmong(problem.CalibrationObservations());
-  for (int marker = 0; marker < static_cast<int>(problem.data.markers.size()); ++marker) {
+  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+  for (int marker = 0; marker < static_cast<int>(problem.data().markers.size()); ++marker) {
     std::vector<int> own, others;
-    for (const int i : points) (problem.data.observations[i].marker == marker ? own : others).push_back(i);
+    for (const int i : points) (problem.data().observations[i].marker == marker ? own : others).push_back(i);
     if (own.size() < kFewestOfMarker || others.size() < own.size()) continue;
     ParameterSet parameters = problem.parameters;
     if (!(FindStartingValues(problem, others, StartingValueOptions(), &parameters) <= suspicious)) continue;
     const Eigen::Matrix3Xd measured = MeasuredPoints(problem, own);
     CalibrationProblem trial = problem;
     const auto misfit_on = [&](int frame) {
-      trial.marker_frames[marker] = frame;
+      trial.set_marker_frame(marker, frame);
       const AffineInMarker at(trial, parameters, own, marker);
       return RmsDistance(at.At(at.Best(measured)) - measured);
     };
-    const double stated = misfit_on(problem.marker_frames[marker]);
+    const double stated = misfit_on(problem.marker_frames()[marker]);
     if (stated <= suspicious) continue;
     OtherLabel found;
     double least = std::min(suspicious, stated / kClearlyBetter);
@@ -234,7 +234,7 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
       const double misfit = misfit_on(joint < 0 ? 0 : chain.FrameAfterJoint(joint));
       if (!(misfit < least)) continue;
       least = misfit;
-      Set(OtherLabel::Kind::kOtherFrame, problem.data.markers[marker], joint < 0 ? "base" : chain.joints[joint].name,
+      Set(OtherLabel::Kind::kOtherFrame, problem.data().markers[marker], joint < 0 ? "base" : chain.joints[joint].name,
           &found);
     }
     if (found.fits.empty()) continue;
@@ -249,8 +249,8 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
 
 bool AreAllOnePoint(const CalibrationProblem& problem, double* spread) {
   std::map<int, std::vector<int>> of_station;
-  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations()))
-    of_station[problem.data.shots[problem.data.observations[i].shot].station].push_back(i);
+  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations()))
+    of_station[problem.data().shots[problem.data().observations[i].shot].station].push_back(i);
   double squares = 0.0;
   Eigen::Index count = 0;
   for (const auto& [station, rows] : of_station) {
@@ -260,7 +260,7 @@ bool AreAllOnePoint(const CalibrationProblem& problem, double* spread) {
     count += points.cols();
   }
   *spread = std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(1, count)));
-  return count > 1 && *spread < kOnePoint * Reach(problem.robot.chain);
+  return count > 1 && *spread < kOnePoint * Reach(problem.robot().chain);
 }
 
 }  // namespace sagitta

@@ -47,7 +47,7 @@ double SuspiciousMisfit(const Chain& chain) { return kSuspicious * Reach(chain);
 ReadingLint LintReadings(const CalibrationProblem& problem) {
   ReadingLint lint;
   const std::vector<int> sample = SampleOfRows(problem);
-  const double suspicious = SuspiciousMisfit(problem.robot.chain);
+  const double suspicious = SuspiciousMisfit(problem.robot().chain);
   lint.misfit = AlignedMisfit(problem, sample);
   lint.readings.push_back({"as stated", lint.misfit});
   if (lint.misfit <= suspicious) return lint;
@@ -76,13 +76,13 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
     const CalibrationProblem reread = Reread(sampled, reading);
     std::vector<int> rows;
     for (const int i : some) {
-      if (!reread.data.observations[i].excluded) rows.push_back(i);
+      if (!reread.data().observations[i].excluded) rows.push_back(i);
     }
     reading.misfit = AlignedMisfit(reread, rows);
   }
   double least = lint.misfit;
   for (const Reading& reading : readings) least = std::min(least, reading.misfit);
-  const double best = std::max(kPerfect * Reach(problem.robot.chain), kAsGood * least);
+  const double best = std::max(kPerfect * Reach(problem.robot().chain), kAsGood * least);
   const auto simplest =
       std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
   const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < lint.misfit;

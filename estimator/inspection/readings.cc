@@ -71,27 +71,27 @@ void AddOffsets(const Chain& chain, Readings* readings) {
 }
 
 void AddTables(const CalibrationProblem& problem, Readings* readings) {
-  if (!problem.robot.dh) return;
+  if (!problem.robot().dh) return;
   const auto add = [&](const Advice& advice, const DhTable& table) {
-    Robot robot = problem.robot;
+    Robot robot = problem.robot();
     robot.chain = ChainFromDhTable(robot.chain.joints, robot.chain.couplings, table);
     robot.dh = table;
     Add("dh_convention", advice, robot, readings);
   };
-  const bool standard = problem.robot.dh->convention == DhConvention::kStandard;
-  DhTable other = *problem.robot.dh;
+  const bool standard = problem.robot().dh->convention == DhConvention::kStandard;
+  DhTable other = *problem.robot().dh;
   other.convention = standard ? DhConvention::kModified : DhConvention::kStandard;
   add(TableIn(other.convention), other);
   // alpha and a of the link before: a modified table typed into rows of a standard one, and the reverse
-  DhTable shifted = *problem.robot.dh;
+  DhTable shifted = *problem.robot().dh;
   const int n = static_cast<int>(shifted.links.size());
   for (int i = 0; i < n; ++i) {
     const int from = standard ? (i + 1) % n : (i + n - 1) % n;
-    shifted.links[i].a = problem.robot.dh->links[from].a;
-    shifted.links[i].alpha = problem.robot.dh->links[from].alpha;
+    shifted.links[i].a = problem.robot().dh->links[from].a;
+    shifted.links[i].alpha = problem.robot().dh->links[from].alpha;
   }
   add(TableOneRowOff(), shifted);
-  DhTable without_beta = *problem.robot.dh;
+  DhTable without_beta = *problem.robot().dh;
   bool any_beta = false;
   for (DhLink& link : without_beta.links) {
     any_beta |= link.beta != 0.0;
@@ -99,10 +99,10 @@ void AddTables(const CalibrationProblem& problem, Readings* readings) {
   }
   if (any_beta) add(BetaTurned(), without_beta);
   for (int i = 0; i < n; ++i) {
-    if (std::abs(std::sin(problem.robot.dh->links[i].alpha)) < 0.5) continue;  // 0 and 180 deg have no other sign
-    DhTable turned = *problem.robot.dh;
+    if (std::abs(std::sin(problem.robot().dh->links[i].alpha)) < 0.5) continue;  // 0 and 180 deg have no other sign
+    DhTable turned = *problem.robot().dh;
     turned.links[i].alpha *= -1.0;
-    add(AlphaTurned(problem.robot.chain.joints[turned.links[i].joint].name), turned);
+    add(AlphaTurned(problem.robot().chain.joints[turned.links[i].joint].name), turned);
   }
 }
 
@@ -170,7 +170,7 @@ void AddFrames(Readings* readings) {
 
 void AddUnits(const CalibrationProblem& problem, Readings* readings) {
   const auto robot = [&](Motion motion, double factor, RobotNumbers unit) {
-    Robot scaled = problem.robot;
+    Robot scaled = problem.robot();
     for (ElementaryTransform& transform : scaled.chain.transforms) {
       if (transform.motion == motion) transform.nominal *= factor;
     }
@@ -179,12 +179,12 @@ void AddUnits(const CalibrationProblem& problem, Readings* readings) {
   robot(Motion::kTranslation, 1e3, RobotNumbers::kMetres);
   robot(Motion::kTranslation, 1e-3, RobotNumbers::kMillimetres);
   robot(Motion::kTranslation, 25.4, RobotNumbers::kInches);
-  robot(Motion::kRotation, 180.0 / kPi, RobotNumbers::kRadians);
+  robot(Motion::kRotation, 1.0 / kDegree, RobotNumbers::kRadians);
   Add("unit", PointsInInches(), OfPoints([](Vector3<double>* point) { *point *= 25.4; }), readings);
-  for (int j = 0; j < problem.robot.chain.num_joints(); ++j) {
-    if (!IsRevolute(problem.robot.chain, j)) continue;
-    const auto to_degrees = [j](Eigen::VectorXd* q) { (*q)[j] *= 180.0 / kPi; };
-    Add("unit", JointInRadians(problem.robot.chain.joints[j].name), OfJoints(to_degrees), readings);
+  for (int j = 0; j < problem.robot().chain.num_joints(); ++j) {
+    if (!IsRevolute(problem.robot().chain, j)) continue;
+    const auto to_degrees = [j](Eigen::VectorXd* q) { (*q)[j] *= 1.0 / kDegree; };
+    Add("unit", JointInRadians(problem.robot().chain.joints[j].name), OfJoints(to_degrees), readings);
   }
 }
 
@@ -201,7 +201,7 @@ std::map<std::string, Eigen::VectorXd> NeighboursById(const Measurements& data, 
 // Points of one configuration written beside the joint values of its neighbour.
 void AddRowShifts(const CalibrationProblem& problem, Readings* readings) {
   for (const int shift : {1, -1}) {
-    const auto move = [neighbours = NeighboursById(problem.data, shift)](Measurements* data) {
+    const auto move = [neighbours = NeighboursById(problem.data(), shift)](Measurements* data) {
       std::vector<bool> lost;
       for (Configuration& configuration : data->configurations) {
         const auto neighbour = neighbours.find(configuration.id);
@@ -217,7 +217,7 @@ void AddRowShifts(const CalibrationProblem& problem, Readings* readings) {
 }  // namespace
 
 std::vector<Reading> AllReadings(const CalibrationProblem& problem) {
-  const Chain& chain = problem.robot.chain;
+  const Chain& chain = problem.robot().chain;
   Readings readings;
   AddTables(problem, &readings);
   AddFlips(chain, 1, &readings);
@@ -234,17 +234,14 @@ std::vector<Reading> AllReadings(const CalibrationProblem& problem) {
 
 CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading) {
   if (reading.robot) {
-    Experiment experiment = problem.experiment;
+    Experiment experiment = problem.experiment();
     experiment.validation = ValidationSpec();
     experiment.validation.kind = ValidationSpec::Kind::kNone;
-    return MakeCalibrationProblem(*reading.robot, problem.data, experiment);
+    return MakeCalibrationProblem(*reading.robot, problem.data(), experiment);
   }
   CalibrationProblem reread = problem;
-  reading.change(&reread.data);
-  for (size_t s = 0; s < reread.shot_inputs.size(); ++s) {
-    reread.shot_inputs[s].conditions.q = reread.data.configurations[reread.data.shots[s].configuration].q;
-  }
-  reread.model.Prepare(&reread.shot_inputs);
+  reading.change(reread.mutable_data());
+  reread.RenewJoints();
   return reread;
 }
 

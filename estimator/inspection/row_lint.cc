@@ -34,11 +34,11 @@ std::vector<Swap> FindSwaps(const CalibrationProblem& problem, const Linearizati
                             const Eigen::Matrix3Xd& residuals, const std::vector<int>& outliers) {
   std::map<int, std::vector<int>> of_shot;
   for (const int k : outliers) {
-    const Observation& row = problem.data.observations[linearization.observations[k]];
+    const Observation& row = problem.data().observations[linearization.observations[k]];
     if (row.is_point()) of_shot[row.shot].push_back(k);
   }
   const auto measured = [&](int k) -> Vector3<double> {
-    return problem.data.observations[linearization.observations[k]].point_in_station;
+    return problem.data().observations[linearization.observations[k]].point_in_station;
   };
   const auto predicted = [&](int k) -> Vector3<double> { return measured(k) + residuals.col(k); };
   std::vector<Swap> swaps;
@@ -115,7 +115,7 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
   const std::vector<int> outliers = GrossOutliers(residuals);
   if (outliers.empty()) return findings;
   const auto observation = [&](int k) -> const Observation& {
-    return problem.data.observations[linearization.observations[k]];
+    return problem.data().observations[linearization.observations[k]];
   };
   const std::vector<Swap> swaps = FindSwaps(problem, linearization, residuals, outliers);
   std::set<int> swapped;
@@ -124,10 +124,10 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
   for (const Swap& swap : swaps) {
     for (const int k : {swap.first, swap.second}) {
       swapped.insert(k);
-      exchanged_rows.push_back(problem.data.SourceOf(observation(k)));
+      exchanged_rows.push_back(problem.data().SourceOf(observation(k)));
     }
-    pairs.insert(problem.data.markers[observation(swap.first).marker] + " and " +
-                 problem.data.markers[observation(swap.second).marker]);
+    pairs.insert(problem.data().markers[observation(swap.first).marker] + " and " +
+                 problem.data().markers[observation(swap.second).marker]);
   }
   if (!swaps.empty()) {
     findings.push_back(Found(Severity::kSerious, "marker_swap",
@@ -140,7 +140,7 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
     const double distance = residuals.col(k).norm();
     least = gross_rows.empty() ? distance : std::min(least, distance);
     most = std::max(most, distance);
-    gross_rows.push_back(problem.data.SourceOf(observation(k)));
+    gross_rows.push_back(problem.data().SourceOf(observation(k)));
   }
   if (gross_rows.empty()) return findings;
   const Advice advice = RowsAreOff(gross_rows.size(), least, most, kGross, Median(Distances(residuals)));

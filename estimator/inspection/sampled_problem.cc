@@ -12,7 +12,7 @@ int ConfigurationOf(const Measurements& data, int observation) {
 }
 
 std::vector<bool> ChosenConfigurations(const CalibrationProblem& problem) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::vector<bool> is_fitted(data.configurations.size(), false), is_chosen = is_fitted;
   for (const int i : problem.CalibrationObservations()) is_fitted[ConfigurationOf(data, i)] = true;
   for (const int i : SampleOfRows(problem)) is_chosen[ConfigurationOf(data, i)] = true;
@@ -51,7 +51,7 @@ void KeepShot(const Measurements& all, int s, int configuration, Kept* kept) {
 }
 
 Kept KeepRows(const CalibrationProblem& problem) {
-  const Measurements& all = problem.data;
+  const Measurements& all = problem.data();
   const std::vector<bool> is_chosen = ChosenConfigurations(problem);
   Kept kept;
   kept.data.stations = all.stations;
@@ -77,23 +77,23 @@ Kept KeepRows(const CalibrationProblem& problem) {
 }  // namespace
 
 CalibrationProblem SampledProblem(const CalibrationProblem& problem) {
-  if (static_cast<int>(problem.data.configurations.size()) <= kMostSampledConfigurations) return problem;
+  if (static_cast<int>(problem.data().configurations.size()) <= kMostSampledConfigurations) return problem;
   Kept kept = KeepRows(problem);
-  Experiment experiment = problem.experiment;
-  experiment.validation = ValidationSpec();
-  experiment.validation.kind = ValidationSpec::Kind::kNone;
-  CalibrationProblem sampled(problem.robot, std::move(kept.data), std::move(experiment));
-  sampled.parameters.CopyByName(problem.parameters);
+  CalibrationProblem sampled = problem;
+  sampled.set_data(std::move(kept.data));
+  sampled.mutable_experiment()->validation = ValidationSpec();
+  sampled.mutable_experiment()->validation.kind = ValidationSpec::Kind::kNone;
   sampled.latent = LatentModel();  // inspection takes joints as exact
-  sampled.redundant_errors = problem.redundant_errors;
-  sampled.repeat_scatter = problem.repeat_scatter;
-  sampled.shot_inputs.clear();  // time and temperature count from the origins of all rows
-  for (const int s : kept.shots) sampled.shot_inputs.push_back(problem.shot_inputs[s]);
+  sampled.parameters.DropSpringTie();
+  std::vector<ShotInput> inputs;  // time and temperature count from the origins of all rows
+  for (const int s : kept.shots) inputs.push_back(problem.shot_inputs()[s]);
+  sampled.set_shot_inputs(std::move(inputs));
+  sampled.resolved_noise.clear();
+  sampled.weight_roots.clear();
   for (const int i : kept.observations) {
     if (!problem.resolved_noise.empty()) sampled.resolved_noise.push_back(problem.resolved_noise[i]);
     if (!problem.weight_roots.empty()) sampled.weight_roots.push_back(problem.weight_roots[i]);
   }
-  sampled.model.Prepare(&sampled.shot_inputs);
   return sampled;
 }
 

@@ -20,16 +20,16 @@ struct TorqueTable {
 };
 
 TorqueTable Collect(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const int joints = problem.robot.num_joints();
+  const int joints = problem.robot().num_joints();
   const std::vector<double> theta = parameters.ModelValues();
-  TorqueTable table{Eigen::MatrixXd(problem.data.shots.size(), joints), Eigen::MatrixXd()};
+  TorqueTable table{Eigen::MatrixXd(problem.data().shots.size(), joints), Eigen::MatrixXd()};
   table.modelled = table.measured;
   long rows = 0;
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    const Shot& shot = problem.data.shots[s];
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    const Shot& shot = problem.data().shots[s];
     if (shot.joint_torques.size() != joints) continue;
-    const Eigen::VectorXd modelled = problem.model.ModelledJointTorques(
-        problem.shot_inputs[s], theta.data(), parameters.BaseInStation(shot.station).rotation);
+    const Eigen::VectorXd modelled = problem.model().ModelledJointTorques(
+        problem.shot_inputs()[s], theta.data(), parameters.BaseInStation(shot.station).rotation);
     if (modelled.size() != joints) continue;
     table.measured.row(rows) = shot.joint_torques.transpose();
     table.modelled.row(rows++) = modelled.transpose();
@@ -62,7 +62,7 @@ JointTorqueComparison Compare(int joint, const Eigen::VectorXd& measured, const 
 std::string InWords(const CalibrationProblem& problem, const TorqueComparison& comparison) {
   TorqueGroups joints;
   for (const JointTorqueComparison& line : comparison.joints) {
-    const std::string& name = problem.robot.chain.joints[line.joint].name;
+    const std::string& name = problem.robot().chain.joints[line.joint].name;
     if (!line.varies) {
       joints.untold.push_back(name);
     } else if (line.correlation < -kAgrees) {
@@ -82,10 +82,10 @@ std::string InWords(const CalibrationProblem& problem, const TorqueComparison& c
 
 TorqueComparison CompareTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
   TorqueComparison comparison;
-  comparison.measured_count = problem.experiment.torques_measured;
+  comparison.measured_count = problem.experiment().torques_measured;
   const TorqueTable table = Collect(problem, parameters);
   if (table.measured.rows() == 0) return comparison;
-  for (int j = 0; j < problem.robot.num_joints(); ++j) {
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
     comparison.joints.push_back(Compare(j, table.measured.col(j), table.modelled.col(j)));
   }
   comparison.words = InWords(problem, comparison);

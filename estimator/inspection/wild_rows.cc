@@ -25,7 +25,7 @@ std::vector<double> Distances(const CalibrationProblem& problem, const std::vect
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
   std::vector<double> distances;
   for (size_t k = 0; k < points.size(); ++k) {
-    const double distance = (problem.data.observations[points[k]].point_in_station - predicted.col(k)).norm();
+    const double distance = (problem.data().observations[points[k]].point_in_station - predicted.col(k)).norm();
     distances.push_back(std::isfinite(distance) ? distance : 1e300);
   }
   return distances;
@@ -36,8 +36,8 @@ std::vector<int> NearerHalf(const CalibrationProblem& problem, const std::vector
                             const std::vector<double>& distances) {
   std::map<std::pair<int, int>, std::vector<int>> groups;
   for (size_t k = 0; k < points.size(); ++k) {
-    const Observation& row = problem.data.observations[points[k]];
-    groups[{row.marker, problem.data.shots[row.shot].station}].push_back(static_cast<int>(k));
+    const Observation& row = problem.data().observations[points[k]];
+    groups[{row.marker, problem.data().shots[row.shot].station}].push_back(static_cast<int>(k));
   }
   std::vector<int> half;
   for (auto& [key, own] : groups) {
@@ -58,11 +58,11 @@ double RmsOf(const std::vector<double>& distances, const std::vector<int>& place
 
 Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
   const size_t count = rows.far.size(), all = count + rows.near.size();
-  const std::string first = problem.data.SourceOf(problem.data.observations[rows.far.front()]);
+  const std::string first = problem.data().SourceOf(problem.data().observations[rows.far.front()]);
   Finding finding =
       Found(Severity::kSerious, "wild_rows", RowsAreWild(count, all, rows.far_median, rows.near_rms, first));
   for (size_t k = 0; k < std::min(kMostShown, count); ++k) {
-    finding.rows.push_back(problem.data.SourceOf(problem.data.observations[rows.far[k]]));
+    finding.rows.push_back(problem.data().SourceOf(problem.data().observations[rows.far[k]]));
   }
   return finding;
 }
@@ -70,7 +70,7 @@ Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
 }  // namespace
 
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
-  const std::vector<int> points = problem.data.PointsAmong(problem.CalibrationObservations());
+  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   if (points.empty()) return std::nullopt;
   FarRows rows;
   std::vector<double> distances;
@@ -103,7 +103,7 @@ std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
 }
 
 bool AreApart(const FarRows& rows, const CalibrationProblem& problem) {
-  return rows.near_rms <= SuspiciousMisfit(problem.robot.chain) && rows.far_median >= kApart * rows.near_rms;
+  return rows.near_rms <= SuspiciousMisfit(problem.robot().chain) && rows.far_median >= kApart * rows.near_rms;
 }
 
 std::optional<Finding> FindWildRows(const CalibrationProblem& problem) {

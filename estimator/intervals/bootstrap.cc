@@ -188,7 +188,7 @@ bool ByConfigurations(const BootstrapOptions& options, int clusters, int unknown
 
 void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOptions& options, Estimate* estimate) {
   Setup setup{problem, *estimate, false, false, {}, 0};
-  setup.clusters = ConfigurationClusters(problem.data, problem.CalibrationObservations());
+  setup.clusters = ConfigurationClusters(problem.data(), problem.CalibrationObservations());
   setup.num_clusters = setup.clusters.empty() ? 0 : 1 + *std::max_element(setup.clusters.begin(), setup.clusters.end());
   setup.by_configurations = ByConfigurations(options, setup.num_clusters, static_cast<int>(estimate->estimated.size()));
   setup.is_scaled = !estimate->sigma.stated || estimate->sigma.scaled;

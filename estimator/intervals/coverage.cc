@@ -64,24 +64,23 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
   trial.covered.assign(n, -1);
   const ParameterSet truth = DrawTruth(truth_.parameters, SeedOf(~seed_, number));
   const Simulator redraw = RedrawAt(problem_, truth, noise_scale_, fallback_);
-  if (!redraw.Draw(SeedOf(seed_, 2ULL * number), &own->data)) {
+  if (!redraw.Draw(SeedOf(seed_, 2ULL * number), own->mutable_data())) {
     trial.status = StatusName(Status::kEquilibriumDiverged);
     return trial;
   }
   ResolveRepeats(own);
   DrawPriors(truth, SeedOf(seed_, 2ULL * number + 1), &own->parameters);
   // Refits of its own for every trial: the same draws in all of them would share the luck of their quantiles.
-  own->experiment.bootstrap.seed = SeedOf(problem_.experiment.bootstrap.seed, number);
+  own->mutable_experiment()->method.bootstrap.seed = SeedOf(problem_.experiment().method.bootstrap.seed, number);
   const Estimate estimate = EstimateBy(method_, *own);
   trial.status = StatusName(estimate.status);
   if (!IsUsable(estimate.status)) return trial;
   ParameterSet with_priors = truth;
   DrawPriors(truth, SeedOf(seed_, 2ULL * number + 1), &with_priors);
   CalibrationProblem at_truth = problem_;  // with the true noise
-  at_truth.data.observations = own->data.observations;
-  for (size_t k = 0; k < at_truth.data.observations.size(); ++k) {
-    at_truth.data.observations[k].excluded = problem_.data.observations[k].excluded;
-  }
+  std::vector<Observation>& rows = at_truth.mutable_data()->observations;
+  rows = own->data().observations;
+  for (size_t k = 0; k < rows.size(); ++k) rows[k].excluded = problem_.data().observations[k].excluded;
   const Eigen::VectorXd linear = -linear_ * LinearizeFit(at_truth, with_priors, truth_.estimated).residual;
   const Eigen::VectorXd error = TangentDifference(estimate.parameters, truth);
   for (size_t c = 0; c < n; ++c) {

@@ -8,11 +8,11 @@
 namespace sagitta {
 
 void CheckIntervalsFit(const CalibrationProblem& problem, Method method) {
-  const Experiment& experiment = problem.experiment;
-  const CovarianceKind covariance = experiment.covariance;
+  const Experiment& experiment = problem.experiment();
+  const CovarianceKind covariance = experiment.method.covariance;
   const bool needs_noise =
       covariance == CovarianceKind::kProfile ||
-      (covariance == CovarianceKind::kBootstrap && experiment.bootstrap.kind != BootstrapKind::kConfigurations);
+      (covariance == CovarianceKind::kBootstrap && experiment.method.bootstrap.kind != BootstrapKind::kConfigurations);
   if (WeighsByEq14(experiment) && needs_noise) {
     throw InputError({experiment.file, 0, "covariance"},
                      WordOf(covariance) + " needs the distribution of the noise, and the weights of eq. (14) are none",
@@ -20,18 +20,18 @@ void CheckIntervalsFit(const CalibrationProblem& problem, Method method) {
   }
   const bool is_refitted = covariance == CovarianceKind::kBootstrap || covariance == CovarianceKind::kProfile;
   if (method == Method::kJoint || !is_refitted) return;
-  throw InputError({problem.experiment.file, 0, "covariance"},
+  throw InputError({problem.experiment().file, 0, "covariance"},
                    WordOf(covariance) + " refits the joint estimate; it does not judge the method " + WordOf(method),
                    "use --method=joint, or covariance: model");
 }
 
 void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& options, Estimate* estimate) {
-  const CovarianceKind covariance = problem.experiment.covariance;
+  const CovarianceKind covariance = problem.experiment().method.covariance;
   if (covariance == CovarianceKind::kBootstrap) {
     BootstrapOptions bootstrap;
-    bootstrap.kind = problem.experiment.bootstrap.kind;
-    bootstrap.replicates = problem.experiment.bootstrap.replicates;
-    bootstrap.seed = problem.experiment.bootstrap.seed;
+    bootstrap.kind = problem.experiment().method.bootstrap.kind;
+    bootstrap.replicates = problem.experiment().method.bootstrap.replicates;
+    bootstrap.seed = problem.experiment().method.bootstrap.seed;
     bootstrap.num_threads = options.num_threads;
     bootstrap.progress = options.progress;
     BootstrapIntervals(problem, bootstrap, estimate);

@@ -1,5 +1,5 @@
 // The intervals an experiment asks for (`covariance`): model and sandwich come
-// with every estimate (JudgeEstimate), bootstrap and profile cost refits and are
+// with every estimate (ComputeStatistics), bootstrap and profile cost refits and are
 // added here, once, to the estimate that is handed out.
 #pragma once
 

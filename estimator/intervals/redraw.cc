@@ -53,7 +53,7 @@ ParameterSet DrawTruth(const ParameterSet& truth, std::uint64_t seed) {
 }
 
 Simulator RedrawAt(const CalibrationProblem& problem, const ParameterSet& truth, double noise_scale, double fallback) {
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   NoiseRoots roots = ObservationNoise(problem, all, fallback);
   for (Matrix3<double>& root : roots) root *= noise_scale;

@@ -25,14 +25,14 @@ std::vector<int> ActiveModelParameters(const ParameterSet& parameters) {
 void AddShot(const CalibrationProblem& problem, const ResidualSelection& selection, size_t first, size_t last,
              const std::vector<int>& active, ParameterSet* parameters, ceres::Problem* ceres_problem,
              LatentBlocks* latents) {
-  const int shot_index = problem.data.observations[selection.observations[first]].shot;
-  const Shot& shot = problem.data.shots[shot_index];
+  const int shot_index = problem.data().observations[selection.observations[first]].shot;
+  const Shot& shot = problem.data().shots[shot_index];
   std::vector<double*> blocks = {parameters->station_translation(shot.station).values.data(),
                                  parameters->station_rotation(shot.station).values.data()};
   std::vector<MarkerMeasurement> markers;
   for (size_t k = first; k < last; ++k) {
-    const Observation& observation = problem.data.observations[selection.observations[k]];
-    markers.push_back({problem.marker_frames[observation.marker], observation.point_in_station,
+    const Observation& observation = problem.data().observations[selection.observations[k]];
+    markers.push_back({problem.marker_frames()[observation.marker], observation.point_in_station,
                        selection.noise[k].inverse(), observation.marker, observation.kind,
                        observation.rotation_in_station});
     blocks.push_back(parameters->read_block(observation.marker, observation.kind).values.data());
@@ -43,8 +43,8 @@ void AddShot(const CalibrationProblem& problem, const ResidualSelection& selecti
     latent_joints = problem.latent.joints;
     blocks.push_back((*latents)[problem.latent.visit_of_shot[shot_index]].data());
   }
-  ceres_problem->AddResidualBlock(ShotCost::Create(&problem.model, problem.shot_inputs[shot_index], std::move(markers),
-                                                   parameters->ModelValues(), active, latent_joints)
+  ceres_problem->AddResidualBlock(ShotCost::Create(&problem.model(), problem.shot_inputs()[shot_index],
+                                                   std::move(markers), parameters->ModelValues(), active, latent_joints)
                                       .release(),
                                   nullptr, blocks);
 }
@@ -86,7 +86,7 @@ void AddToProblem(const CalibrationProblem& problem, const ResidualSelection& se
                   ceres::Problem* ceres_problem, LatentBlocks* latents) {
   const std::vector<int> active = ActiveModelParameters(*parameters);
   if (latents != nullptr) latents->assign(problem.latent.num_visits, std::vector<double>(problem.latent.size(), 0.0));
-  const auto shot_of = [&](size_t k) { return problem.data.observations[selection.observations[k]].shot; };
+  const auto shot_of = [&](size_t k) { return problem.data().observations[selection.observations[k]].shot; };
   for (size_t first = 0; first < selection.observations.size();) {
     size_t last = first + 1;
     if (selection.granularity == CostGranularity::kShot) {

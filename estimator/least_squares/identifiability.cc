@@ -162,8 +162,7 @@ std::vector<Direction> FindWeak(const Linearization& linearization, const Parame
   for (int i = n - 1; i >= 0 && sigma > svd.singular_values[i]; --i) {
     weak.push_back(MakeDirection(svd.v.col(i), sigma / svd.singular_values[i], linearization, parameters));
     Direction& direction = weak.back();
-    direction.words = direction.components.size() == 1 ? direction.components[0].first + " is measured poorly"
-                                                       : "poorly told apart: " + direction.words;
+    direction.words = PoorlyDetermined(direction.components, direction.words);
   }
   return weak;
 }

@@ -44,23 +44,23 @@ template <typename Visit>
 bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& parameters,
                        const std::vector<int>& observations, const std::vector<int>& active, bool with_latents,
                        const Visit& visit) {
-  const std::vector<double> no_deviation(problem.robot.num_joints(), 0.0);
+  const std::vector<double> no_deviation(problem.robot().num_joints(), 0.0);
   const std::vector<double> theta = parameters.ModelValues();
   std::vector<MarkerInFrame> markers;
   std::vector<PointPrediction> predictions;
   for (size_t first = 0; first < observations.size();) {
-    const int shot_index = problem.data.observations[observations[first]].shot;
-    const Shot& shot = problem.data.shots[shot_index];
+    const int shot_index = problem.data().observations[observations[first]].shot;
+    const Shot& shot = problem.data().shots[shot_index];
     markers.clear();
     size_t last = first;
-    for (; last < observations.size() && problem.data.observations[observations[last]].shot == shot_index; ++last) {
-      const Observation& observation = problem.data.observations[observations[last]];
+    for (; last < observations.size() && problem.data().observations[observations[last]].shot == shot_index; ++last) {
+      const Observation& observation = problem.data().observations[observations[last]];
       markers.push_back(
-          parameters.MarkerOn(problem.marker_frames[observation.marker], observation.marker, observation.kind));
+          parameters.MarkerOn(problem.marker_frames()[observation.marker], observation.marker, observation.kind));
     }
-    const bool found = problem.model.Predict(problem.shot_inputs[shot_index], theta.data(), active,
-                                             parameters.BaseInStation(shot.station), markers, &predictions,
-                                             with_latents ? no_deviation.data() : nullptr);
+    const bool found = problem.model().Predict(problem.shot_inputs()[shot_index], theta.data(), active,
+                                               parameters.BaseInStation(shot.station), markers, &predictions,
+                                               with_latents ? no_deviation.data() : nullptr);
     if (!found) return false;
     for (size_t k = first; k < last; ++k) visit(k, predictions[k - first]);
     first = last;
@@ -110,7 +110,7 @@ void Unpack(const BatchColumns& columns, const std::vector<int>& unit, const dou
 std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, const std::vector<int>& observations) {
   std::map<int, std::vector<int>> rows;
   for (size_t k = 0; k < observations.size(); ++k) {
-    const int visit = problem.latent.visit_of_shot[problem.data.observations[observations[k]].shot];
+    const int visit = problem.latent.visit_of_shot[problem.data().observations[observations[k]].shot];
     for (int axis = 0; axis < 3; ++axis) rows[visit].push_back(static_cast<int>(3 * k) + axis);
   }
   return rows;
@@ -120,7 +120,7 @@ NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector
   NoiseRoots noise;
   noise.reserve(observations.size());
   for (const int i : observations) {
-    noise.push_back(problem.NoiseRoot(i));
+    noise.push_back(problem.SqrtCovariance(i));
     if (!IsStated(noise.back())) noise.back() = fallback * Matrix3<double>::Identity();
   }
   return noise;
@@ -149,8 +149,8 @@ Linearization LinearizeByModel(const CalibrationProblem& problem, const Paramete
   result.valid = ForEachPrediction(
       problem, parameters, observations, active.model_parameters, !latent.empty(),
       [&](size_t k, const PointPrediction& prediction) {
-        const Observation& observation = problem.data.observations[observations[k]];
-        const Shot& shot = problem.data.shots[observation.shot];
+        const Observation& observation = problem.data().observations[observations[k]];
+        const Shot& shot = problem.data().shots[observation.shot];
         const Matrix3<double> root_inverse = noise[k].inverse();
         const Vector3<double> misfit = -MeasuredMinusPredicted(observation.reading(), prediction.point);
         result.residual.segment<3>(3 * k) = root_inverse * misfit;

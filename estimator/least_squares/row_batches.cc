@@ -39,7 +39,7 @@ Units UnitsOf(const CalibrationProblem& problem, const std::vector<int>& observa
   std::unordered_map<int, int> unit_of_visit;
   int previous = -1;
   for (int k = 0; k < static_cast<int>(observations.size()); ++k) {
-    const int shot = problem.data.observations[observations[k]].shot;
+    const int shot = problem.data().observations[observations[k]].shot;
     if (shot != previous) {
       runs.push_back({k, k});
       const int next = static_cast<int>(unit_of_visit.size());
@@ -104,13 +104,13 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
   const auto read = [&](const Run& run) {
     readings.clear();
     for (int k = run.first; k < run.last; ++k) {
-      const Observation& row = problem.data.observations[observations[k]];
+      const Observation& row = problem.data().observations[observations[k]];
       const Vector3<double> target =
           against_ == RowsAgainst::kMeasured ? row.point_in_station : Vector3<double>::Zero().eval();
-      readings.push_back({row.marker, problem.marker_frames[row.marker], target, whiteners_[k]});
+      readings.push_back({row.marker, problem.marker_frames()[row.marker], target, whiteners_[k]});
     }
   };
-  const auto shot_of = [&](const Run& run) { return problem.data.observations[observations[run.first]].shot; };
+  const auto shot_of = [&](const Run& run) { return problem.data().observations[observations[run.first]].shot; };
   const Units units = UnitsOf(problem, observations, marginalises_);
   std::map<std::vector<std::int64_t>, int> group_of;
   std::vector<std::vector<int>> members;
@@ -122,14 +122,14 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       const Run& run = units.runs[r];
       read(run);
       for (int k = run.first; k < run.last; ++k) {
-        const ReadingKind kind = problem.data.observations[observations[k]].kind;
+        const ReadingKind kind = problem.data().observations[observations[k]].kind;
         by_model |= kind != ReadingKind::kPoint;
         key.push_back(static_cast<int>(kind));
       }
-      key.push_back(problem.data.shots[shot_of(run)].station);
+      key.push_back(problem.data().shots[shot_of(run)].station);
       key.push_back(run.size());
       for (const BatchReading& reading : readings) key.push_back(reading.id);
-      by_model |= !AppendStructure(problem.model, problem.shot_inputs[shot_of(run)], readings, &key);
+      by_model |= !AppendStructure(problem.model(), problem.shot_inputs()[shot_of(run)], readings, &key);
     }
     const auto found = group_of.find(key);
     if (found != group_of.end()) {
@@ -143,12 +143,12 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       const Run& run = units.runs[r];
       read(run);
       Group::ShotPart part;
-      part.station = problem.data.shots[shot_of(run)].station;
+      part.station = problem.data().shots[shot_of(run)].station;
       for (const BatchReading& reading : readings) part.markers.push_back(reading.id);
       for (int k = run.first; k < run.last; ++k) {
-        part.kinds.push_back(problem.data.observations[observations[k]].kind);
+        part.kinds.push_back(problem.data().observations[observations[k]].kind);
       }
-      if (!by_model) part.program = MakeShotProgram(problem.model, problem.shot_inputs[shot_of(run)], readings);
+      if (!by_model) part.program = MakeShotProgram(problem.model(), problem.shot_inputs()[shot_of(run)], readings);
       group->rows += 3 * run.size();
       group->batch_doubles += part.program.num_data * kBatchLanes;
       group->shots.push_back(std::move(part));
@@ -168,7 +168,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
         for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) group.observations.push_back(k);
         if (group.by_model) continue;
         read(runs[s]);
-        PackShot(problem.model, group.shots[s].program, problem.shot_inputs[shot_of(runs[s])], readings,
+        PackShot(problem.model(), group.shots[s].program, problem.shot_inputs()[shot_of(runs[s])], readings,
                  i % kBatchLanes, const_cast<double*>(group.Data(i / kBatchLanes, static_cast<int>(s))));
       }
     }
@@ -307,26 +307,26 @@ bool RowBatches::Evaluate(const Request& request, int group, int batch, BatchScr
 
 bool RowBatches::EvaluateByModel(const Request& request, const Group& group, const BatchColumns& columns, int unit,
                                  int lane, double* rows) const {
-  const std::vector<double> exact(problem_.robot.num_joints(), 0.0);
+  const std::vector<double> exact(problem_.robot().num_joints(), 0.0);
   const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
   for (size_t s = 0; s < group.shots.size(); ++s) {
     const BatchLayout& layout = columns.shots[s];
-    const int shot = problem_.data.observations[observations_[*position]].shot;
+    const int shot = problem_.data().observations[observations_[*position]].shot;
     std::vector<MarkerInFrame> markers;
     for (size_t i = 0; i < group.shots[s].markers.size(); ++i) {
       const int m = group.shots[s].markers[i];
       markers.push_back(
-          {problem_.marker_frames[m], request.markers_[m], m, group.shots[s].kinds[i], request.turns_[m]});
+          {problem_.marker_frames()[m], request.markers_[m], m, group.shots[s].kinds[i], request.turns_[m]});
     }
     std::vector<PointPrediction> predictions;
-    if (!problem_.model.Predict(problem_.shot_inputs[shot], request.theta_.data(), request.active_,
-                                request.bases_[group.shots[s].station], markers, &predictions,
-                                problem_.latent.empty() ? nullptr : exact.data())) {
+    if (!problem_.model().Predict(problem_.shot_inputs()[shot], request.theta_.data(), request.active_,
+                                  request.bases_[group.shots[s].station], markers, &predictions,
+                                  problem_.latent.empty() ? nullptr : exact.data())) {
       return false;
     }
     for (size_t m = 0; m < markers.size(); ++m, ++position) {
       const PointPrediction& point = predictions[m];
-      const Observation& observation = problem_.data.observations[observations_[*position]];
+      const Observation& observation = problem_.data().observations[observations_[*position]];
       const bool is_measured = against_ == RowsAgainst::kMeasured;
       const Vector3<double> misfit =
           is_measured ? Vector3<double>(-MeasuredMinusPredicted(observation.reading(), point.point)) : point.point;

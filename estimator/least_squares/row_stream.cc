@@ -63,7 +63,7 @@ std::vector<int> OwnGroups(const CalibrationProblem& problem, const std::vector<
   std::vector<int> groups;
   groups.reserve(observations.size());
   for (const int i : observations) {
-    const int shot = problem.data.observations[i].shot;
+    const int shot = problem.data().observations[i].shot;
     groups.push_back(by_visit ? problem.latent.visit_of_shot[shot] : shot);
   }
   return groups;

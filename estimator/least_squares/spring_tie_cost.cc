@@ -159,8 +159,8 @@ std::string TieInWords(const CalibrationProblem& problem, const ParameterSet& es
   for (const int parameter : tie.geometry)
     any |= estimated.coordinates()[estimated.model_parameter(parameter).first_coordinate].free;
   if (!any) return "";
-  const std::string& lever = problem.data.markers[tie.lever_marker];
-  const std::string& anchor = problem.data.markers[tie.anchor_marker];
+  const std::string& lever = problem.data().markers[tie.lever_marker];
+  const std::string& anchor = problem.data().markers[tie.anchor_marker];
   if (!estimated.spring_tie()) return MarkersAreNotTheEnds(lever, anchor);
   return tie.sigma_is_stated ? "" : MarkersAreTakenAsEnds(lever, anchor);
 }

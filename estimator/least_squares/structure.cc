@@ -41,9 +41,9 @@ Structure StructureOf(const CalibrationProblem& problem, const ResidualSelection
   }
   double touched = 0.0;
   for (const int i : selection.observations) {
-    const Observation& observation = problem.data.observations[i];
+    const Observation& observation = problem.data().observations[i];
     const std::vector<double>& of_marker = observation.is_point() ? of_point : of_rotation;
-    touched += of_model + of_station[problem.data.shots[observation.shot].station] + of_marker[observation.marker];
+    touched += of_model + of_station[problem.data().shots[observation.shot].station] + of_marker[observation.marker];
   }
   Structure structure;
   structure.unknowns = static_cast<int>(parameters.EstimatedCoordinates().size());

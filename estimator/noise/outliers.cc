@@ -7,6 +7,7 @@
 
 #include "estimator/report/noise_words.h"
 #include "estimator/statistics/distributions.h"
+#include "models/constants.h"
 
 namespace sagitta {
 namespace {
@@ -71,7 +72,7 @@ void MarkExchanges(const CalibrationProblem& problem, const ParameterSet& parame
   const auto predicted = [&](int observation) -> Vector3<double> {
     return sorted.col(std::lower_bound(rows.begin(), rows.end(), observation) - rows.begin());
   };
-  const std::vector<Observation>& all = problem.data.observations;
+  const std::vector<Observation>& all = problem.data().observations;
   for (Outlier& a : *outliers) {
     for (Outlier& b : *outliers) {
       if (!all[a.observation].is_point() || !all[b.observation].is_point()) continue;
@@ -105,7 +106,7 @@ std::vector<Outlier> FlagOutliers(const CalibrationProblem& problem, const Point
 
 std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const ParameterSet& parameters,
                                        const std::vector<Outlier>& outliers, double significance) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   const std::vector<int> all = problem.CalibrationObservations();
   const std::vector<int> events = Events(outliers);
   std::vector<std::string> words;
@@ -113,7 +114,7 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
     words.push_back(AreNoMinority(events.size() / static_cast<double>(all.size())));
   }
   const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };
-  const int joints = problem.robot.num_joints();
+  const int joints = problem.robot().num_joints();
   const double level = significance / (8 + joints);  // all tests together
   TestCategory(
       "configuration", events, all, [&](int i) { return data.configurations[shot_of(i).configuration].id; }, level,
@@ -129,10 +130,10 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
         "times", "s", 1.0, events, all, [&](int i) { return shot_of(i).time; }, level, &words);
   }
   for (int j = 0; j < joints; ++j) {
-    const Joint& joint = problem.robot.chain.joints[j];
+    const Joint& joint = problem.robot().chain.joints[j];
     const bool turns = joint.type != JointType::kPrismatic;
     TestNumber(
-        "joint " + joint.name, turns ? "deg" : "mm", turns ? 180.0 / EIGEN_PI : 1e3, events, all,
+        "joint " + joint.name, turns ? "deg" : "mm", turns ? 1.0 / kDegree : 1e3, events, all,
         [&](int i) { return data.configurations[shot_of(i).configuration].q[j]; }, level, &words);
   }
   const auto in_base = [&](int i) -> Vector3<double> {

@@ -15,7 +15,7 @@ constexpr double kBlind = 0.05;    // of the largest lever: a value of its own w
 constexpr double kNothing = 1e-9;  // rad or m: a deviation that is none
 
 bool IsPrismatic(const CalibrationProblem& problem, int joint) {
-  return problem.robot.chain.joints[joint].type == JointType::kPrismatic;
+  return problem.robot().chain.joints[joint].type == JointType::kPrismatic;
 }
 
 // A joint that hardly moves any marker (a marker on the last axis) has the value of the joint before it.
@@ -34,11 +34,11 @@ void JoinBlindJoints(const CalibrationProblem& problem, const Eigen::VectorXd& l
 // Joints that are estimated together, by kind; stated ones have a group of their own.
 std::vector<DeviationGroup> MakeGroups(const CalibrationProblem& problem, bool per_joint,
                                        const Eigen::VectorXd& levers) {
-  const RepeatabilitySpec& spec = problem.experiment.repeatability;
+  const RepeatabilitySpec& spec = problem.experiment().repeatability;
   std::vector<DeviationGroup> groups;
   DeviationGroup kinds[2];
-  for (int j = 0; j < problem.robot.num_joints(); ++j) {
-    const Joint& joint = problem.robot.chain.joints[j];
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    const Joint& joint = problem.robot().chain.joints[j];
     const RepeatabilitySpec::OfKind& kind = spec.Of(joint.type);
     const std::optional<double> stated = kind.StatedFor(joint.name);
     if (stated || !kind.estimate) {
@@ -68,7 +68,7 @@ void SetVariances(const RemlFit& fit, std::vector<DeviationGroup>* groups) {
 
 LatentModel LatentOf(const CalibrationProblem& problem, const std::vector<DeviationGroup>& groups) {
   LatentModel latent = problem.latent;
-  std::vector<double> of_joint(problem.robot.num_joints(), 0.0);
+  std::vector<double> of_joint(problem.robot().num_joints(), 0.0);
   for (const DeviationGroup& group : groups) {
     for (const int j : group.joints) of_joint[j] = std::sqrt(group.variance);
   }
@@ -103,7 +103,7 @@ double ChangeOf(const LatentModel& before, const LatentModel& after, int joints)
 std::string GroupName(const CalibrationProblem& problem, const DeviationGroup& group, bool per_joint) {
   if (group.joints.size() == 1 || per_joint) {
     std::string names;
-    for (const int j : group.joints) names += (names.empty() ? "" : " and ") + problem.robot.chain.joints[j].name;
+    for (const int j : group.joints) names += (names.empty() ? "" : " and ") + problem.robot().chain.joints[j].name;
     return names;
   }
   return IsPrismatic(problem, group.joints[0]) ? "prismatic joints" : "joints";
@@ -144,7 +144,7 @@ bool EstimatesComponents(const Experiment& experiment) {
 double FindComponents(const CalibrationProblem& problem, const ParameterSet& parameters, bool sigma_is_stated,
                       int round, RepeatabilityChoice* choice) {
   choice->estimate_instrument =
-      !sigma_is_stated || problem.experiment.noise.from == NoiseSpec::From::kVarianceComponents;
+      !sigma_is_stated || problem.experiment().noise.from == NoiseSpec::From::kVarianceComponents;
   const RestrictedLikelihood reml(problem, parameters);
   RemlFit fit;
   if (round < kChoosingRounds) {
@@ -178,7 +178,7 @@ double FindComponents(const CalibrationProblem& problem, const ParameterSet& par
   SetVariances(fit, &choice->groups);
   const LatentModel latent = LatentOf(problem, choice->groups);
   const double instrument = std::sqrt(fit.variances[0]);
-  const double change = std::max(ChangeOf(choice->latent, latent, problem.robot.num_joints()),
+  const double change = std::max(ChangeOf(choice->latent, latent, problem.robot().num_joints()),
                                  RelativeChange(choice->instrument, instrument));
   choice->latent = latent;
   choice->instrument = instrument;

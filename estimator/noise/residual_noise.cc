@@ -84,7 +84,7 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
     ++counts[group[i]];
   }
   NoiseRoots roots;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
     Vector3<double> own;
     for (int a = 0; a < 3; ++a) {
       const double found = of_group[groups.group[3 * i + a]];

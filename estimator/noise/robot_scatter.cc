@@ -10,7 +10,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kInstrumentIsNotTheNoise = 10.0;  // reduced chi-square
 // Of the coordinates, what weights w leave with a say: (sum w)^2 / (n sum w^2), Kish's effective sample size (Kish
 // 1965). At a quarter, weighing by what is not the noise doubles standard deviations.
 constexpr double kFewHaveASay = 0.25;
@@ -24,10 +23,10 @@ struct AlongAxes {
 
 AlongAxes Residuals(const CalibrationProblem& problem, const Estimate& estimate) {
   AlongAxes along;
-  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
-    const Matrix3<double> root = problem.NoiseRoot(i);
+  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
+    const Matrix3<double> root = problem.SqrtCovariance(i);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(root * root.transpose()));
-    const Eigen::Vector3d residual = problem.data.observations[i].point_in_station - estimate.predicted.col(i);
+    const Eigen::Vector3d residual = problem.data().observations[i].point_in_station - estimate.predicted.col(i);
     const Eigen::Vector3d turned = axes.eigenvectors().transpose() * residual;
     for (int axis = 0; axis < 3; ++axis) {
       along.variance.push_back(std::max(0.0, axes.eigenvalues()[axis]));
@@ -59,15 +58,16 @@ double VarianceOfRobot(const AlongAxes& along) {
 }  // namespace
 
 bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate) {
-  const Experiment& experiment = problem.experiment;
-  const bool is_free = experiment.noise.from == NoiseSpec::From::kDefault && experiment.weights == Weights::kSigma &&
-                       experiment.loss == LossKind::kNone && problem.latent.empty() && problem.resolved_noise.empty();
+  const Experiment& experiment = problem.experiment();
+  const bool is_free = experiment.noise.from == NoiseSpec::From::kDefault &&
+                       experiment.method.weights == Weights::kSigma && experiment.method.loss == LossKind::kNone &&
+                       problem.latent.empty() && problem.resolved_noise.empty();
   const SigmaReport& sigma = estimate.sigma;
   if (!is_free || !IsUsable(estimate.status) || !sigma.stated || !sigma.scaled) return false;
   if (sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return false;
   double sum = 0.0, squares = 0.0, count = 0.0;
-  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
-    const Matrix3<double> root = problem.NoiseRoot(i);
+  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
+    const Matrix3<double> root = problem.SqrtCovariance(i);
     if (!IsStated(root)) return false;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(root * root.transpose()));
     const Eigen::Array3d weights = axes.eigenvalues().array().inverse();
@@ -82,13 +82,13 @@ RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate&
   const double variance = VarianceOfRobot(Residuals(problem, estimate));
   RobotScatter scatter{std::sqrt(variance), {}};
   double stated = 0.0, both = 0.0;  // of the calibration points
-  for (const int i : problem.data.PointsAmong(problem.CalibrationObservations())) {
-    stated += problem.NoiseRoot(i).squaredNorm();
-    both += problem.NoiseRoot(i).squaredNorm() + 3.0 * variance;
+  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
+    stated += problem.SqrtCovariance(i).squaredNorm();
+    both += problem.SqrtCovariance(i).squaredNorm() + 3.0 * variance;
   }
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    Matrix3<double> root = problem.NoiseRoot(static_cast<int>(i));
-    if (problem.data.observations[i].is_point() && IsStated(root)) {
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    Matrix3<double> root = problem.SqrtCovariance(static_cast<int>(i));
+    if (problem.data().observations[i].is_point() && IsStated(root)) {
       const Matrix3<double> covariance = root * root.transpose() + variance * Matrix3<double>::Identity();
       root = std::sqrt(stated / both) * Matrix3<double>(covariance.llt().matrixL());
     }

@@ -14,6 +14,9 @@
 
 namespace sagitta {
 
+// Reduced chi-square from which the instrument's stated noise is not what is left.
+constexpr double kInstrumentIsNotTheNoise = 10.0;
+
 // The robot is the noise: nothing else says how to weigh, the stated sigmas leave less than a quarter of the
 // coordinates with a say, and the residuals of the judged estimate are several times as large.
 bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate);

@@ -29,7 +29,7 @@ std::vector<double> AlignedDistances(const CalibrationProblem& problem, const st
   for (const bool points : {true, false}) {
     distances.clear();
     for (size_t k = 0; k < observations.size(); ++k) {
-      const Observation& row = problem.data.observations[observations[k]];
+      const Observation& row = problem.data().observations[observations[k]];
       if (points && row.is_point()) of_row[observations[k]] = (row.point_in_station - predicted.col(k)).norm();
       distances.push_back(of_row[row.is_point() ? observations[k] : row.partner]);
     }
@@ -42,8 +42,8 @@ std::vector<int> WithinReach(const CalibrationProblem& problem, const std::vecto
                              const std::vector<double>& distances) {
   const double limit = kFarFromMedian * Median(distances);
   const auto groups_of = [&](int i) {
-    const Observation& observation = problem.data.observations[i];
-    return std::make_pair(observation.marker, problem.data.shots[observation.shot].station);
+    const Observation& observation = problem.data().observations[i];
+    return std::make_pair(observation.marker, problem.data().shots[observation.shot].station);
   };
   std::map<int, int> left_of_marker, left_of_station;
   for (size_t k = 0; k < observations.size(); ++k) {
@@ -125,7 +125,7 @@ PointCheck CheckPoints(const CalibrationProblem& problem, const ParameterSet& pa
   const Linearization raw = Linearize(problem, parameters, check.observations, {}, noise, LatentTreatment::kIgnore);
   std::map<int, std::vector<int>> points_of_visit;
   for (size_t k = 0; k < n; ++k) {
-    const int shot = problem.data.observations[check.observations[k]].shot;
+    const int shot = problem.data().observations[check.observations[k]].shot;
     points_of_visit[problem.latent.visit_of_shot[shot]].push_back(static_cast<int>(k));
   }
   for (const auto& [visit, points] : points_of_visit) CheckVisit(raw, weights, scale, points, &check);

@@ -22,9 +22,9 @@ constexpr double kConverged = 1e-9;           // of the deviance
 // Every joint deviates by the reference.
 CalibrationProblem WithReferenceDeviations(CalibrationProblem problem) {
   LatentModel& latent = problem.latent;
-  latent.joints.resize(problem.robot.num_joints());
+  latent.joints.resize(problem.robot().num_joints());
   std::iota(latent.joints.begin(), latent.joints.end(), 0);
-  latent.sigmas = Eigen::VectorXd::Constant(problem.robot.num_joints(), kReference);
+  latent.sigmas = Eigen::VectorXd::Constant(problem.robot().num_joints(), kReference);
   return problem;
 }
 

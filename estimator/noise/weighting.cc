@@ -12,7 +12,7 @@ namespace {
 constexpr double kAlike = 1e-9;  // relative difference of roots
 
 NoiseRoots AllRoots(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   return ObservationNoise(problem, all, kFallbackSigma);
 }
@@ -34,20 +34,20 @@ bool AllAlike(const NoiseRoots& noise) {
 }  // namespace
 
 bool WeighsOtherwise(const CalibrationProblem& problem) {
-  const Experiment& experiment = problem.experiment;
+  const Experiment& experiment = problem.experiment();
   const NoiseSpec::From from = experiment.noise.from;
-  if (experiment.weights == Weights::kSigma) return false;
+  if (experiment.method.weights == Weights::kSigma) return false;
   if (from == NoiseSpec::From::kResiduals || from == NoiseSpec::From::kVarianceComponents) return false;
-  if (experiment.weights == Weights::kEq14) return true;
+  if (experiment.method.weights == Weights::kEq14) return true;
   return problem.sigma_is_stated() && !AllAlike(AllRoots(problem));
 }
 
 bool WeighsByEq14(const Experiment& experiment) {
-  return experiment.weights == Weights::kEq14 || experiment.noise.from == NoiseSpec::From::kResiduals;
+  return experiment.method.weights == Weights::kEq14 || experiment.noise.from == NoiseSpec::From::kResiduals;
 }
 
 NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise) {
-  if (experiment.weights == Weights::kEqual) {
+  if (experiment.method.weights == Weights::kEqual) {
     return NoiseRoots(noise.size(), CommonSigma(noise) * Matrix3<double>::Identity());
   }
   return Eq14Roots(noise, experiment.noise.sigma0, experiment.noise.lambda);

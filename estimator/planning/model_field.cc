@@ -34,14 +34,14 @@ std::vector<EffectSpec> FieldEffects(const Robot& robot, const std::vector<Effec
 double FieldAmplitude(const PlanScene& scene, const std::vector<int>& columns, const std::vector<bool>& of_field,
                       double rms) {
   const CalibrationProblem& problem = *scene.problem;
-  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data);
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
   const size_t step = std::max<size_t>(1, scene.candidates.size() / kMostPoses);
   std::vector<int> points;
   for (size_t i = 0; i < scene.candidates.size(); i += step) {
     const std::vector<int>& own = observations[scene.candidates[i]];
     points.insert(points.end(), own.begin(), own.end());
   }
-  points = problem.data.PointsAmong(points);
+  points = problem.data().PointsAmong(points);
   const NoiseRoots metres(points.size(), Matrix3<double>::Identity());
   Eigen::MatrixXd rows =
       Linearize(problem, problem.parameters, points, columns, metres, LatentTreatment::kIgnore).jacobian;

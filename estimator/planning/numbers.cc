@@ -27,7 +27,7 @@ std::vector<int> Joined(const std::vector<std::vector<int>>& observations, const
 NoiseRoots StatedNoise(const CalibrationProblem& problem, const std::vector<int>& observations) {
   const NoiseRoots roots = ObservationNoise(problem, observations, 0.0);
   if (std::all_of(roots.begin(), roots.end(), IsStated)) return roots;
-  throw InputError({problem.experiment.file, 0, "noise"}, "a plan weighs readings, and nothing states their noise",
+  throw InputError({problem.experiment().file, 0, "noise"}, "a plan weighs readings, and nothing states their noise",
                    "give --sigma_mm, or noise: {sigma_mm: …} in the experiment file");
 }
 
@@ -115,7 +115,7 @@ int PlanNumbers::LeastPoses() const {
 
 PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   const CalibrationProblem& problem = *scene.problem;
-  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data);
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
   PlanNumbers numbers;
   numbers.columns = problem.parameters.EstimatedCoordinates();
   numbers.set.rows = RowsOf(problem, Joined(observations, scene.candidates), numbers.columns);
@@ -146,7 +146,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   const Eigen::MatrixXd rows = beside.jacobian * numbers.scale.asDiagonal();
   numbers.known += rows.transpose() * rows;
 
-  const std::vector<int> points = problem.data.PointsAmong(Joined(observations, scene.tests));
+  const std::vector<int> points = problem.data().PointsAmong(Joined(observations, scene.tests));
   const NoiseRoots metres(points.size(), Matrix3<double>::Identity());
   numbers.test_rows =
       Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *
@@ -179,14 +179,14 @@ Criterion CriterionFor(const CalibrationProblem& problem, const PlanNumbers& num
   }
   criterion.size = Eigen::Map<Eigen::VectorXd>(sizes.data(), sizes.size());
   if (criterion.interest.empty() && criterion.kind != CriterionKind::kI) {
-    throw InputError({problem.experiment.file, 0, "estimate"}, "no parameter of the robot is free",
+    throw InputError({problem.experiment().file, 0, "estimate"}, "no parameter of the robot is free",
                      "the criteria D, A, E and O1 to O5 need some; use I");
   }
   return criterion;
 }
 
 PoseRows::PoseRows(PlanScene* scene, const PlanNumbers& numbers) : scene_(scene), numbers_(numbers) {
-  const Measurements& data = scene->problem->data;
+  const Measurements& data = scene->problem->data();
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
   const std::vector<std::vector<int>> observations = ObservationsByConfiguration(data);
   for (const int c : scene->movable) {
@@ -203,13 +203,13 @@ bool PoseRows::IsFeasible(const PlannedPose& pose) const {
 void PoseRows::Move(const PlannedPose& pose) {
   CalibrationProblem& problem = *scene_->problem;
   for (const int s : shots_[pose.way]) {
-    ShotConditions& conditions = problem.shot_inputs[s].conditions;
-    conditions.q = pose.q;
+    ShotInput& input = (*problem.mutable_shot_inputs())[s];
+    input.conditions.q = pose.q;
     if (!pose.approach.empty()) {
-      conditions.approach = pose.approach;
-      problem.data.shots[s].approach = pose.approach;
+      input.conditions.approach = pose.approach;
+      problem.mutable_data()->shots[s].approach = pose.approach;
     }
-    problem.model.Prepare(&problem.shot_inputs[s]);
+    problem.model().Prepare(&input);
   }
 }
 
@@ -219,7 +219,7 @@ bool PoseRows::Expect(int way) {
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, observations);
   if (!points.allFinite()) return false;
   for (size_t k = 0; k < observations.size(); ++k) {
-    problem.data.observations[observations[k]].Read(points.col(k), Vector3<double>::Zero());
+    problem.mutable_data()->observations[observations[k]].Read(points.col(k), Vector3<double>::Zero());
   }
   return true;
 }
@@ -234,12 +234,12 @@ Eigen::MatrixXd PoseRows::At(const PlannedPose& pose) {
   Move(pose);
   CalibrationProblem& problem = *scene_->problem;
   const std::vector<int>& observations = observations_[pose.way];
-  if (problem.experiment.noise.from == NoiseSpec::From::kInstrument) {  // depends on where the point is
+  if (problem.experiment().noise.from == NoiseSpec::From::kInstrument) {  // depends on where the point is
     if (!Expect(pose.way)) return Eigen::MatrixXd();
   } else {  // not measured: derivatives are those of the prediction
     for (const int k : observations) {
-      problem.data.observations[k].point_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
-      problem.data.observations[k].rotation_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+      problem.data().observations[k].point_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+      problem.data().observations[k].rotation_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
     }
   }
   const Linearization rows = LinearizeByModel(problem, problem.parameters, observations, numbers_.columns,

@@ -59,7 +59,7 @@ std::vector<int> OrderOf(const PlanScene& scene, const FoundPlan& found, const P
 }
 
 void FillRows(const FoundPlan& found, const std::vector<int>& order, PlanScene* scene, PoseRows* rows, Plan* plan) {
-  const Measurements& data = scene->problem->data;
+  const Measurements& data = scene->problem->data();
   const std::vector<std::vector<int>> shots = ShotsByConfiguration(data);
   const bool keep_ids = scene->way_of.empty();
   plan->rows.files = data.files;

@@ -60,10 +60,10 @@ void Place(const Measurements& data, CalibrationProblem* problem, std::vector<st
     words->push_back(PlacesFitReadings());
     return;
   }
-  for (const std::string& marker : problem->data.markers) {
-    const auto spec = problem->experiment.markers.find(marker);
-    if (spec != problem->experiment.markers.end() && spec->second.point) continue;
-    throw InputError({problem->experiment.file, 0, "markers"},
+  for (const std::string& marker : problem->data().markers) {
+    const auto spec = problem->experiment().markers.find(marker);
+    if (spec != problem->experiment().markers.end() && spec->second.point) continue;
+    throw InputError({problem->experiment().file, 0, "markers"},
                      "nothing says where marker '" + marker + "' is: no row has a reading",
                      "state markers: {" + marker + ": {xyz_mm: …}} in the experiment file");
   }
@@ -71,10 +71,10 @@ void Place(const Measurements& data, CalibrationProblem* problem, std::vector<st
 }
 
 void CopyPlaces(const CalibrationProblem& from, CalibrationProblem* to) {
-  for (size_t s = 0; s < to->data.stations.size(); ++s) {
+  for (size_t s = 0; s < to->data().stations.size(); ++s) {
     to->parameters.SetBaseInStation(static_cast<int>(s), from.parameters.BaseInStation(static_cast<int>(s)));
   }
-  for (int m = 0; m < static_cast<int>(to->data.markers.size()); ++m) {
+  for (int m = 0; m < static_cast<int>(to->data().markers.size()); ++m) {
     to->parameters.SetMarkerPoint(m, from.parameters.MarkerPoint(m));
     if (to->parameters.is_oriented(m)) to->parameters.SetMarkerRotation(m, from.parameters.MarkerRotation(m));
   }
@@ -217,12 +217,12 @@ std::vector<int> FeasibleOf(const Measurements& list, const FeasiblePoses& feasi
 // Puts the readings that are expected into these configurations; drops those whose load folds the arm.
 void ExpectReadings(PlanScene* scene) {
   CalibrationProblem& problem = *scene->problem;
-  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data);
+  const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
   const auto expect = [&](const std::vector<int>& rows) {
     const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, rows);
     if (!points.allFinite()) return false;
     for (size_t k = 0; k < rows.size(); ++k)
-      problem.data.observations[rows[k]].Read(points.col(k), Vector3<double>::Zero());
+      problem.mutable_data()->observations[rows[k]].Read(points.col(k), Vector3<double>::Zero());
     return true;
   };
   std::vector<int> together;
@@ -234,7 +234,7 @@ void ExpectReadings(PlanScene* scene) {
   std::vector<int> kept, ways;
   for (size_t i = 0; i < scene->candidates.size(); ++i) {
     if (!holds(scene->candidates[i])) {
-      ++scene->infeasible["the load folds the arm: no equilibrium"];
+      ++scene->infeasible[LoadFoldsArm()];
       continue;
     }
     kept.push_back(scene->candidates[i]);
@@ -244,7 +244,7 @@ void ExpectReadings(PlanScene* scene) {
   scene->way_of = ways;
   const long folded = std::count_if(scene->tests.begin(), scene->tests.end(), [&](int c) { return !holds(c); });
   if (folded > 0) {
-    throw InputError({problem.experiment.file, 0, "loads"},
+    throw InputError({problem.experiment().file, 0, "loads"},
                      "at " + std::to_string(folded) + " test poses the load folds the arm: no equilibrium",
                      "check the load and the compliances, or take these poses out");
   }

@@ -87,7 +87,7 @@ class LocalSearch {
 
 PlanSearch::PlanSearch(PlanScene* scene, PlanNumbers* numbers, const Criterion& criterion, const PlanRequest& request)
     : scene_(scene), numbers_(numbers), criterion_(criterion), request_(request), rows_(scene, *numbers) {
-  const Measurements& data = scene->problem->data;
+  const Measurements& data = scene->problem->data();
   for (size_t i = 0; i < scene->candidates.size(); ++i) {
     const int c = scene->candidates[i];
     candidates_.push_back({c, scene->way_of.empty() ? -1 : scene->way_of[i], data.configurations[c].q, {}});

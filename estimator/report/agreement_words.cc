@@ -35,7 +35,7 @@ std::string Worst(const AgreementReport& report) {
 
 void DescribeRepeats(const CalibrationProblem& problem, AgreementReport* report) {
   const RepeatFit& repeats = report->repeats;
-  if (!repeats.known || repeats.p_value >= problem.experiment.significance) return;
+  if (!repeats.known || repeats.p_value >= problem.experiment().significance) return;
   std::string words =
       "Repeated shots of one arrival agree with each other " + Significant(std::sqrt(repeats.ratio), 2) +
       " times better than the model agrees with them (lack of fit, p = " + Significant(repeats.p_value, 2) +

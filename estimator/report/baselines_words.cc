@@ -59,4 +59,8 @@ std::string PreloadWentIntoGeometry() {
 
 std::string BiasIsIgnored() { return "the intervals ignore the bias of this variant of the two-step method"; }
 
+std::string IdentificationSingular() { return "the identification Jacobian is singular at the start"; }
+
+std::string PosesStandStill() { return "the pose least squares stands still"; }
+
 }  // namespace sagitta

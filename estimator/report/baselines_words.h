@@ -22,6 +22,8 @@ std::string MarkerOffFlange(const std::string& marker);
 std::string HeldInFirstStep(const std::string& parameter);
 
 std::string PoseEquationsSingular();
+std::string IdentificationSingular();
+std::string PosesStandStill();
 
 // What the intervals of a method leave out.
 std::string DifferencesTakeRestAsExact();

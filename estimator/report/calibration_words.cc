@@ -13,6 +13,8 @@ std::string Places(const std::vector<std::string>& configurations) {
 
 }  // namespace
 
+std::string AligningNominal() { return "aligning the nominal robot: base poses and markers"; }
+
 std::string EverythingHeld() {
   return "the scatter is so large that every unknown had to be held: rows that are far off ('sagitta inspect' names "
          "them); else check signs and zero positions of the joints, the kinematics and the units";

@@ -9,6 +9,9 @@
 
 namespace sagitta {
 
+// Progress: the first step.
+std::string AligningNominal();
+
 // Why an estimate is none, or is one.
 std::string EverythingHeld();
 std::string SingularAtOptimum();

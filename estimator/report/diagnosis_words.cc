@@ -102,7 +102,7 @@ double LeastProbability(const Diagnosis& d, const StepGroup& group) {
 std::string CauseInWords(const Diagnosis& d, const StepGroup& group) {
   const bool is_one = group.steps.size() == 1;
   const DiagnosisStep& first = d.steps[static_cast<size_t>(group.steps.front())];
-  std::string words = is_one ? Title(d.final.problem->robot, first.candidate.spec) : GroupInWords(d, group);
+  std::string words = is_one ? Title(d.final.problem->robot(), first.candidate.spec) : GroupInWords(d, group);
   const std::string probability = Percent(LeastProbability(d, group));
   const bool is_bound = probability.rfind("above", 0) == 0;
   words += is_one ? ", " + probability : ", each " + probability + (is_bound ? "" : " or more");
@@ -135,7 +135,7 @@ std::vector<std::string> CausesInWords(const Diagnosis& d) {
 }
 
 std::string RestInWords(const Diagnosis& d) {
-  if (d.verdict == "explained") return "Nothing significant is left.";
+  if (d.verdict == DiagnosisVerdict::kExplained) return "Nothing significant is left.";
   const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 / d.gap.closed - 1.0);
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
 }
@@ -149,13 +149,13 @@ std::string Title(const Robot& robot, const EffectSpec& spec) {
 }
 
 std::string VerdictInWords(const Diagnosis& d) {
-  if (d.verdict == "consistent") {
+  if (d.verdict == DiagnosisVerdict::kConsistent) {
     return d.cautions.empty()
                ? "Nothing is missing at this significance."
                : "Nothing is missing at this significance, as far as these data can tell: see the cautions.";
   }
-  if (d.verdict == "noise") return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
-  if (d.verdict != "explained" && d.verdict != "partly")
+  if (d.verdict == DiagnosisVerdict::kNoise) return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
+  if (d.verdict != DiagnosisVerdict::kExplained && d.verdict != DiagnosisVerdict::kPartly)
     return "There is a significant gap that no effect of the catalogue explains well.";
   std::string names;
   for (const std::string& cause : CausesInWords(d)) names += (names.empty() ? "" : "; ") + cause;
@@ -171,19 +171,20 @@ std::vector<std::string> VerdictLines(const Diagnosis& d) {
 }
 
 bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row) {
-  const std::vector<std::string>& vague = step.candidate.vague;
-  return std::find(vague.begin(), vague.end(), row.name) == vague.end();
+  const std::vector<std::string>& poorly_determined = step.candidate.poorly_determined;
+  return std::find(poorly_determined.begin(), poorly_determined.end(), row.name) == poorly_determined.end();
 }
 
 std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
   std::string words = Title(robot, step.candidate.spec) + ", " + Percent(step.probability) + ":";
-  const std::vector<std::string>& vague = step.candidate.vague;
+  const std::vector<std::string>& poorly_determined = step.candidate.poorly_determined;
   for (const ParameterEstimate& row : step.parameters) {
     if (!IsTold(step, row)) continue;
     words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
   }
   words.back() = ';';
-  if (!vague.empty()) words += " " + std::to_string(vague.size()) + " more that these data cannot tell;";
+  if (!poorly_determined.empty())
+    words += " " + std::to_string(poorly_determined.size()) + " more that these data cannot tell;";
   if (std::isfinite(step.holdout_after)) {
     const bool is_change = std::isfinite(step.holdout_before);
     words += " hold-out RMS " + (is_change ? Significant(1e3 * step.holdout_before, 3) + " -> " : "") +
@@ -250,7 +251,7 @@ std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
     const std::string& target = d.steps[static_cast<size_t>(k)].candidate.spec.target;
     if (std::find(targets.begin(), targets.end(), target) == targets.end()) targets.push_back(target);
   }
-  const EffectDefinition* definition = FindEffect(d.final.problem->robot, group.effect);
+  const EffectDefinition* definition = FindEffect(d.final.problem->robot(), group.effect);
   const std::string title = definition != nullptr                   ? definition->title
                             : group.effect == "gravity_compensator" ? "gravity compensator"
                                                                     : "other effects";
@@ -334,10 +335,10 @@ std::string ClosedInWords(const GapReport& gap) {
 
 std::string DiagnosisToText(const Diagnosis& d) {
   std::ostringstream text;
-  const Robot& robot = d.final.problem->robot;
+  const Robot& robot = d.final.problem->robot();
   const Estimate& before = d.baseline.estimate;
   const Estimate& after = d.final.estimate;
-  text << "Verdict: " << d.verdict << ".";
+  text << "Verdict: " << WordOf(d.verdict) << ".";
   for (const std::string& line : VerdictLines(d)) text << " " << line << "\n";
   text << "\n";
   text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", "
@@ -364,7 +365,7 @@ std::string DiagnosisToText(const Diagnosis& d) {
   if (d.next) text << "Next: " << NextInWords(*d.next) << "\n";
   for (const ReportedFlip& flip : d.posterior.flips) text << "Prior: " << FlipInWords(robot, flip) << "\n";
   for (const std::string& caution : d.cautions) text << "Caution: " << caution << "\n";
-  for (const std::string& warning : d.baseline.problem->data.warnings) text << "Warning: " << warning << "\n";
+  for (const std::string& warning : d.baseline.problem->data().warnings) text << "Warning: " << warning << "\n";
   return text.str();
 }
 

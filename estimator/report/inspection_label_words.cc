@@ -23,7 +23,7 @@ Finding OnePointInWords(double spread) {
 }
 
 Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& found) {
-  const auto source = [&](int i) { return problem.data.SourceOf(problem.data.observations[i]); };
+  const auto source = [&](int i) { return problem.data().SourceOf(problem.data().observations[i]); };
   const auto percent = std::lround(100.0 * static_cast<double>(found.far.size()) / static_cast<double>(found.rows));
   const std::string rows = std::to_string(found.far.size()) + " of " + std::to_string(found.rows) + " rows (" +
                            std::to_string(percent) + " %) are off, half of them by more than " +

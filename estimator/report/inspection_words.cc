@@ -184,4 +184,8 @@ std::string TorquesInWords(bool measured_count, const TorqueGroups& joints) {
   return words;
 }
 
+std::string ReadingOtherwise() { return "reading robot and rows in other ways"; }
+
+std::string LinearizingAtNominal() { return "linearizing at the aligned nominal robot"; }
+
 }  // namespace sagitta

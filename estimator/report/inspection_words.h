@@ -9,6 +9,10 @@
 
 namespace sagitta {
 
+// Progress.
+std::string ReadingOtherwise();
+std::string LinearizingAtNominal();
+
 struct Advice {
   std::string words;
   std::string remedy;

@@ -50,4 +50,8 @@ std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& 
   return listed + " move together: only their " + (alike ? "" : "weighted ") + kind + " is measured";
 }
 
+std::string PoorlyDetermined(const std::vector<std::pair<std::string, double>>& components, const std::string& words) {
+  return components.size() == 1 ? components[0].first + " is measured poorly" : "poorly told apart: " + words;
+}
+
 }  // namespace sagitta

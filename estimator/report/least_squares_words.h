@@ -7,6 +7,9 @@
 
 namespace sagitta {
 
+// A direction with a large spread: one parameter, or several that trade off as `words` say.
+std::string PoorlyDetermined(const std::vector<std::pair<std::string, double>>& components, const std::string& words);
+
 // What to measure or to state, by the families of the names; components: as in Direction (identifiability.h).
 std::string RemedyFor(const std::vector<std::pair<std::string, double>>& components);
 

@@ -21,8 +21,8 @@ std::string WithUncertainty(double value, double sigma) {
 }
 
 std::string SourceName(const CalibrationProblem& problem, const SigmaReport& sigma) {
-  const Experiment& experiment = problem.experiment;
-  if (experiment.weights == Weights::kEq14) return "eq14";
+  const Experiment& experiment = problem.experiment();
+  if (experiment.method.weights == Weights::kEq14) return "eq14";
   switch (experiment.noise.from) {
     case NoiseSpec::From::kRepeats:
       return "repeats";
@@ -93,8 +93,8 @@ std::string ChoiceWords(const NoiseReport& report) {
 // Arrivals at one configuration tell the robot's scatter from what the model lacks there.
 bool VisitsTwice(const CalibrationProblem& problem) {
   std::map<int, std::set<int>> visits;
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    visits[problem.data.shots[s].configuration].insert(problem.latent.visit_of_shot[s]);
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    visits[problem.data().shots[s].configuration].insert(problem.latent.visit_of_shot[s]);
   }
   return std::any_of(visits.begin(), visits.end(), [](const auto& entry) { return entry.second.size() > 1; });
 }
@@ -117,7 +117,7 @@ void DescribeComponents(const CalibrationProblem& problem, NoiseReport* report) 
 void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   if (report.loss == LossKind::kNone) return;
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   report.words.push_back("Loss: " + WordOf(report.loss) +
                          " on the whitened distance of each marker point, turning at " +
                          Significant(report.loss_tuning, 3) + " standard deviations; it widens the intervals by " +
@@ -158,8 +158,8 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
 // What the fit weighs with where that is not the inverse of the noise.
 void DescribeWeights(const CalibrationProblem& problem, NoiseReport* report) {
   if (problem.weight_roots.empty()) return;
-  const NoiseSpec& noise = problem.experiment.noise;
-  if (problem.experiment.weights == Weights::kEqual) {
+  const NoiseSpec& noise = problem.experiment().noise;
+  if (problem.experiment().method.weights == Weights::kEqual) {
     report->words.push_back(
         "Weights: equal (ordinary least squares). The intervals count the noise of each row as it is "
         "(sandwich, eq. (8) of paper 003); weights: sigma would make them shorter.");
@@ -178,7 +178,7 @@ void DescribeGroups(const CalibrationProblem& problem, Estimate* estimate) {
     low = std::min(low, group.sigma);
     high = std::max(high, group.sigma);
   }
-  const NoiseSpec& noise = problem.experiment.noise;
+  const NoiseSpec& noise = problem.experiment().noise;
   report.words.push_back("The noise is the spread of the residuals in " + std::to_string(report.groups.size()) +
                          " groups (" + WordOf(noise.group) + "): " + Significant(1e6 * low, 3) + " to " +
                          Significant(1e6 * high, 3) + " µm.");
@@ -212,7 +212,7 @@ std::string RobotScatterInWords(double tau) {
 void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   report.source = SourceName(problem, estimate->sigma);
-  report.loss = problem.experiment.loss;
+  report.loss = problem.experiment().method.loss;
   if (problem.repeat_scatter) report.words.push_back(RepeatWords(*problem.repeat_scatter));
   if (!report.components.empty()) DescribeComponents(problem, &report);
   DescribeGroups(problem, estimate);

@@ -57,11 +57,11 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
     words.push_back("With the model error of the estimate that was given, predicted errors are larger by " +
                     Significant(plan.model_error, 3) + ".");
   }
-  std::vector<std::string> vague;
+  std::vector<std::string> not_determined;
   for (const PlannedParameter& parameter : plan.parameters) {
-    if (!parameter.identifiable) vague.push_back(parameter.name);
+    if (!parameter.identifiable) not_determined.push_back(parameter.name);
   }
-  if (!vague.empty()) words.push_back("The plan does not determine " + Enumerate(vague, 6) + ".");
+  if (!not_determined.empty()) words.push_back("The plan does not determine " + Enumerate(not_determined, 6) + ".");
   return words;
 }
 
@@ -113,5 +113,51 @@ std::string SeparationInWords() {
          "right one is expected to have after them, from 0.5; each effect of the size that the robot "
          "file states, else of one that moves its joint by 0.1 mm or 0.1 mrad";
 }
+
+std::string BelowItsLimit(const std::string& joint) { return "joint " + joint + " is below its limit"; }
+
+std::string AboveItsLimit(const std::string& joint) { return "joint " + joint + " is above its limit"; }
+
+std::string OutsideItsRange(const std::string& joint) { return "joint " + joint + " is outside its range in the cell"; }
+
+std::string AtNoneOfItsLevels(const std::string& joint) { return "joint " + joint + " is at none of its levels"; }
+
+std::string LeavesItsBoxes(const std::string& what) { return what + " leaves the boxes to stay in"; }
+
+std::string OutOfRange(const std::string& marker, const std::string& station) {
+  return "marker " + marker + " is out of the range of " + station;
+}
+
+std::string OutOfElevations(const std::string& marker, const std::string& station) {
+  return "marker " + marker + " is out of the elevations of " + station;
+}
+
+std::string FacesAway(const std::string& reflector, const std::string& station) {
+  return "reflector " + reflector + " does not face " + station;
+}
+
+std::string StandsBetween(const std::string& body, const std::string& station, const std::string& marker) {
+  return body + " stands between " + station + " and marker " + marker;
+}
+
+std::string FloorIsChecked(const std::string& of_what) { return "the floor, " + of_what + "flange and markers"; }
+
+std::string StayInIsChecked() { return "that flange and markers stay in their boxes"; }
+
+std::string KeepOutIsChecked(const std::string& of_what) {
+  return "collisions with boxes, " + of_what + "flange and markers";
+}
+
+std::string CapsulesAreChecked() { return "collisions of the capsules with one another"; }
+
+std::string SightIsChecked(const std::string& station) {
+  return "range, elevation and line of sight of station " + station;
+}
+
+std::string SightsAreOpen(const std::string& stations) { return "lines of sight of station " + stations; }
+
+std::string WaysAreOpen() { return "the way from one pose to the next"; }
+
+std::string LoadFoldsArm() { return "the load folds the arm: no equilibrium"; }
 
 }  // namespace sagitta

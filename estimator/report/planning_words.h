@@ -26,6 +26,25 @@ std::string PatternsLeftOut(int left_out, int offered);
 std::string BodiesAreNotStated();
 std::string BoxesAreNotStated();
 
+// Why a pose cannot be taken, and what of it is checked.
+std::string BelowItsLimit(const std::string& joint);
+std::string AboveItsLimit(const std::string& joint);
+std::string OutsideItsRange(const std::string& joint);
+std::string AtNoneOfItsLevels(const std::string& joint);
+std::string LeavesItsBoxes(const std::string& what);
+std::string OutOfRange(const std::string& marker, const std::string& station);
+std::string OutOfElevations(const std::string& marker, const std::string& station);
+std::string FacesAway(const std::string& reflector, const std::string& station);
+std::string StandsBetween(const std::string& body, const std::string& station, const std::string& marker);
+std::string FloorIsChecked(const std::string& of_what);
+std::string StayInIsChecked();
+std::string KeepOutIsChecked(const std::string& of_what);
+std::string CapsulesAreChecked();
+std::string SightIsChecked(const std::string& station);
+std::string SightsAreOpen(const std::string& stations);
+std::string WaysAreOpen();
+std::string LoadFoldsArm();
+
 // How near the plan is to the best one; of a criterion without a certificate, why that is not known.
 std::string CertificateInWords(const Plan& plan);
 // What the numbers of a plan that tells effects apart mean.

@@ -48,21 +48,16 @@ Chain NominalChain(const KnownRobot& known) {
 }
 
 CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
-  CompensationInput input{CalibrationProblem(known.robot, targets.shots, known.loading), NominalChain(known),
-                          known.uncertainty};
-  CalibrationProblem& problem = input.problem;
-  for (size_t s = 0; s < problem.data.stations.size(); ++s) {
-    const std::string& name = problem.data.stations[s];
-    const auto found = known.base_in_station.find(name);
-    if (found == known.base_in_station.end()) {
-      std::vector<std::string> names;
-      for (const auto& [station, pose] : known.base_in_station) names.push_back(station);
-      throw InputError({problem.data.files[0].path, 0, "station"}, "no pose of station '" + name + "' in " + known.file,
-                       SpellingHint(name, names));
-    }
-    problem.parameters.SetBaseInStation(static_cast<int>(s), found->second);
+  for (const std::string& name : targets.shots.stations) {
+    if (known.base_in_station.count(name) > 0) continue;
+    std::vector<std::string> names;
+    for (const auto& [station, pose] : known.base_in_station) names.push_back(station);
+    throw InputError({targets.shots.files[0].path, 0, "station"}, "no pose of station '" + name + "' in " + known.file,
+                     SpellingHint(name, names));
   }
-  CheckEffectColumns(problem);
+  CompensationInput input{MakeKnownProblem(known.robot, targets.shots, known.loading, {known.base_in_station, {}}),
+                          NominalChain(known), known.uncertainty};
+  CheckEffectColumns(input.problem);
   return input;
 }
 

@@ -163,7 +163,7 @@ Json UnexplainedToJson(const Diagnosis& d) {
   const LearntFunction& learnt = d.unexplained;
   Json json = {{"words", UnexplainedInWords(d)}, {"depends_on", learnt.depends_on}, {"kind", learnt.kind}};
   json["learnt"] = nullptr;
-  if (d.learnt) json["learnt"] = LearntToJson(d.final.problem->robot, *d.learnt);
+  if (d.learnt) json["learnt"] = LearntToJson(d.final.problem->robot(), *d.learnt);
   json["function"] = nullptr;
   if (learnt.table.empty()) return json;
   Json table = Json::array();
@@ -191,7 +191,7 @@ Json CandidatesToJson(const Diagnosis& d) {
   Json json = Json::array();
   for (size_t i = 0; i < std::min(kListedCandidates, d.candidates.size()); ++i) {
     const ScreenedCandidate& candidate = d.candidates[i];
-    Json entry = SpecToJson(d.final.problem->robot, candidate.spec);
+    Json entry = SpecToJson(d.final.problem->robot(), candidate.spec);
     entry["score"] = candidate.reduction;
     entry["p_value"] = candidate.corrected_p;
     entry["log_evidence"] = candidate.log_evidence;
@@ -242,7 +242,7 @@ bool MoveHome(const EffectSpec& spec, Robot* robot) {
 }  // namespace
 
 std::string NextToCsv(const Diagnosis& d) {
-  const Measurements& data = d.baseline.problem->data;
+  const Measurements& data = d.baseline.problem->data();
   std::vector<std::string> header;  // of all files
   for (const MeasurementFile& file : data.files) {
     for (const std::string& column : file.header) {
@@ -270,7 +270,7 @@ std::string NextToCsv(const Diagnosis& d) {
 }
 
 Robot RobotOf(const DiagnosedModel& model) {
-  Robot robot = model.problem->model.WithValues(model.estimate.parameters.ModelValues());
+  Robot robot = model.problem->model().WithValues(model.estimate.parameters.ModelValues());
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
     if (spec.effect != "joint_compliance" || !MoveHome(spec, &robot)) others.push_back(spec);
@@ -281,8 +281,8 @@ Robot RobotOf(const DiagnosedModel& model) {
 
 Json DiagnosisToJson(const Diagnosis& d, double significance) {
   const Estimate& before = d.baseline.estimate;
-  const Robot& robot = d.final.problem->robot;
-  Json json = {{"schema", "sagitta/diagnosis/1"}, {"verdict", d.verdict}, {"significance", significance}};
+  const Robot& robot = d.final.problem->robot();
+  Json json = {{"schema", "sagitta/diagnosis/1"}, {"verdict", WordOf(d.verdict)}, {"significance", significance}};
   json["words"] = VerdictInWords(d);
   if (!d.cautions.empty()) json["cautions"] = d.cautions;
   json["baseline"] = {{"reduced_chi2", before.chi2 / std::max(1, before.dof)},
@@ -306,7 +306,8 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(robot, step));
   json["final"] = FinalToJson(d);
   json["unexplained"] = nullptr;
-  if (d.verdict == "unknown" || d.verdict == "partly") json["unexplained"] = UnexplainedToJson(d);
+  if (d.verdict == DiagnosisVerdict::kUnknown || d.verdict == DiagnosisVerdict::kPartly)
+    json["unexplained"] = UnexplainedToJson(d);
   json["posterior"] = PosteriorToJson(robot, d.posterior);
   json["sets"] = SetsToJson(robot, d.posterior);
   json["prior"] = PriorToJson(robot, d.posterior);

@@ -132,27 +132,27 @@ Json SigmaToJson(const SigmaReport& sigma, const IntervalReport& intervals) {
 
 Json StationsToJson(const CalibrationProblem& problem, const ParameterSet& parameters) {
   Json json = Json::object();
-  for (size_t s = 0; s < problem.data.stations.size(); ++s) {
+  for (size_t s = 0; s < problem.data().stations.size(); ++s) {
     const Vector3<double> rotation =
         RotationVector(Eigen::Map<const Eigen::Quaterniond>(parameters.station_rotation(s).values.data()));
     Json station = {{"xyz_mm", MillimetresOf(parameters.BaseInStation(s).translation)},
                     {"rotvec_mrad", MillimetresOf(rotation)}};  // mrad of rad, as mm of m
-    const auto spec = problem.experiment.stations.find(problem.data.stations[s]);
-    if (spec != problem.experiment.stations.end()) {
+    const auto spec = problem.experiment().stations.find(problem.data().stations[s]);
+    if (spec != problem.experiment().stations.end()) {
       if (spec->second.instrument_xyz) station["instrument_mm"] = MillimetresOf(*spec->second.instrument_xyz);
       if (spec->second.levelled) station["levelled"] = *spec->second.levelled;
     }
-    json[problem.data.stations[s]] = station;
+    json[problem.data().stations[s]] = station;
   }
   return json;
 }
 
 Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parameters) {
   Json json = Json::object();
-  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
-    const auto spec = problem.experiment.markers.find(problem.data.markers[m]);
-    const std::string on = spec == problem.experiment.markers.end() ? "flange" : spec->second.on;
-    Json& marker = json[problem.data.markers[m]];
+  for (size_t m = 0; m < problem.data().markers.size(); ++m) {
+    const auto spec = problem.experiment().markers.find(problem.data().markers[m]);
+    const std::string on = spec == problem.experiment().markers.end() ? "flange" : spec->second.on;
+    Json& marker = json[problem.data().markers[m]];
     marker["xyz_mm"] = MillimetresOf(parameters.MarkerPoint(m));
     if (parameters.is_oriented(static_cast<int>(m))) {  // mrad of rad, as mm of m
       marker["rotvec_mrad"] = MillimetresOf(RotationVector(parameters.MarkerRotation(static_cast<int>(m))));
@@ -163,7 +163,7 @@ Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parame
 }
 
 Json WarningsOf(const CalibrationProblem& problem, const Estimate& estimate) {
-  Json json = problem.data.warnings;
+  Json json = problem.data().warnings;
   for (const std::string& warning : estimate.warnings) json.push_back(warning);
   return json;
 }
@@ -239,10 +239,10 @@ Json EstimateToJson(const CalibrationProblem& problem, const Estimate& estimate,
   const Json torques = TorquesToJson(problem, CompareTorques(problem, estimate.parameters));
   if (!torques.empty()) json["torques"] = torques;
   json["warnings"] = WarningsOf(problem, estimate);
-  json["robot"] = RobotToJson(problem.model.WithValues(estimate.parameters.ModelValues()));
+  json["robot"] = RobotToJson(problem.model().WithValues(estimate.parameters.ModelValues()));
   json["stations"] = StationsToJson(problem, estimate.parameters);
   json["markers"] = MarkersToJson(problem, estimate.parameters);
-  json["loading"] = LoadingToJson(problem.experiment, problem.data);
+  json["loading"] = LoadingToJson(problem.experiment(), problem.data());
   return json;
 }
 

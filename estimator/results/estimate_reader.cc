@@ -238,7 +238,7 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
     return found == known.parameters.end() ? otherwise : found->second.nominal;
   };
   for (int i = 0; i < parameters.num_model_parameters(); ++i) {
-    const ModelParameter& parameter = problem.model.parameters()[i];
+    const ModelParameter& parameter = problem.model().parameters()[i];
     const auto found = known.parameters.find(parameter.name);
     if (found == known.parameters.end()) continue;
     // The embedded robot carries geometric errors in its nominal values.
@@ -247,7 +247,7 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
   }
   for (int s = 0; s < parameters.num_stations(); ++s) {
     Pose<double> pose = parameters.BaseInStation(s);
-    const std::string base = "base/" + problem.data.stations[s] + "/";
+    const std::string base = "base/" + problem.data().stations[s] + "/";
     Vector3<double> turn = RotationVector(Eigen::Quaterniond(pose.rotation));
     for (int axis = 0; axis < 3; ++axis) {
       const std::string letter(1, "xyz"[axis]);
@@ -260,12 +260,12 @@ ParameterSet NominalParameters(const KnownRobot& known, const CalibrationProblem
   for (int m = 0; m < parameters.num_markers(); ++m) {
     Vector3<double> point = parameters.MarkerPoint(m);
     for (int axis = 0; axis < 3; ++axis)
-      point[axis] = nominal("marker/" + problem.data.markers[m] + "/" + "xyz"[axis], point[axis]);
+      point[axis] = nominal("marker/" + problem.data().markers[m] + "/" + "xyz"[axis], point[axis]);
     parameters.SetMarkerPoint(m, point);
     if (!parameters.is_oriented(m)) continue;
     Vector3<double> turn = RotationVector(parameters.MarkerRotation(m));
     for (int axis = 0; axis < 3; ++axis)
-      turn[axis] = nominal("marker/" + problem.data.markers[m] + "/r" + "xyz"[axis], turn[axis]);
+      turn[axis] = nominal("marker/" + problem.data().markers[m] + "/r" + "xyz"[axis], turn[axis]);
     parameters.SetMarkerRotation(m, RotationFromVector(turn));
   }
   return parameters;
@@ -286,19 +286,10 @@ CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data)
   CheckRows(known, data);
   Experiment loading = known.loading;
   loading.file = known.file;
-  loading.markers = known.markers;
-  CalibrationProblem problem(known.robot, std::move(data), std::move(loading));
-  for (size_t s = 0; s < problem.data.stations.size(); ++s) {
-    problem.parameters.SetBaseInStation(s, known.base_in_station.at(problem.data.stations[s]));
-  }
-  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
-    const std::string& name = problem.data.markers[m];
-    const MarkerSpec& spec = known.markers.at(name);
-    problem.parameters.SetMarkerPoint(m, *spec.point);
-    if (spec.rotvec) problem.parameters.SetMarkerRotation(m, RotationFromVector(*spec.rotvec));
-  }
+  CalibrationProblem problem =
+      MakeKnownProblem(known.robot, std::move(data), std::move(loading), {known.base_in_station, known.markers});
   CheckEffectColumns(problem);
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd points = PredictPoints(problem, problem.parameters, all);
   problem.resolved_noise = PredictionRoots(problem, known.noise, points);

@@ -33,7 +33,7 @@ Json FindingsToJson(const std::vector<Finding>& findings) {
 Json JointsToJson(const CalibrationProblem& problem, const Inspection& inspection) {
   Json json = Json::array();
   for (const MeasuredRange& range : inspection.joints) {
-    const Joint& joint = problem.robot.chain.joints[range.joint];
+    const Joint& joint = problem.robot().chain.joints[range.joint];
     const JointUnit unit = UnitOf(joint);
     json.push_back({{"name", joint.name},
                     {"min", unit.factor * range.least},
@@ -59,7 +59,7 @@ Json ParametersToJson(const Inspection& inspection) {
 Json LeverageToJson(const CalibrationProblem& problem, const Inspection& inspection) {
   Json json = Json::array();
   for (const ConfigurationLeverage& entry : inspection.leverage) {
-    json.push_back({{"config", problem.data.configurations[entry.configuration].id},
+    json.push_back({{"config", problem.data().configurations[entry.configuration].id},
                     {"leverage", entry.mean},
                     {"largest", entry.most}});
   }
@@ -77,10 +77,10 @@ Json InspectionToJson(const CalibrationProblem& problem, const Inspection& inspe
   json["warnings"] = inspection.Count(Severity::kWarning);
   json["notes"] = inspection.Count(Severity::kNote);
   json["findings"] = FindingsToJson(inspection.findings);
-  json["data"] = {{"observations", problem.data.NumRows()},
-                  {"configurations", problem.data.configurations.size()},
-                  {"stations", problem.data.stations},
-                  {"markers", problem.data.markers}};
+  json["data"] = {{"observations", problem.data().NumRows()},
+                  {"configurations", problem.data().configurations.size()},
+                  {"stations", problem.data().stations},
+                  {"markers", problem.data().markers}};
   json["aligned"] = {{"rms_mm", 1e3 * inspection.aligned.rms},
                      {"max_mm", 1e3 * inspection.aligned.max},
                      {"distance_rms_mm", 1e3 * inspection.aligned.distance_rms},

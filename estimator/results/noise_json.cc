@@ -47,7 +47,7 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
     json["components"].push_back(ComponentToJson(component, component.joints.empty() && report.instrument_is_factor));
     if (component.joints.size() < 2) continue;
     Json joints = Json::array();
-    for (const int j : component.joints) joints.push_back(problem.robot.chain.joints[j].name);
+    for (const int j : component.joints) joints.push_back(problem.robot().chain.joints[j].name);
     json["components"].back()["joints"] = joints;
   }
   return json;
@@ -58,9 +58,9 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
 Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
   const NoiseReport& report = estimate.noise_report;
   Json json = {{"source", report.source},
-               {"weights", problem.weight_roots.empty()                    ? "sigma"
-                           : problem.experiment.weights == Weights::kEqual ? "equal"
-                                                                           : "eq14"},
+               {"weights", problem.weight_roots.empty()                             ? "sigma"
+                           : problem.experiment().method.weights == Weights::kEqual ? "equal"
+                                                                                    : "eq14"},
                {"rounds", report.rounds},
                {"converged", report.converged}};
   if (!report.components.empty()) json["variance"] = ComponentsToJson(problem, report);
@@ -81,7 +81,7 @@ Json NoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
     json["loss_turns_at"] = report.loss_tuning;
     json["robust_scale"] = report.robust_scale;
     json["variance_inflation"] = report.loss_inflation;
-    for (const Outlier& outlier : report.outliers) json["outliers"].push_back(OutlierToJson(problem.data, outlier));
+    for (const Outlier& outlier : report.outliers) json["outliers"].push_back(OutlierToJson(problem.data(), outlier));
     json["systematic"] = report.systematic;
     json["shared"] = report.shared;
   }

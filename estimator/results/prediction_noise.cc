@@ -17,7 +17,7 @@ const VarianceComponent* InstrumentComponent(const Estimate& estimate) {
 double CommonSigma(const CalibrationProblem& problem, const Estimate& estimate) {
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   if (instrument != nullptr && !estimate.noise_report.instrument_is_factor) return instrument->value;
-  return estimate.sigma.stated ? problem.experiment.noise.sigma.value_or(0.0) : estimate.sigma.estimated;
+  return estimate.sigma.stated ? problem.experiment().noise.sigma.value_or(0.0) : estimate.sigma.estimated;
 }
 
 // Spread of the residuals, pooled over the groups of each axis.
@@ -57,11 +57,11 @@ void ReadInstrument(const JsonValue& json, NoiseSpec* noise) {
 
 Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
-  const bool by_instrument = problem.experiment.noise.from == From::kInstrument;
+  const bool by_instrument = problem.experiment().noise.from == From::kInstrument;
   Json json = Json::object();
   const double common = CommonSigma(problem, estimate);
   json["sigma_mm"] = !by_instrument && common > 0.0 && std::isfinite(common) ? Json(1e3 * common) : Json(nullptr);
-  if (by_instrument) json["instrument"] = InstrumentToJson(problem.experiment.noise);
+  if (by_instrument) json["instrument"] = InstrumentToJson(problem.experiment().noise);
   if (const auto axes = SigmaPerAxis(problem, estimate)) {
     json["sigma_axis_mm"] = {1e3 * axes->x(), 1e3 * axes->y(), 1e3 * axes->z()};
   }
@@ -72,7 +72,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   json["repeatability_urad"] = Json::object();
   json["repeatability_um"] = Json::object();
   for (int i = 0; i < problem.latent.size(); ++i) {
-    const Joint& joint = problem.robot.chain.joints[problem.latent.joints[i]];
+    const Joint& joint = problem.robot().chain.joints[problem.latent.joints[i]];
     const char* key = joint.type == JointType::kRevolute ? "repeatability_urad" : "repeatability_um";
     json[key][joint.name] = 1e6 * problem.latent.sigmas[i];
   }
@@ -103,9 +103,9 @@ PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experimen
 NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNoise& noise,
                            const Eigen::Matrix3Xd& points) {
   NoiseRoots roots;
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   for (size_t i = 0; i < data.observations.size(); ++i) {
-    Matrix3<double> root = StatedRoot(problem.experiment, data, data.observations[i], points.col(i));
+    Matrix3<double> root = StatedRoot(problem.experiment(), data, data.observations[i], points.col(i));
     if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
     roots.push_back(noise.instrument_factor * root);
   }

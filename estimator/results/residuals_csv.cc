@@ -122,13 +122,13 @@ std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::
 }
 
 Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Estimate& estimate) {
-  Eigen::Matrix3Xd whitened = ResidualsOf(problem.data, AllObservations(problem.data), estimate.predicted);
+  Eigen::Matrix3Xd whitened = ResidualsOf(problem.data(), AllObservations(problem.data()), estimate.predicted);
   for (int i = 0; i < whitened.cols(); ++i) whitened.col(i) = estimate.scatter[i].inverse() * whitened.col(i);
   return whitened;
 }
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::vector<AddedColumn> added = ReadingColumns("pred_", data, estimate.predicted);
   const auto append = [&added](const std::vector<AddedColumn>& columns) {
     added.insert(added.end(), columns.begin(), columns.end());

@@ -9,7 +9,7 @@ nlohmann::ordered_json TorquesToJson(const CalibrationProblem& problem, const To
   json["used"] = comparison.measured_count ? "measured" : "model";
   json["joints"] = Json::array();
   for (const JointTorqueComparison& line : comparison.joints) {
-    const Joint& joint = problem.robot.chain.joints[line.joint];
+    const Joint& joint = problem.robot().chain.joints[line.joint];
     const std::string unit = joint.type == JointType::kRevolute ? "_Nm" : "_N";
     json["joints"].push_back({{"joint", joint.name},
                               {"shots", line.shots},

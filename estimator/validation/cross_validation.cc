@@ -54,7 +54,7 @@ double NoiseOf(const SigmaReport& sigma) {
 }  // namespace
 
 std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   std::vector<bool> fitted(data.configurations.size(), false);
   for (const int i : problem.CalibrationObservations())
     fitted[data.shots[data.observations[i].shot].configuration] = true;
@@ -88,7 +88,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   for (int f = 0; f < count; ++f) folds.emplace_back(static_cast<int>(n));
   const std::vector<int> observations = problem.CalibrationObservations();
   const auto fold_at = [&](int i) -> Fold& {
-    return folds[fold_of[problem.data.shots[problem.data.observations[i].shot].configuration]];
+    return folds[fold_of[problem.data().shots[problem.data().observations[i].shot].configuration]];
   };
   const auto roots = [&](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
   const RowStream fitted(problem, observations, roots, LatentTreatment::kMarginalise);
@@ -104,7 +104,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   std::vector<Eigen::MatrixXd> of_fits;
   for (Fold& fold : folds) of_fits.push_back(Leave(sums, scale, &fold));
 
-  const std::vector<int> quoted = problem.data.PointsAmong(observations);
+  const std::vector<int> quoted = problem.data().PointsAmong(observations);
   Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
   // Observation by observation, in m: joints that deviate have no part in what a step moves.
   const auto metres = [](const std::vector<int>& listed) {
@@ -119,7 +119,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
       const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> own = piece.rows.block(3 * i, 0, 3, n);
       Fold& fold = fold_at(listed[i]);
       errors.col(piece.positions[i]) =
-          problem.data.observations[listed[i]].point_in_station - estimate.predicted.col(listed[i]) - own * fold.step;
+          problem.data().observations[listed[i]].point_in_station - estimate.predicted.col(listed[i]) - own * fold.step;
       fold.predicted.Add(scatter[i], own);
     }
   });

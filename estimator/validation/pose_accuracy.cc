@@ -28,8 +28,8 @@ std::map<PoseKey, Arrivals> ByPose(const CalibrationProblem& problem, const std:
                                    const Eigen::Matrix3Xd& positions) {
   std::map<PoseKey, Arrivals> poses;
   for (size_t k = 0; k < observations.size(); ++k) {
-    const Observation& observation = problem.data.observations[observations[k]];
-    const Shot& shot = problem.data.shots[observation.shot];
+    const Observation& observation = problem.data().observations[observations[k]];
+    const Shot& shot = problem.data().shots[observation.shot];
     const PoseKey key{shot.configuration, observation.marker, shot.station, shot.load, shot.approach};
     poses[key][shot.visit].Add(positions.col(static_cast<Eigen::Index>(k)));
   }
@@ -71,13 +71,13 @@ PoseAccuracy MeasurePoseAccuracy(const CalibrationProblem& problem, const std::v
 
 PoseRepeatability MeasurePoseRepeatability(const CalibrationProblem& problem) {
   std::vector<int> observations;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    const Observation& observation = problem.data.observations[i];
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Observation& observation = problem.data().observations[i];
     if (observation.is_point() && !observation.excluded) observations.push_back(static_cast<int>(i));
   }
   Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(observations.size()));
   for (size_t k = 0; k < observations.size(); ++k) {
-    positions.col(static_cast<Eigen::Index>(k)) = problem.data.observations[observations[k]].point_in_station;
+    positions.col(static_cast<Eigen::Index>(k)) = problem.data().observations[observations[k]].point_in_station;
   }
   PoseRepeatability repeatability;
   for (const auto& [pose, arrivals] : ByPose(problem, observations, positions)) {

@@ -24,8 +24,8 @@ struct Rows {
   std::vector<int> observations;
   Eigen::Matrix3Xd residuals;  // predicted - measured, m
 
-  const Observation& at(int k) const { return problem.data.observations[observations[k]]; }
-  const Shot& shot(int k) const { return problem.data.shots[at(k).shot]; }
+  const Observation& at(int k) const { return problem.data().observations[observations[k]]; }
+  const Shot& shot(int k) const { return problem.data().shots[at(k).shot]; }
   Vector3<double> measured(int k) const { return at(k).point_in_station; }
   Vector3<double> predicted(int k) const { return measured(k) + residuals.col(k); }
 };
@@ -72,7 +72,7 @@ void TryNumbers(const Vector3<double>& point, Proposals* proposals) {
 
 // Another marker of the shot, the other station, another configuration.
 void TryLabels(const Rows& rows, int k, Proposals* proposals) {
-  const Measurements& data = rows.problem.data;
+  const Measurements& data = rows.problem.data();
   for (int other = 0; other < static_cast<int>(rows.observations.size()); ++other) {
     if (other == k) continue;
     const double distance = (rows.measured(k) - rows.predicted(other)).norm();
@@ -97,13 +97,13 @@ void TryLabels(const Rows& rows, int k, Proposals* proposals) {
 std::vector<Suspect> LeftOut(const CalibrationProblem& problem, const Estimate& estimate) {
   std::vector<Suspect> suspects;
   for (const Outlier& outlier : estimate.noise_report.outliers) {
-    const Observation& row = problem.data.observations[outlier.observation];
+    const Observation& row = problem.data().observations[outlier.observation];
     std::string words = OutlierIsOff(outlier.size);
     if (outlier.swapped_with >= 0) {
-      const Observation& other = problem.data.observations[outlier.swapped_with];
-      words += "; " + FitsAsMarker(problem.data.markers[other.marker], problem.data.SourceOf(other));
+      const Observation& other = problem.data().observations[outlier.swapped_with];
+      words += "; " + FitsAsMarker(problem.data().markers[other.marker], problem.data().SourceOf(other));
     }
-    suspects.push_back({outlier.observation, problem.data.SourceOf(row), words});
+    suspects.push_back({outlier.observation, problem.data().SourceOf(row), words});
   }
   return suspects;
 }
@@ -124,7 +124,7 @@ bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
   for (const int i : rows->observations) {
     // Scattered by Knuth's multiplicative hash: stations or loads may alternate.
     const auto c =
-        static_cast<std::uint32_t>(rows->problem.data.shots[rows->problem.data.observations[i].shot].configuration);
+        static_cast<std::uint32_t>(rows->problem.data().shots[rows->problem.data().observations[i].shot].configuration);
     if ((c * 2654435761u >> 16) % every == 0) looked_at.push_back(i);
   }
   const NoiseRoots noise = ObservationNoise(rows->problem, looked_at, kFallbackSigma);
@@ -146,7 +146,7 @@ bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
   ParameterSet there = parameters;
   Move(moved, step, 1.0, &there);
   rows->residuals =
-      -ResidualsOf(rows->problem.data, rows->observations, PredictPoints(rows->problem, there, rows->observations));
+      -ResidualsOf(rows->problem.data(), rows->observations, PredictPoints(rows->problem, there, rows->observations));
   return rows->residuals.allFinite();
 }
 
@@ -186,7 +186,7 @@ bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outlier
 
 std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
   std::vector<Suspect> suspects = LeftOut(problem, estimate);
-  Rows rows{problem, estimate.parameters, problem.data.PointsAmong(problem.CalibrationObservations()), {}};
+  Rows rows{problem, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}};
   std::vector<int> outliers;
   if (!FitRobustly(estimate, &rows, &outliers)) return suspects;
   std::vector<double> distances;
@@ -201,7 +201,7 @@ std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estim
     TryLabels(rows, k, &proposals);
     const std::string off = RowIsOff(distances[k], distances[k] / median);
     const bool explained = !proposals.words().empty();
-    suspects.push_back({observation, problem.data.SourceOf(rows.at(k)),
+    suspects.push_back({observation, problem.data().SourceOf(rows.at(k)),
                         off + "; " + (explained ? proposals.words() : MeasureAgain())});
   }
   std::stable_sort(suspects.begin(), suspects.end(),

@@ -25,12 +25,12 @@ Eigen::Matrix3Xd Errors(const CalibrationProblem& problem, const ParameterSet& p
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, observations);
   Eigen::Matrix3Xd errors(3, predicted.cols());
   for (Eigen::Index k = 0; k < predicted.cols(); ++k)
-    errors.col(k) = problem.data.observations[observations[k]].point_in_station - predicted.col(k);
+    errors.col(k) = problem.data().observations[observations[k]].point_in_station - predicted.col(k);
   return errors;
 }
 
 UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& estimate) {
-  const std::vector<int> observations = problem.data.PointsAmong(problem.ValidationObservations());
+  const std::vector<int> observations = problem.data().PointsAmong(problem.ValidationObservations());
   UnseenPoints holdout = MeasureUnseen(problem, observations, Errors(problem, estimate.parameters, observations));
   if (observations.empty()) return holdout;
   const auto metres = [](const std::vector<int>& listed) {
@@ -152,7 +152,7 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   std::vector<std::string> reasons;
   const UnseenPoints& quoted = trust.Quoted();
   if (quoted.points == 0) reasons.push_back(NothingChecksIt());
-  if (trust.holdout.points > 0 && trust.holdout.p_value < problem.experiment.significance) {
+  if (trust.holdout.points > 0 && trust.holdout.p_value < problem.experiment().significance) {
     reasons.push_back(HoldoutIsOff(trust.holdout.Excess(), trust.holdout.p_value));
   }
   if (quoted.points > 0 && trust.nominal.distance_rms < (1.0 - kBetter) * quoted.distance_rms)
@@ -164,7 +164,7 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   if (!trust.suspects.empty()) {
     reasons.push_back(RowsAreSuspect(trust.suspects.size(), trust.suspects[0].row));
   }
-  if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot.chain)) {
+  if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot().chain)) {
     reasons.push_back(RobotStillMisses(estimate.fit.distance_rms));
   }
   return reasons;
@@ -180,15 +180,15 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
   trust.cross_validation = CrossValidate(problem, *estimate, seed);
   trust.holdout = JudgeHoldout(problem, *estimate);
   trust.repeatability = MeasurePoseRepeatability(problem);
-  const std::vector<int> quoted = problem.data.PointsAmong(
+  const std::vector<int> quoted = problem.data().PointsAmong(
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
   if (estimate->aligned.num_coordinates() > 0)
     trust.nominal = MeasureUnseen(problem, quoted, Errors(problem, estimate->aligned, quoted));
-  AddModelError(problem.experiment.significance, &trust, estimate);
+  AddModelError(problem.experiment().significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
-  trust.verdict.words =
-      VerdictInWords(trust, problem.experiment.significance, kBetter, estimate->identifiability.unidentifiable.size());
+  trust.verdict.words = VerdictInWords(trust, problem.experiment().significance, kBetter,
+                                       estimate->identifiability.unidentifiable.size());
   return trust;
 }
 

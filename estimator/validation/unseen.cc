@@ -23,11 +23,11 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   UnseenPoints unseen;
   unseen.points = static_cast<int>(observations.size());
   if (observations.empty()) return unseen;
-  std::vector<double> farthest(problem.data.configurations.size(), -1.0);  // of each configuration; below 0: not seen
+  std::vector<double> farthest(problem.data().configurations.size(), -1.0);  // of each configuration; below 0: not seen
   for (size_t k = 0; k < observations.size(); ++k) {
     const double distance = errors.col(static_cast<Eigen::Index>(k)).norm();
     unseen.distances.push_back(distance);
-    double& own = farthest[problem.data.shots[problem.data.observations[observations[k]].shot].configuration];
+    double& own = farthest[problem.data().shots[problem.data().observations[observations[k]].shot].configuration];
     own = std::max(own, distance);
   }
   unseen.pose_accuracy = MeasurePoseAccuracy(problem, observations, errors);
@@ -47,7 +47,7 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
     return farthest[a] > farthest[b] || (farthest[a] == farthest[b] && a < b);
   });
   for (auto c = order.begin(); c != shown; ++c) {
-    unseen.worst.push_back({problem.data.configurations[*c].id, farthest[*c]});
+    unseen.worst.push_back({problem.data().configurations[*c].id, farthest[*c]});
   }
   return unseen;
 }

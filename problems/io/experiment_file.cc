@@ -38,13 +38,13 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
   };
   if (const auto noise = map->Find("noise")) experiment->noise = ReadNoise(*noise);
   experiment->repeatability = ReadRepeatability(map);
-  choice("weights", &experiment->weights);
-  choice("covariance", &experiment->covariance);
-  if (const auto bootstrap = map->Find("bootstrap")) experiment->bootstrap = ReadBootstrap(*bootstrap);
+  choice("weights", &experiment->method.weights);
+  choice("covariance", &experiment->method.covariance);
+  if (const auto bootstrap = map->Find("bootstrap")) experiment->method.bootstrap = ReadBootstrap(*bootstrap);
   if (const auto torques = map->Find("torques")) {
     experiment->torques_measured = torques->OneOf({"model", "measured"}) == "measured";
   }
-  choice("loss", &experiment->loss);
+  choice("loss", &experiment->method.loss);
   if (const auto estimate = map->Find("estimate")) experiment->estimate = ReadEstimate(*estimate);
   if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);
   if (const auto validation = map->Find("validation")) experiment->validation = ReadValidation(*validation);

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "models/constants.h"
+
 namespace sagitta {
 
 const std::vector<Unit>& UnitsOf(Dimension dimension) {
   static const std::vector<Unit> lengths = {{"mm", 1.0, 1e3}, {"m", 1.0, 1.0}};
   static const std::vector<Unit> small_lengths = {{"um", 1.0, 1e6}, {"mm", 1.0, 1e3}, {"m", 1.0, 1.0}};
   static const std::vector<Unit> angles = {
-      {"deg", M_PI / 180.0, 1.0}, {"rad", 1.0, 1.0}, {"mrad", 1.0, 1e3}, {"urad", 1.0, 1e6}};
+      {"deg", kDegree, 1.0}, {"rad", 1.0, 1.0}, {"mrad", 1.0, 1e3}, {"urad", 1.0, 1e6}};
   if (dimension == Dimension::kAngle) return angles;
   return dimension == Dimension::kLength ? lengths : small_lengths;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "models/constants.h"
 #include "models/kinematics.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kSameOrigin = 1e-12;  // m, rad: rounding of the products of a few poses
 constexpr double kMostShift = 0.1;     // m: beyond any calibration
-constexpr double kMostTurn = 10.0 * M_PI / 180.0;
+constexpr double kMostTurn = 10.0 * kDegree;
 
 Pose<double> operator*(const Pose<double>& a, const Pose<double>& b) {
   return {a.rotation * b.rotation, a * b.translation};

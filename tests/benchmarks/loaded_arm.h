@@ -60,14 +60,14 @@ struct JetMarker {
 
   template <typename T>
   bool operator()(T const* const* blocks, T* residuals) const {
-    const Shot& shot = problem->data.shots[observation->shot];
-    const ShotInput& input = problem->shot_inputs[observation->shot];
-    const Chain& chain = problem->model.chain();
+    const Shot& shot = problem->data().shots[observation->shot];
+    const ShotInput& input = problem->shot_inputs()[observation->shot];
+    const Chain& chain = problem->model().chain();
     std::vector<T> values_of(theta.begin(), theta.end());
     for (size_t i = 0; i < active.size(); ++i) values_of[active[i]] = blocks[3 + i][0];
     const Eigen::Map<const Eigen::Quaternion<T>> q(blocks[1]);
     const Matrix3<T> rotation = q.normalized().toRotationMatrix();
-    std::vector<T> values = problem->model.TransformValues(input, values_of.data());
+    std::vector<T> values = problem->model().TransformValues(input, values_of.data());
     ChainState<T> state;
     if (!input.wrenches.empty()) {
       EvaluateChain(chain, values.data(), &state);
@@ -78,7 +78,7 @@ struct JetMarker {
     }
     EvaluateChain(chain, values.data(), &state);
     const Eigen::Map<const Vector3<T>> point(blocks[2]), translation(blocks[0]);
-    const Vector3<T> in_base = state.frames[problem->marker_frames[observation->marker]] * Vector3<T>(point);
+    const Vector3<T> in_base = state.frames[problem->marker_frames()[observation->marker]] * Vector3<T>(point);
     const Vector3<T> seen = rotation * in_base + Vector3<T>(translation);
     Eigen::Map<Vector3<T>> out(residuals);
     out = whitener.cast<T>() * (seen - observation->point_in_station.cast<T>());
@@ -94,11 +94,11 @@ inline void AddJets(const CalibrationProblem& problem, const ResidualSelection& 
     if (parameters->coordinates()[parameters->model_parameter(i).first_coordinate].estimated()) active.push_back(i);
   }
   for (size_t k = 0; k < selection.observations.size(); ++k) {
-    const Observation& observation = problem.data.observations[selection.observations[k]];
+    const Observation& observation = problem.data().observations[selection.observations[k]];
     auto* functor =
         new JetMarker{&problem, &observation, parameters->ModelValues(), active, selection.noise[k].inverse()};
     auto* cost = new ceres::DynamicAutoDiffCostFunction<JetMarker, 8>(functor);
-    const int station = problem.data.shots[observation.shot].station;
+    const int station = problem.data().shots[observation.shot].station;
     std::vector<double*> blocks = {parameters->station_translation(station).values.data(),
                                    parameters->station_rotation(station).values.data(),
                                    parameters->marker(observation.marker).values.data()};

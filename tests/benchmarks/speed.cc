@@ -54,25 +54,25 @@ const Setup& SetupOf(int configurations, bool deviate = false) {
 }
 
 void PerConfiguration(benchmark::State& state, const Setup& setup) {
-  state.counters["configurations"] = static_cast<double>(setup.problem.data.configurations.size());
+  state.counters["configurations"] = static_cast<double>(setup.problem.data().configurations.size());
   state.counters["unknowns"] = static_cast<double>(setup.columns.size());
 }
 
 // T_FK: kinematics, deflection to first order and three points, scalar code.
 void ForwardKinematics(benchmark::State& state) {
   const Setup& setup = SetupOf(1000);
-  const Chain& chain = setup.problem.model.chain();
+  const Chain& chain = setup.problem.model().chain();
   const std::vector<double> theta = setup.start.ModelValues();
   const Pose<double> base = setup.start.BaseInStation(0);
   ChainState<double> pose;
   size_t s = 0;
   std::vector<std::vector<double>> values;
-  for (const ShotInput& shot : setup.problem.shot_inputs) {
-    values.push_back(setup.problem.model.TransformValues(shot, theta.data()));
+  for (const ShotInput& shot : setup.problem.shot_inputs()) {
+    values.push_back(setup.problem.model().TransformValues(shot, theta.data()));
   }
   for (auto _ : state) {
     s = (s + 1) % values.size();
-    const ShotInput& shot = setup.problem.shot_inputs[s];
+    const ShotInput& shot = setup.problem.shot_inputs()[s];
     EvaluateChain(chain, values[s].data(), &pose);
     for (const ElasticTerm& term : shot.terms.elastic) {
       double torque = 0.0;
@@ -341,7 +341,7 @@ void MonteCarlo(benchmark::State& state) {
   std::normal_distribution<double> noise(0.0, 5e-5);
   std::vector<CalibrationProblem> draws(kDraws, setup.problem);
   for (CalibrationProblem& draw : draws) {
-    for (Observation& row : draw.data.observations) {
+    for (Observation& row : draw.mutable_data()->observations) {
       for (double& number : row.point_in_station) number += noise(random);
     }
   }
@@ -359,10 +359,10 @@ void Reading(benchmark::State& state) {
   const CalibrationProblem& problem = SetupOf(10000).problem;
   std::string text =
       "config,marker,station,load,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_N,fy_N,fz_N,x_mm,y_mm,z_mm\n";
-  for (const Observation& row : problem.data.observations) {
-    const Shot& shot = problem.data.shots[row.shot];
-    const Configuration& configuration = problem.data.configurations[shot.configuration];
-    text += configuration.id + "," + problem.data.markers[row.marker] + "," + problem.data.stations[shot.station] +
+  for (const Observation& row : problem.data().observations) {
+    const Shot& shot = problem.data().shots[row.shot];
+    const Configuration& configuration = problem.data().configurations[shot.configuration];
+    text += configuration.id + "," + problem.data().markers[row.marker] + "," + problem.data().stations[shot.station] +
             "," + shot.load;
     for (const double q : configuration.q) text += "," + FormatNumber(1e-4 * std::round(1e4 * q * 180.0 / M_PI));
     for (const double f : shot.wrench.force) text += "," + FormatNumber(f);
@@ -370,7 +370,7 @@ void Reading(benchmark::State& state) {
     text += "\n";
   }
   for (auto _ : state) {
-    benchmark::DoNotOptimize(ReadMeasurementsText(problem.robot, text, "rows").observations.data());
+    benchmark::DoNotOptimize(ReadMeasurementsText(problem.robot(), text, "rows").observations.data());
   }
   state.counters["bytes"] =
       benchmark::Counter(static_cast<double>(text.size()), benchmark::Counter::kIsIterationInvariantRate);
@@ -381,7 +381,7 @@ void Sandwich(benchmark::State& state) {
   const Setup& setup = SetupOf(1000);
   const Linearization fit =
       Linearize(setup.problem, setup.start, setup.rows.observations, setup.columns, setup.rows.noise);
-  const std::vector<int> clusters = ConfigurationClusters(setup.problem.data, setup.rows.observations);
+  const std::vector<int> clusters = ConfigurationClusters(setup.problem.data(), setup.rows.observations);
   for (auto _ : state) benchmark::DoNotOptimize(SandwichCovariance(fit, clusters).covariance.data());
   PerConfiguration(state, setup);
 }

@@ -21,10 +21,10 @@ struct PlaneTouch {
   bool operator()(T const* const* blocks, T* residual) const {
     const Eigen::Map<const sagitta::Vector3<T>> translation(blocks[0]), marker(blocks[2]);
     const Eigen::Map<const Eigen::Quaternion<T>> rotation(blocks[1]);
-    std::vector<T> theta(problem->model.num_parameters());
+    std::vector<T> theta(problem->model().num_parameters());
     for (size_t i = 0; i < theta.size(); ++i) theta[i] = blocks[3 + i][0];
-    const sagitta::Vector3<T> point = problem->model.PointInStation<T>(
-        shot, theta.data(), {problem->marker_frames[0], {}, 0}, marker, rotation.toRotationMatrix(), translation);
+    const sagitta::Vector3<T> point = problem->model().PointInStation<T>(
+        shot, theta.data(), {problem->marker_frames()[0], {}, 0}, marker, rotation.toRotationMatrix(), translation);
     residual[0] = (normal.cast<T>().dot(point) - distance) / sigma;
     return true;
   }
@@ -32,7 +32,7 @@ struct PlaneTouch {
 
 void AddTouch(const sagitta::CalibrationProblem& problem, int shot, sagitta::ParameterSet* parameters,
               ceres::Problem* ceres_problem) {
-  const int station = problem.data.shots[shot].station;
+  const int station = problem.data().shots[shot].station;
   std::vector<double*> blocks = {parameters->station_translation(station).values.data(),
                                  parameters->station_rotation(station).values.data(),
                                  parameters->marker(0).values.data()};
@@ -40,9 +40,9 @@ void AddTouch(const sagitta::CalibrationProblem& problem, int shot, sagitta::Par
     blocks.push_back(parameters->model_parameter(i).values.data());
   const sagitta::Vector3<double> normal = sagitta::Vector3<double>::UnitZ();
   const sagitta::Vector3<double> seen =
-      problem.data.observations[problem.data.shots[shot].observations[0]].point_in_station;
+      problem.data().observations[problem.data().shots[shot].observations[0]].point_in_station;
   auto* cost = new ceres::DynamicAutoDiffCostFunction<PlaneTouch>(
-      new PlaneTouch{&problem, problem.shot_inputs[shot], normal, normal.dot(seen), 1e-6});
+      new PlaneTouch{&problem, problem.shot_inputs()[shot], normal, normal.dot(seen), 1e-6});
   for (size_t i = 0; i < blocks.size(); ++i) cost->AddParameterBlock(i == 1 ? 4 : i == 0 || i == 2 ? 3 : 1);
   cost->SetNumResiduals(1);
   ceres_problem->AddResidualBlock(cost, nullptr, blocks);
@@ -59,7 +59,7 @@ double SolveAndLookUp(const sagitta::CalibrationProblem& problem, int touches) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   if (!summary.IsSolutionUsable()) return -1.0;
-  const int coordinate = parameters.FindCoordinate("marker/" + problem.data.markers[0] + "/z");
+  const int coordinate = parameters.FindCoordinate("marker/" + problem.data().markers[0] + "/z");
   const double* block = parameters.blocks()[parameters.coordinates()[coordinate].block].values.data();
   ceres::Covariance covariance({});
   if (!covariance.Compute(std::vector<const double*>{block}, &ceres_problem)) return -1.0;

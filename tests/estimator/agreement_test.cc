@@ -45,15 +45,15 @@ void ExpectNominal(const std::string& covariance, bool stated) {
   const test::Kr270Design design = ManyConfigurations();
   Measurements data = test::DesignMeasurements(design);
   Experiment experiment;
-  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
-  if (!stated) experiment.weights = Weights::kEqual;
+  experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
+  if (!stated) experiment.method.weights = Weights::kEqual;
   int below_tenth = 0;
   double share = 0.0;
   for (int t = 0; t < kTrials; ++t) {
     test::MeasureKr270(truth, design.sigma, 500 + t, &data);
     Estimate estimate;
     const AgreementReport report = AgreementOf(test::Kr270ProblemOf(data, experiment), &estimate, 0);
-    ASSERT_EQ(report.covariance, experiment.covariance);
+    ASSERT_EQ(report.covariance, experiment.method.covariance);
     const PartComparison& split = SplitOf(report, "A1");
     EXPECT_EQ(split.compared, 33);
     share += split.share() / kTrials;
@@ -104,12 +104,12 @@ TEST(Agreement, SeesWhatTheModelLacksAndByHowMuch) {
   EXPECT_THAT(report.words.back(), HasSubstr("contradict each other"));
   // The same halves refitted from scratch, by another route to the same figure.
   std::vector<double> q3;
-  for (const Configuration& c : misfit.problem.data.configurations) q3.push_back(c.q[2]);
+  for (const Configuration& c : misfit.problem.data().configurations) q3.push_back(c.q[2]);
   std::nth_element(q3.begin(), q3.begin() + q3.size() / 2, q3.end());
   const double median = q3[q3.size() / 2];
   const auto half = [&](bool below) {
     return test::EstimatePart(misfit.problem, estimate.parameters, [&](const Observation& observation) {
-      return (misfit.problem.data.ConfigurationOf(observation).q[2] < median) == below;
+      return (misfit.problem.data().ConfigurationOf(observation).q[2] < median) == below;
     });
   };
   test::Agreement refits;

@@ -90,22 +90,22 @@ TEST_F(AllStagesTest, OneSolveCoversTheTruth) {
 TEST_F(AllStagesTest, ThePullsAreWhatTellsK1) {
   const CalibrationProblem problem = AllStages();
   const Estimate all = EstimateJointly(problem);
-  Measurements fewer = problem.data;
+  Measurements fewer = problem.data();
   fewer.shots.clear();
   fewer.observations.clear();
-  for (const Shot& shot : problem.data.shots) {
+  for (const Shot& shot : problem.data().shots) {
     if (shot.load == "HX" || shot.load == "HY") continue;
     Shot kept = shot;
     kept.observations.clear();
     for (const int i : shot.observations) {
-      Observation observation = problem.data.observations[i];
+      Observation observation = problem.data().observations[i];
       observation.shot = static_cast<int>(fewer.shots.size());
       kept.observations.push_back(static_cast<int>(fewer.observations.size()));
       fewer.observations.push_back(observation);
     }
     fewer.shots.push_back(kept);
   }
-  const Estimate without = EstimateJointly(MakeCalibrationProblem(problem.robot, fewer, problem.experiment));
+  const Estimate without = EstimateJointly(MakeCalibrationProblem(problem.robot(), fewer, problem.experiment()));
   ASSERT_TRUE(IsUsable(without.status)) << without.message;
   const int k1 = all.parameters.FindCoordinate("compliance/A1");
   EXPECT_GT(without.table[k1].sigma, 3 * all.table[k1].sigma);

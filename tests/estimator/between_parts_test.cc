@@ -114,8 +114,8 @@ TEST(BetweenParts, PredictionsCarryItLikeTheTable) {
   with.JudgeWith(3.0, 9.0);
   const KnownRobot known = KnownFrom(with.calibration);
   EXPECT_NEAR((known.uncertainty.covariance - 4.0 * noise).norm() / noise.norm(), 0.0, 1e-9);
-  const Prediction narrow = Predict(KnownFrom(judged.calibration), judged.problem.data);
-  const Prediction wide = Predict(known, judged.problem.data);
+  const Prediction narrow = Predict(KnownFrom(judged.calibration), judged.problem.data());
+  const Prediction wide = Predict(known, judged.problem.data());
   for (const size_t k : {0u, 7u}) {
     EXPECT_NEAR(wide.covariances[k].mean().trace() / narrow.covariances[k].mean().trace(), 4.0, 1e-6);
   }

@@ -74,7 +74,7 @@ Targets TargetsOf(const std::vector<Target>& rows, const LoadedTruth& truth, con
 }
 
 CompensationInput InputOf(const test::LoadedSetup& setup, const LoadedTruth& truth, const Targets& targets) {
-  CompensationInput input{CalibrationProblem(setup.robot, targets.shots, setup.experiment), test::Kr270Chain(), {}};
+  CompensationInput input{MakeKnownProblem(setup.robot, targets.shots, setup.experiment, {}), test::Kr270Chain(), {}};
   Pose<double> base;
   base.translation = truth.base_xyz[0];
   base.rotation = test::BaseRotation(truth, 0);
@@ -199,7 +199,7 @@ TEST_F(CompensationTest, EstimatedParametersKeepTheirPromise) {
     const Estimate estimate = EstimateJointly(problem);
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
     test::LoadedSetup estimated = setup;
-    estimated.robot = problem.model.WithValues(estimate.parameters.ModelValues());
+    estimated.robot = problem.model().WithValues(estimate.parameters.ModelValues());
     const std::vector<Target> one = {targets[draw]};
     CompensationInput input = InputOf(estimated, truth, TargetsOf(one, truth, "V250"));
     input.problem.parameters.SetBaseInStation(0, estimate.parameters.BaseInStation(0));

@@ -127,8 +127,8 @@ DiagnosedModel OffBy(const Distance& distance) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, problem.parameters, held_out);
   std::map<int, int> numbers;  // of the configurations, in order
   for (size_t k = 0; k < held_out.size(); ++k) {
-    Observation& row = problem.data.observations[static_cast<size_t>(held_out[k])];
-    const int c = problem.data.shots[static_cast<size_t>(row.shot)].configuration;
+    Observation& row = problem.data().observations[static_cast<size_t>(held_out[k])];
+    const int c = problem.data().shots[static_cast<size_t>(row.shot)].configuration;
     const int number = numbers.emplace(c, static_cast<int>(numbers.size())).first->second;
     row.point_in_station = predicted.col(static_cast<long>(k)) + distance(number) * Vector3<double>::UnitY();
   }
@@ -212,7 +212,7 @@ TEST(DiagnosisFormulas, OutliersAreJudgedAsTheWorstOfAll) {
   ASSERT_EQ(rows.size(), 90u);
   const auto found = [&](double square) {
     CalibrationProblem problem = *fit.problem;
-    Observation& row = problem.data.observations[static_cast<size_t>(rows[31])];
+    Observation& row = problem.data().observations[static_cast<size_t>(rows[31])];
     row.point_in_station = fit.estimate.predicted.col(rows[31]) + kSigma * std::sqrt(square) * Vector3<double>::UnitX();
     return FindOutliers(problem, fit.estimate.parameters, rows, 1e-3, false, 0);
   };
@@ -224,14 +224,14 @@ TEST(DiagnosisFormulas, OutliersAreJudgedAsTheWorstOfAll) {
 TEST(DiagnosisFormulas, MomentsLieBetweenFittedVisits) {
   const CalibrationProblem problem = Healthy();
   std::vector<double> times;
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-    const Shot& shot = problem.data.shots[s];
-    if (!problem.data.configurations[static_cast<size_t>(shot.configuration)].is_validation) {
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+    const Shot& shot = problem.data().shots[s];
+    if (!problem.data().configurations[static_cast<size_t>(shot.configuration)].is_validation) {
       times.push_back(60.0 * static_cast<double>(s));
     }
   }
   ASSERT_EQ(times.size(), 30u);
-  const double begin = problem.shot_inputs[0].conditions.time;  // of the campaign's clock
+  const double begin = problem.shot_inputs()[0].conditions.time;  // of the campaign's clock
   const std::vector<std::string> points = ChangePoints(problem);
   ASSERT_EQ(points.size(), times.size() - 2);
   for (size_t i = 0; i < points.size(); ++i) {

@@ -43,19 +43,19 @@ DiagnosedModel Healthy(std::uint64_t seed, bool parked = false) {
 // Rows need not be in the order of time.
 TEST(Conditions, TimeCountsFromTheFirstRowOfAStation) {
   const CalibrationProblem problem = *Healthy(1).problem;
-  Measurements data = problem.data;
+  Measurements data = problem.data();
   for (size_t s = 0; s < data.shots.size(); ++s) {
     data.shots[s].has_time = true;
     data.shots[s].time = 100.0 - 5.0 * static_cast<double>(s);
   }
-  const std::vector<ShotInput> inputs = MakeShotInputs(problem.model, data, problem.experiment);
+  const std::vector<ShotInput> inputs = MakeShotInputs(problem.model(), data, problem.experiment());
   for (size_t s = 0; s < inputs.size(); ++s) EXPECT_EQ(inputs[s].conditions.time, -5.0 * static_cast<double>(s));
 }
 
 // A shot counts at the mean of its rows, the clock of the station starts with its first row.
 TEST(Conditions, TheFirstRowIsNotItsShot) {
   const CalibrationProblem problem = *Healthy(1).problem;
-  Measurements data = problem.data;
+  Measurements data = problem.data();
   data.files = {{"m.csv", "", {"time_s"}, {}}};
   for (size_t i = 0; i < data.observations.size(); ++i) {
     data.files[0].rows.push_back({static_cast<int>(i) + 2, {std::to_string(1000 + 30 * i)}});
@@ -67,7 +67,7 @@ TEST(Conditions, TheFirstRowIsNotItsShot) {
     for (const int i : shot.observations)
       shot.time += (1000.0 + 30.0 * i) / static_cast<double>(shot.observations.size());
   }
-  const std::vector<ShotInput> inputs = MakeShotInputs(problem.model, data, problem.experiment);
+  const std::vector<ShotInput> inputs = MakeShotInputs(problem.model(), data, problem.experiment());
   for (size_t s = 0; s < inputs.size(); ++s) {
     EXPECT_NEAR(inputs[s].conditions.time, data.shots[s].time - 1000.0, 1e-9);
   }
@@ -76,9 +76,11 @@ TEST(Conditions, TheFirstRowIsNotItsShot) {
 
 // What an effect says of a joint that slides is defined or it is not asked; what never changes drives nothing.
 TEST(Candidates, WhatCannotBeTestedIsListedWithItsReason) {
-  CalibrationProblem problem = *Healthy(1).problem;
-  problem.robot.chain.joints[2].type = JointType::kPrismatic;
-  for (ShotInput& shot : problem.shot_inputs) {
+  const CalibrationProblem healthy = *Healthy(1).problem;
+  Robot robot = healthy.robot();
+  robot.chain.joints[2].type = JointType::kPrismatic;
+  CalibrationProblem problem = MakeCalibrationProblem(robot, healthy.data(), healthy.experiment());
+  for (ShotInput& shot : *problem.mutable_shot_inputs()) {
     shot.conditions.has_time = true;
     shot.conditions.time = 7.0;
   }
@@ -113,7 +115,7 @@ TEST(Candidates, WeightsNeedTheDirectionOfGravity) {
   };
   const CandidateList levelled = ListCandidates(problem, problem.parameters);
   EXPECT_GT(of_sag(levelled), 0);
-  problem.experiment.stations[problem.data.stations[0]].levelled = false;
+  problem.mutable_experiment()->stations[problem.data().stations[0]].levelled = false;
   const CandidateList unlevelled = ListCandidates(problem, problem.parameters);
   EXPECT_EQ(of_sag(unlevelled), 0);
   EXPECT_EQ(unlevelled.candidates.size(), levelled.candidates.size() - of_sag(levelled));
@@ -122,7 +124,7 @@ TEST(Candidates, WeightsNeedTheDirectionOfGravity) {
         return entry.effect == "self_weight_sag" && entry.needs.find("gravity") != std::string::npos;
       });
   EXPECT_TRUE(says_why);
-  problem.experiment.gravity_in_base = true;
+  problem.mutable_experiment()->gravity_in_base = true;
   EXPECT_EQ(of_sag(ListCandidates(problem, problem.parameters)), of_sag(levelled));
 }
 
@@ -140,7 +142,7 @@ void Spoil(DiagnosedModel* model, const std::vector<int>& observations) {
   CalibrationProblem problem = *model->problem;
   double sign = 1.0;
   for (const int i : observations) {
-    problem.data.observations[i].point_in_station += sign * Vector3<double>(40 * kSigma, 0.0, 0.0);
+    problem.mutable_data()->observations[i].point_in_station += sign * Vector3<double>(40 * kSigma, 0.0, 0.0);
     sign = -sign;
   }
   model->problem = std::make_shared<CalibrationProblem>(problem);
@@ -155,7 +157,8 @@ TEST(DiagnosisOutliers, NoneInHealthyRows) {
 TEST(DiagnosisOutliers, TwoInOneShotDoNotHideEachOther) {
   DiagnosedModel model = Healthy(1);
   const std::vector<int>& shot =
-      model.problem->data.shots[model.problem->data.observations[model.problem->CalibrationObservations()[0]].shot]
+      model.problem->data()
+          .shots[model.problem->data().observations[model.problem->CalibrationObservations()[0]].shot]
           .observations;
   ASSERT_EQ(shot.size(), 3u);
   const std::vector<int> spoilt = {shot[0], shot[2]};
@@ -171,8 +174,8 @@ TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBodyAlone) {
   // All three markers of a shot off alike: the model's error, not theirs.
   DiagnosedModel moved = Healthy(1);
   CalibrationProblem problem = *moved.problem;
-  const Shot& shot = problem.data.shots[problem.data.observations[held_out[0]].shot];
-  for (const int i : shot.observations) problem.data.observations[i].point_in_station.x() += 40 * kSigma;
+  const Shot& shot = problem.data().shots[problem.data().observations[held_out[0]].shot];
+  for (const int i : shot.observations) problem.mutable_data()->observations[i].point_in_station.x() += 40 * kSigma;
   moved.problem = std::make_shared<CalibrationProblem>(problem);
   EXPECT_TRUE(Outliers(moved, true).empty());
 }
@@ -182,13 +185,13 @@ TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBodyAlone) {
 TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
   DiagnosedModel model = Healthy(2);
   CalibrationProblem problem = *model.problem;
-  for (Observation& observation : problem.data.observations) {
+  for (Observation& observation : problem.data().observations) {
     if (observation.marker == 2) observation.point_in_station.y() += 3e-3 * std::sin(observation.shot);
   }
   const auto together = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);
   ASSERT_TRUE(together);
   EXPECT_GT(together->scale, 10.0);
-  problem.marker_frames[2] = problem.marker_frames[0] - 1;  // as if on the link before
+  problem.set_marker_frame(2, problem.marker_frames()[0] - 1);  // as if on the link before
   const auto apart = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);
   ASSERT_TRUE(apart);
   EXPECT_EQ(apart->dof, 29);

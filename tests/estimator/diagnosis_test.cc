@@ -52,14 +52,14 @@ CalibrationProblem Hidden(std::uint64_t seed, const Deviation& deviation) {
 
 TEST(Diagnosis, NothingHiddenIsConsistent) {
   const Diagnosis diagnosis = Diagnose(Hidden(1, [](double) { return 0.0; }), DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "consistent");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kConsistent);
   EXPECT_TRUE(diagnosis.steps.empty());
 }
 
 TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
   const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.steps.size(), 1u);
   EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
   const std::vector<ParameterEstimate>& parameters = diagnosis.steps[0].parameters;
@@ -113,11 +113,11 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
   EXPECT_TRUE(Diagnose(healthy, DiagnosisOptions()).cautions.empty());
 
   CalibrationProblem silent = healthy;
-  for (Observation& observation : silent.data.observations) observation.sigma.setZero();
+  for (Observation& observation : silent.mutable_data()->observations) observation.sigma.setZero();
   EXPECT_TRUE(AnyStartsWith(Diagnose(silent, DiagnosisOptions()).cautions, "No noise is stated"));
 
   CalibrationProblem shared = healthy;
-  std::vector<Configuration>& configurations = shared.data.configurations;
+  std::vector<Configuration>& configurations = shared.mutable_data()->configurations;
   const auto held_out = std::find_if(configurations.begin(), configurations.end(),
                                      [](const Configuration& c) { return c.is_validation; });
   const auto fitted = std::find_if(configurations.begin(), configurations.end(),
@@ -138,18 +138,20 @@ TEST(Diagnosis, WhatLimitsTheVerdictIsSaid) {
 TEST(Diagnosis, ColumnsThatSomeRowsDoNotStateAreNamed) {
   CalibrationProblem partly = Hidden(1, [](double) { return 0.0; });
   DiagnosedModel believed;
-  for (size_t s = 0; s < partly.shot_inputs.size(); ++s) partly.shot_inputs[s].conditions.has_time = s % 2 == 0;
+  for (size_t s = 0; s < partly.shot_inputs().size(); ++s) {
+    (*partly.mutable_shot_inputs())[s].conditions.has_time = s % 2 == 0;
+  }
   const std::string words = "Columns that some rows do not state: time_s (";
   EXPECT_TRUE(AnyStartsWith(FindCautions(partly, believed), words));
-  for (ShotInput& shot : partly.shot_inputs) shot.conditions.has_time = true;
+  for (ShotInput& shot : *partly.mutable_shot_inputs()) shot.conditions.has_time = true;
   EXPECT_FALSE(AnyStartsWith(FindCautions(partly, believed), words));
 }
 
 // A direction that is 0 or the same throughout is none that play could follow.
 TEST(Diagnosis, PlayNeedsADirectionThatVaries) {
   CalibrationProblem problem = Hidden(1, [](double) { return 0.0; });
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
-    problem.shot_inputs[s].conditions.approach = {1, s % 2 == 0 ? 1 : -1, 0, 0, 0, 0};
+  for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
+    (*problem.mutable_shot_inputs())[s].conditions.approach = {1, s % 2 == 0 ? 1 : -1, 0, 0, 0, 0};
   }
   std::map<std::string, std::string> needs;
   for (const NotTestable& entry : ListCandidates(problem, problem.parameters).not_testable) {
@@ -163,25 +165,25 @@ TEST(Diagnosis, PlayNeedsADirectionThatVaries) {
 // Where no joint moves and no time is stated there is nothing that could drive anything.
 TEST(Diagnosis, OnePoseWithoutTimeHasAVerdict) {
   CalibrationProblem problem = Moved(5, [](Eigen::VectorXd* q) { q->setConstant(0.3); });
-  for (Configuration& configuration : problem.data.configurations) configuration.q.setConstant(0.3);
-  for (ShotInput& shot : problem.shot_inputs) {
+  for (Configuration& configuration : problem.data().configurations) configuration.q.setConstant(0.3);
+  for (ShotInput& shot : *problem.mutable_shot_inputs()) {
     shot.conditions.q.setConstant(0.3);
     shot.conditions.has_time = false;
     shot.conditions.time = 0.0;
   }
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    problem.data.observations[i].point_in_station.x() += i % 2 == 0 ? 1e-3 : -1e-3;
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    problem.mutable_data()->observations[i].point_in_station.x() += i % 2 == 0 ? 1e-3 : -1e-3;
   }
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  EXPECT_FALSE(diagnosis.verdict.empty());
+  EXPECT_NE(WordOf(diagnosis.verdict), "");
   EXPECT_TRUE(AnyStartsWith(diagnosis.cautions, "All configurations are alike"));
 }
 
 TEST(Diagnosis, WithoutHoldoutThereIsNoGapFigure) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q); });
-  for (Configuration& configuration : problem.data.configurations) configuration.is_validation = false;
+  for (Configuration& configuration : problem.mutable_data()->configurations) configuration.is_validation = false;
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   EXPECT_TRUE(std::isnan(diagnosis.gap.closed));
   EXPECT_TRUE(std::isnan(diagnosis.gap.closed_ci95.low));
   EXPECT_TRUE(std::isnan(diagnosis.steps.at(0).holdout_after));
@@ -190,9 +192,9 @@ TEST(Diagnosis, WithoutHoldoutThereIsNoGapFigure) {
 
 TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   CalibrationProblem problem = Hidden(3, [](double) { return 0.0; });
-  for (Observation& observation : problem.data.observations) observation.sigma *= 0.5;
+  for (Observation& observation : problem.mutable_data()->observations) observation.sigma *= 0.5;
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "noise");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
   EXPECT_TRUE(diagnosis.steps.empty());
   EXPECT_LT(diagnosis.noise.low, 2.0);
   EXPECT_GT(diagnosis.noise.high, 2.0);
@@ -233,11 +235,11 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
       for (double& joint : *q) joint += rest(random);
     });
     CalibrationProblem open = stated;
-    for (Observation& observation : open.data.observations) observation.sigma.setZero();
+    for (Observation& observation : open.mutable_data()->observations) observation.sigma.setZero();
     for (const CalibrationProblem* problem : std::vector<const CalibrationProblem*>{&stated, &open}) {
       const Diagnosis diagnosis = Diagnose(*problem, DiagnosisOptions());
       EXPECT_TRUE(diagnosis.steps.empty());
-      EXPECT_EQ(diagnosis.verdict, "unknown");
+      EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknown);
       EXPECT_FALSE(diagnosis.noise.is_told_from_pose);
       EXPECT_GT(diagnosis.noise.probability, 0.5);
       EXPECT_LT(diagnosis.noise.repeatability_low, 15e-6);
@@ -254,14 +256,14 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
   const CalibrationProblem measured = Moved(82, [&](Eigen::VectorXd* q) {
     for (double& joint : *q) joint += rest(random);
   });
-  Measurements data = measured.data;
+  Measurements data = measured.data();
   for (Observation& observation : data.observations) observation.sigma *= 0.5;
-  Experiment experiment = measured.experiment;
-  for (const Joint& joint : measured.robot.chain.joints) {
+  Experiment experiment = measured.experiment();
+  for (const Joint& joint : measured.robot().chain.joints) {
     experiment.repeatability.angle.per_joint[joint.name] = kStated;
   }
-  const Diagnosis diagnosis = Diagnose(MakeCalibrationProblem(measured.robot, data, experiment), DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "noise");
+  const Diagnosis diagnosis = Diagnose(MakeCalibrationProblem(measured.robot(), data, experiment), DiagnosisOptions());
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
   EXPECT_TRUE(diagnosis.noise.scale_differs);
   EXPECT_FALSE(diagnosis.noise.HasUndeclaredRepeatability());
   EXPECT_LT(diagnosis.noise.low, 2.0);
@@ -272,12 +274,12 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
 // extended one.
 TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 300e-6 * std::cos(2 * q) - 200e-6 * std::sin(2 * q); });
-  for (Observation& observation : problem.data.observations) {
+  for (Observation& observation : problem.data().observations) {
     observation.sigma.setZero();
     observation.excluded = observation.marker != 0;
   }
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.steps.size(), 1u);
   EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
   // 105 rows less about 35 unknowns tell sigma to 8 % and predict with up to sqrt(1.5) of it.
@@ -287,11 +289,11 @@ TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
 // Asked for, too, it takes nothing away from what has a name.
 TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); });
-  for (Observation& observation : problem.data.observations) observation.sigma.setZero();
-  problem.experiment.noise.from = NoiseSpec::From::kVarianceComponents;
-  problem.experiment.repeatability.angle.estimate = true;
+  for (Observation& observation : problem.data().observations) observation.sigma.setZero();
+  problem.mutable_experiment()->noise.from = NoiseSpec::From::kVarianceComponents;
+  problem.mutable_experiment()->repeatability.angle.estimate = true;
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.steps.size(), 1u);
   EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
 }
@@ -299,7 +301,7 @@ TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
 TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
   const auto bump = [](double q) { return 300e-6 * std::exp(-0.5 * std::pow((q - 0.3) / 0.15, 2)); };
   const Diagnosis diagnosis = Diagnose(Hidden(4, bump), DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "unknown");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknown);
   EXPECT_EQ(diagnosis.unexplained.depends_on, std::vector<std::string>{"A3"});
 }
 
@@ -333,7 +335,7 @@ TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
 // Where nothing without a name is left, nothing is learnt.
 TEST(Diagnosis, WhatHasANameIsNotLearnt) {
   const Diagnosis diagnosis = Diagnose(Hidden(2, [](double q) { return 200e-6 * std::cos(2.0 * q); }), {});
-  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   EXPECT_EQ(diagnosis.learnt, nullptr);
 }
 
@@ -347,7 +349,7 @@ TEST(Diagnosis, NamedCauseHoldsBesideOneWithoutAName) {
     (*q)[4] += gain((*q)[4]);
   });
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  EXPECT_EQ(diagnosis.verdict, "partly");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kPartly);
   ASSERT_FALSE(diagnosis.steps.empty());
   EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/encoder_gain/A5");
   for (const DiagnosisStep& step : diagnosis.steps) EXPECT_NE(step.candidate.spec.target, "A1");

@@ -167,7 +167,7 @@ struct Placed {
     problem->parameters.SetMarkerPoint(0, Vector3<double>::Zero());
   }
   std::string WhyNot(const std::string& cell_text, const Eigen::VectorXd& q) const {
-    const Cell cell = CellOf(cell_text, problem->robot.chain);
+    const Cell cell = CellOf(cell_text, problem->robot().chain);
     return FeasiblePoses(*problem, &cell).WhyNot(q, {{0, 0}});
   }
   std::unique_ptr<CalibrationProblem> problem;
@@ -175,8 +175,8 @@ struct Placed {
 
 TEST(FeasibleTest, SightsAndConesAreThoseOfTheStation) {
   const Placed placed;
-  const std::string& station = placed.problem->data.stations[0];
-  const std::string& marker = placed.problem->data.markers[0];
+  const std::string& station = placed.problem->data().stations[0];
+  const std::string& marker = placed.problem->data().markers[0];
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(6);
   // The flange at (2930, 0, 695) mm of the base is at (0, 3 + 2.93, 0.695) m of the station: 5.9706 m away, at
   // 6.6845 degrees of elevation.

@@ -105,8 +105,8 @@ TEST(FullPose, PropagatedCovarianceEqualsMarkerLeastSquares) {
 
 TEST(FullPose, PropagatedCovarianceEqualsMarkerLeastSquaresWithUnequalSigmas) {
   CalibrationProblem problem = KnownTool(1e-5, 4);
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    problem.data.observations[i].sigma = Vector3<double>(1e-5, 3e-5, 0.5e-5) * (1.0 + 0.1 * (i % 7));
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    problem.mutable_data()->observations[i].sigma = Vector3<double>(1e-5, 3e-5, 0.5e-5) * (1.0 + 0.1 * (i % 7));
   }
   const Estimate markers = EstimateJointly(problem);
   const Estimate poses = EstimateFromFullPoses(problem, Propagated());
@@ -159,14 +159,14 @@ TEST(FullPose, StatedWeightIsNeverBetterAndUnbiased) {
 TEST(FullPose, RefusesInWordsWithoutPoses) {
   CalibrationProblem problem = test::Kr270Problem(Fine(1e-5, 2), Kr270Truth(), 5);
   CalibrationProblem on_links = problem;
-  on_links.marker_frames[1] = 5;
+  on_links.set_marker_frame(1, 5);
   EXPECT_NE(EstimateFromFullPoses(on_links).message.find("different links"), std::string::npos);
   CalibrationProblem held = problem;
   held.parameters.coordinate(held.parameters.FindCoordinate("marker/P1/x")).held = true;
   EXPECT_NE(EstimateFromFullPoses(held).message.find("all or none"), std::string::npos);
   CalibrationProblem two_markers = problem;
-  for (Shot& shot : two_markers.data.shots) shot.observations.pop_back();
-  std::vector<Observation>& observations = two_markers.data.observations;
+  for (Shot& shot : two_markers.mutable_data()->shots) shot.observations.pop_back();
+  std::vector<Observation>& observations = two_markers.mutable_data()->observations;
   observations.erase(std::remove_if(observations.begin(), observations.end(),
                                     [](const Observation& observation) { return observation.marker == 2; }),
                      observations.end());

@@ -35,8 +35,8 @@ double Harmonic(double q) { return kAmplitude * std::sin(3 * q); }
 DiagnosedModel WithHarmonicOfA4() {
   DiagnosedModel model = Healthy();
   auto problem = std::make_shared<CalibrationProblem>(*model.problem);
-  for (Observation& row : problem->data.observations) {
-    Eigen::VectorXd q = problem->data.ConfigurationOf(row).q;
+  for (Observation& row : problem->data().observations) {
+    Eigen::VectorXd q = problem->data().ConfigurationOf(row).q;
     q[kA4] += Harmonic(q[kA4]);
     row.point_in_station = test::ExactPoint(test::Kr270Truth(), q, row.marker, 0);
   }
@@ -59,7 +59,8 @@ TEST(GapMap, ReturnsADeviationOfOneJointShotByShot) {
   EXPECT_EQ(a4.unit, "urad");
   ASSERT_EQ(a4.shots.size(), 30u);
   for (size_t i = 0; i < a4.shots.size(); ++i) {
-    const double q = model.problem->data.configurations[model.problem->data.shots[a4.shots[i]].configuration].q[kA4];
+    const double q =
+        model.problem->data().configurations[model.problem->data().shots[a4.shots[i]].configuration].q[kA4];
     EXPECT_NEAR(a4.before[i], 1e6 * Harmonic(q), kTolerated);
     EXPECT_EQ(a4.after[i], a4.before[i]);
   }
@@ -75,8 +76,8 @@ TEST(GapMap, IsDrawnOverWhatVaries) {
   };
   EXPECT_EQ(names(), std::vector<std::string>{"A4"});  // no loads, no time, no directions
   auto problem = std::make_shared<CalibrationProblem>(*model.problem);
-  for (size_t s = 0; s < problem->shot_inputs.size(); ++s) {
-    ShotConditions& conditions = problem->shot_inputs[s].conditions;
+  for (size_t s = 0; s < problem->shot_inputs().size(); ++s) {
+    ShotConditions& conditions = problem->shot_inputs()[s].conditions;
     conditions.has_time = true;
     conditions.time = 60.0 * static_cast<double>(s);
     conditions.approach = {1, 1, 1, s % 2 == 0 ? 1 : -1, 1, 1};
@@ -115,11 +116,11 @@ TEST(Drivers, TorqueIsTheWorkOfTheLoadPerRadian) {
   };
   constexpr double kStep = 1e-4;  // rad: differences off by kStep^2 / 6 of 10 kN m, rounding far less
   for (long s = 0; s < torques.rows(); ++s) {
-    const Shot& shot = problem.data.shots[s];
+    const Shot& shot = problem.data().shots[s];
     const Driver on_a6 = TorqueOf(problem, kA6, torques);
     EXPECT_EQ(on_a6.of_shot[s], torques(s, kA6));
     for (int j = 0; j < 6; ++j) {
-      Eigen::VectorXd ahead = problem.data.configurations[shot.configuration].q, behind = ahead;
+      Eigen::VectorXd ahead = problem.data().configurations[shot.configuration].q, behind = ahead;
       ahead[j] += kStep;
       behind[j] -= kStep;
       const double expected = shot.load == "none" ? 0.0 : (work_at(ahead) - work_at(behind)) / (2 * kStep);

@@ -50,7 +50,7 @@ struct Grid {
   }
   // Where to predict, with the true points.
   CalibrationProblem Elsewhere(const Eigen::Matrix3d& target, int poses, std::uint64_t seed) const {
-    return CalibrationProblem(robot(), Measured(target, poses, seed, 0.0), Experiment());
+    return MakeKnownProblem(robot(), Measured(target, poses, seed, 0.0), Experiment(), {});
   }
 };
 
@@ -62,11 +62,11 @@ struct Tally {
   void Add(const Estimate& estimate, CalibrationProblem where) {
     where.parameters.CopyByName(estimate.parameters);
     std::vector<int> rows;
-    for (size_t k = 0; k < where.data.observations.size(); ++k) rows.push_back(static_cast<int>(k));
+    for (size_t k = 0; k < where.data().observations.size(); ++k) rows.push_back(static_cast<int>(k));
     const Eigen::Matrix3Xd predicted = PredictPoints(where, where.parameters, rows);
     const auto covariances = PredictionCovariances(where, UncertaintyOf(estimate), rows, 1.0);
     for (size_t k = 0; k < rows.size(); ++k) {
-      const Vector3<double> error = predicted.col(k) - where.data.observations[k].point_in_station;
+      const Vector3<double> error = predicted.col(k) - where.data().observations[k].point_in_station;
       for (int axis = 0; axis < 3; ++axis) {
         const double sigma = std::sqrt(covariances[k].mean()(axis, axis));
         inside += std::abs(error[axis]) <= kQuantile * sigma;

@@ -38,7 +38,8 @@ CalibrationProblem Grid(double wander, std::uint64_t seed) {
   Robot robot;
   robot.chain = test::Kr270Chain();
   CalibrationProblem problem = MakeCalibrationProblem(robot, data, Experiment());
-  for (size_t c = 0; c < data.configurations.size(); ++c) problem.data.configurations[c].is_validation = c % 3 == 0;
+  for (size_t c = 0; c < data.configurations.size(); ++c)
+    problem.mutable_data()->configurations[c].is_validation = c % 3 == 0;
   return problem;
 }
 
@@ -47,7 +48,7 @@ double HeldOutRms(const CalibrationProblem& problem, const ParameterSet& paramet
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, rows);
   double squares = 0.0;
   for (size_t k = 0; k < rows.size(); ++k)
-    squares += (predicted.col(static_cast<Eigen::Index>(k)) - problem.data.observations[rows[k]].point_in_station)
+    squares += (predicted.col(static_cast<Eigen::Index>(k)) - problem.data().observations[rows[k]].point_in_station)
                    .squaredNorm();
   return std::sqrt(squares / rows.size());
 }

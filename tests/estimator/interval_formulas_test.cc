@@ -29,10 +29,11 @@ CalibrationProblem SkewedConfigurations() {
   design.stations = 1;
   CalibrationProblem problem = test::Kr270Problem(design, test::Kr270Truth(), 6);
   test::RandomNumbers random(11);
-  for (const Shot& shot : problem.data.shots) {
+  for (const Shot& shot : problem.data().shots) {
     const double rare = -std::log(random.Uniform(1e-9, 1.0));
     for (const int k : shot.observations) {
-      problem.data.observations[k].point_in_station += Vector3<double>(1.0, -0.6, 0.8) * (1.5e-4 * rare * rare);
+      problem.mutable_data()->observations[k].point_in_station +=
+          Vector3<double>(1.0, -0.6, 0.8) * (1.5e-4 * rare * rare);
     }
   }
   return problem;
@@ -125,7 +126,7 @@ TEST(IntervalFormulas, ProfileAtAnEstimatedNoise) {
   test::Kr270Design design;
   design.configurations = 30;
   CalibrationProblem problem = test::Kr270Problem(design, test::Kr270Truth(), 3);
-  for (Observation& row : problem.data.observations) row.sigma.setZero();
+  for (Observation& row : problem.data().observations) row.sigma.setZero();
   const Estimate estimate = EstimateJointly(problem);
   Estimate profiled = estimate;
   ProfileOptions options;
@@ -236,7 +237,7 @@ TEST(IntervalFormulas, DrawnDataHaveTheScaleOfTheNoiseOnJointsToo) {
   for (const int scaled : {0, 1}) {
     const Simulator redraw = RedrawAt(problem, problem.parameters, scaled == 1 ? 3.0 : 1.0, 1e-3);
     for (int i = 0; i < 40; ++i) {
-      Measurements drawn = problem.data;
+      Measurements drawn = problem.data();
       ASSERT_TRUE(redraw.Draw(SeedOf(4, i), &drawn));  // the same numbers at both scales
       for (size_t k = 0; k < drawn.observations.size(); ++k) {
         squares[scaled] += (drawn.observations[k].point_in_station - exact.col(static_cast<long>(k))).squaredNorm();

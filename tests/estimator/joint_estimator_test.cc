@@ -33,7 +33,7 @@ TEST(JointEstimator, RecoversExactDataToRoundOff) {
   const Kr270Truth truth;
   Kr270Design design;
   CalibrationProblem problem = Kr270Problem(design, truth, 1);
-  test::MeasureKr270(truth, 0.0, 1, &problem.data);  // no noise
+  test::MeasureKr270(truth, 0.0, 1, problem.mutable_data());  // no noise
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
   EXPECT_EQ(estimate.estimated.size(), 39u);
@@ -61,7 +61,7 @@ TEST(JointEstimator, IntervalsCoverAsTheyClaim) {
   CalibrationProblem problem = Kr270Problem(Kr270Design(), truth, 1);
   std::vector<int> covered(problem.parameters.num_coordinates(), 0);
   for (int trial = 0; trial < kTrials; ++trial) {
-    test::MeasureKr270(truth, 1e-4, 1000 + trial, &problem.data);
+    test::MeasureKr270(truth, 1e-4, 1000 + trial, problem.mutable_data());
     const Estimate estimate = EstimateJointly(problem);
     ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
     for (size_t i = 0; i < estimate.table.size(); ++i) {
@@ -91,9 +91,9 @@ TEST(JointEstimator, AnyBaseRotationAndUnknownToolsConvergeToTheSameOptimum) {
     truth.base_xyz[0] = random.Vector(5.0);
     CalibrationProblem problem = Kr270Problem(design, truth, 3);
     // The same noise seen from another base is other noise: rotate it along.
-    test::MeasureKr270(truth, 0.0, 1, &problem.data);
+    test::MeasureKr270(truth, 0.0, 1, problem.mutable_data());
     NormalNumbers normal(5);
-    for (Observation& observation : problem.data.observations) {
+    for (Observation& observation : problem.data().observations) {
       const Vector3<double> noise = test::RandomVector(normal);
       observation.point_in_station += RotationFromVector(truth.base_rotvec[0]) * noise * design.sigma;
     }
@@ -107,7 +107,7 @@ TEST(JointEstimator, AnyBaseRotationAndUnknownToolsConvergeToTheSameOptimum) {
 TEST(JointEstimator, SigmaIsEstimatedWhereNothingStatesIt) {
   const Kr270Truth truth;
   CalibrationProblem problem = Kr270Problem(Kr270Design(), truth, 11);
-  for (Observation& observation : problem.data.observations) observation.sigma.setZero();
+  for (Observation& observation : problem.data().observations) observation.sigma.setZero();
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
   EXPECT_FALSE(estimate.sigma.stated);
@@ -118,7 +118,7 @@ TEST(JointEstimator, SigmaIsEstimatedWhereNothingStatesIt) {
 TEST(JointEstimator, TooSmallStatedSigmaScalesTheIntervalsAndSaysSo) {
   const Kr270Truth truth;
   CalibrationProblem problem = Kr270Problem(Kr270Design(), truth, 12);
-  for (Observation& observation : problem.data.observations) observation.sigma.setConstant(1e-5);
+  for (Observation& observation : problem.data().observations) observation.sigma.setConstant(1e-5);
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
   EXPECT_TRUE(estimate.sigma.scaled);

@@ -47,7 +47,7 @@ void AddPlannedShots(const LoadPlan& plan, double sigma, test::LoadedTruth* trut
 
 // Where the arm finds no equilibrium there is nothing to judge: a named status, not the numbers that happen to be
 // there.
-TEST(JudgeEstimate, AFoldedArmIsNoEstimate) {
+TEST(ComputeStatistics, AFoldedArmIsNoEstimate) {
   const test::LoadedTruth truth = VerticalBase();
   const test::LoadedDesign design;
   const CalibrationProblem problem = Simulate(truth, design, test::LoadedRows(design, truth), test::SetupFor(truth));
@@ -61,7 +61,7 @@ TEST(JudgeEstimate, AFoldedArmIsNoEstimate) {
   const Linearization folded = Linearize(problem, estimate.parameters, rows, {}, ObservationNoise(problem, rows, 1e-3));
   ASSERT_FALSE(folded.valid);
   EXPECT_TRUE(std::isnan(folded.residual.squaredNorm()));
-  JudgeEstimate(problem, &estimate);
+  ComputeStatistics(problem, &estimate);
   EXPECT_EQ(estimate.status, Status::kEquilibriumDiverged);
   EXPECT_FALSE(estimate.message.empty());
 }

@@ -41,11 +41,11 @@ struct Simulated {
     return MakeCalibrationProblem(setup.robot, data, setup.experiment);
   }
   Estimate Solve(std::uint64_t seed) {
-    test::Measure(exact, design.sigma, seed, &problem.data);
+    test::Measure(exact, design.sigma, seed, problem.mutable_data());
     return EstimateJointly(problem);
   }
   Estimate SolveExact() {
-    test::Measure(exact, 0.0, 1, &problem.data);
+    test::Measure(exact, 0.0, 1, problem.mutable_data());
     return EstimateJointly(problem);
   }
 

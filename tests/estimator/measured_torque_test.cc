@@ -78,10 +78,10 @@ TEST(MeasuredTorque, IsComparedWithTheModelInWords) {
   const std::vector<double> theta = loads.parameters.ModelValues();
   const auto compared = [&](double factor) {
     CalibrationProblem problem = loads;
-    for (size_t s = 0; s < problem.data.shots.size(); ++s) {
-      const Matrix3<double> base = problem.parameters.BaseInStation(problem.data.shots[s].station).rotation;
-      problem.data.shots[s].joint_torques =
-          factor * problem.model.ModelledJointTorques(problem.shot_inputs[s], theta.data(), base);
+    for (size_t s = 0; s < problem.data().shots.size(); ++s) {
+      const Matrix3<double> base = problem.parameters.BaseInStation(problem.data().shots[s].station).rotation;
+      problem.data().shots[s].joint_torques =
+          factor * problem.model().ModelledJointTorques(problem.shot_inputs()[s], theta.data(), base);
     }
     return CompareTorques(problem, problem.parameters);
   };

@@ -69,13 +69,13 @@ TEST(NoiseFormulas, SpreadOfResidualsCountsWhatTheFitLeaves) {
                             Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols());
   Vector3<double> squares = Vector3<double>::Zero(), left = squares;
   for (size_t k = 0; k < rows.size(); ++k) {
-    const Vector3<double> r = problem.data.observations[rows[k]].point_in_station - estimate.predicted.col(rows[k]);
+    const Vector3<double> r = problem.data().observations[rows[k]].point_in_station - estimate.predicted.col(rows[k]);
     squares += r.cwiseAbs2();
     for (int a = 0; a < 3; ++a) left[a] += 1.0 - q.row(3 * static_cast<long>(k) + a).squaredNorm();
   }
   EXPECT_NEAR(left.sum(), 162 - 39, 1e-6);
   std::vector<NoiseGroup> report;
-  SpreadOfResiduals(problem, estimate, GroupRows(problem.data, ResidualGroup::kAxis), &report);
+  SpreadOfResiduals(problem, estimate, GroupRows(problem.data(), ResidualGroup::kAxis), &report);
   ASSERT_EQ(report.size(), 3u);
   for (int a = 0; a < 3; ++a) EXPECT_NEAR(report[a].sigma, std::sqrt(squares[a] / left[a]), 1e-9) << a;
 }
@@ -87,7 +87,7 @@ TEST(NoiseFormulas, PriceOfTheLossIsInTheCovariance) {
     test::MeasureKr270(test::Kr270Truth(), 1e-4, 6, &data);
     test::Spoil(0.06, 3, &data);
     Experiment experiment;
-    experiment.loss = *FindChoice<LossKind>(loss);
+    experiment.method.loss = *FindChoice<LossKind>(loss);
     const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
     const Estimate& estimate = result.estimate;
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;

@@ -51,7 +51,7 @@ TEST(NoiseLoop, IntervalsHoldWithVarianceComponentsUnknown) {
     Measurements data = test::RepeatRows(design);
     Experiment unknown, independent;
     unknown.noise.from = NoiseSpec::From::kVarianceComponents;
-    independent.weights = Weights::kEqual;
+    independent.method.weights = Weights::kEqual;
     Coverage ours, naive;
     for (int t = 0; t < 24; ++t) {
       test::MeasureRepeated(truth, design, 5000 + t, &data);
@@ -96,7 +96,7 @@ TEST(NoiseLoop, GrossErrorsAreFoundAndDoNotMatter) {
     design.sigma = 3e-5;
     Measurements data = test::DesignMeasurements(design);
     Experiment robust;
-    robust.loss = *FindChoice<LossKind>(loss);
+    robust.method.loss = *FindChoice<LossKind>(loss);
     test::FlagTally flags;
     double squares = 0.0, clean_squares = 0.0;
     for (int t = 0; t < 8; ++t) {
@@ -131,7 +131,7 @@ TEST(NoiseLoop, MisfitIsNotThrownOut) {
   }
   ASSERT_GE(moved, 9);
   Experiment robust;
-  robust.loss = LossKind::kCauchy;
+  robust.method.loss = LossKind::kCauchy;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, robust));
   ASSERT_TRUE(IsUsable(result.estimate.status));
   const NoiseReport& report = result.estimate.noise_report;
@@ -182,7 +182,7 @@ TEST(NoiseLoop, Eq14CovarianceIsEquationEleven) {
     for (int a = 0; a < 3; ++a) observation.point_in_station[a] += observation.sigma[a] * normal();
   }
   Experiment experiment;
-  experiment.weights = Weights::kEq14;
+  experiment.method.weights = Weights::kEq14;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
   ASSERT_EQ(result.estimate.status, Status::kConverged);
   ASSERT_FALSE(result.estimate.sigma.scaled);

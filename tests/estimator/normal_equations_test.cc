@@ -90,8 +90,8 @@ CalibrationProblem Weighted() {
   CalibrationProblem problem = Loaded([](auto*, auto*) {});
   test::RandomNumbers random(8);
   NoiseRoots roots;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    roots.push_back(problem.NoiseRoot(static_cast<int>(i)) / random.Uniform(0.2, 1.0));
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    roots.push_back(problem.SqrtCovariance(static_cast<int>(i)) / random.Uniform(0.2, 1.0));
     roots.back()(1, 0) = 0.3 * roots.back()(0, 0);
   }
   problem.resolved_noise = roots;
@@ -179,7 +179,7 @@ TEST_P(NormalEquationsOf, SumsAreThoseOfTheModelsRows) {
 
 // Pieces: the same rows, each once, deviations of joints with their visit.
 TEST_P(NormalEquationsOf, PiecesAreTheRows) {
-  const std::vector<int> clusters = ConfigurationClusters(problem_.data, rows_.observations);
+  const std::vector<int> clusters = ConfigurationClusters(problem_.data(), rows_.observations);
   const auto noise = [this](const std::vector<int>& listed) {
     return ObservationNoise(problem_, listed, kFallbackSigma);
   };
@@ -214,7 +214,7 @@ TEST_P(NormalEquationsOf, PiecesAreTheRows) {
 
 // Both ways to the sandwich, to 1e-6 standard deviations.
 TEST_P(NormalEquationsOf, ClustersSideBySideAreThoseOneByOne) {
-  const std::vector<int> clusters = ConfigurationClusters(problem_.data, rows_.observations);
+  const std::vector<int> clusters = ConfigurationClusters(problem_.data(), rows_.observations);
   const auto noise = [this](const std::vector<int>& listed) {
     return ObservationNoise(problem_, listed, kFallbackSigma);
   };

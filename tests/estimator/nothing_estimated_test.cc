@@ -43,7 +43,7 @@ TEST(NothingEstimated, IsSaidWhateverTheNoiseIsFoundBy) {
   ExpectWords(Experiment(), "as stated");
   for (const std::string weights : {"equal", "eq14"}) {
     Experiment experiment;
-    experiment.weights = *FindChoice<Weights>(weights);
+    experiment.method.weights = *FindChoice<Weights>(weights);
     ExpectWords(experiment, weights);
   }
   for (const NoiseSpec::From from : {NoiseSpec::From::kResiduals, NoiseSpec::From::kVarianceComponents}) {
@@ -53,13 +53,13 @@ TEST(NothingEstimated, IsSaidWhateverTheNoiseIsFoundBy) {
   }
   for (const std::string covariance : {"sandwich", "bootstrap", "profile"}) {
     Experiment experiment;
-    experiment.covariance = *FindChoice<CovarianceKind>(covariance);
-    experiment.bootstrap.replicates = 19;
+    experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
+    experiment.method.bootstrap.replicates = 19;
     ExpectWords(experiment, covariance);
   }
   for (const std::string loss : {"huber", "cauchy"}) {
     Experiment experiment;
-    experiment.loss = *FindChoice<LossKind>(loss);
+    experiment.method.loss = *FindChoice<LossKind>(loss);
     ExpectWords(experiment, loss);
   }
 }
@@ -76,7 +76,7 @@ TEST(NothingEstimated, VarianceComponentsAreThoseOfTheRows) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, held, rows);
   double square = 0.0;
   for (size_t k = 0; k < rows.size(); ++k) {
-    const Observation& row = problem.data.observations[static_cast<size_t>(rows[k])];
+    const Observation& row = problem.data().observations[static_cast<size_t>(rows[k])];
     square += (row.point_in_station - predicted.col(static_cast<long>(k))).squaredNorm() / (kSigma * kSigma);
   }
   const double n = 3.0 * static_cast<double>(rows.size());

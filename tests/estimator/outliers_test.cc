@@ -35,7 +35,7 @@ struct Scene {
   template <typename IsIn>
   std::vector<std::string> Shared(const IsIn& is_in) const {
     std::vector<Outlier> outliers;
-    for (size_t i = 0; i < problem.data.observations.size() && outliers.size() < 24; i += 3) {
+    for (size_t i = 0; i < problem.data().observations.size() && outliers.size() < 24; i += 3) {
       const int k = static_cast<int>(i + (i / 3) % 3);  // all markers
       if (is_in(k)) outliers.push_back({k, 1e-3, 10.0, -1});
     }
@@ -51,14 +51,15 @@ TEST(WhatOutliersShare, NothingWhereTheyLieAtRandom) {
 
 TEST(WhatOutliersShare, ARegionOfTheWorkspace) {
   const Scene scene;
-  const auto words = scene.Shared([&](int k) { return scene.problem.data.observations[k].point_in_station.z() > 2.4; });
+  const auto words =
+      scene.Shared([&](int k) { return scene.problem.data().observations[k].point_in_station.z() > 2.4; });
   EXPECT_THAT(words, Contains(HasSubstr("base z from 2")));
   EXPECT_THAT(words, Not(Contains(HasSubstr("marker"))));
 }
 
 TEST(WhatOutliersShare, ARangeOfAJointAndAMarker) {
   const Scene scene;
-  const Measurements& data = scene.problem.data;
+  const Measurements& data = scene.problem.data();
   const auto joint = scene.Shared([&](int k) { return data.ConfigurationOf(data.observations[k]).q[3] > 1.4; });
   EXPECT_THAT(joint, Contains(HasSubstr("joint A4 from ")));
   const auto marker = scene.Shared([&](int k) { return data.observations[k].marker == 1; });

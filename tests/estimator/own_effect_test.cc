@@ -107,7 +107,7 @@ TEST(OwnEffect, IsFoundByScreeningAndNamed) {
   const Diagnosis diagnosis = Diagnose(Hidden(ArmThatKnowsIt()), DiagnosisOptions());
   ASSERT_FALSE(diagnosis.candidates.empty());
   EXPECT_EQ(diagnosis.candidates[0].spec.Path(), kPath);
-  EXPECT_EQ(diagnosis.verdict, "explained");
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   ASSERT_EQ(diagnosis.steps.size(), 1u);
   EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), kPath);
 }

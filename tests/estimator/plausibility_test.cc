@@ -98,14 +98,14 @@ TEST(Plausibility, ManyRowsAreJudgedByAFewHundredConfigurations) {
   for (Configuration& configuration : data.configurations) configuration.q[1] *= -1.0;
   const CalibrationProblem problem = ProblemOf(test::Ur5Rows(), data);
   const CalibrationProblem sampled = SampledProblem(problem);
-  EXPECT_EQ(sampled.data.configurations.size(), 300u);
+  EXPECT_EQ(sampled.data().configurations.size(), 300u);
   std::set<int> markers;
-  for (size_t i = 0; i < sampled.data.observations.size(); ++i) {
-    const Observation& row = sampled.data.observations[i];
+  for (size_t i = 0; i < sampled.data().observations.size(); ++i) {
+    const Observation& row = sampled.data().observations[i];
     markers.insert(row.marker);
-    const int whole = std::stoi(sampled.data.ConfigurationOf(row).id.substr(1));
+    const int whole = std::stoi(sampled.data().ConfigurationOf(row).id.substr(1));
     EXPECT_EQ(row.point_in_station, data.observations[whole].point_in_station);
-    EXPECT_EQ(sampled.data.SourceOf(row), data.SourceOf(data.observations[whole]));
+    EXPECT_EQ(sampled.data().SourceOf(row), data.SourceOf(data.observations[whole]));
   }
   EXPECT_EQ(markers.size(), 2u);
   const Plausibility found = CheckPlausible(problem);

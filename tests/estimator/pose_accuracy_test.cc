@@ -31,7 +31,7 @@ CalibrationProblem Arrivals(const std::vector<std::vector<Vector3<double>>>& pos
   data.markers = {"P1"};
   Robot robot;
   robot.chain = test::Kr270Chain();
-  return CalibrationProblem(robot, data, Experiment());
+  return MakeKnownProblem(robot, data, Experiment(), {});
 }
 
 TEST(PoseAccuracy, RepeatabilityIsTheMeanDistanceAndThreeOfItsStandardDeviations) {
@@ -66,7 +66,7 @@ TEST(PoseAccuracy, AccuracyIsTheDistanceOfTheBarycentreNotTheMeanDistance) {
 // Repeated readings of one arrival are one attained position: the instrument's noise is no arrival.
 TEST(PoseAccuracy, RepeatedReadingsAreOneArrival) {
   CalibrationProblem problem = Arrivals({{Vector3<double>(0, 0, 0), Vector3<double>(0, 0, 2e-3)}});
-  for (Shot& shot : problem.data.shots) shot.visit = "1";
+  for (Shot& shot : problem.mutable_data()->shots) shot.visit = "1";
   EXPECT_EQ(MeasurePoseRepeatability(problem).poses, 0);
 }
 

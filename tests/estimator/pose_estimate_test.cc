@@ -211,7 +211,7 @@ TEST(PoseEstimate, CovarianceIsThatOfRedraws) {
   double sum = 0.0;
   const auto n = static_cast<double>(exact.estimated.size());
   for (int i = 0; i < kDraws; ++i) {
-    ASSERT_TRUE(redraw.Draw(SeedOf(9, i), &problem.data));
+    ASSERT_TRUE(redraw.Draw(SeedOf(9, i), problem.mutable_data()));
     const ResidualSelection rows = CalibrationResiduals(problem);
     const Linearization here = Linearize(problem, exact.parameters, rows.observations, exact.estimated, rows.noise);
     const LinearSolution solution = SolveLinearization(here);

@@ -25,7 +25,7 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOfAnotherRegion) {
   experiment.validation.column = "group";
   experiment.validation.values = {"random"};
   for (const char* covariance : {"model", "sandwich"}) {
-    experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+    experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
     const Estimate estimate = EstimateJointly(test::RealProblem("ur5_gts3800", {"measurements.csv"}, experiment));
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
     ASSERT_EQ(estimate.validation.observations, 20);
@@ -40,12 +40,12 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOverTenFolds) {
   experiment.validation.column = "group";
   experiment.validation.values = {"random"};
   CalibrationProblem problem = test::RealProblem("ur5_gts3800", {"measurements.csv"}, experiment);
-  for (Observation& observation : problem.data.observations)
-    observation.excluded = problem.data.IsValidation(observation);
+  for (Observation& observation : problem.data().observations)
+    observation.excluded = problem.data().IsValidation(observation);
   std::vector<int> grid;
-  for (size_t c = 0; c < problem.data.configurations.size(); ++c) {
-    if (!problem.data.configurations[c].is_validation) grid.push_back(static_cast<int>(c));
-    problem.data.configurations[c].is_validation = false;
+  for (size_t c = 0; c < problem.data().configurations.size(); ++c) {
+    if (!problem.data().configurations[c].is_validation) grid.push_back(static_cast<int>(c));
+    problem.mutable_data()->configurations[c].is_validation = false;
   }
   ASSERT_EQ(grid.size(), 1000u);
   std::mt19937_64 random(1);
@@ -53,7 +53,8 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOverTenFolds) {
   double predicted = 0.0, observed = 0.0;
   for (int fold = 0; fold < 10; ++fold) {
     CalibrationProblem held_out = problem;
-    for (size_t i = fold; i < grid.size(); i += 10) held_out.data.configurations[grid[i]].is_validation = true;
+    for (size_t i = fold; i < grid.size(); i += 10)
+      held_out.mutable_data()->configurations[grid[i]].is_validation = true;
     const Estimate estimate = EstimateJointly(held_out);
     ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
     ASSERT_EQ(estimate.validation.observations, 100);
@@ -66,7 +67,7 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOverTenFolds) {
 // Series D in short; the full figures are those of sagitta_agreement_study.
 TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
   Experiment experiment;
-  experiment.covariance = CovarianceKind::kSandwich;
+  experiment.method.covariance = CovarianceKind::kSandwich;
   const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
   const Agreement agreement = test::CompareRandomHalves(problem, 12, 1);
   ASSERT_EQ(agreement.failed, 0);
@@ -79,7 +80,7 @@ TEST_F(RealIntervalsTest, RandomHalvesAgreeWithinTheirIntervals) {
 // Random halves share every model error and agree; regions do not, and the factor is reported.
 TEST_F(RealIntervalsTest, WhatModelErrorAddsIsReported) {
   Experiment experiment;
-  experiment.covariance = CovarianceKind::kSandwich;
+  experiment.method.covariance = CovarianceKind::kSandwich;
   const CalibrationProblem problem = test::RealProblem("ur10_leica", {"series_D.csv"}, experiment);
   Estimate estimate = EstimateJointly(problem);
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;

@@ -36,7 +36,7 @@ double StudentByItsDensity(int dof) {
 }
 
 Vector3<double> Residual(const CalibrationProblem& problem, const Estimate& estimate, int k) {
-  return problem.data.observations[k].point_in_station - estimate.predicted.col(k);
+  return problem.data().observations[k].point_in_station - estimate.predicted.col(k);
 }
 
 // d points / d coordinates by central differences, 3 n x columns, m per SI unit.
@@ -84,10 +84,10 @@ TEST(RecomputedFigures, SigmaOfResidualsAndItsIntervals) {
       const Estimate estimate = EstimateJointly(problem);
       ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
       double squares = 0.0;
-      for (size_t k = 0; k < problem.data.observations.size(); ++k) {
+      for (size_t k = 0; k < problem.data().observations.size(); ++k) {
         squares += Residual(problem, estimate, static_cast<int>(k)).squaredNorm();
       }
-      const int rows = 3 * static_cast<int>(problem.data.observations.size());
+      const int rows = 3 * static_cast<int>(problem.data().observations.size());
       const int dof = rows - static_cast<int>(estimate.estimated.size());
       ASSERT_EQ(estimate.dof, dof);
       const double sigma = std::sqrt(squares / dof), student = StudentByItsDensity(dof);
@@ -159,9 +159,9 @@ TEST(RecomputedFigures, WhatIsExpectedOfHeldOutPoints) {
     for (long i = 0; i < slopes.rows(); ++i)
       parameters += slopes.row(i) * estimate.covariance * slopes.row(i).transpose();
     for (const int k : rows) {
-      const Observation& row = problem.data.observations[k];
-      const Eigen::VectorXd& q = problem.data.ConfigurationOf(row).q;
-      const int station = problem.data.shots[row.shot].station;
+      const Observation& row = problem.data().observations[k];
+      const Eigen::VectorXd& q = problem.data().ConfigurationOf(row).q;
+      const int station = problem.data().shots[row.shot].station;
       for (int j = 0; j < 6; ++j) {
         const Eigen::VectorXd step = 1e-6 * Eigen::VectorXd::Unit(6, j);
         const Vector3<double> lever = (test::ExactPoint(truth, q + step, row.marker, station) -
@@ -201,7 +201,7 @@ TEST(RecomputedFigures, WhatIsHeldIsExpectedOfHeldOutPointsElsewhere) {
   }
   test::MeasureKr270(test::Kr270Truth(), 5e-5, 4, &data);
   CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
-  for (int c = 40; c < 50; ++c) problem.data.configurations[c].is_validation = true;
+  for (int c = 40; c < 50; ++c) problem.mutable_data()->configurations[c].is_validation = true;
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
   ASSERT_GT(estimate.held.coordinates.size(), 0u);
@@ -232,14 +232,14 @@ TEST(RecomputedFigures, Deflections) {
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
   double before = 0.0, after = 0.0, farthest = 0.0;
   int pairs = 0;
-  const auto& all = problem.data.observations;
+  const auto& all = problem.data().observations;
   for (size_t a = 0; a < all.size(); ++a) {
-    const Shot& loaded = problem.data.shots[all[a].shot];
+    const Shot& loaded = problem.data().shots[all[a].shot];
     if (!IsLoaded(loaded)) continue;
     Vector3<double> mean = Vector3<double>::Zero(), mean_residual = mean;
     int count = 0;
     for (size_t b = 0; b < all.size(); ++b) {
-      const Shot& other = problem.data.shots[all[b].shot];
+      const Shot& other = problem.data().shots[all[b].shot];
       if (IsLoaded(other) || other.configuration != loaded.configuration || other.visit != loaded.visit ||
           other.station != loaded.station || all[a].marker != all[b].marker) {
         continue;

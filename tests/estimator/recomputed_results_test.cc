@@ -29,7 +29,7 @@ namespace sagitta {
 namespace {
 
 std::vector<int> AllOf(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
@@ -42,9 +42,9 @@ TEST(RecomputedResults, APredictionGoesByTheNoiseOfTheResiduals) {
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_TRUE(estimate.sigma.scaled);
   double squares = 0.0;
-  for (size_t k = 0; k < problem.data.observations.size(); ++k) {
+  for (size_t k = 0; k < problem.data().observations.size(); ++k) {
     squares +=
-        (problem.data.observations[k].point_in_station - estimate.predicted.col(static_cast<long>(k))).squaredNorm();
+        (problem.data().observations[k].point_in_station - estimate.predicted.col(static_cast<long>(k))).squaredNorm();
   }
   const double scale = std::sqrt(squares / 1e-8 / (162 - 39));
   EXPECT_NEAR(PredictionNoiseToJson(problem, estimate)["scale"].get<double>(), scale, 1e-9);
@@ -96,10 +96,10 @@ TEST(RecomputedResults, TheGapIsOneOfSquares) {
   const auto problem = std::make_shared<CalibrationProblem>(test::Kr270ProblemOf(data, experiment));
   const auto off_by = [&](double distance) {
     DiagnosedModel model{problem, {}};
-    model.estimate.predicted.resize(3, static_cast<long>(problem->data.observations.size()));
-    for (size_t k = 0; k < problem->data.observations.size(); ++k) {
+    model.estimate.predicted.resize(3, static_cast<long>(problem->data().observations.size()));
+    for (size_t k = 0; k < problem->data().observations.size(); ++k) {
       model.estimate.predicted.col(static_cast<long>(k)) =
-          problem->data.observations[k].point_in_station + distance * Vector3<double>::Unit(static_cast<int>(k % 3));
+          problem->data().observations[k].point_in_station + distance * Vector3<double>::Unit(static_cast<int>(k % 3));
     }
     model.estimate.noise_floor = 0.5e-3;
     return model;
@@ -122,9 +122,9 @@ TEST(RecomputedResults, WhitenedResiduals) {
   ASSERT_TRUE(IsUsable(estimate.status)) << estimate.message;
   const Eigen::Matrix3Xd whitened = WhitenedResiduals(problem, estimate);
   for (const int k : AllOf(problem)) {
-    const Observation& row = problem.data.observations[k];
-    const Eigen::VectorXd& q = problem.data.ConfigurationOf(row).q;
-    const int station = problem.data.shots[row.shot].station;
+    const Observation& row = problem.data().observations[k];
+    const Eigen::VectorXd& q = problem.data().ConfigurationOf(row).q;
+    const int station = problem.data().shots[row.shot].station;
     Matrix3<double> covariance = 1e-8 * Matrix3<double>::Identity();
     for (int j = 0; j < 6; ++j) {
       const Eigen::VectorXd step = 1e-6 * Eigen::VectorXd::Unit(6, j);
@@ -173,7 +173,7 @@ TEST(RecomputedResults, HalvesAreComparedByHotelling) {
   Measurements data = test::DesignMeasurements(design);
   test::MeasureKr270(truth, design.sigma, 7, &data);
   Experiment experiment;
-  experiment.covariance = CovarianceKind::kSandwich;
+  experiment.method.covariance = CovarianceKind::kSandwich;
   experiment.estimate.geometry.kind = Selection::Kind::kNone;
   experiment.estimate.markers = false;
   std::map<std::string, double> errors;
@@ -187,14 +187,14 @@ TEST(RecomputedResults, HalvesAreComparedByHotelling) {
   ASSERT_EQ(estimate.estimated.size(), 6u);
   CheckAgreement(problem, {1, 0}, &estimate);
   std::vector<double> q1;
-  for (const Configuration& configuration : problem.data.configurations) q1.push_back(configuration.q[0]);
+  for (const Configuration& configuration : problem.data().configurations) q1.push_back(configuration.q[0]);
   std::nth_element(q1.begin(), q1.begin() + 13, q1.end());
   Eigen::VectorXd step[2];
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(6, 6);
   for (const int half : {0, 1}) {
     std::vector<int> rows;
     for (const int k : problem.CalibrationObservations()) {
-      const bool is_below = problem.data.ConfigurationOf(problem.data.observations[k]).q[0] < q1[13];
+      const bool is_below = problem.data().ConfigurationOf(problem.data().observations[k]).q[0] < q1[13];
       if (is_below == (half == 0)) rows.push_back(k);
     }
     ASSERT_EQ(rows.size(), 39u);
@@ -202,7 +202,7 @@ TEST(RecomputedResults, HalvesAreComparedByHotelling) {
                                   NoiseRoots(rows.size(), 1e-4 * Matrix3<double>::Identity()));
     step[half] = -fit.jacobian.colPivHouseholderQr().solve(fit.residual);
     fit.residual += fit.jacobian * step[half];
-    covariance += SandwichCovariance(fit, ConfigurationClusters(problem.data, rows)).covariance;
+    covariance += SandwichCovariance(fit, ConfigurationClusters(problem.data(), rows)).covariance;
   }
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt();
   const Eigen::VectorXd z = (step[0] - step[1]).cwiseQuotient(scale);
@@ -330,7 +330,7 @@ TEST(RecomputedResults, ASlippedDriverMovesWhatIsCoupledToIt) {
   };
   const Changes changes = FindChanges(estimated(0.0, 1), estimated(5e-4, 2));
   ASSERT_EQ(changes.changes.size(), 1u) << changes.words;
-  EXPECT_EQ(changes.changes[0].what + "/" + changes.changes[0].target, "joint_zero/A2");
+  EXPECT_EQ(WordOf(changes.changes[0].kind) + "/" + changes.changes[0].target, "joint_zero/A2");
   EXPECT_NEAR(changes.changes[0].value, 0.5, 0.1);  // mrad
 }
 

@@ -28,8 +28,8 @@ TEST(Redraw, MarkersOnTheSpringAreOffByTheirSigmas) {
   test::Measure(test::ExactPoints(truth, data), 0.0, 1, &data);
   CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
   ParameterSet& parameters = problem.parameters;
-  for (size_t m = 0; m < problem.data.markers.size(); ++m) {
-    const auto own = truth.link_markers.find(problem.data.markers[m]);
+  for (size_t m = 0; m < problem.data().markers.size(); ++m) {
+    const auto own = truth.link_markers.find(problem.data().markers[m]);
     if (own != truth.link_markers.end()) parameters.SetMarkerPoint(m, own->second.second);
   }
   ASSERT_TRUE(parameters.spring_tie());
@@ -58,8 +58,8 @@ struct Repeated {
   ResolvedEstimate By(const std::string& covariance) const {
     Experiment experiment;
     experiment.noise.from = NoiseSpec::From::kVarianceComponents;
-    experiment.covariance = *FindChoice<CovarianceKind>(covariance);
-    experiment.bootstrap = {BootstrapKind::kParametric, 399, 3};
+    experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
+    experiment.method.bootstrap = {BootstrapKind::kParametric, 399, 3};
     ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
     AddIntervals(result.problem, {}, &result.estimate);
     return result;
@@ -75,7 +75,7 @@ TEST(IntervalsWithEstimatedNoise, TheSandwichKeepsItsDegreesOfFreedom) {
   const std::vector<int> rows = problem.CalibrationObservations();
   const Linearization fit =
       Linearize(problem, estimate.parameters, rows, estimate.estimated, ObservationNoise(problem, rows, 1e-3));
-  const RobustCovariance robust = SandwichCovariance(fit, ConfigurationClusters(problem.data, rows));
+  const RobustCovariance robust = SandwichCovariance(fit, ConfigurationClusters(problem.data(), rows));
   ASSERT_EQ(estimate.interval_dof.size(), robust.dof.size());
   EXPECT_LT((estimate.interval_dof - robust.dof).cwiseAbs().maxCoeff(), 1e-6 * robust.dof.maxCoeff());
   const ResolvedEstimate model = repeated.By("model");

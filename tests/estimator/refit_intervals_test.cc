@@ -44,14 +44,15 @@ TEST(Refit, AWeightOfTwoIsTheRowTwice) {
   const CalibrationProblem once = test::Kr270Problem(test::Kr270Design(), truth, 4);
   CalibrationProblem twice = once;
   for (int k = 0; k < 3; ++k) {
-    Observation copy = once.data.observations[k];
-    twice.data.shots[copy.shot].observations.push_back(static_cast<int>(twice.data.observations.size()));
-    twice.data.observations.push_back(copy);
+    Observation copy = once.data().observations[k];
+    Measurements& data = *twice.mutable_data();
+    data.shots[copy.shot].observations.push_back(static_cast<int>(data.observations.size()));
+    data.observations.push_back(copy);
   }
   const Estimate estimate = EstimateJointly(once);
   RefitOptions weighted;
   weighted.steps.tolerance = 1e-7;
-  weighted.weights.assign(once.data.observations.size(), 1.0);
+  weighted.weights.assign(once.data().observations.size(), 1.0);
   for (int k = 0; k < 3; ++k) weighted.weights[k] = 2.0;
   RefitOptions plain;
   plain.steps.tolerance = 1e-7;
@@ -70,7 +71,7 @@ TEST(Refit, AWeightOfTwoIsTheRowTwice) {
 TEST(Bootstrap, ParametricAgreesWithTheModelWhereTheModelHolds) {
   const test::Kr270Truth truth;
   CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 3);
-  for (Observation& observation : problem.data.observations) observation.sigma.setZero();  // estimated: Student's t
+  for (Observation& observation : problem.data().observations) observation.sigma.setZero();  // estimated: Student's t
   const Estimate model = EstimateJointly(problem);
   Estimate drawn = model;
   BootstrapOptions options;
@@ -113,9 +114,9 @@ TEST(Bootstrap, OfConfigurationsSeesWhatAConfigurationShares) {
   const test::Kr270Truth truth;
   CalibrationProblem problem = test::Kr270Problem(design, truth, 6);
   NormalNumbers normal(8);
-  for (const Shot& shot : problem.data.shots) {
+  for (const Shot& shot : problem.data().shots) {
     const Vector3<double> shared = 4e-4 * test::RandomVector(normal);
-    for (const int k : shot.observations) problem.data.observations[k].point_in_station += shared;
+    for (const int k : shot.observations) problem.mutable_data()->observations[k].point_in_station += shared;
   }
   const Estimate model = EstimateJointly(problem);
   ASSERT_TRUE(IsUsable(model.status));
@@ -142,7 +143,7 @@ TEST(Bootstrap, OfConfigurationsTakesMoreRowsThanAreKept) {
   const CalibrationProblem problem = test::Kr270Problem(design, test::Kr270Truth(), 6);
   const Estimate model = EstimateJointly(problem);
   ASSERT_TRUE(IsUsable(model.status));
-  ASSERT_FALSE(AreHeld(3.0 * problem.data.observations.size(), model.estimated.size()));
+  ASSERT_FALSE(AreHeld(3.0 * problem.data().observations.size(), model.estimated.size()));
   Estimate drawn = model;
   BootstrapOptions options;
   options.replicates = 39;
@@ -227,14 +228,14 @@ TEST(Redraw, HasTheNoiseAndRepeatabilityOfTheProblem) {
   CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), test::Kr270Truth(), 1);
   problem.latent.joints = {0};
   problem.latent.sigmas = Eigen::VectorXd::Constant(1, 50e-6);
-  problem.latent.num_visits = static_cast<int>(problem.data.shots.size());
+  problem.latent.num_visits = static_cast<int>(problem.data().shots.size());
   problem.latent.visit_of_shot.clear();
-  for (size_t s = 0; s < problem.data.shots.size(); ++s) problem.latent.visit_of_shot.push_back(static_cast<int>(s));
+  for (size_t s = 0; s < problem.data().shots.size(); ++s) problem.latent.visit_of_shot.push_back(static_cast<int>(s));
   ParameterSet truth = problem.parameters;
   const std::vector<int> row = {0};
   const Vector3<double> exact = PredictPoints(problem, truth, row);
   const Simulator redraw = RedrawAt(problem, truth, 2.0, 1e-3);
-  Measurements data = problem.data;
+  Measurements data = problem.data();
   const int draws = 4000;
   Matrix3<double> covariance = Matrix3<double>::Zero();
   for (int i = 0; i < draws; ++i) {

@@ -37,11 +37,12 @@ CalibrationProblem Measured(double tau, std::uint64_t seed, NoiseSpec::From from
 double ErrorOf(const CalibrationProblem& problem, const Estimate& estimate) {
   const test::Kr270Truth truth;
   std::vector<int> all;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) all.push_back(static_cast<int>(i));
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) all.push_back(static_cast<int>(i));
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, estimate.parameters, all);
   double squares = 0.0;
   for (const int i : all)
-    squares += (predicted.col(i) - test::ExactPoint(truth, problem.data, problem.data.observations[i])).squaredNorm();
+    squares +=
+        (predicted.col(i) - test::ExactPoint(truth, problem.data(), problem.data().observations[i])).squaredNorm();
   return std::sqrt(squares / (3.0 * all.size()));
 }
 

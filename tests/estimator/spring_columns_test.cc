@@ -67,17 +67,17 @@ TEST(TorquesPerWeight, AreTheSlopesOfTheFlangesHeight) {
   const ParameterSet& parameters = model.estimate.parameters;
   const Eigen::MatrixXd torques = TorquesPerWeight(problem, parameters);
   const auto height = [&](size_t shot, const Eigen::VectorXd& q) {
-    ShotInput input = problem.shot_inputs[shot];
+    ShotInput input = problem.shot_inputs()[shot];
     input.conditions.q = q;
     const std::vector<double> theta = parameters.ModelValues();
     const auto base = parameters.BaseInStation(data.shots[shot].station);
-    const Equilibrium equilibrium = problem.model.Equilibrate(input, theta.data(), base.rotation);
+    const Equilibrium equilibrium = problem.model().Equilibrate(input, theta.data(), base.rotation);
     return (base * equilibrium.state.frames[robot.chain.FlangeFrame()].translation)[2];
   };
-  for (size_t s = 0; s < problem.shot_inputs.size(); ++s) {
+  for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
     for (int j = 0; j < robot.num_joints(); ++j) {
       constexpr double kStep = 1e-5;
-      Eigen::VectorXd up = problem.shot_inputs[s].conditions.q, down = up;
+      Eigen::VectorXd up = problem.shot_inputs()[s].conditions.q, down = up;
       up[j] += kStep;
       down[j] -= kStep;
       const double slope = (height(s, up) - height(s, down)) / (2.0 * kStep);

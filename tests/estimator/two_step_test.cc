@@ -89,7 +89,7 @@ TEST(TwoStep, RelinearisedIsConsistent) {
   CalibrationProblem problem = noisy;
   Kr270Truth truth;
   truth.base_rotvec[0] = {0.9, -1.2, 0.4};
-  test::MeasureKr270(truth, 0.0, 1, &problem.data);
+  test::MeasureKr270(truth, 0.0, 1, problem.mutable_data());
   const TwoStepResult result = RunVariant(problem, TwoStepVariant::kRelinearised);
   ASSERT_EQ(result.estimate.status, Status::kConverged) << result.estimate.message;
   for (const ParameterEstimate& row : result.estimate.table) {
@@ -140,8 +140,8 @@ TEST(TwoStep, LiteralFarFromIdentityIsVisiblyWrong) {
 
 TEST(TwoStep, UnequalSigmasKeepTheOptimum) {
   CalibrationProblem problem = TurnedBase(0.7, 5, 2);
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    problem.data.observations[i].sigma = Vector3<double>(1e-5, 3e-5, 0.5e-5) * (1.0 + 0.1 * (i % 7));
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    problem.mutable_data()->observations[i].sigma = Vector3<double>(1e-5, 3e-5, 0.5e-5) * (1.0 + 0.1 * (i % 7));
   }
   const Estimate joint = EstimateJointly(problem);
   const TwoStepResult exact = RunVariant(problem, TwoStepVariant::kExact);
@@ -152,7 +152,7 @@ TEST(TwoStep, UnequalSigmasKeepTheOptimum) {
 
 TEST(TwoStep, RefusesInWordsWhatThePrintedStepsCannot) {
   CalibrationProblem on_link = TurnedBase(0.0, 1);
-  on_link.marker_frames[1] = 5;
+  on_link.set_marker_frame(1, 5);
   for (const TwoStepVariant variant : {TwoStepVariant::kLiteral, TwoStepVariant::kRelinearised}) {
     const TwoStepResult refused = RunVariant(on_link, variant);
     EXPECT_FALSE(IsUsable(refused.estimate.status));

@@ -37,7 +37,7 @@ ParameterSet Placed(const CalibrationProblem& problem) {
 // Of a source times one, m per unit: rows of all observations.
 Eigen::VectorXd Moves(const CalibrationProblem& problem, const ParameterSet& parameters, const Source& source) {
   EvidenceColumns columns(problem, parameters, {});
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<long>(problem.data.shots.size()));
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<long>(problem.data().shots.size()));
   const std::vector<int> column = columns.Add({source, ones});
   const std::vector<int> all = problem.CalibrationObservations();
   return kSigma * columns.RowsAt(all, StatedScatter(problem), column).rightCols(1);
@@ -64,7 +64,7 @@ TEST(UnnamedSources, APlateTurnsAllMarkersAboutTheFlange) {
 TEST(UnnamedSources, ALinkGrowsByItsLengths) {
   const CalibrationProblem problem = Problem();
   const ParameterSet parameters = Placed(problem);
-  Robot grown = problem.robot;
+  Robot grown = problem.robot();
   int before = -1, lengths = 0;
   for (ElementaryTransform& transform : grown.chain.transforms) {
     if (transform.has_joint()) before = transform.joint;
@@ -73,7 +73,7 @@ TEST(UnnamedSources, ALinkGrowsByItsLengths) {
     ++lengths;
   }
   ASSERT_GT(lengths, 0);
-  const CalibrationProblem longer = MakeCalibrationProblem(grown, problem.data, Experiment());
+  const CalibrationProblem longer = MakeCalibrationProblem(grown, problem.data(), Experiment());
   const Eigen::VectorXd difference = Predicted(longer, parameters) - Predicted(problem, parameters);
   EXPECT_GT(difference.norm(), 1e-4);
   const Source source{Source::Kind::kLink, 1, 0};

@@ -36,7 +36,7 @@ TEST(CrossValidation, AgreesWithTenRefits) {
     RefitOptions options;
     std::vector<int> left_out;
     for (const int i : observations) {
-      const bool is_out = fold_of[problem.data.shots[problem.data.observations[i].shot].configuration] == fold;
+      const bool is_out = fold_of[problem.data().shots[problem.data().observations[i].shot].configuration] == fold;
       options.weights.push_back(is_out ? 0.0 : 1.0);
       if (is_out) left_out.push_back(i);
     }
@@ -45,7 +45,7 @@ TEST(CrossValidation, AgreesWithTenRefits) {
     ASSERT_TRUE(refit.converged);
     const Eigen::Matrix3Xd predicted = PredictPoints(problem, refit.parameters, left_out);
     for (size_t k = 0; k < left_out.size(); ++k) {
-      const double distance = (problem.data.observations[left_out[k]].point_in_station - predicted.col(k)).norm();
+      const double distance = (problem.data().observations[left_out[k]].point_in_station - predicted.col(k)).norm();
       squares += distance * distance;
       most = std::max(most, distance);
     }
@@ -99,7 +99,7 @@ TEST(Trust, HoldoutBeyondItsPredictionIsSaidAndInTheIntervals) {
   experiment.validation.fraction = 0.3;
   CalibrationProblem problem = Problem({}, experiment);
   for (const int i : problem.ValidationObservations())
-    problem.data.observations[i].point_in_station.z() += (i % 2 == 0 ? 1.0 : -1.0) * 4e-4;
+    problem.mutable_data()->observations[i].point_in_station.z() += (i % 2 == 0 ? 1.0 : -1.0) * 4e-4;
   Estimate estimate = EstimateJointly(problem);
   const Interval before = estimate.table[0].ci95;
   const Trust trust = JudgeTrust(problem, 1, &estimate);

@@ -47,8 +47,8 @@ double DenseDeviance(const Measured& setup, double instrument, const std::vector
   Eigen::MatrixXd v = instrument * Eigen::MatrixXd::Identity(n, n);
   for (int r = 0; r < n; ++r) {
     for (int c = 0; c < n; ++c) {
-      const int a = problem.latent.visit_of_shot[problem.data.observations[rows[r / 3]].shot];
-      const int b = problem.latent.visit_of_shot[problem.data.observations[rows[c / 3]].shot];
+      const int a = problem.latent.visit_of_shot[problem.data().observations[rows[r / 3]].shot];
+      const int b = problem.latent.visit_of_shot[problem.data().observations[rows[c / 3]].shot];
       if (a == b) v(r, c) += raw.latent.row(r).dot(raw.latent.row(c));
     }
   }
@@ -125,8 +125,8 @@ TEST(VarianceComponents, ExactJointsEndAtZeroOrCannotBeToldFromIt) {
 // Asking for the revolute joints' leaves what is stated for the prismatic one.
 TEST(VarianceComponents, WhatIsStatedForTheOtherKindStays) {
   Measured setup = MakeMeasured(false, 700);
-  setup.problem.robot.chain.joints[2].type = JointType::kPrismatic;
-  RepeatabilitySpec& spec = setup.problem.experiment.repeatability;
+  setup.problem.robot().chain.joints[2].type = JointType::kPrismatic;
+  RepeatabilitySpec& spec = setup.problem.experiment().repeatability;
   spec = RepeatabilitySpec();
   spec.angle.estimate = true;
   spec.length.common = 5e-6;
@@ -165,7 +165,7 @@ TEST(VarianceComponents, EstimatesAreUnbiasedAndIntervalsHold) {
     covered += low <= kJoint && kJoint <= high;
     RepeatabilityChoice choice;
     CalibrationProblem asked = setup.problem;
-    asked.experiment.repeatability.angle.estimate = true;
+    asked.mutable_experiment()->repeatability.angle.estimate = true;
     FindComponents(asked, setup.estimate.parameters, true, 0, &choice);
     separate += choice.per_joint;
   }

@@ -37,7 +37,7 @@ Measurements Unequal(std::uint64_t seed) {
 
 Experiment With(const std::string& weights) {
   Experiment experiment;
-  experiment.weights = *FindChoice<Weights>(weights);
+  experiment.method.weights = *FindChoice<Weights>(weights);
   return experiment;
 }
 
@@ -90,7 +90,7 @@ TEST(Weighting, EqualWeightsCountAnInstrumentsCovariance) {
   for (Observation& observation : data.observations) observation.sigma.setZero();
   test::MeasureByTracker(test::Kr270Truth(), tracker, 5, &data);
   Experiment experiment = test::TrackerExperiment(tracker);
-  experiment.weights = Weights::kEqual;
+  experiment.method.weights = Weights::kEqual;
   const ResolvedEstimate result = EstimateWithNoise(test::Kr270ProblemOf(data, experiment));
   ASSERT_EQ(result.estimate.status, Status::kConverged) << result.estimate.message;
   ASSERT_FALSE(result.estimate.sigma.scaled);
@@ -98,7 +98,7 @@ TEST(Weighting, EqualWeightsCountAnInstrumentsCovariance) {
   const Eigen::MatrixXd b = RawColumns(result, &scale);
   Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(b.cols(), b.cols());
   for (int k = 0; k < b.rows() / 3; ++k) {
-    const Matrix3<double> root = result.problem.NoiseRoot(k);
+    const Matrix3<double> root = result.problem.SqrtCovariance(k);
     middle += b.middleRows(3 * k, 3).transpose() * root * root.transpose() * b.middleRows(3 * k, 3);
   }
   const Eigen::MatrixXd inverse = (b.transpose() * b).inverse();

@@ -88,9 +88,9 @@ TEST_F(ExperimentFileTest, ReadsTheMethod) {
   EXPECT_EQ(experiment.noise.from, NoiseSpec::From::kSigma);
   EXPECT_EQ(*experiment.noise.sigma, 5e-5);
   EXPECT_EQ(*experiment.repeatability.angle.common, 8e-6);
-  EXPECT_EQ(experiment.weights, Weights::kEqual);
-  EXPECT_EQ(experiment.covariance, CovarianceKind::kSandwich);
-  EXPECT_EQ(experiment.loss, LossKind::kHuber);
+  EXPECT_EQ(experiment.method.weights, Weights::kEqual);
+  EXPECT_EQ(experiment.method.covariance, CovarianceKind::kSandwich);
+  EXPECT_EQ(experiment.method.loss, LossKind::kHuber);
   EXPECT_FALSE(experiment.estimate.markers);
   EXPECT_EQ(experiment.estimate.geometry.names, (std::vector<std::string>{"p_x1", "dq2"}));
   EXPECT_EQ(experiment.estimate.compliance.kind, Selection::Kind::kAll);

@@ -75,8 +75,8 @@ TEST(NoiseModel, RepeatsArePooledPerAxis) {
   Experiment experiment;
   experiment.noise.from = From::kRepeats;
   const CalibrationProblem problem = Make(Repeated(), experiment);
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    EXPECT_LT((problem.NoiseRoot(static_cast<int>(i)).diagonal() - expected).cwiseAbs().maxCoeff(), 1e-12);
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    EXPECT_LT((problem.SqrtCovariance(static_cast<int>(i)).diagonal() - expected).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 
@@ -116,22 +116,22 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
   EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
 
   experiment = Experiment();
-  experiment.weights = Weights::kEq14;
-  experiment.loss = LossKind::kHuber;
+  experiment.method.weights = Weights::kEq14;
+  experiment.method.loss = LossKind::kHuber;
   EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
-  experiment.weights = Weights::kEqual;
+  experiment.method.weights = Weights::kEqual;
   EXPECT_EQ(Refusal(once, experiment), "");  // alike in every row: the weights of the noise
   once.observations[0].sigma *= 2.0;
   EXPECT_NE(Refusal(once, experiment).find("loss"), std::string::npos);
-  experiment.loss = LossKind::kNone;
-  experiment.covariance = CovarianceKind::kProfile;
+  experiment.method.loss = LossKind::kNone;
+  experiment.method.covariance = CovarianceKind::kProfile;
   EXPECT_NE(Refusal(once, experiment).find("profile"), std::string::npos);
-  experiment.covariance = CovarianceKind::kModel;
+  experiment.method.covariance = CovarianceKind::kModel;
   EXPECT_EQ(Refusal(once, experiment), "");
   experiment.repeatability.angle.common = 1e-5;
   EXPECT_NE(Refusal(once, experiment).find("repeatability"), std::string::npos);
   experiment.repeatability = RepeatabilitySpec();
-  experiment.weights = Weights::kEq14;
+  experiment.method.weights = Weights::kEq14;
   for (Observation& observation : once.observations) observation.sigma.setZero();
   EXPECT_NE(Refusal(once, experiment).find("nothing states"), std::string::npos);
   experiment = Experiment();

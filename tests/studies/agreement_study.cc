@@ -25,7 +25,7 @@ const std::vector<std::string> kSeries = {"B", "C", "D"};
 
 CalibrationProblem Ur10(const std::string& covariance) {
   Experiment experiment;
-  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+  experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
   return test::RealProblem("ur10_leica", {"series_B.csv", "series_C.csv", "series_D.csv"}, experiment);
 }
 
@@ -39,7 +39,7 @@ Agreement BetweenSeries(const std::string& covariance) {
   std::vector<CalibrationProblem> problems;
   std::vector<Estimate> estimates;
   Experiment experiment;
-  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+  experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
   for (const std::string& series : kSeries) {
     problems.push_back(test::RealProblem("ur10_leica", {"series_" + series + ".csv"}, experiment));
     estimates.push_back(EstimateJointly(problems.back()));
@@ -64,15 +64,15 @@ Agreement BetweenRegions(const CalibrationProblem& problem, const std::string& c
   Agreement all;
   const ParameterSet start = EstimateJointly(problem).parameters;
   for (const char* by : {"A1", "A2", "A3", "x", "y", "z"}) {
-    std::vector<std::vector<double>> values(problem.data.stations.size());
+    std::vector<std::vector<double>> values(problem.data().stations.size());
     const auto value_of = [&](const Observation& observation) {
-      if (by[0] == 'A') return problem.data.ConfigurationOf(observation).q[by[1] - '1'];
+      if (by[0] == 'A') return problem.data().ConfigurationOf(observation).q[by[1] - '1'];
       return observation.point_in_station[by[0] - 'x'];
     };
     const auto station_of = [&](const Observation& observation) {
-      return problem.data.shots[observation.shot].station;
+      return problem.data().shots[observation.shot].station;
     };
-    for (const Observation& observation : problem.data.observations) {
+    for (const Observation& observation : problem.data().observations) {
       values[station_of(observation)].push_back(value_of(observation));
     }
     for (std::vector<double>& own : values) std::nth_element(own.begin(), own.begin() + own.size() / 2, own.end());
@@ -93,7 +93,7 @@ Agreement BetweenRegions(const CalibrationProblem& problem, const std::string& c
 
 void PredictedRms(const std::string& covariance) {
   Experiment experiment;
-  experiment.covariance = *FindChoice<CovarianceKind>(covariance);
+  experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
   experiment.validation.kind = ValidationSpec::Kind::kColumn;
   experiment.validation.column = "group";
   experiment.validation.values = {"random"};

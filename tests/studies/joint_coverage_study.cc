@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   std::vector<double> squared_z(n, 0.0);
   int failed = 0;
   for (int trial = 0; trial < trials; ++trial) {
-    test::MeasureKr270(truth, design.sigma, first_seed + trial, &problem.data);
+    test::MeasureKr270(truth, design.sigma, first_seed + trial, problem.mutable_data());
     const Estimate estimate = EstimateJointly(problem);
     if (estimate.status != Status::kConverged) {
       ++failed;

@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   double largest_deviation = 0.0;
   const int runs = std::max(trials, std::max(paired, seeds));
   for (int run = 0; run < runs; ++run) {
-    test::Measure(exact, design.sigma, 1000 + run, &problem.data);
+    test::Measure(exact, design.sigma, 1000 + run, problem.mutable_data());
     const Estimate joint = EstimateJointly(problem);
     if (joint.status != Status::kConverged) {
       ++failed;

@@ -66,7 +66,7 @@ struct Predicted {
 
 // Rows of `part` that were excluded, by the calibration of the others.
 Predicted PredictTheRest(const Calibration& part) {
-  Measurements rows = part.problem.data;
+  Measurements rows = part.problem.data();
   for (Observation& observation : rows.observations) observation.excluded = false;
   Calibration noise_only = part;
   noise_only.trust.between = {};
@@ -74,7 +74,7 @@ Predicted PredictTheRest(const Calibration& part) {
   const Prediction with = Predict(KnownFrom(part), rows), without = Predict(KnownFrom(noise_only), rows);
   Predicted found;
   for (size_t k = 0; k < rows.observations.size(); ++k) {
-    if (!part.problem.data.observations[k].excluded) continue;
+    if (!part.problem.data().observations[k].excluded) continue;
     const auto column = static_cast<Eigen::Index>(k);
     const Vector3<double> error = rows.observations[k].point_in_station - with.points.col(column);
     const Matrix3<double> reading = with.covariances[k].arm + with.instrument[k] * with.instrument[k].transpose();
@@ -118,18 +118,18 @@ Tally Compare(const Calibration& a, const Calibration& b) {
 }
 
 CalibrationProblem Part(CalibrationProblem problem, const std::function<bool(const Observation&)>& use) {
-  for (Observation& observation : problem.data.observations) observation.excluded |= !use(observation);
+  for (Observation& observation : problem.mutable_data()->observations) observation.excluded |= !use(observation);
   return problem;
 }
 
 // Halves by a joint (0, 1, …) or, beyond them, by x, y, z.
 Tally Halves(const CalibrationProblem& problem, int by, Predicted* predicted) {
-  const int joints = problem.robot.chain.num_joints();
+  const int joints = problem.robot().chain.num_joints();
   const auto value_of = [&](const Observation& observation) {
-    return by < joints ? problem.data.ConfigurationOf(observation).q[by] : observation.point_in_station[by - joints];
+    return by < joints ? problem.data().ConfigurationOf(observation).q[by] : observation.point_in_station[by - joints];
   };
   std::vector<double> values;
-  for (const Observation& observation : problem.data.observations) values.push_back(value_of(observation));
+  for (const Observation& observation : problem.data().observations) values.push_back(value_of(observation));
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   const double middle = values[values.size() / 2];
   const auto half = [&](bool above) {
@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
     const CalibrationProblem problem = test::RealProblem(folder, {file}, Experiment());
     Tally own;
     Predicted of_halves;
-    for (int by = 0; by < problem.robot.chain.num_joints() + 3; ++by) own.Add(Halves(problem, by, &of_halves));
+    for (int by = 0; by < problem.robot().chain.num_joints() + 3; ++by) own.Add(Halves(problem, by, &of_halves));
     own.Print(std::string("halves of ") + folder + " " + file);
     of_halves.Print("");
     regions.Add(own);
@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
   for (size_t a = 0; a < alone.size(); ++a) {
     for (size_t b = a + 1; b < alone.size(); ++b) {
       const Tally own = Compare(alone[a], alone[b]);
-      own.Print(alone[a].problem.data.stations[0] + " against " + alone[b].problem.data.stations[0]);
+      own.Print(alone[a].problem.data().stations[0] + " against " + alone[b].problem.data().stations[0]);
       series.Add(own);
     }
   }

@@ -37,7 +37,7 @@ double ValidationRms(const CalibrationProblem& unseen, const Estimate& estimate)
   const Eigen::Matrix3Xd predicted = PredictPoints(unseen, parameters, rows);
   double sum = 0.0;
   for (size_t k = 0; k < rows.size(); ++k) {
-    sum += (unseen.data.observations[rows[k]].point_in_station - predicted.col(k)).squaredNorm();
+    sum += (unseen.data().observations[rows[k]].point_in_station - predicted.col(k)).squaredNorm();
   }
   return std::sqrt(sum / (3.0 * rows.size()));
 }
@@ -56,7 +56,7 @@ struct RepeatFigures {
 std::vector<std::pair<const char*, Experiment>> RepeatMethods(double joint) {
   Experiment stated, estimated, known, unknown;
   stated.noise = {NoiseSpec::From::kSigma, 1e-4, true};
-  estimated.weights = Weights::kEqual;
+  estimated.method.weights = Weights::kEqual;
   known.repeatability.angle.common = joint;
   unknown.noise.from = NoiseSpec::From::kVarianceComponents;
   return {{"independent, sigma 0.1 mm", stated},

@@ -40,7 +40,7 @@ struct Agreement {
 // Fits only the observations of configurations for which `use` is true, from `start`.
 inline Estimate EstimatePart(CalibrationProblem problem, const ParameterSet& start,
                              const std::function<bool(const Observation&)>& use) {
-  for (Observation& observation : problem.data.observations) observation.excluded = !use(observation);
+  for (Observation& observation : problem.mutable_data()->observations) observation.excluded = !use(observation);
   return EstimateFrom(problem, start);
 }
 
@@ -81,14 +81,14 @@ inline Agreement CompareRandomHalves(const CalibrationProblem& problem, int spli
   const ParameterSet start = EstimateJointly(problem).parameters;
   Agreement agreement;
   for (int split = 0; split < splits; ++split) {
-    std::vector<int> order(problem.data.configurations.size());
+    std::vector<int> order(problem.data().configurations.size());
     std::iota(order.begin(), order.end(), 0);
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
     std::vector<bool> first(order.size());
     for (size_t i = 0; i < order.size() / 2; ++i) first[order[i]] = true;
     const auto half = [&](bool which) {
       return EstimatePart(problem, start, [&](const Observation& observation) {
-        return first[problem.data.shots[observation.shot].configuration] == which;
+        return first[problem.data().shots[observation.shot].configuration] == which;
       });
     };
     const Estimate a = half(true), b = half(false);

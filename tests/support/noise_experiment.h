@@ -126,10 +126,10 @@ inline void MeasureByTracker(const Kr270Truth& truth, const TrackerTruth& tracke
 // Appends the true errors of all rows, whitened by the problem's noise.
 inline void AppendWhitenedErrors(const Kr270Truth& truth, const CalibrationProblem& problem,
                                  std::vector<double>* whitened) {
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    const Observation& row = problem.data.observations[i];
-    const Vector3<double> error = row.point_in_station - ExactPoint(truth, problem.data, row);
-    const Vector3<double> u = problem.NoiseRoot(static_cast<int>(i)).inverse() * error;
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Observation& row = problem.data().observations[i];
+    const Vector3<double> error = row.point_in_station - ExactPoint(truth, problem.data(), row);
+    const Vector3<double> u = problem.SqrtCovariance(static_cast<int>(i)).inverse() * error;
     whitened->insert(whitened->end(), u.data(), u.data() + 3);
   }
 }

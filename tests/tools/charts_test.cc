@@ -32,7 +32,7 @@ CalibrationProblem Many(int configurations) {
   test::MeasureKr270(test::Kr270Truth(), design.sigma, 4, &data);
   for (size_t c = 0; c < data.configurations.size(); ++c) data.configurations[c].is_validation = c % 7 == 3;
   CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
-  problem.data.configurations = data.configurations;
+  problem.mutable_data()->configurations = data.configurations;
   return problem;
 }
 
@@ -44,10 +44,10 @@ Estimate Missing(const CalibrationProblem& problem) {
   base.rotation = RotationFromRpy(Vector3<double>(0.3, -0.2, 1.1));
   base.translation = Vector3<double>(1.0, 2.0, 0.5);
   estimate.parameters.SetBaseInStation(0, base);
-  estimate.predicted.resize(3, static_cast<Eigen::Index>(problem.data.observations.size()));
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+  estimate.predicted.resize(3, static_cast<Eigen::Index>(problem.data().observations.size()));
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
     estimate.predicted.col(static_cast<Eigen::Index>(i)) =
-        problem.data.observations[i].point_in_station - Vector3<double>(1e-4, 2e-4, -2e-4) * (1.0 + i % 5);
+        problem.data().observations[i].point_in_station - Vector3<double>(1e-4, 2e-4, -2e-4) * (1.0 + i % 5);
   }
   return estimate;
 }
@@ -57,7 +57,7 @@ TEST(ResidualsOverDrivers, RowsAreMeasuredMinusPredictedInTheBase) {
   const Estimate estimate = Missing(problem);
   const Picture picture = ResidualsOverDrivers({problem, estimate});
   const Json& rows = picture.data["rows"];
-  ASSERT_EQ(rows["distance"].size(), problem.data.observations.size());
+  ASSERT_EQ(rows["distance"].size(), problem.data().observations.size());
   // Rz(1.1) Ry(-0.2) Rx(0.3) transposed, written out for x: its first column times the miss.
   const double x_axis[3] = {std::cos(1.1) * std::cos(-0.2), std::sin(1.1) * std::cos(-0.2), -std::sin(-0.2)};
   for (size_t i = 0; i < rows["distance"].size(); ++i) {
@@ -65,11 +65,11 @@ TEST(ResidualsOverDrivers, RowsAreMeasuredMinusPredictedInTheBase) {
     EXPECT_NEAR(rows["distance"][i].get<double>(), 0.3 * factor, 1e-3);
     EXPECT_NEAR(rows["residual x"][i].get<double>(), factor * (0.1 * x_axis[0] + 0.2 * x_axis[1] - 0.2 * x_axis[2]),
                 1e-3);
-    const Observation& row = problem.data.observations[i];
-    EXPECT_EQ(rows["set"][i], problem.data.IsValidation(row) ? "held out" : "fitted");
-    EXPECT_EQ(rows["pose"][i], problem.data.shots[row.shot].configuration);
-    const std::string first = "over " + problem.robot.chain.joints[0].name;
-    EXPECT_NEAR(rows[first][i].get<double>(), problem.data.ConfigurationOf(row).q[0] / kDegree, 0.05);
+    const Observation& row = problem.data().observations[i];
+    EXPECT_EQ(rows["set"][i], problem.data().IsValidation(row) ? "held out" : "fitted");
+    EXPECT_EQ(rows["pose"][i], problem.data().shots[row.shot].configuration);
+    const std::string first = "over " + problem.robot().chain.joints[0].name;
+    EXPECT_NEAR(rows[first][i].get<double>(), problem.data().ConfigurationOf(row).q[0] / kDegree, 0.05);
   }
   // Every choice of a menu is a column, and has its words.
   for (const PictureMenu& menu : picture.menus) {
@@ -80,13 +80,13 @@ TEST(ResidualsOverDrivers, RowsAreMeasuredMinusPredictedInTheBase) {
   std::map<std::string, int> counted;
   for (const auto& cells : picture.rows) counted[cells[0]] += std::stoi(cells[3]);
   EXPECT_EQ(counted.size(), picture.menus[0].options.size());
-  for (const auto& [driver, count] : counted) EXPECT_EQ(count, static_cast<int>(problem.data.observations.size()));
+  for (const auto& [driver, count] : counted) EXPECT_EQ(count, static_cast<int>(problem.data().observations.size()));
 }
 
 TEST(ResidualsOverDrivers, OfManyRowsTheFarthestStayAndThePageStaysSmall) {
   const CalibrationProblem problem = Many(12000);
   Estimate estimate = Missing(problem);
-  ASSERT_GT(problem.data.observations.size(), kMostDrawn);
+  ASSERT_GT(problem.data().observations.size(), kMostDrawn);
   for (const int far : {1, 7778, 11999}) estimate.predicted.col(far).array() += 0.05;
   const std::vector<ResidualRow> rows = RowsToDraw({problem, estimate});
   EXPECT_LE(rows.size(), kMostDrawn);
@@ -107,18 +107,18 @@ TEST(ResidualsInWorkspace, ArrowsBeginAtThePointAndTheArmEndsAtItsFlange) {
   const Picture picture = ResidualsInWorkspace({problem, estimate});
   const Json &rows = picture.data["rows"], &arms = picture.data["arms"];
   const Pose<double> base = estimate.parameters.BaseInStation(0);
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
     const Vector3<double> start(rows["x"][i], rows["y"][i], rows["z"][i]);
     const Vector3<double> arrow(rows["dx"][i], rows["dy"][i], rows["dz"][i]);
     const Vector3<double> tip_in_station = base * Vector3<double>(1e-3 * (start + arrow));
-    EXPECT_LT((tip_in_station - problem.data.observations[i].point_in_station).norm(), 1e-3);  // drawn to 1 mm
+    EXPECT_LT((tip_in_station - problem.data().observations[i].point_in_station).norm(), 1e-3);  // drawn to 1 mm
   }
   ASSERT_EQ(arms["polylines"].size(), 30u);
   for (size_t c = 0; c < 30; ++c) {
     const Json& line = arms["polylines"][c];
     const std::vector<double> theta = estimate.parameters.ModelValues();
-    const Pose<double> flange = problem.model.FrameInBase(ShotInput(problem.data.configurations[c].q), theta.data(),
-                                                          problem.robot.chain.FlangeFrame());
+    const Pose<double> flange = problem.model().FrameInBase(ShotInput(problem.data().configurations[c].q), theta.data(),
+                                                            problem.robot().chain.FlangeFrame());
     ASSERT_GE(line.size(), 6u);
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(line[line.size() - 3 + axis].get<double>(), 1e3 * flange.translation[axis], 0.51 + 0.5);

@@ -89,7 +89,7 @@ TEST(EquivalentSpring, FromTheNodesOfAJointSolve) {
   setup.robot.compliances.push_back(table);
   CalibrationProblem problem = MakeCalibrationProblem(setup.robot, data, setup.experiment);
   for (int seed = 0; seed <= 5; ++seed) {  // 0: no noise
-    test::Measure(exact, seed == 0 ? 0.0 : design.sigma, seed, &problem.data);
+    test::Measure(exact, seed == 0 ? 0.0 : design.sigma, seed, problem.mutable_data());
     const Estimate estimate = EstimateJointly(problem);
     ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
     EXPECT_EQ(estimate.estimated.size(), 49u);  // 45 and four more nodes

@@ -33,7 +33,7 @@ Picture Waterfall(const Diagnosis& d) {
   std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
   int number = 0;
   for (const DiagnosisStep& step : d.steps) {
-    stages.push_back({std::to_string(++number) + ": " + Title(d.final.problem->robot, step.candidate.spec),
+    stages.push_back({std::to_string(++number) + ": " + Title(d.final.problem->robot(), step.candidate.spec),
                       1e3 * step.holdout_after});
   }
   return WaterfallPicture("The gap, step by step", "hold-out RMS per coordinate, mm", stages,
@@ -52,7 +52,7 @@ std::vector<Picture> StepPictures(const StepView& view) {
 
 // Of each step, that its name belongs to the set of causes; of what else might be there in its place.
 Picture Probabilities(const Diagnosis& d) {
-  const Robot& robot = d.final.problem->robot;
+  const Robot& robot = d.final.problem->robot();
   std::vector<Bar> bars;
   for (size_t i = 0; i < d.steps.size(); ++i) {
     const std::string number = std::to_string(i + 1) + ": ";
@@ -119,7 +119,7 @@ Section CandidateSection(const Diagnosis& d) {
   section.header = {"effect", "chi-square explained", "parameters", "p, corrected", "log evidence"};
   for (size_t i = 0; i < d.candidates.size() && i < 12; ++i) {
     const ScreenedCandidate& entry = d.candidates[i];
-    section.rows.push_back({Title(d.final.problem->robot, entry.spec), Fixed(entry.reduction, 1),
+    section.rows.push_back({Title(d.final.problem->robot(), entry.spec), Fixed(entry.reduction, 1),
                             std::to_string(entry.parameters), Probability(entry.corrected_p),
                             Fixed(entry.log_evidence, 1)});
   }
@@ -184,7 +184,7 @@ Picture GapMap(const Diagnosis& d, const std::vector<const JointGap*>& gaps) {
   for (const JointGap* gap : gaps) AddGapRow(*gap, &picture);
   for (const bool is_after : {false, true}) {
     if (is_after && d.steps.empty()) continue;
-    GapColumns columns(d.final.problem->data.shots.size());
+    GapColumns columns(d.final.problem->data().shots.size());
     for (const JointGap* gap : gaps) AddGap(*gap, is_after ? gap->after : gap->before, &columns);
     for (const auto& [name, values] : columns.columns) {
       for (const double value : values) rows[name].push_back(Rounded(value));
@@ -242,7 +242,7 @@ Section WhereSection(const Diagnosis& d) {
 // What stands on the first screen: at most five lines of what was found, the noise, what limits it.
 Section VerdictSection(const Diagnosis& d) {
   Section section;
-  section.title = "Diagnosis: " + d.verdict;
+  section.title = "Diagnosis: " + WordOf(d.verdict);
   section.paragraphs = VerdictLines(d);
   section.paragraphs.push_back("Noise: " + NoiseInWords(d.noise));
   if (d.has_unexplained) {
@@ -259,9 +259,9 @@ Section StepTable(const Diagnosis& d) {
   section.header = {"step", "named", "hold-out RMS, mm", "probability", "a machine shows that"};
   for (size_t i = 0; i < d.steps.size(); ++i) {
     const DiagnosisStep& step = d.steps[i];
-    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot, step.candidate.spec),
+    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot(), step.candidate.spec),
                             Millimetres(step.holdout_after), Fixed(100.0 * step.probability, 1) + " %",
-                            IsPlausible(d.final.problem->robot, step) ? "yes" : "no: a description"});
+                            IsPlausible(d.final.problem->robot(), step) ? "yes" : "no: a description"});
   }
   return section;
 }
@@ -275,11 +275,11 @@ std::string DiagnosisToHtml(const Diagnosis& d, const Calibration& extended, con
     sections.push_back(std::move(section));
   };
   if (d.steps.size() > 1) appendix(StepTable(d));
-  if (d.verdict != "consistent") {
+  if (d.verdict != DiagnosisVerdict::kConsistent) {
     appendix(WhereSection(d));
     appendix(GapMapSection(d));
   }
-  for (size_t i = 0; i < d.steps.size(); ++i) appendix(StepSection(d.final.problem->robot, d.steps[i], i + 1));
+  for (size_t i = 0; i < d.steps.size(); ++i) appendix(StepSection(d.final.problem->robot(), d.steps[i], i + 1));
   appendix(CandidateSection(d));
   for (Section& section : CalibrationPage(extended)) appendix(std::move(section));
   return SectionsToPage(sections, provenance);

@@ -83,7 +83,7 @@ Section Suspects(const Trust& trust) {
 std::vector<Section> FirstScreen(const Calibration& calibration) {
   const Trust& trust = calibration.trust;
   Section first;
-  first.title = calibration.problem.robot.name.empty() ? "Calibration" : calibration.problem.robot.name;
+  first.title = calibration.problem.robot().name.empty() ? "Calibration" : calibration.problem.robot().name;
   first.paragraphs = {trust.verdict.words};
   if (!trust.model_error_words.empty()) first.paragraphs.push_back("Model error: " + trust.model_error_words + ".");
   std::vector<Section> sections = {first};
@@ -95,8 +95,8 @@ std::vector<Section> FirstScreen(const Calibration& calibration) {
 }
 
 std::vector<Section> CorrectedTable(const Calibration& calibration) {
-  const Robot& nominal = calibration.problem.robot;
-  const Robot robot = calibration.problem.model.WithValues(calibration.estimate.parameters.ModelValues());
+  const Robot& nominal = calibration.problem.robot();
+  const Robot robot = calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues());
   if (!nominal.dh || !robot.dh) return {};
   Section section;
   const bool standard = robot.dh->convention == DhConvention::kStandard;

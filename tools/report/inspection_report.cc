@@ -43,11 +43,11 @@ std::string MisfitInWords(const Inspection& inspection) {
 Section Overview(const CalibrationProblem& problem, const Inspection& inspection) {
   const auto count = [&](Severity severity) { return std::to_string(inspection.Count(severity)); };
   Section section;
-  section.title = (problem.robot.name.empty() ? "Robot" : problem.robot.name) + ": the data before any estimate";
-  section.paragraphs = {std::to_string(problem.data.NumRows()) + " observations of " +
-                            std::to_string(problem.data.configurations.size()) + " configurations, " +
-                            std::to_string(problem.data.stations.size()) + " station(s), " +
-                            std::to_string(problem.data.markers.size()) + " marker(s).",
+  section.title = (problem.robot().name.empty() ? "Robot" : problem.robot().name) + ": the data before any estimate";
+  section.paragraphs = {std::to_string(problem.data().NumRows()) + " observations of " +
+                            std::to_string(problem.data().configurations.size()) + " configurations, " +
+                            std::to_string(problem.data().stations.size()) + " station(s), " +
+                            std::to_string(problem.data().markers.size()) + " marker(s).",
                         "Findings: " + count(Severity::kSerious) + " serious, " + count(Severity::kWarning) +
                             " warnings, " + count(Severity::kNote) + " notes.",
                         MisfitInWords(inspection)};
@@ -87,7 +87,7 @@ Section JointSection(const CalibrationProblem& problem, const Inspection& inspec
   section.title = "Joint ranges covered";
   section.header = {"joint", "from", "to", "unit", "of the limits"};
   for (const MeasuredRange& range : inspection.joints) {
-    const Joint& joint = problem.robot.chain.joints[range.joint];
+    const Joint& joint = problem.robot().chain.joints[range.joint];
     const JointUnit unit = UnitOf(joint);
     section.rows.push_back({joint.name, Fixed(unit.factor * range.least, 1), Fixed(unit.factor * range.most, 1),
                             unit.name, range.share > 0.0 ? Fixed(100.0 * range.share, 0) + " %" : "-"});
@@ -125,7 +125,7 @@ Section LeverageSection(const CalibrationProblem& problem, const Inspection& ins
   for (size_t i = 0; i < std::min(kShownLeverage, inspection.leverage.size()); ++i) {
     const ConfigurationLeverage& entry = inspection.leverage[i];
     section.rows.push_back(
-        {problem.data.configurations[entry.configuration].id, Fixed(entry.mean, 3), Fixed(entry.most, 3)});
+        {problem.data().configurations[entry.configuration].id, Fixed(entry.mean, 3), Fixed(entry.most, 3)});
   }
   section.paragraphs = {
       "mean: over its rows, of 1 at most. largest: of any combination of its rows; at 1 no other configuration checks "

@@ -13,8 +13,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kMillimetres = 1e3;
-
 // Of every pose its joint values.
 void AddTable(const Robot& robot, const Plan& plan, Picture* picture) {
   picture->header = {"pose"};
@@ -24,7 +22,7 @@ void AddTable(const Robot& robot, const Plan& plan, Picture* picture) {
     std::vector<std::string> cells = {configuration.id};
     for (int j = 0; j < robot.chain.num_joints(); ++j) {
       const bool turns = robot.chain.joints[j].type == JointType::kRevolute;
-      cells.push_back(Fixed(configuration.q[j] * (turns ? 1.0 / kDegree : kMillimetres), 2));
+      cells.push_back(Fixed(configuration.q[j] * (turns ? 1.0 / kDegree : kMillimetresPerMetre), 2));
     }
     picture->rows.push_back(cells);
   }
@@ -49,10 +47,10 @@ Section Overview(const Plan& plan) {
   Section section;
   section.title = "Plan of " + std::to_string(plan.rows.configurations.size()) + " poses";
   section.header = {"expected at the test poses", "mm"};
-  section.rows = {{"RMS position error", Significant(kMillimetres * plan.position_rms, 3)},
-                  {"worst point", Significant(kMillimetres * plan.position_max, 3)}};
+  section.rows = {{"RMS position error", Significant(kMillimetresPerMetre * plan.position_rms, 3)},
+                  {"worst point", Significant(kMillimetresPerMetre * plan.position_max, 3)}};
   if (plan.HasModelError()) {
-    section.rows.push_back({"RMS with model error", Significant(kMillimetres * plan.rms_with_model_error, 3)});
+    section.rows.push_back({"RMS with model error", Significant(kMillimetresPerMetre * plan.rms_with_model_error, 3)});
   }
   section.paragraphs = {CertificateInWords(plan)};
   section.paragraphs.insert(section.paragraphs.end(), plan.words.begin(), plan.words.end());
@@ -72,9 +70,9 @@ Section Accuracy(const Plan& plan) {
   Section section{"Accuracy over the number of poses", {}, {"poses", "RMS, mm"}, {}};
   std::vector<double> poses, rms;
   for (const PosesAndAccuracy& point : plan.curve) {
-    section.rows.push_back({std::to_string(point.poses), Significant(kMillimetres * point.position_rms, 3)});
+    section.rows.push_back({std::to_string(point.poses), Significant(kMillimetresPerMetre * point.position_rms, 3)});
     poses.push_back(point.poses);
-    rms.push_back(kMillimetres * point.position_rms);
+    rms.push_back(kMillimetresPerMetre * point.position_rms);
   }
   if (poses.size() > 1)
     section.pictures = {CurvePicture("What more poses bring", "poses", poses, "RMS position error, mm", rms)};

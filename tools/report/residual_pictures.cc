@@ -26,10 +26,10 @@ std::vector<Driver> DriversOf(const CalibrationProblem& problem, const Parameter
   const auto add = [&drivers](Driver driver) {
     if (driver.Varies()) drivers.push_back(std::move(driver));
   };
-  const int joints = problem.robot.chain.num_joints();
+  const int joints = problem.robot().chain.num_joints();
   for (int j = 0; j < joints; ++j) add(AngleOf(problem, j));
   std::vector<int> shots;
-  for (const ResidualRow& row : rows) shots.push_back(problem.data.observations[row.observation].shot);
+  for (const ResidualRow& row : rows) shots.push_back(problem.data().observations[row.observation].shot);
   const Eigen::MatrixXd torques = JointTorques(problem, parameters, &shots);
   for (int j = 0; j < joints; ++j) add(TorqueOf(problem, j, torques));
   for (int j = 0; j < joints; ++j) add(ApproachOf(problem, j));
@@ -75,7 +75,7 @@ void AddGroups(const std::string& name, const CalibrationProblem& problem, const
   Json column = Json::array();
   std::set<std::string> groups;
   for (const ResidualRow& row : rows) {
-    const std::string group = group_of(problem.data.observations[row.observation]);
+    const std::string group = group_of(problem.data().observations[row.observation]);
     groups.insert(group);
     column.push_back(group);
   }
@@ -85,7 +85,7 @@ void AddGroups(const std::string& name, const CalibrationProblem& problem, const
 }
 
 void AddColours(const CalibrationProblem& problem, const std::vector<ResidualRow>& rows, Picture* picture) {
-  const Measurements& data = problem.data;
+  const Measurements& data = problem.data();
   PictureMenu menu{"colour", "colour", {}};
   const auto add = [&](const std::string& name, const std::function<std::string(const Observation&)>& group_of) {
     AddGroups(name, problem, rows, group_of, picture, &menu);
@@ -112,9 +112,9 @@ Picture ResidualsOverDrivers(const DrawnReadings& readings) {
   Json names = Json::array(), poses = Json::array();
   std::vector<double> distances, xyz[3];
   for (const ResidualRow& row : rows) {
-    const Observation& observation = problem.data.observations[row.observation];
-    names.push_back(NameOfRow(problem.data, observation));
-    poses.push_back(problem.data.shots[observation.shot].configuration);
+    const Observation& observation = problem.data().observations[row.observation];
+    names.push_back(NameOfRow(problem.data(), observation));
+    poses.push_back(problem.data().shots[observation.shot].configuration);
     distances.push_back(row.distance());
     for (int axis = 0; axis < 3; ++axis) xyz[axis].push_back(row.residual_in_base[axis]);
   }
@@ -133,7 +133,7 @@ Picture ResidualsOverDrivers(const DrawnReadings& readings) {
   }
   for (const Driver& driver : DriversOf(problem, readings.parameters, rows)) {
     std::vector<double> x;
-    for (const ResidualRow& row : rows) x.push_back(driver.of_shot[problem.data.observations[row.observation].shot]);
+    for (const ResidualRow& row : rows) x.push_back(driver.of_shot[problem.data().observations[row.observation].shot]);
     add("over " + driver.name, x, Labelled(driver), &across);
     AddSlices(driver, x, distances, &picture.rows);
   }
@@ -146,19 +146,19 @@ Picture ResidualsInWorkspace(const DrawnReadings& readings) {
   const CalibrationProblem& problem = readings.problem;
   std::vector<ResidualRow> rows = RowsToDraw(readings);
   Picture picture;
-  Workspace workspace(problem.model, readings.parameters.ModelValues(), problem.data.configurations);
+  Workspace workspace(problem.model(), readings.parameters.ModelValues(), problem.data().configurations);
   Json x[3], d[3], poses = Json::array(), held_out = Json::array();
   bool any_held_out = false;
   for (const ResidualRow& row : rows) {
-    const Observation& observation = problem.data.observations[row.observation];
+    const Observation& observation = problem.data().observations[row.observation];
     workspace.Include(row.predicted_in_base);
     for (int axis = 0; axis < 3; ++axis) {
       x[axis].push_back(std::lround(row.predicted_in_base[axis]));
       d[axis].push_back(Rounded(row.residual_in_base[axis], 3));
     }
-    poses.push_back(problem.data.shots[observation.shot].configuration);
-    held_out.push_back(problem.data.IsValidation(observation) ? 1 : 0);
-    any_held_out |= problem.data.IsValidation(observation);
+    poses.push_back(problem.data().shots[observation.shot].configuration);
+    held_out.push_back(problem.data().IsValidation(observation) ? 1 : 0);
+    any_held_out |= problem.data().IsValidation(observation);
   }
   picture.title = std::string("What is left of each point as an arrow from where the model sees it") +
                   (any_held_out ? "; held-out points in the second colour" : "") +
@@ -173,7 +173,7 @@ Picture ResidualsInWorkspace(const DrawnReadings& readings) {
   picture.header = {"the largest", "x, mm", "y, mm", "z, mm", "Δx, mm", "Δy, mm", "Δz, mm", "distance, mm"};
   for (size_t i = 0; i < std::min(kWorstShown, rows.size()); ++i) {
     const ResidualRow& row = rows[i];
-    std::vector<std::string> cells = {NameOfRow(problem.data, problem.data.observations[row.observation])};
+    std::vector<std::string> cells = {NameOfRow(problem.data(), problem.data().observations[row.observation])};
     for (int axis = 0; axis < 3; ++axis) cells.push_back(Fixed(row.predicted_in_base[axis], 1));
     for (int axis = 0; axis < 3; ++axis) cells.push_back(Fixed(row.residual_in_base[axis], 4));
     cells.push_back(Fixed(row.distance(), 4));

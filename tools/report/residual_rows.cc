@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
 
@@ -11,16 +13,15 @@ bool IsDrawn(const Observation& row) { return row.is_point() && !row.excluded &&
 
 std::vector<ResidualRow> RowsToDraw(const DrawnReadings& readings) {
   const CalibrationProblem& problem = readings.problem;
-  constexpr double kMillimetres = 1e3;
   std::vector<ResidualRow> rows;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    const Observation& row = problem.data.observations[i];
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Observation& row = problem.data().observations[i];
     const Vector3<double> predicted = readings.predicted.col(static_cast<Eigen::Index>(i));
     if (!IsDrawn(row) || !predicted.allFinite()) continue;
-    const Pose<double> base = readings.parameters.BaseInStation(problem.data.shots[row.shot].station);
+    const Pose<double> base = readings.parameters.BaseInStation(problem.data().shots[row.shot].station);
     const Matrix3<double> base_from_station = base.rotation.transpose();
-    rows.push_back({static_cast<int>(i), kMillimetres * (base_from_station * (predicted - base.translation)),
-                    kMillimetres * (base_from_station * (row.point_in_station - predicted))});
+    rows.push_back({static_cast<int>(i), kMillimetresPerMetre * (base_from_station * (predicted - base.translation)),
+                    kMillimetresPerMetre * (base_from_station * (row.point_in_station - predicted))});
   }
   if (rows.size() <= kMostDrawn) return rows;
   std::vector<double> distances;
@@ -42,7 +43,7 @@ std::string NameOfRow(const Measurements& data, const Observation& row) {
 }
 
 std::string LeftOutInWords(const CalibrationProblem& problem, size_t drawn) {
-  const std::vector<Observation>& all = problem.data.observations;
+  const std::vector<Observation>& all = problem.data().observations;
   const auto points = static_cast<size_t>(std::count_if(all.begin(), all.end(), IsDrawn));
   if (drawn >= points) return "";
   return "; drawn: " + std::to_string(drawn) + " of " + std::to_string(points) + " points, the farthest among them";

@@ -7,13 +7,12 @@
 #include <sstream>
 #include <string_view>
 
+#include "estimator/noise/robot_scatter.h"
 #include "estimator/statistics/median.h"
 #include "tools/report/remedies.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kInstrumentIsNotTheNoise = 10.0;  // reduced chi-square
 
 std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
@@ -21,12 +20,12 @@ std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 
 Section ResultSection(const CalibrationProblem& problem, const Estimate& estimate) {
   Section section;
-  section.title = problem.robot.name.empty() ? "Calibration" : problem.robot.name;
+  section.title = problem.robot().name.empty() ? "Calibration" : problem.robot().name;
   section.paragraphs = {std::string("Status: ") + StatusName(estimate.status) + " (" + estimate.message + ").",
                         Plural(estimate.fit.observations, "observation") + " of " +
                             Plural(estimate.calibration_configurations, "configuration") + ", " +
-                            Plural(problem.data.stations.size(), "station") + ", " +
-                            Plural(problem.data.markers.size(), "marker") + "; " +
+                            Plural(problem.data().stations.size(), "station") + ", " +
+                            Plural(problem.data().markers.size(), "marker") + "; " +
                             Plural(estimate.estimated.size(), "unknown") + " estimated in " +
                             Plural(estimate.iterations, "iteration") + ", " + Fixed(estimate.seconds, 2) + " s."};
   return section;
@@ -107,7 +106,7 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   } else {
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
                               Significant(estimate.chi2 / estimate.dof, 4) + ".",
-                          StatedSigmaInWords(estimate, problem.experiment.significance)};
+                          StatedSigmaInWords(estimate, problem.experiment().significance)};
     // Fitted by REML, chi-square is what it should be by construction.
     if (!estimate.noise_report.components.empty()) section.paragraphs.pop_back();
     const bool misfit = estimate.sigma.scaled && estimate.chi2 > kInstrumentIsNotTheNoise * estimate.dof;
@@ -181,8 +180,8 @@ std::string Arms(const ParameterEstimate& row, double unit, int decimals) {
 double NominalOf(const CalibrationProblem& problem, const ParameterEstimate& row) {
   constexpr std::string_view kGeometry = "geometry/";
   if (row.name.rfind(kGeometry, 0) != 0) return row.nominal;
-  const int transform = problem.robot.chain.FindError(row.name.substr(kGeometry.size()));
-  return transform < 0 ? row.nominal : problem.robot.chain.transforms[transform].nominal;
+  const int transform = problem.robot().chain.FindError(row.name.substr(kGeometry.size()));
+  return transform < 0 ? row.nominal : problem.robot().chain.transforms[transform].nominal;
 }
 
 // Half the 95 % intervals over the standard deviations: its median over what is estimated.
@@ -334,7 +333,7 @@ std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate
   AddIdentifiability(problem, estimate, &sections);
   Section warnings;
   warnings.title = "Warnings";
-  for (const std::string& warning : problem.data.warnings) warnings.paragraphs.push_back("- " + warning);
+  for (const std::string& warning : problem.data().warnings) warnings.paragraphs.push_back("- " + warning);
   for (const std::string& warning : estimate.warnings) warnings.paragraphs.push_back("- " + warning);
   if (!warnings.paragraphs.empty()) sections.push_back(warnings);
   return sections;

@@ -15,8 +15,8 @@ namespace {
 UnseenPoints DistancesOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted) {
   std::vector<int> points;
   Eigen::Matrix3Xd errors(3, predicted.cols());
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    const Observation& row = problem.data.observations[i];
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Observation& row = problem.data().observations[i];
     if (!row.is_point() || !row.point_in_station.allFinite()) continue;
     errors.col(static_cast<Eigen::Index>(points.size())) =
         row.point_in_station - predicted.col(static_cast<Eigen::Index>(i));
@@ -62,7 +62,7 @@ std::string ValidationToHtml(const KnownRobot& known, const Measurements& rows, 
   std::vector<Section> sections = ValidationSections(known, rows, validation);
   const CalibrationProblem problem = PredictionProblem(known, rows);
   const DrawnReadings readings(problem, problem.parameters, validation.predicted);
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   std::iota(all.begin(), all.end(), 0);
   const Eigen::Matrix3Xd nominal = PredictPoints(problem, NominalParameters(known, problem), all);
   sections.back().pictures = BeforeAndAfter(DistancesOf(problem, nominal), DistancesOf(problem, validation.predicted));

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMillimetres = 1e3;
 constexpr double kNear = 1.2;  // times the size: how far from the middle a box is drawn
 
 Json PointToJson(const Vector3<double>& point) {
@@ -23,7 +24,7 @@ std::vector<Vector3<double>> ArmOf(const ForwardModel& model, const std::vector<
   EvaluateChain(model.chain(), values.data(), &state);
   std::vector<Vector3<double>> arm;
   for (const Pose<double>& frame : state.frames) {
-    const Vector3<double> point = kMillimetres * frame.translation;
+    const Vector3<double> point = kMillimetresPerMetre * frame.translation;
     if (arm.empty() || (point - arm.back()).norm() > 0.5) arm.push_back(point);
   }
   return arm;
@@ -61,13 +62,14 @@ void Workspace::Draw(const Cell* cell, Picture* picture) const {
     // As much of it as is near, in its own frame.
     const Matrix3<double>& rotation = box.base_from_box.rotation;
     const Vector3<double> here =
-        rotation.transpose() * Vector3<double>(middle - kMillimetres * box.base_from_box.translation);
-    const Vector3<double> half = kMillimetres * box.half_size, reach = Vector3<double>::Constant(kNear * size());
+        rotation.transpose() * Vector3<double>(middle - kMillimetresPerMetre * box.base_from_box.translation);
+    const Vector3<double> half = kMillimetresPerMetre * box.half_size,
+                          reach = Vector3<double>::Constant(kNear * size());
     const Vector3<double> low = (-half).cwiseMax(here - reach), high = half.cwiseMin(here + reach);
     if ((high - low).minCoeff() <= 0.0) continue;
     const Eigen::Quaterniond turn(rotation);
     boxes.push_back({{"name", box.name},
-                     {"at", PointToJson(kMillimetres * box.base_from_box.translation +
+                     {"at", PointToJson(kMillimetresPerMetre * box.base_from_box.translation +
                                         rotation * Vector3<double>(0.5 * (low + high)))},
                      {"turn", {turn.x(), turn.y(), turn.z(), turn.w()}},
                      {"size", PointToJson(high - low)}});

@@ -15,7 +15,6 @@
 
 namespace sagitta {
 
-constexpr double kMillimetre = 1e-3;
 constexpr double kMicro = 1e-6;  // um, or urad/(N m)
 
 // Files below the data folder (problems/published); SI where they are no JSON.

@@ -68,10 +68,10 @@ SimulationTruth TruthOf(const PublishedData& published, const Measurements& rows
 }
 
 Eigen::Matrix3Xd ResidualsAt(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  std::vector<int> all(problem.data.observations.size());
+  std::vector<int> all(problem.data().observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   Eigen::Matrix3Xd residuals = -PredictPoints(problem, parameters, all);
-  for (size_t i = 0; i < all.size(); ++i) residuals.col(i) += problem.data.observations[i].point_in_station;
+  for (size_t i = 0; i < all.size(); ++i) residuals.col(i) += problem.data().observations[i].point_in_station;
   return residuals;
 }
 
@@ -121,7 +121,7 @@ Eigen::VectorXd Repeated(const Eigen::VectorXd& values, int times) { return valu
 // Intervals of other sets of 18 configurations: which set it is matters by a factor.
 void AddRandomSets(const PublishedData& published, const ReproduceOptions& options, GeometricRun* run) {
   Experiment experiment;
-  experiment.noise = run->problem->experiment.noise;
+  experiment.noise = run->problem->experiment().noise;
   std::map<std::string, std::vector<double>> logs;
   for (int set = 0; set < kRandomSets; ++set) {
     Measurements rows = published.geometric_rows;

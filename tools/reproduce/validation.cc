@@ -79,7 +79,7 @@ double PredictedVariance(const GeometricRun& run, int block) {
   const std::vector<int> observations(run.validation.begin() + block * n, run.validation.begin() + (block + 1) * n);
   const Linearization at = Linearize(*run.problem, run.estimate.parameters, observations, run.estimate.estimated,
                                      NoiseRoots(observations.size(), Matrix3<double>::Identity()));
-  const double noise = *run.problem->experiment.noise.sigma;
+  const double noise = *run.problem->experiment().noise.sigma;
   return (at.jacobian * run.estimate.covariance * at.jacobian.transpose()).trace() / (3 * n) + noise * noise;
 }
 

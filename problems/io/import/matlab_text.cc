@@ -9,6 +9,7 @@
 #include <regex>
 #include <sstream>
 
+#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/import/expressions.h"
@@ -139,7 +140,7 @@ class MatlabReader {
     }
     if (degrees && radians) Fail("some angles are in degrees and some use pi", "one unit is expected");
     if (any && !degrees && !radians) reading->guesses.push_back("angles are in rad: none is beyond a full turn");
-    return degrees ? M_PI / 180.0 : 1.0;
+    return degrees ? kDegree : 1.0;
   }
 
   RobotReading ReadTransforms() {

@@ -1,0 +1,59 @@
+#include "estimator/report/diagnosis_function_words.h"
+
+#include <cmath>
+
+namespace sagitta {
+
+std::string DeviatesWith(const std::string& joint, const std::string& driver) {
+  return "a deviation of " + joint + " that depends on " + driver;
+}
+
+std::string DeviatesWithBoth(const std::string& joint, const std::string& one, const std::string& other) {
+  return "a deviation of " + joint + " that depends on " + one + " and " + other + " together";
+}
+
+std::string JointsFollowPose() { return "a deviation of the joints that follows the pose"; }
+
+std::string StationMoves(const std::string& station) { return "station " + station + " moves with time"; }
+
+std::string BaseTurnsInStation(const std::string& station) {
+  return "the base turns in station " + station + " with time";
+}
+
+std::string StationMovesAlong(const std::string& station, char axis) {
+  return "station " + station + " moves along " + axis + " with time";
+}
+
+std::string StationIsDistorted(const std::string& station) {
+  return "the readings of station " + station + " are distorted over its field";
+}
+
+std::string MarkerMovesWith(const std::string& marker, const std::string& driver) {
+  return "marker " + marker + " moves with " + driver;
+}
+
+std::string MovesWithGravity(const std::string& what) { return what + " moves with the direction of gravity"; }
+
+std::string ChangesItsSeat(const std::string& what) { return what + " changes its seat between visits"; }
+
+std::string WaveInWords(const std::string& size, int per_turn, const std::string& driver) {
+  return "a wave of " + size + " that repeats " + std::to_string(per_turn) + " time(s) per turn of " + driver;
+}
+
+std::string ExponentialInWords(const std::string& size, const std::string& fades_with) {
+  return "exponential in time: " + size + " that fade with " + fades_with;
+}
+
+std::string DeadbandInWords(const std::string& width, const std::string& driver, const std::string& slope) {
+  return "a deadband of " + width + " about 0 of " + driver + ", beyond it " + slope;
+}
+
+std::string RowsAboveTheNoise() { return "rows in which it would stand out of the noise"; }
+
+std::string ComplianceAboveZero() { return "the joint's compliance above 0 (loaded rows)"; }
+
+std::string SearchingWithRepeatability(double sigma_rad) {
+  return "once more with joints that deviate by " + std::to_string(std::lround(1e6 * sigma_rad)) + " urad";
+}
+
+}  // namespace sagitta

@@ -1,0 +1,34 @@
+// What a deviation without a name is, in words: what moves, with what, and by how much.
+#pragma once
+
+#include <string>
+
+namespace sagitta {
+
+// `driver` is a joint, "time", "temperature" or "the torque on it".
+std::string DeviatesWith(const std::string& joint, const std::string& driver);
+std::string DeviatesWithBoth(const std::string& joint, const std::string& one, const std::string& other);
+std::string JointsFollowPose();
+std::string StationMoves(const std::string& station);
+std::string BaseTurnsInStation(const std::string& station);
+std::string StationMovesAlong(const std::string& station, char axis);
+std::string StationIsDistorted(const std::string& station);
+std::string MarkerMovesWith(const std::string& marker, const std::string& driver);
+// `what` sits loose.
+std::string MovesWithGravity(const std::string& what);
+std::string ChangesItsSeat(const std::string& what);
+
+// Shapes of a learnt function; sizes come as text with their units.
+std::string WaveInWords(const std::string& size, int per_turn, const std::string& driver);
+std::string ExponentialInWords(const std::string& size, const std::string& fades_with);
+std::string DeadbandInWords(const std::string& width, const std::string& driver, const std::string& slope);
+
+// What is missing to see an effect that no row shows.
+std::string RowsAboveTheNoise();
+// A spring needs a joint that gives.
+std::string ComplianceAboveZero();
+
+// Progress: the search among sets is repeated with this repeatability.
+std::string SearchingWithRepeatability(double sigma_rad);
+
+}  // namespace sagitta
