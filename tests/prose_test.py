@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Keeps sentences in their place: in estimator/ they stand in estimator/report/, one file per subject (ROOM_…words.cc);
-pages and the terminal are tools/'s matter. Elsewhere in estimator/ are numbers and typed reasons.
+those of pages and of the terminal in tools/report/. Elsewhere are numbers and typed reasons.
 
-A statement outside that folder may hold fewer than 12 words of text; keys and column names (literals without a blank)
-are none. Words of input errors and of failures, with their hints, are free: they arise where the input is found to be
-wrong (throw, Fail…, CHECK, a variable named hint), and so is what a developer reads in the log (VLOG).
+A statement outside these folders may hold fewer than 10 words of text in estimator/, 14 in the commands of tools/ (the
+summary of a command is 13); keys and column names (literals without a blank) are none. Words of input errors and of failures, with their hints, are free: they arise where the input is found to be
+wrong (throw, Fail…, CHECK, a variable named hint), and so is what a developer reads in the log (VLOG). In tools/ so are flags (DEFINE_…), what goes to std::cerr, and the files that are help themselves;
+tools/reproduce/ is a study with its words beside its numbers.
 Standard library only.
 
 usage: prose_test.py [ROOT]        check the tree (default: the one this file is in)
@@ -15,16 +16,17 @@ import pathlib
 import re
 import sys
 
-MOST_WORDS = 12  # of a statement: more is a sentence
-PLACE = 'estimator/report'
-ERROR = re.compile(r'\bthrow\b|\bFail\w*\(|\bfail\(|\bInputError\b|\bFailure\b|\bD?CHECK|\bVLOG\(|\b(k?H|h)int\b')
+# Folder: where its sentences stand, words of a statement from which it is a sentence.
+PLACES = {'estimator': ('estimator/report', 10), 'tools': ('tools/report', 14)}
+FREE = ('tools/reproduce/', 'tools/examples/', 'tools/main.cc', 'tools/shell_pages.cc')
+ERROR = re.compile(r'\bthrow\b|\bFail\w*\(|\bfail\(|\bInputError\b|\bFailure\b|\bD?CHECK|\bVLOG\(|\bDEFINE_|\bstd::cerr\b|\b(k?H|h)int\b')
 LITERAL = re.compile(r'"(?:[^"\\\n]|\\.)*"')
 SKIPPED = re.compile(r'//[^\n]*|/\*.*?\*/|^[ \t]*#include[^\n]*|\'(?:\\.|[^\'\\\n])\'', re.DOTALL | re.MULTILINE)
 WORD = re.compile(r'[A-Za-z]{2,}')
 
 
-def sentences(text):
-    """Line and number of words of every statement with MOST_WORDS words or more."""
+def sentences(text, most=12):
+    """Line and number of words of every statement with `most` words or more."""
     literals = []  # start and number of words
     code = list(text)  # without literals and comments, place by place
     position = 0
@@ -44,15 +46,16 @@ def sentences(text):
         statements.setdefault(begin, [start, 0])[1] += words
     for begin, (start, words) in statements.items():
         end = code.find(';', start)
-        if words >= MOST_WORDS and not ERROR.search(code[begin + 1:end]):
+        if words >= most and not ERROR.search(code[begin + 1:end]):
             yield text.count('\n', 0, start) + 1, words
 
 
 def files(root):
-    for path in sorted((root / 'estimator').rglob('*')):
-        name = path.relative_to(root).as_posix()
-        if path.suffix in ('.cc', '.h') and not name.startswith(PLACE + '/'):
-            yield name, list(sentences(path.read_text(encoding='utf-8')))
+    for folder, (place, most) in PLACES.items():
+        for path in sorted((root / folder).rglob('*')):
+            name = path.relative_to(root).as_posix()
+            if path.suffix in ('.cc', '.h') and not name.startswith((place + '/',) + FREE):
+                yield name, place, list(sentences(path.read_text(encoding='utf-8'), most))
 
 
 def self_test():
@@ -67,6 +70,7 @@ def self_test():
         ('void F() {\n  root.Get("the schema").Fail("%s");\n}\n' % twelve, []),
         ('void F() {\n  Say("one two; three four five six seven " "eight nine ten eleven twelve");\n}\n', [2]),
         ('void F() {\n  Say({%s});\n}\n' % ', '.join('"%s_mm"' % word for word in twelve.split()), []),
+        ('DEFINE_string(x, "", "%s");\n' % twelve, []),
         ('// "%s"\nint x;\n' % twelve, []),
         ("char q = '\"';\nint x;  // %s\nchar r = '\"';\n" % twelve, []),
     ]
@@ -86,14 +90,14 @@ def main(arguments):
     is_list = arguments == ['--list']
     root = pathlib.Path(arguments[0]).resolve() if arguments and not is_list else pathlib.Path(__file__).resolve().parents[1]
     failures = looked_at = 0
-    for path, found in files(root):
+    for path, place, found in files(root):
         looked_at += 1
         for line, words in found:
             failures += 1
             print('%s:%d: a sentence of %d words' % (path, line, words)
-                  + ('' if is_list else ': put it into a file of %s/' % PLACE))
+                  + ('' if is_list else ': put it into a file of %s/' % place))
     if not failures:
-        print('%d files, every sentence is in %s/' % (looked_at, PLACE))
+        print('%d files, every sentence is in its folder' % looked_at)
     return 1 if failures and not is_list or looked_at < 100 else 0
 
 

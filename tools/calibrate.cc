@@ -12,6 +12,7 @@
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/report/calibration_report.h"
+#include "tools/report/command_words.h"
 #include "tools/report/first_screen.h"
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
@@ -86,10 +87,11 @@ int RunCalibrate(const CommandLine& line) {
   const std::vector<std::string> unmet = UnmetRequirements(requirements, files.json);
   std::cout << SectionsToText(sections);
   if (FLAGS_out.empty()) {
-    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    std::cout << NothingIsWritten();
   } else {
     files.Write(*out);
-    std::cout << "\nResults in " << FLAGS_out << ": report.html, estimate.json, robot.calibrated.yaml, residuals.csv\n";
+    std::cout << "\n"
+              << ResultsIn(FLAGS_out, {"report.html", "estimate.json", "robot.calibrated.yaml", "residuals.csv"});
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
   return unmet.empty() ? 0 : kRequirementNotMet;

@@ -5,6 +5,7 @@
 #include "problems/input_error.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
+#include "tools/report/command_words.h"
 
 namespace sagitta {
 namespace {
@@ -17,13 +18,7 @@ int RunChanged(const CommandLine& line) {
   const KnownRobot new_estimate = ReadEstimateFile(line.arguments[1]);
   const Changes changes = FindChanges(old_estimate, new_estimate);
   out.Write({{"changed.json", DumpJson(ChangesToJson(changes))}});
-  std::cout << changes.words << "\n";
-  std::cout << "Predictions are " << Significant(1e3 * changes.before_rms, 3) << " mm apart (RMS), "
-            << Significant(1e3 * changes.after_rms, 3) << " mm with that taken out\n";
-  for (const Change& other : changes.alternatives) {
-    std::cout << "possible too: " << WordOf(other.kind) << " " << other.target << " ("
-              << Significant(other.probability, 2) << ")\n";
-  }
+  std::cout << changes.words << "\n" << ComparisonInWords(changes);
   for (const std::string& note : changes.notes) std::cout << note << "\n";
   return 0;
 }

@@ -15,6 +15,7 @@
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/command_words.h"
 #include "tools/report/summary.h"
 #include "tools/run_command.h"
 
@@ -82,9 +83,7 @@ Section Table(const std::vector<MethodResult>& results) {
                             OrDash(result.max_deviation_sigma, 3), OrDash(result.rate_measured, 4),
                             OrDash(result.rate_predicted, 4)});
   }
-  section.paragraphs = {
-      "off by sigma: largest deviation of a parameter from the joint optimum, in its standard deviations.",
-      "rate: error of one iteration over that of the one before; predicted: c1^2, the largest canonical correlation."};
+  section.paragraphs = MethodsLegend();
   for (const MethodResult& result : results) {
     if (!IsUsable(result.estimate.status)) section.paragraphs.push_back(result.name + ": " + result.estimate.message);
     for (const std::string& warning : result.estimate.warnings)
@@ -136,11 +135,11 @@ int RunCompare(const CommandLine& line) {
   }
   std::cout << SectionsToText({Table(results)});
   if (FLAGS_out.empty()) {
-    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    std::cout << NothingIsWritten();
     return 0;
   }
   out->Write({{"comparison.json", DumpJson(ComparisonToJson(line, inputs, results))}});
-  std::cout << "\nResults in " << FLAGS_out << ": comparison.json\n";
+  std::cout << "\n" << ResultsIn(FLAGS_out, {"comparison.json"});
   return 0;
 }
 

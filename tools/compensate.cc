@@ -14,6 +14,7 @@
 #include "problems/io/output_files.h"
 #include "problems/io/target_file.h"
 #include "tools/commands.h"
+#include "tools/report/command_words.h"
 #include "tools/run_command.h"
 
 DEFINE_string(program, "", "FILE: a robot program (KRL, RAPID, URScript, FANUC LS) whose points are the targets");
@@ -44,9 +45,7 @@ void Summarise(const std::vector<CompensatedTarget>& results) {
   for (const auto& [status, number] : count) parts.push_back(std::to_string(number) + " " + status);
   std::cout << results.size() << " targets: " << Enumerate(parts) << ": " << FLAGS_out << "\n";
   if (solved == 0) return;
-  std::cout << "Off target without compensation at most " << Significant(1e3 * before, 3)
-            << " mm; with it, as far as the model is true, " << Significant(1e3 * after, 2)
-            << " mm; 95 % uncertainty of the estimate at most " << Significant(1e3 * u95, 3) << " mm\n";
+  std::cout << CompensationInWords(before, after, u95);
 }
 
 Eigen::VectorXd StartJoints(const Chain& chain) {

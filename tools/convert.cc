@@ -19,6 +19,7 @@
 #include "problems/io/urdf_writer.h"
 #include "tools/commands.h"
 #include "tools/convert_options.h"
+#include "tools/report/command_words.h"
 
 DEFINE_string(
     as, "",
@@ -70,18 +71,14 @@ bool HasBeta(const DhTable& table) {
   return false;
 }
 
-std::string Millimetres(double metres) { return FormatNumber(std::round(metres * 1e6) / 1e3) + " mm"; }
-
 DhTable PlainTable(const Robot& robot, const DhTable& table, Written* written) {
   if (!HasBeta(table)) {
-    written->notes.push_back("the table has no beta: it is plain, and exact");
+    written->notes.push_back(PlainAndExact());
     return table;
   }
   const PlainDhFit fit = FitPlainDh(robot.chain, table);
   written->is_exact = false;
-  written->notes.push_back(
-      "without beta the flange is off by " + Millimetres(fit.rms) + " RMS, " + Millimetres(fit.max) +
-      " at most, over the joints' range; the refit moved lengths by up to " + Millimetres(fit.largest_length_change));
+  written->notes.push_back(WithoutBeta(fit.rms, fit.max, fit.largest_length_change));
   return fit.table;
 }
 
@@ -155,10 +152,7 @@ Written ToUrConf(const Robot& robot) {
                      "the nominal robot has no standard DH table, which the differences are of");
   const std::string kept = FLAGS_template.empty() ? "" : ReadTextFile(FLAGS_template);
   Written written{RobotToUrConf(robot, *nominal.dh, kept, FLAGS_template), {}, true};
-  written.notes.push_back(kept.empty()
-                              ? "the controller also wants the lines of its own calibration.conf that belong to "
-                                "the arm (joint_checksum, …): --template=calibration.conf keeps them"
-                              : "the four lists of " + FLAGS_template + " are replaced, its other lines kept");
+  written.notes.push_back(kept.empty() ? KeepControllersLines() : ListsAreReplaced(FLAGS_template));
   return written;
 }
 
@@ -237,13 +231,11 @@ int RunConvert(const CommandLine& line) {
   for (const std::string& guess : reading.guesses) std::cout << "  guessed: " << guess << "\n";
   std::cout << out << ": written\n";
   for (const std::string& note : written.notes) std::cout << "  " << note << "\n";
-  if (written.is_exact)
-    std::cout << "  read again it moves as before, to " << FormatNumber(std::ceil(1e15 * difference) / 1e12)
-              << " mm at 1 m from the flange\n";
+  if (written.is_exact) std::cout << "  " << MovesAsBefore(difference) << "\n";
   const std::string left_out = LeftOut(reading.robot);
   const std::string ending = std::filesystem::path(out).extension().string();
   if (!left_out.empty() && (FLAGS_as == "ur" || ending == ".urdf" || ending == ".csv" || ending == ".conf")) {
-    std::cout << "  left out, the format has no place for them: " << left_out << "\n";
+    std::cout << "  " << LeftOutOfFormat(left_out) << "\n";
   }
   return 0;
 }

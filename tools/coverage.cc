@@ -22,6 +22,7 @@
 #include "tools/coverage_state.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/command_words.h"
 #include "tools/report/summary.h"
 #include "tools/run_command.h"
 
@@ -158,11 +159,7 @@ std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
                             : is_off     ? "not 95 %"
                                          : ""});
   }
-  section.paragraphs = {
-      "not 95 %: the Clopper-Pearson interval of the coverage leaves 95 % out; by chance that happens to one in twenty "
-      "(" +
-          std::to_string(outside) + " of " + std::to_string(rows.size()) + " here).",
-      "bound: Cramér-Rao. same draws: RMSE over that of the linear least squares at the truth on the same draws."};
+  section.paragraphs = CoverageLegend(outside, rows.size());
   for (const auto& [status, count] : json.at("status").items()) {
     section.paragraphs.push_back("Status " + status + ": " + count.dump() + " trials.");
   }
@@ -196,7 +193,7 @@ int RunCoverage(const CommandLine& line) {
   const std::vector<CoverageRow> rows = study.Summarise(trials);
   const Json json = ResultToJson(line.text, inputs, problem, trials, rows);
   out.Write({{"coverage.json", DumpJson(json)}});
-  std::cout << InWords(json, rows) << "\nResults in " << FLAGS_out << ": coverage.json\n";
+  std::cout << InWords(json, rows) << "\n" << ResultsIn(FLAGS_out, {"coverage.json"});
   return 0;
 }
 

@@ -21,6 +21,7 @@
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/command_words.h"
 #include "tools/report/diagnosis_report.h"
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
@@ -66,26 +67,10 @@ SimulationBaseline BaselineOf(const ExperimentInputs& inputs) {
 // the effects' columns are those of the file: where the two differ by more than the gap itself, effects that act
 // through the difference are not seen.
 void CautionOfSimulation(const SimulationBaseline& baseline, Diagnosis* diagnosis) {
-  const std::string reproduced = Significant(1e3 * baseline.reproduced, 3);
-  diagnosis->cautions.push_back(
-      "The baseline is the simulation of the columns sim_x_mm, sim_y_mm, sim_z_mm; base and markers stay free. The "
-      "robot file reproduces that simulation to " +
-      reproduced + " mm (RMS distance).");
+  diagnosis->cautions.push_back(AgainstColumns(baseline.reproduced));
   if (baseline.reproduced < kFarFromSimulation * diagnosis->baseline.estimate.fit.distance_rms) return;
-  diagnosis->cautions.push_back(
-      "That is far more than the gap: what the simulation knows and the file does not (joint compliances above all) is "
-      "missing from the effects that act through it, such as link weights and springs. Give the simulation's values in "
-      "the robot file.");
+  diagnosis->cautions.push_back(FarFromColumns());
 }
-
-constexpr const char* kNotACalibratedRobot =
-    "# The nominal robot with the effects that explain the gap to another simulation (--simulation=columns):\n"
-    "# corrections to that simulation, no calibrated robot.\n";
-
-constexpr const char* kLearntFunctions =
-    "# With smooth functions learnt from the rows where no effect of the catalogue explains the gap. They are "
-    "empirical:\n"
-    "# they name no cause, and are zero beyond the measured ranges.\n";
 
 // What an interrupted run knows.
 std::string InWords(const Robot& robot, const FoundSoFar& found) {
@@ -106,7 +91,7 @@ int Threads() {
 Calibration Extended(const Diagnosis& diagnosis) {
   Calibration extended = ExtendedCalibration(diagnosis, FLAGS_seed);
   if (!IsAgainstColumns()) return extended;
-  const std::string reason = "points are measured against another simulation: these are corrections to it";
+  const std::string reason = CorrectionsToSimulation();
   Verdict& verdict = extended.trust.verdict;
   verdict.trusted = false;
   verdict.reasons.push_back(reason);
@@ -119,8 +104,8 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
                   const Diagnosis& diagnosis, const nlohmann::ordered_json& json, const OutputFolder& out) {
   Calibration extended = Extended(diagnosis);
   const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
-  const std::string robot =
-      RunComment(provenance) + (IsAgainstColumns() ? kNotACalibratedRobot : "") + RobotToYaml(RobotOf(diagnosis.final));
+  const std::string robot = RunComment(provenance) + (IsAgainstColumns() ? NotACalibratedRobot() : "") +
+                            RobotToYaml(RobotOf(diagnosis.final));
   const std::string report = DiagnosisToHtml(diagnosis, extended, provenance);
   const std::string estimate_json = DumpJson(CalibrationToJson(extended, provenance));
   if (IsAgainstColumns()) baseline.Unshift(&extended.problem, &extended.estimate);
@@ -136,11 +121,12 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
   if (diagnosis.learnt) {
     const DiagnosedModel& learnt = diagnosis.learnt->model;
     files.push_back({kLearntEstimateFile, DumpJson(EstimateToJson(*learnt.problem, learnt.estimate, provenance))});
-    files.push_back({kLearntFile, RunComment(provenance) + kLearntFunctions + RobotToYaml(RobotOf(learnt))});
+    files.push_back({kLearntFile, RunComment(provenance) + LearntFunctionsInFile() + RobotToYaml(RobotOf(learnt))});
   }
   out.Write(files);
-  std::cout << "\nResults in " << FLAGS_out
-            << ": diagnosis.json, robot.extended.yaml, estimate.json, residuals.csv, report.html\n";
+  std::cout << "\n"
+            << ResultsIn(FLAGS_out,
+                         {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
 }
 
 int RunDiagnose(const CommandLine& line) {
@@ -188,7 +174,7 @@ int RunDiagnose(const CommandLine& line) {
   const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, problem.experiment().significance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   if (FLAGS_out.empty()) {
-    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    std::cout << NothingIsWritten();
   } else {
     WriteResults(line, inputs, baseline, diagnosis, json, *out);
   }

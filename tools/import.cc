@@ -20,6 +20,7 @@
 #include "tools/commands.h"
 #include "tools/convert_options.h"
 #include "tools/import_choice.h"
+#include "tools/report/command_words.h"
 
 DEFINE_string(
     map, "",
@@ -112,9 +113,7 @@ FoundRobot RobotByFit(const TextTable& table, const std::map<std::string, std::s
   }
   FoundRobot found{ReadAnyRobot(fitting[0].path), ""};
   found.reading.guesses.push_back(
-      fmt::format("no robot is given: of the tables that this program ships only '{}' can have made the readings (its "
-                  "nominal geometry misses by {})",
-                  fs::path(fitting[0].path).stem().string(), InMillimetres(fitting[0].misfit)));
+      OnlyTableThatFits(fs::path(fitting[0].path).stem().string(), InMillimetres(fitting[0].misfit)));
   found.words = "the table '" + fs::path(fitting[0].path).stem().string() + "' that this program ships";
   return found;
 }
@@ -151,8 +150,7 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
   }
   for (const auto& [header, why] : choice.plan.unused) std::cout << fmt::format("  {:<30} not used: {}\n", header, why);
   if (choice.misfit < std::numeric_limits<double>::infinity()) {
-    std::cout << "  the nominal robot, base and marker fitted, misses by " << InMillimetres(choice.misfit)
-              << " (RMS): the columns fit the robot\n";
+    std::cout << "  " << ColumnsFit(InMillimetres(choice.misfit)) << "\n";
   } else {
     std::cout << "  too few rows to check the columns against the robot\n";
   }
@@ -163,15 +161,13 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
     std::cout << "\n";
   }
   if (choice.plan.Find("tau1")) {
-    std::cout << "  torques are carried along; 'torques: measured' in experiment.yaml has them drive the compliances\n";
+    std::cout << "  " << TorquesAreCarried() << "\n";
   }
 }
 
 void PrintWhatLoadsNeed(const std::set<std::string>& loads) {
   for (const std::string& load : loads) {
-    std::cout << "Load " << load
-              << ": state in experiment.yaml where it hangs, load_point_mm: [x, y, z] on the flange, "
-              << "and, where no column has its force, loads: {" << load << ": {mass_kg: …}}\n";
+    std::cout << LoadNeedsPoint(load) << "\n";
   }
 }
 
@@ -244,9 +240,8 @@ int RunImport(const CommandLine& line) {
     if (tables.size() > 1) {
       defaults.station = labels[t];
       defaults.marker = "M" + std::to_string(t + 1);
-      if (!plan.Find("station"))
-        guess("each file is a station of its own: the instrument may have been moved between them");
-      if (!plan.Find("marker")) guess("each file has a marker of its own: the reflector may have been mounted anew");
+      if (!plan.Find("station")) guess(StationPerFile());
+      if (!plan.Find("marker")) guess(MarkerPerFile());
     }
     rows.Add(tables[t], plan, defaults);
   }

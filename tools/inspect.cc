@@ -12,6 +12,7 @@
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/command_words.h"
 #include "tools/report/inspection_report.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
@@ -38,10 +39,10 @@ int RunInspect(const CommandLine& line) {
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   std::cout << SectionsToText(SummariseInspection(problem, inspection));
   if (FLAGS_out.empty()) {
-    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    std::cout << NothingIsWritten();
   } else {
     out->Write({{"report.html", InspectionToHtml(problem, inspection, provenance)}, {"inspect.json", DumpJson(json)}});
-    std::cout << "\nResults in " << FLAGS_out << ": report.html, inspect.json\n";
+    std::cout << "\n" << ResultsIn(FLAGS_out, {"report.html", "inspect.json"});
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
   return unmet.empty() ? 0 : kRequirementNotMet;

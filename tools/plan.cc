@@ -17,6 +17,7 @@
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
+#include "tools/report/command_words.h"
 #include "tools/report/plan_report.h"
 #include "tools/run_command.h"
 
@@ -55,23 +56,7 @@ void CheckFlags() {
 }
 
 void Summarise(const Plan& plan) {
-  std::cout << plan.rows.configurations.size() << " poses";
-  if (plan.measured > 0) std::cout << " beside the " << plan.measured << " that are measured";
-  std::cout << ", chosen among " << plan.candidates << " candidates";
-  if (plan.infeasible > 0) std::cout << " (" << plan.infeasible << " more are not feasible)";
-  std::cout << ": " << InWords(plan.criterion.kind) << ".\n"
-            << "Predicted position error at the " << plan.tests << " test points: RMS "
-            << Significant(1e3 * plan.position_rms, 3) << " mm, worst point " << Significant(1e3 * plan.position_max, 3)
-            << " mm" << (plan.HasModelError() ? " by noise alone" : ", as far as the model is true") << ".\n";
-  if (plan.HasModelError()) {
-    std::cout << "With the model error of the former estimate: RMS " << Significant(1e3 * plan.rms_with_model_error, 3)
-              << " mm.\n";
-  }
-  if (plan.criterion.kind == CriterionKind::kDiscriminate) {
-    std::cout << "The right one of the effects is expected to have a probability of " << Significant(plan.decides, 2)
-              << " after these readings.\n";
-  }
-  std::cout << CertificateInWords(plan) << "\n";
+  std::cout << PlanInWords(plan);
   for (const PosesAndAccuracy& point : plan.curve) {
     std::cout << "  " << point.poses << " poses: " << Significant(1e3 * point.position_rms, 3) << " mm\n";
   }
@@ -124,7 +109,7 @@ int RunPlan(const CommandLine& line) {
              {"plan.json", DumpJson(json)},
              {"report.html", PlanReportToHtml(inputs.robot, request.cell, plan, provenance)}});
   Summarise(plan);
-  std::cout << "Results in " << FLAGS_out << ": plan.csv, plan.json, report.html\n";
+  std::cout << ResultsIn(FLAGS_out, {"plan.csv", "plan.json", "report.html"});
   return 0;
 }
 

@@ -8,6 +8,7 @@
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
+#include "tools/report/command_words.h"
 #include "tools/report/summary.h"
 
 namespace sagitta {
@@ -27,10 +28,7 @@ int RunPredict(const CommandLine& line) {
   const std::string csv = PredictionToCsv(rows, prediction);
   const double largest = LargestDeviation(prediction, rows);  // mm
   out.Write(csv);
-  const std::string deviation =
-      std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
-  std::cout << rows.NumRows() << " points predicted, their standard deviation " << deviation << ": " << FLAGS_out
-            << "\n";
+  std::cout << PredictedInWords(rows.NumRows(), largest, FLAGS_out);
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;

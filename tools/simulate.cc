@@ -9,6 +9,7 @@
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
+#include "tools/report/command_words.h"
 
 DEFINE_string(truth, "", "an estimate.json or an experiment file that states robot, stations and markers");
 
@@ -64,9 +65,7 @@ int RunSimulate(const CommandLine& line) {
       Simulate(ReadTruth(line.arguments[0], inputs), inputs.data, inputs.experiment, {SigmaAsked(), FLAGS_seed});
   const std::string csv = MeasurementsToCsv(simulated);
   out.Write(csv);
-  std::cout << simulated.NumRows() << " rows simulated with seed " << FLAGS_seed
-            << (!IsExact(inputs.data, inputs.experiment) ? "" : ", exact: nothing states a standard deviation") << ": "
-            << FLAGS_out << "\n";
+  std::cout << SimulatedInWords(simulated.NumRows(), FLAGS_seed, IsExact(inputs.data, inputs.experiment), FLAGS_out);
   return 0;
 }
 

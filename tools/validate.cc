@@ -8,6 +8,7 @@
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
+#include "tools/report/command_words.h"
 #include "tools/report/validation_report.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
@@ -33,12 +34,12 @@ int RunValidate(const CommandLine& line) {
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   std::cout << SectionsToText(ValidationSections(known, rows, validation));
   if (FLAGS_out.empty()) {
-    std::cout << "\nNothing is written; --out=DIR keeps the results.\n";
+    std::cout << NothingIsWritten();
   } else {
     out->Write({{"residuals.csv", ValidationToCsv(rows, validation)},
                 {"report.html", ValidationToHtml(known, rows, validation, provenance)},
                 {"validation.json", DumpJson(json)}});
-    std::cout << "\nResults in " << FLAGS_out << ": report.html, validation.json, residuals.csv\n";
+    std::cout << "\n" << ResultsIn(FLAGS_out, {"report.html", "validation.json", "residuals.csv"});
   }
   for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
   return unmet.empty() ? 0 : kRequirementNotMet;

@@ -10,6 +10,7 @@
 #include "estimator/baselines/two_step.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/noise/residual_noise.h"
+#include "estimator/report/baselines_words.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -88,7 +89,7 @@ std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
     return name + " knows no joint deviations (repeatability)";
   }
   if (!IsDiagonal(CalibrationResiduals(problem).noise)) {
-    return name + " knows standard deviations per axis, not an instrument's covariances";
+    return KnowsAxesOnly(name);
   }
   return "";
 }

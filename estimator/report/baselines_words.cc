@@ -63,4 +63,8 @@ std::string IdentificationSingular() { return "the identification Jacobian is si
 
 std::string PosesStandStill() { return "the pose least squares stands still"; }
 
+std::string KnowsAxesOnly(const std::string& method) {
+  return method + " knows standard deviations per axis, not an instrument's covariances";
+}
+
 }  // namespace sagitta

@@ -13,6 +13,7 @@ const char* StepOutcomeInWords(StepOutcome outcome);
 // Why a method has not run.
 std::string NotRunBecause(const std::string& why);
 std::string NoDifferences();
+std::string KnowsAxesOnly(const std::string& method);
 std::string NothingElastic();
 std::string MarkersOnSeveralLinks();
 std::string SomeMarkersHeld();

@@ -1,0 +1,165 @@
+#include "tools/report/command_words.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "estimator/report/planning_words.h"
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+std::string Micrometres(double metres) { return FormatNumber(std::round(metres * 1e6) / 1e3) + " mm"; }
+
+}  // namespace
+
+std::string NothingIsWritten() { return "\nNothing is written; --out=DIR keeps the results.\n"; }
+
+std::string ResultsIn(const std::string& folder, const std::vector<std::string>& files) {
+  std::string words = "Results in " + folder + ":";
+  for (const std::string& file : files) words += (&file == &files.front() ? " " : ", ") + file;
+  return words + "\n";
+}
+
+std::string ComparisonInWords(const Changes& changes) {
+  std::string words = "Predictions are " + Significant(1e3 * changes.before_rms, 3) + " mm apart (RMS), " +
+                      Significant(1e3 * changes.after_rms, 3) + " mm with that taken out\n";
+  for (const Change& other : changes.alternatives) {
+    words +=
+        "possible too: " + WordOf(other.kind) + " " + other.target + " (" + Significant(other.probability, 2) + ")\n";
+  }
+  return words;
+}
+
+std::vector<std::string> MethodsLegend() {
+  return {
+      "off by sigma: largest deviation of a parameter from the joint optimum, in its standard deviations.",
+      "rate: error of one iteration over that of the one before; predicted: c1^2, the largest canonical correlation."};
+}
+
+std::vector<std::string> CoverageLegend(int outside, size_t rows) {
+  return {
+      "not 95 %: the Clopper-Pearson interval of the coverage leaves 95 % out; by chance that happens to one in twenty "
+      "(" +
+          std::to_string(outside) + " of " + std::to_string(rows) + " here).",
+      "bound: Cramér-Rao. same draws: RMSE over that of the linear least squares at the truth on the same draws."};
+}
+
+std::string CompensationInWords(double before, double after, double u95) {
+  return "Off target without compensation at most " + Significant(1e3 * before, 3) +
+         " mm; with it, as far as the model is true, " + Significant(1e3 * after, 2) +
+         " mm; 95 % uncertainty of the estimate at most " + Significant(1e3 * u95, 3) + " mm\n";
+}
+
+std::string PlanInWords(const Plan& plan) {
+  std::ostringstream words;
+  words << plan.rows.configurations.size() << " poses";
+  if (plan.measured > 0) words << " beside the " << plan.measured << " that are measured";
+  words << ", chosen among " << plan.candidates << " candidates";
+  if (plan.infeasible > 0) words << " (" << plan.infeasible << " more are not feasible)";
+  words << ": " << InWords(plan.criterion.kind) << ".\n"
+        << "Predicted position error at the " << plan.tests << " test points: RMS "
+        << Significant(1e3 * plan.position_rms, 3) << " mm, worst point " << Significant(1e3 * plan.position_max, 3)
+        << " mm" << (plan.HasModelError() ? " by noise alone" : ", as far as the model is true") << ".\n";
+  if (plan.HasModelError()) {
+    words << "With the model error of the former estimate: RMS " << Significant(1e3 * plan.rms_with_model_error, 3)
+          << " mm.\n";
+  }
+  if (plan.criterion.kind == CriterionKind::kDiscriminate) {
+    words << "The right one of the effects is expected to have a probability of " << Significant(plan.decides, 2)
+          << " after these readings.\n";
+  }
+  words << CertificateInWords(plan) << "\n";
+  return words.str();
+}
+
+std::string PredictedInWords(int points, double largest, const std::string& file) {
+  const std::string deviation =
+      std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
+  return std::to_string(points) + " points predicted, their standard deviation " + deviation + ": " + file + "\n";
+}
+
+std::string SimulatedInWords(int rows, std::uint64_t seed, bool is_exact, const std::string& file) {
+  return std::to_string(rows) + " rows simulated with seed " + std::to_string(seed) +
+         (is_exact ? ", exact: nothing states a standard deviation" : "") + ": " + file + "\n";
+}
+
+std::string AgainstColumns(double reproduced) {
+  return "The baseline is the simulation of the columns sim_x_mm, sim_y_mm, sim_z_mm; base and markers stay free. The "
+         "robot file reproduces that simulation to " +
+         Significant(1e3 * reproduced, 3) + " mm (RMS distance).";
+}
+
+std::string FarFromColumns() {
+  return "That is far more than the gap: what the simulation knows and the file does not (joint compliances above all) "
+         "is "
+         "missing from the effects that act through it, such as link weights and springs. Give the simulation's values "
+         "in "
+         "the robot file.";
+}
+
+std::string CorrectionsToSimulation() {
+  return "points are measured against another simulation: these are corrections to it";
+}
+
+std::string NotACalibratedRobot() {
+  return "# The nominal robot with the effects that explain the gap to another simulation (--simulation=columns):\n"
+         "# corrections to that simulation, no calibrated robot.\n";
+}
+
+std::string LearntFunctionsInFile() {
+  return "# With smooth functions learnt from the rows where no effect of the catalogue explains the gap. They are "
+         "empirical:\n"
+         "# they name no cause, and are zero beyond the measured ranges.\n";
+}
+
+std::string PlainAndExact() { return "the table has no beta: it is plain, and exact"; }
+
+std::string WithoutBeta(double rms, double largest, double largest_length_change) {
+  return "without beta the flange is off by " + Micrometres(rms) + " RMS, " + Micrometres(largest) +
+         " at most, over the joints' range; the refit moved lengths by up to " + Micrometres(largest_length_change);
+}
+
+std::string KeepControllersLines() {
+  return "the controller also wants the lines of its own calibration.conf that belong to the arm (joint_checksum, …): "
+         "--template=calibration.conf keeps them";
+}
+
+std::string ListsAreReplaced(const std::string& file) {
+  return "the four lists of " + file + " are replaced, its other lines kept";
+}
+
+std::string MovesAsBefore(double difference) {
+  return "read again it moves as before, to " + FormatNumber(std::ceil(1e15 * difference) / 1e12) +
+         " mm at 1 m from the flange";
+}
+
+std::string LeftOutOfFormat(const std::string& what) { return "left out, the format has no place for them: " + what; }
+
+std::string OnlyTableThatFits(const std::string& table, const std::string& misfit) {
+  return "no robot is given: of the tables that this program ships only '" + table +
+         "' can have made the readings (its nominal geometry misses by " + misfit + ")";
+}
+
+std::string ColumnsFit(const std::string& misfit) {
+  return "the nominal robot, base and marker fitted, misses by " + misfit + " (RMS): the columns fit the robot";
+}
+
+std::string TorquesAreCarried() {
+  return "torques are carried along; 'torques: measured' in experiment.yaml has them drive the compliances";
+}
+
+std::string LoadNeedsPoint(const std::string& load) {
+  return "Load " + load +
+         ": state in experiment.yaml where it hangs, load_point_mm: [x, y, z] on the flange, and, where "
+         "no column has its force, loads: {" +
+         load + ": {mass_kg: …}}";
+}
+
+std::string StationPerFile() {
+  return "each file is a station of its own: the instrument may have been moved between them";
+}
+
+std::string MarkerPerFile() { return "each file has a marker of its own: the reflector may have been mounted anew"; }
+
+}  // namespace sagitta

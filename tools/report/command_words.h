@@ -1,0 +1,60 @@
+// What commands say on the terminal of their results. Numbers come in SI.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/changes/changes.h"
+#include "estimator/planning/plan.h"
+#include "estimator/sagitta.h"
+
+namespace sagitta {
+
+// Where results went; files: their names, in the order of reading.
+std::string NothingIsWritten();
+std::string ResultsIn(const std::string& folder, const std::vector<std::string>& files);
+
+// How far two estimates are apart, and what else may have changed.
+std::string ComparisonInWords(const Changes& changes);
+
+// What the columns of the table of methods are.
+std::vector<std::string> MethodsLegend();
+
+// What the marks and columns of the table of coverage are; outside: rows of `rows` marked.
+std::vector<std::string> CoverageLegend(int outside, size_t rows);
+
+// Of all targets that were solved: largest distance from the target before and after, largest 95 % uncertainty, m.
+std::string CompensationInWords(double before, double after, double u95);
+
+// A plan in a few lines.
+std::string PlanInWords(const Plan& plan);
+
+// largest: standard deviation of a predicted coordinate, mm; not finite: not known.
+std::string PredictedInWords(int points, double largest, const std::string& file);
+std::string SimulatedInWords(int rows, std::uint64_t seed, bool is_exact, const std::string& file);
+
+// A diagnosis against the columns of another simulation. reproduced: RMS distance, m.
+std::string AgainstColumns(double reproduced);
+std::string FarFromColumns();
+std::string CorrectionsToSimulation();
+// Comments of YAML files, with their line ends.
+std::string NotACalibratedRobot();
+std::string LearntFunctionsInFile();
+
+// A robot that is written in another form. Lengths in m.
+std::string PlainAndExact();
+std::string WithoutBeta(double rms, double largest, double largest_length_change);
+std::string KeepControllersLines();
+std::string ListsAreReplaced(const std::string& file);
+std::string MovesAsBefore(double difference);
+std::string LeftOutOfFormat(const std::string& what);
+
+// Imported files.
+std::string OnlyTableThatFits(const std::string& table, const std::string& misfit);
+std::string ColumnsFit(const std::string& misfit);
+std::string TorquesAreCarried();
+std::string LoadNeedsPoint(const std::string& load);
+std::string StationPerFile();
+std::string MarkerPerFile();
+
+}  // namespace sagitta
