@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "models/default_free_set.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -65,6 +66,12 @@ std::vector<std::string> KnownBeside(const std::string& name, const ParameterSet
   return related.empty() ? known : related;
 }
 
+// name: of an effect's parameter, "learnt_deviation[by=q,...]/j1/w1".
+bool IsLearnt(const std::string& name) {
+  const EffectDefinition* definition = FindEffect(name.substr(0, name.find_first_of("[/")));
+  return definition != nullptr && definition->is_learnt;
+}
+
 }  // namespace
 
 std::vector<std::string> CompliantJoints(const Robot& robot, const Measurements& data, const Experiment& experiment) {
@@ -114,7 +121,12 @@ void SetFree(CalibrationProblem* problem) {
     if (family == "geometry") coordinate.free = is_in(errors, name);
     if (family == "compliance") coordinate.free = is_in(compliant, name.substr(0, name.find('@')));
     if (family == "compensator") coordinate.free = is_in(spring, name);
-    if (family == "effect") coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
+    if (family == "effect") {
+      // Learnt weights stand for a prior that a robot file does not hold. Without it a weight that few rows excite goes
+      // anywhere: they are estimated where asked for, else kept.
+      const bool is_kept = estimate.effects.kind == Selection::Kind::kDefault && IsLearnt(name);
+      coordinate.free = estimate.effects.kind != Selection::Kind::kNone && !is_kept;
+    }
   }
   const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {
     for (const std::string& name : names) {
