@@ -21,8 +21,9 @@ constexpr size_t kFewest = 3;        // rows of a marker at a station
 constexpr double kNear = 5.0;        // of the RMS distance of the better half
 constexpr double kApart = 10.0;      // of the RMS distance of the rows that fit: the median of the others
 constexpr size_t kMostShown = 1000;  // rows
-// Random starts where all rows together lead nowhere: a third of the rows are wrong and four of each of two groups are
-// drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with probability 1 - 0.96^100 = 0.98.
+// Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
+// wrong and four of each of two groups are drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with
+// probability 1 - 0.96^100 = 0.98.
 constexpr int kRandomStarts = 100;
 constexpr size_t kDrawn = 4;  // of each marker at each station: 12 numbers to nine unknowns
 constexpr size_t kFollowed = 3;
@@ -141,8 +142,7 @@ Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   const std::vector<int> points = problem.data.PointsAmong(problem.CalibrationObservations());
   if (points.empty()) return std::nullopt;
-  Concentrated best = Concentrate(problem, points, points, kMostSteps);
-  if (!(best.rms <= SuspiciousMisfit(problem.robot.chain))) best = FromRandomStarts(problem, points, std::move(best));
+  const Concentrated best = FromRandomStarts(problem, points, Concentrate(problem, points, points, kMostSteps));
   const std::vector<double>& distances = best.distances;
   FarRows rows;
   rows.parameters = best.parameters;
