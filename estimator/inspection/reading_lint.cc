@@ -84,18 +84,20 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
     }
     reading.misfit = AlignedMisfit(reread, rows);
   }
-  double least = lint.misfit;
+  // Of the same rows: where these are the good ones by chance, no reading explains the others.
+  const double as_stated = AlignedMisfit(sampled, some);
+  double least = as_stated;
   for (const Reading& reading : readings) least = std::min(least, reading.misfit);
   const double best = std::max(kPerfect * Reach(problem.robot.chain), kAsGood * least);
   const auto simplest =
       std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
-  const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < lint.misfit;
+  const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < as_stated;
   lint.is_explained = explains;
   std::vector<std::string> alike;
   for (auto other = simplest; explains && ++other != readings.end() && alike.size() < kMostAlike;) {
     if (other->misfit <= best) alike.push_back(other->name);
   }
-  lint.findings.push_back(explains ? Describe(*simplest, lint.misfit, alike)
+  lint.findings.push_back(explains ? Describe(*simplest, as_stated, alike)
                                    : Unexplained(problem, lint.misfit, suspicious, errors));
   std::stable_sort(readings.begin(), readings.end(),
                    [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });

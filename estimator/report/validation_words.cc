@@ -74,9 +74,10 @@ std::string RowsAreSuspect(size_t rows, const std::string& first) {
          ")";
 }
 
-std::string RobotStillMisses(double distance_rms) {
-  return "the calibrated robot still misses by " + InMillimetres(distance_rms) +
-         " (RMS): robot file and measurements do not belong together";
+std::string RobotStillMisses(double distance_rms, bool has_suspects) {
+  const std::string misses = "the calibrated robot still misses by " + InMillimetres(distance_rms) + " (RMS)";
+  if (has_suspects) return "with them " + misses + ": correct these rows or leave them out, and calibrate again";
+  return misses + ": robot file and measurements do not belong together";
 }
 
 std::string JointWasNotMeasured(const Joint& joint, double least, double most) {

@@ -21,7 +21,8 @@ std::string WorseThanNominal(double nominal_rms);
 std::string NoRedundancy();
 std::string BelowAnyInstrument(double rms);
 std::string RowsAreSuspect(size_t rows, const std::string& first);
-std::string RobotStillMisses(double distance_rms);
+// With suspect rows it is these that are to be looked at first.
+std::string RobotStillMisses(double distance_rms, bool has_suspects);
 
 // What limits it besides: a joint whose axis was never turned, a correction larger than arms need (of coordinate
 // `name`, SI).

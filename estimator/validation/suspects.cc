@@ -22,7 +22,7 @@ constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
 
 struct Rows {
   const CalibrationProblem& problem;
-  const ParameterSet& parameters;
+  ParameterSet parameters;  // what the residuals are of, but for a linear step
   std::vector<int> observations;
   Eigen::Matrix3Xd residuals;  // predicted - measured, m
 
@@ -168,6 +168,7 @@ bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outlier
   }
   for (int round = 0; round < kRounds; ++round) {
     if (!FitLinearly(parameters, rows)) return round > 0;
+    rows->parameters = parameters;
     const std::vector<int> found = GrossOutliers(rows->residuals);
     if (found == *outliers) return true;
     *outliers = found;

@@ -167,7 +167,7 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
     reasons.push_back(RowsAreSuspect(trust.suspects.size(), trust.suspects[0].row));
   }
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot.chain)) {
-    reasons.push_back(RobotStillMisses(estimate.fit.distance_rms));
+    reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }
   return reasons;
 }

@@ -147,7 +147,7 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
     for (size_t i = 0; i < 60; ++i) exchanged.shots[i].station = (i % 3 == 0) != (i % 10 == 0);
     const auto labels = CheckPlausible(ProblemOf(arm.rows, exchanged)).finding;
     EXPECT_EQ(labels.code, "station_label") << labels.words;
-    EXPECT_THAT(labels.words, HasSubstr("station S2 in place of S1 in 4 rows and station S1 in place of S2 in 2 rows"));
+    EXPECT_THAT(labels.words, HasSubstr("station S2 in place of S1 in 2 rows and station S1 in place of S2 in 4 rows"));
     EXPECT_THAT(labels.remedy, HasSubstr("correct the column station"));
 
     Measurements marker = clean;
