@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "models/default_free_set.h"
+#include "models/effects/catalogue.h"
 #include "problems/input_error.h"
 #include "problems/loads.h"
 #include "problems/problem_checks.h"
@@ -63,6 +64,12 @@ std::vector<std::string> KnownBeside(const std::string& name, const ParameterSet
     if (!family.empty() && coordinate.name.rfind(family, 0) == 0) related.push_back(coordinate.name);
   }
   return related.empty() ? known : related;
+}
+
+// name: of an effect's parameter, "learnt_deviation[by=q,...]/j1/w1".
+bool IsLearnt(const std::string& name) {
+  const EffectDefinition* definition = FindEffect(name.substr(0, name.find_first_of("[/")));
+  return definition != nullptr && definition->is_learnt;
 }
 
 }  // namespace
@@ -131,8 +138,13 @@ void SetFree(CalibrationProblem* problem) {
       case ParameterLaw::kCompensator:
         coordinate.free = is_in(spring, name);
         break;
-      case ParameterLaw::kEffect:
-        coordinate.free = estimate.effects.kind != Selection::Kind::kNone;
+      case ParameterLaw::kEffect: {
+        // Learnt weights stand for a prior that a robot file does not hold. Without it a weight that few rows excite
+        // goes anywhere: they are estimated where asked for, else kept.
+        const bool is_kept = estimate.effects.kind == Selection::Kind::kDefault && IsLearnt(name);
+        coordinate.free = estimate.effects.kind != Selection::Kind::kNone && !is_kept;
+        break;
+      }
     }
   }
   const auto apply = [&](const std::vector<std::string>& names, const char* key, bool free) {

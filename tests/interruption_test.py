@@ -100,7 +100,37 @@ def test_calibrate_writes_nothing():
         assert left_in(out) == []
 
 
+def many_rows(folder, header, names):
+    """The published poses over and over, as rows of `header` that begin with `names`."""
+    rows = [row for row in (PUBLISHED / 'configurations.csv').read_text().splitlines() if not row.startswith('#')]
+    joints = [i for i, name in enumerate(rows[0].split(',')) if name.startswith('q') and name.endswith('_deg')]
+    file = folder / 'many.csv'
+    with open(file, 'w', encoding='utf-8') as out:
+        out.write(header + ',' + ','.join(rows[0].split(',')[i] for i in joints) + '\n')
+        for k in range(400000):
+            cells = rows[1 + k % (len(rows) - 1)].split(',')
+            out.write(names % k + ',' + ','.join(cells[i] for i in joints) + '\n')
+    return file
+
+
+def test_predict_and_compensate_say_how_far_they_are():
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        run('calibrate', PUBLISHED / 'experiment.yaml', f'--out={folder / "truth"}', '--quiet')
+        estimate = folder / 'truth' / 'estimate.json'
+        for command, words, rows in (
+                ('predict', 'step 2 of 3: predicting', many_rows(folder, 'config,marker,station', 'C%d,P1,S1')),
+                ('compensate', 'step 1 of 2: correcting', None)):
+            rows = rows or many_rows(folder, 'target', 'T%d')
+            out = folder / f'{command}.csv'
+            ended = interrupt_when([words], [command, estimate, rows, f'--out={out}'])
+            assert ended is not None, command
+            assert 'interrupted; no result is written' in ended[1], ended[1]
+            assert not out.exists() and len(left_in(folder)) == 2, left_in(folder)
+
+
 if __name__ == '__main__':
     test_calibrate_writes_nothing()
+    test_predict_and_compensate_say_how_far_they_are()
     test_diagnose_says_what_was_found_so_far()
     print('ok')

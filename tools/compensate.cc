@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "estimator/least_squares/interruption.h"
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/program_compensation.h"
 #include "models/constants.h"
@@ -14,6 +15,7 @@
 #include "problems/io/output_files.h"
 #include "problems/io/target_file.h"
 #include "tools/commands.h"
+#include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/run_command.h"
 
@@ -116,9 +118,21 @@ int RunCompensate(const CommandLine& line) {
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
   const Targets targets = ReadTargets(line.arguments[1], known.robot, known.base_in_station.begin()->first);
-  const CompensationInput input = MakeCompensationInput(known, targets);
-  const std::vector<CompensatedTarget> results = Compensate(input, targets.rows, FLAGS_threads);
-  const std::string csv = CompensationToCsv(targets, results);
+  // Shares as measured on 20000 targets of a UR5.
+  std::string csv;
+  std::vector<CompensatedTarget> results;
+  {
+    Progress progress(FLAGS_quiet, {{"correcting", 9.0}, {"writing", 1.0}});
+    const std::string all = " of " + std::to_string(targets.rows.size());
+    progress.Say("correcting targets: 0" + all);
+    const CompensationInput input = MakeCompensationInput(known, targets);
+    results = Compensate(input, targets.rows, FLAGS_threads, [&](size_t done) {
+      if (done % 256 == 0) progress.Say("correcting targets: " + std::to_string(done) + all);
+    });
+    progress.Say("writing the rows");
+    csv = CompensationToCsv(targets, results);
+    CheckInterruption();
+  }
   out.Write(csv);
   Summarise(results);
   const std::string model_error = ModelErrorInWords(known);

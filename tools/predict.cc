@@ -3,11 +3,14 @@
 
 #include <cmath>
 #include <iostream>
+#include <optional>
 
+#include "estimator/least_squares/interruption.h"
 #include "estimator/sagitta.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
+#include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/report/summary.h"
 
@@ -19,15 +22,25 @@ int RunPredict(const CommandLine& line) {
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
   const OutputFile out(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
+  // Shares as measured on 200000 rows of a UR5.
+  std::optional<Progress> progress;
+  progress.emplace(FLAGS_quiet, std::vector<ProgressStep>{{"reading", 1.0}, {"predicting", 3.0}, {"writing", 2.0}});
+  progress->Say("reading the rows");
   MeasurementReadOptions options;
   options.points_required = false;
   const std::vector<std::string> files(line.arguments.begin() + 1, line.arguments.end());
   Measurements rows = ReadMeasurementsFor(known.robot, files, options);
   AddKnownRotations(known, &rows);
+  CheckInterruption();
+  progress->Say("predicting " + std::to_string(rows.NumRows()) + " points");
   const Prediction prediction = Predict(known, rows);
+  CheckInterruption();
+  progress->Say("writing the rows");
   const std::string csv = PredictionToCsv(rows, prediction);
   const double largest = LargestDeviation(prediction, rows);  // mm
+  CheckInterruption();
   out.Write(csv);
+  progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, FLAGS_out);
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";

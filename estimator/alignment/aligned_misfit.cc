@@ -6,6 +6,7 @@
 #include <map>
 
 #include "estimator/alignment/starting_values.h"
+#include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
 namespace {
@@ -40,6 +41,19 @@ std::vector<int> SampleOfRows(const CalibrationProblem& problem) {
 double AlignedMisfit(const CalibrationProblem& problem, const std::vector<int>& rows) {
   ParameterSet parameters = problem.parameters;
   return FindStartingValues(problem, rows, StartingValueOptions(), &parameters);
+}
+
+double MisfitOfAllRows(const CalibrationProblem& problem) {
+  ParameterSet parameters = problem.parameters;
+  FindStartingValues(problem, SampleOfRows(problem), StartingValueOptions(), &parameters);
+  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
+  double squares = 0.0;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const Vector3<double>& measured = problem.data().observations[points[k]].point_in_station;
+    squares += (measured - predicted.col(static_cast<Eigen::Index>(k))).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(std::max<size_t>(1, points.size())));
 }
 
 std::vector<Matrix3<double>> AlignedOrientations(const CalibrationProblem& problem) {

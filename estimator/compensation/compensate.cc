@@ -1,9 +1,11 @@
 #include "estimator/compensation/compensate.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "estimator/least_squares/interruption.h"
 #include "estimator/least_squares/parallel.h"
 #include "estimator/report/compensation_words.h"
 #include "estimator/statistics/distributions.h"
@@ -194,18 +196,23 @@ double Radius95(const Matrix3<double>& covariance) {
 }
 
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
-                                          int threads) {
+                                          int threads, const std::function<void(size_t done)>& progress) {
   const Compensator compensator(input);
   // In their order: a path of poses stays on the branch it is on.
   std::vector<FlangeSolution> nominal(targets.size());
   Eigen::VectorXd previous;
   for (size_t i = 0; i < targets.size(); ++i) {
+    CheckInterruption();
     nominal[i] = compensator.Nominal(targets[i], previous);
     if (nominal[i].status == TargetStatus::kOk) previous = nominal[i].q;
   }
   std::vector<CompensatedTarget> results(targets.size());
-  ParallelFor(static_cast<int>(targets.size()), threads,
-              [&](int i, int) { results[i] = compensator.Compensate(i, targets[i], nominal[i]); });
+  std::atomic<size_t> done{0};
+  ParallelFor(static_cast<int>(targets.size()), threads, [&](int i, int worker) {
+    results[i] = compensator.Compensate(i, targets[i], nominal[i]);
+    const size_t now = ++done;
+    if (progress && worker == 0) progress(now);
+  });
   return results;
 }
 

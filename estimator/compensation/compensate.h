@@ -6,6 +6,7 @@
 //   x_cmd = FK_nominal(q_cmd)                            what to type in where the controller keeps its nominal model
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,10 @@ struct CompensatedTarget {
   std::string words;          // what there is to say of it; "" where all is well
 };
 
-// One per target, in their order. What comes out does not depend on `threads`.
+// One per target, in their order. What comes out does not depend on `threads`. progress hears now and then how many
+// targets are done, from one thread at a time.
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
-                                          int threads);
+                                          int threads, const std::function<void(size_t done)>& progress = {});
 
 // Radius of the sphere that holds 95 % of a normal vector of this covariance: |x|^2 is taken as g chi^2_h with the same
 // mean and variance, g = tr C^2 / tr C, h = (tr C)^2 / tr C^2 (Satterthwaite 1946; Box 1954).

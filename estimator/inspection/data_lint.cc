@@ -34,13 +34,18 @@ std::map<int, int> CalibrationConfigurations(const CalibrationProblem& problem) 
   return first;
 }
 
+bool IsStill(const CalibrationProblem& problem, const MeasuredRange& range) {
+  const bool turns = problem.robot().chain.joints[range.joint].type == JointType::kRevolute;
+  return range.most - range.least < (turns ? kStill : kStillLength);
+}
+
 void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {
   const Chain& chain = problem.robot().chain;
   for (const MeasuredRange& range : MeasuredRangesOf(problem)) {
     const Joint& joint = chain.joints[range.joint];
     const bool turns = joint.type == JointType::kRevolute;
     const double covered = range.most - range.least;
-    if (covered < (turns ? kStill : kStillLength)) {
+    if (IsStill(problem, range)) {
       findings->push_back(
           Found(Severity::kWarning, "joint_never_moved", JointNeverMoved(joint, range.least, range.most)));
       continue;
@@ -194,6 +199,14 @@ std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem) {
     ranges.push_back(range);
   }
   return ranges;
+}
+
+std::vector<MeasuredRange> StillJointsOf(const CalibrationProblem& problem) {
+  std::vector<MeasuredRange> still;
+  for (const MeasuredRange& range : MeasuredRangesOf(problem)) {
+    if (IsStill(problem, range)) still.push_back(range);
+  }
+  return still;
 }
 
 std::vector<Finding> LintData(const CalibrationProblem& problem) {

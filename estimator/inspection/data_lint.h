@@ -16,6 +16,9 @@ struct MeasuredRange {
 };
 std::vector<MeasuredRange> MeasuredRangesOf(const CalibrationProblem& problem);
 
+// Those that cover less than 1 deg or 1 mm: what the joint does was not measured.
+std::vector<MeasuredRange> StillJointsOf(const CalibrationProblem& problem);
+
 std::vector<Finding> LintData(const CalibrationProblem& problem);
 
 }  // namespace sagitta

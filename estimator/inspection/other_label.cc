@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
@@ -98,33 +97,26 @@ class Group {
     }
   }
 
-  // Every row with another station's pose.
-  bool FitsOtherStation(OtherLabel* found) const {
-    for (int s = 0; one_station_ && s < static_cast<int>(problem_.data().stations.size()); ++s) {
-      if (s == station_) continue;
-      if (!Fits(all_.parameters.BaseInStation(s), PointsInBase(all_.parameters))) continue;
-      Set(OtherLabel::Kind::kOtherStation, problem_.data().stations[station_], problem_.data().stations[s], found);
-      return true;
-    }
-    return false;
-  }
-
-  // Labels exchanged both ways: every row with the pose of the station that fits it best.
-  bool FitsExchangedStations(OtherLabel* found) const {
+  // Every row with the pose of the other station that fits it best, as when labels are exchanged.
+  bool FitsOtherStations(OtherLabel* found) const {
     if (static_cast<int>(problem_.data().stations.size()) < 2) return false;
     const Eigen::Matrix3Xd points = PointsInBase(all_.parameters);
-    std::set<int> stated;
+    std::vector<std::string> fits;
     for (Eigen::Index k = 0; k < points.cols(); ++k) {
       double least = std::numeric_limits<double>::infinity();
+      int nearest = -1;
       const int own = StationOf(all_.far[static_cast<size_t>(k)]);
       for (int s = 0; s < static_cast<int>(problem_.data().stations.size()); ++s) {
-        if (s == own) continue;
-        least = std::min(least, (all_.parameters.BaseInStation(s) * points.col(k) - measured_.col(k)).norm());
+        const double distance = (all_.parameters.BaseInStation(s) * points.col(k) - measured_.col(k)).norm();
+        if (s == own || !(distance < least)) continue;
+        least = distance;
+        nearest = s;
       }
       if (!(least <= kApart * all_.near_rms)) return false;
-      stated.insert(own);
+      fits.push_back(problem_.data().stations[nearest]);
     }
-    Set(OtherLabel::Kind::kOtherStation, problem_.data().stations[*stated.begin()], "another one", found);
+    Set(OtherLabel::Kind::kOtherStation, problem_.data().stations[StationOf(all_.far.front())], fits.front(), found);
+    found->fits_of_row = fits;
     return true;
   }
 
@@ -199,8 +191,7 @@ std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem) {
   if (rows->far.size() < kFewest || !AreApart(*rows, problem)) return std::nullopt;
   const Group group(problem, *rows);
   OtherLabel found;
-  if (!group.FitsOtherStation(&found) && !group.FitsExchangedStations(&found) && !group.FitsMarker(&found) &&
-      !group.FitsOwnStation(&found)) {
+  if (!group.FitsOtherStations(&found) && !group.FitsMarker(&found) && !group.FitsOwnStation(&found)) {
     return std::nullopt;
   }
   found.far = rows->far;

@@ -22,11 +22,12 @@ struct OtherLabel {
   enum class Kind { kOtherStation, kOtherMarker, kOwnStation, kOwnMarker, kOtherFrame };
   Kind kind = Kind::kOwnStation;
   std::string stated, fits;  // labels; fits: "" of one of their own; of a frame the marker, and what it rides on
-  double moved = 0.0;        // m: between the instruments, or the markers' points; of a frame what is left, RMS
-  double turned = 0.0;       // rad, of the instruments
-  std::vector<int> far;      // observations
-  size_t rows = 0;           // of all that were compared
-  double far_median = 0.0;   // m, as stated; of a frame RMS
+  std::vector<std::string> fits_of_row;  // kOtherStation: label for each of `far`
+  double moved = 0.0;       // m: between the instruments, or the markers' points; of a frame what is left, RMS
+  double turned = 0.0;      // rad, of the instruments
+  std::vector<int> far;     // observations
+  size_t rows = 0;          // of all that were compared
+  double far_median = 0.0;  // m, as stated; of a frame RMS
 };
 
 std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem);

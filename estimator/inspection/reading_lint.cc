@@ -5,6 +5,7 @@
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/calibration/unit_guess.h"
+#include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/linear_state.h"
 #include "estimator/inspection/other_label.h"
@@ -32,8 +33,11 @@ Finding Describe(const Reading& reading, double misfit, const std::vector<std::s
   return {Severity::kSerious, reading.code, words, reading.remedy, {}};
 }
 
-Finding Unexplained(double misfit, double suspicious, const ExplainedErrors& errors) {
+Finding Unexplained(const CalibrationProblem& problem, double misfit, double suspicious,
+                    const ExplainedErrors& errors) {
   Finding finding = Found(Severity::kSerious, "misfit", MisfitUnexplained(misfit));
+  for (const MeasuredRange& range : StillJointsOf(problem))
+    finding.words += "; " + JointStands(problem.robot().chain.joints[range.joint], range.least, range.most);
   if (errors.left <= suspicious) {
     finding.words += ErrorsThatWouldExplain(errors.value, errors.quantity == Quantity::kLength, errors.largest);
   }
@@ -80,19 +84,21 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
     }
     reading.misfit = AlignedMisfit(reread, rows);
   }
-  double least = lint.misfit;
+  // Of the same rows: where these are the good ones by chance, no reading explains the others.
+  const double as_stated = AlignedMisfit(sampled, some);
+  double least = as_stated;
   for (const Reading& reading : readings) least = std::min(least, reading.misfit);
   const double best = std::max(kPerfect * Reach(problem.robot().chain), kAsGood * least);
   const auto simplest =
       std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
-  const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < lint.misfit;
+  const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < as_stated;
   lint.is_explained = explains;
   std::vector<std::string> alike;
   for (auto other = simplest; explains && ++other != readings.end() && alike.size() < kMostAlike;) {
     if (other->misfit <= best) alike.push_back(other->name);
   }
-  lint.findings.push_back(explains ? Describe(*simplest, lint.misfit, alike)
-                                   : Unexplained(lint.misfit, suspicious, errors));
+  lint.findings.push_back(explains ? Describe(*simplest, as_stated, alike)
+                                   : Unexplained(problem, lint.misfit, suspicious, errors));
   std::stable_sort(readings.begin(), readings.end(),
                    [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });
   for (size_t i = 0; i < std::min(kShown, readings.size()); ++i)
@@ -102,14 +108,18 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
 
 ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   ReadingLint lint = LintReadings(problem);
-  if (!lint.is_suspicious || lint.is_explained) return lint;
+  if (lint.is_explained) return lint;
+  const double suspicious = SuspiciousMisfit(problem.robot().chain);
+  const bool is_missed = lint.misfit <= suspicious && MisfitOfAllRows(problem) > suspicious;  // by the sample
+  if (!lint.is_suspicious && !is_missed) return lint;
   std::optional<OtherLabel> other = FindOtherFrame(problem);
   if (!other) other = FindOtherLabel(problem);
   if (other) {
-    lint.findings.front() = OtherLabelInWords(problem, *other);
-    lint.is_explained = true;
+    lint.findings = {OtherLabelInWords(problem, *other)};
+    lint.is_suspicious = lint.is_explained = true;
     return lint;
   }
+  if (!lint.is_suspicious) return lint;
   std::vector<Finding> rows;
   const CalibrationProblem sampled = SampledProblem(problem);
   const LinearState state = Align(sampled, false, &rows);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
+#include <set>
 #include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
@@ -19,6 +21,12 @@ constexpr size_t kFewest = 3;        // rows of a marker at a station
 constexpr double kNear = 5.0;        // of the RMS distance of the better half
 constexpr double kApart = 10.0;      // of the RMS distance of the rows that fit: the median of the others
 constexpr size_t kMostShown = 1000;  // rows
+// Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
+// wrong and four of each of two groups are drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with
+// probability 1 - 0.96^100 = 0.98.
+constexpr int kRandomStarts = 100;
+constexpr size_t kDrawn = 4;  // of each marker at each station: 12 numbers to nine unknowns
+constexpr size_t kFollowed = 3;
 
 std::vector<double> Distances(const CalibrationProblem& problem, const std::vector<int>& points,
                               const ParameterSet& parameters) {
@@ -31,16 +39,22 @@ std::vector<double> Distances(const CalibrationProblem& problem, const std::vect
   return distances;
 }
 
-// Places in the list of points of the nearer half of every marker at every station.
-std::vector<int> NearerHalf(const CalibrationProblem& problem, const std::vector<int>& points,
-                            const std::vector<double>& distances) {
+// Places in the list of points of every marker at every station.
+std::map<std::pair<int, int>, std::vector<int>> GroupsOf(const CalibrationProblem& problem,
+                                                         const std::vector<int>& points) {
   std::map<std::pair<int, int>, std::vector<int>> groups;
   for (size_t k = 0; k < points.size(); ++k) {
     const Observation& row = problem.data().observations[points[k]];
     groups[{row.marker, problem.data().shots[row.shot].station}].push_back(static_cast<int>(k));
   }
+  return groups;
+}
+
+// The nearer half of each group.
+std::vector<int> NearerHalf(const CalibrationProblem& problem, const std::vector<int>& points,
+                            const std::vector<double>& distances) {
   std::vector<int> half;
-  for (auto& [key, own] : groups) {
+  for (auto& [key, own] : GroupsOf(problem, points)) {
     std::sort(own.begin(), own.end(),
               [&](int a, int b) { return std::make_pair(distances[a], a) < std::make_pair(distances[b], b); });
     const size_t count = std::min(own.size(), std::max(kFewest, (own.size() + 1) / 2));
@@ -54,6 +68,62 @@ double RmsOf(const std::vector<double>& distances, const std::vector<int>& place
   double sum = 0.0;
   for (const int k : places) sum += distances[k] * distances[k];
   return std::sqrt(sum / static_cast<double>(std::max<size_t>(1, places.size())));
+}
+
+struct Concentrated {
+  ParameterSet parameters;
+  std::vector<double> distances;  // of all points, m
+  std::vector<int> half;          // places in the list of points
+  double rms = 0.0;               // of the half, m
+};
+
+// Concentration steps from a fit to the listed rows.
+Concentrated Concentrate(const CalibrationProblem& problem, const std::vector<int>& points, std::vector<int> listed,
+                         int steps) {
+  Concentrated found;
+  for (int step = 0; step < steps; ++step) {
+    found.parameters = problem.parameters;
+    FindStartingValues(problem, listed, StartingValueOptions(), &found.parameters);
+    found.distances = Distances(problem, points, found.parameters);
+    const std::vector<int> next = NearerHalf(problem, points, found.distances);
+    if (next == found.half) break;
+    found.half = next;
+    listed.clear();
+    for (const int k : found.half) listed.push_back(points[k]);
+  }
+  found.rms = RmsOf(found.distances, found.half);
+  return found;
+}
+
+// kDrawn rows of every group.
+std::vector<int> Draw(const std::map<std::pair<int, int>, std::vector<int>>& groups, const std::vector<int>& points,
+                      std::mt19937_64* random) {
+  std::vector<int> drawn;
+  for (const auto& [key, own] : groups) {
+    std::set<int> places;
+    while (places.size() < std::min(kDrawn, own.size())) places.insert(own[(*random)() % own.size()]);
+    for (const int k : places) drawn.push_back(points[k]);
+  }
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+// The best of many fits to few rows, the best of them followed to their end.
+Concentrated FromRandomStarts(const CalibrationProblem& problem, const std::vector<int>& points, Concentrated best) {
+  const auto groups = GroupsOf(problem, points);
+  std::mt19937_64 random(1);
+  std::vector<Concentrated> starts;
+  for (int k = 0; k < kRandomStarts; ++k)
+    starts.push_back(Concentrate(problem, points, Draw(groups, points, &random), 1));
+  std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
+  starts.resize(kFollowed);
+  for (const Concentrated& start : starts) {
+    std::vector<int> listed;
+    for (const int k : start.half) listed.push_back(points[k]);
+    Concentrated end = Concentrate(problem, points, listed, kMostSteps);
+    if (end.rms < best.rms) best = std::move(end);
+  }
+  return best;
 }
 
 Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
@@ -72,20 +142,11 @@ Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   if (points.empty()) return std::nullopt;
+  const Concentrated best = FromRandomStarts(problem, points, Concentrate(problem, points, points, kMostSteps));
+  const std::vector<double>& distances = best.distances;
   FarRows rows;
-  std::vector<double> distances;
-  std::vector<int> half, listed = points;
-  for (int step = 0; step < kMostSteps; ++step) {
-    rows.parameters = problem.parameters;
-    FindStartingValues(problem, listed, StartingValueOptions(), &rows.parameters);
-    distances = Distances(problem, points, rows.parameters);
-    const std::vector<int> next = NearerHalf(problem, points, distances);
-    if (next == half) break;
-    half = next;
-    listed.clear();
-    for (const int k : half) listed.push_back(points[k]);
-  }
-  rows.limit = kNear * RmsOf(distances, half);
+  rows.parameters = best.parameters;
+  rows.limit = kNear * best.rms;
   std::vector<int> near;
   for (size_t k = 0; k < points.size(); ++k) {
     const bool is_far = distances[k] > rows.limit;

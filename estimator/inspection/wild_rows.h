@@ -2,7 +2,8 @@
 //
 // Base poses and markers of the nominal robot are aligned to the better half of every marker's rows at every station,
 // in turns with the choice of that half (concentration steps of least trimmed squares: Rousseeuw, Van Driessen, A fast
-// algorithm for the minimum covariance determinant estimator, Technometrics 41 (1999) 212).
+// algorithm for the minimum covariance determinant estimator, Technometrics 41 (1999) 212), from all rows and from
+// many small draws of them: all together may lead to a half that fits in a corner.
 #pragma once
 
 #include <optional>

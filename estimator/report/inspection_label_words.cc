@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "models/constants.h"
 #include "problems/text.h"
@@ -10,6 +12,21 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kMostShown = 1000;  // rows
+
+// "S2 in place of S1 in 30 rows, S1 in place of S2 in 12"
+std::string StationsInWords(const CalibrationProblem& problem, const OtherLabel& found) {
+  std::map<std::pair<std::string, std::string>, size_t> counts;
+  for (size_t k = 0; k < found.far.size(); ++k) {
+    const Observation& row = problem.data().observations[found.far[k]];
+    ++counts[{problem.data().stations[problem.data().shots[row.shot].station], found.fits_of_row[k]}];
+  }
+  std::vector<std::string> listed;
+  for (const auto& [labels, count] : counts) {
+    listed.push_back("station " + labels.second + " in place of " + labels.first +
+                     (counts.size() > 1 ? " in " + std::to_string(count) + (count == 1 ? " row" : " rows") : ""));
+  }
+  return Enumerate(listed);
+}
 
 }  // namespace
 
@@ -33,8 +50,8 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
   switch (found.kind) {
     case OtherLabel::Kind::kOtherStation:
       finding.code = "station_label";
-      finding.words += "with the station of " + found.fits + " in place of " + found.stated;
-      finding.remedy = "exchange the station labels of these rows" + where;
+      finding.words += "with " + StationsInWords(problem, found) + ": their station labels are wrong";
+      finding.remedy = "correct the column station in these rows" + where;
       break;
     case OtherLabel::Kind::kOtherMarker:
       finding.code = "marker_label";

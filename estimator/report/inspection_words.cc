@@ -24,6 +24,11 @@ Advice JointNeverMoved(const Joint& joint, double least, double most) {
           "add configurations that move " + joint.name};
 }
 
+std::string JointStands(const Joint& joint, double least, double most) {
+  return "joint " + joint.name + " stands still in all rows (" + RangeInWords(joint, least, most) +
+         "): was it recorded?";
+}
+
 Advice JointCoversLittle(const Joint& joint, double least, double most, double share) {
   std::string words = "joint " + joint.name + " covers " + RangeInWords(joint, least, most) + " only";
   if (share > 0.0) words += ", " + Fixed(100.0 * share, 0) + " % of its limits";

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "models/constants.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -73,15 +74,34 @@ std::string RowsAreSuspect(size_t rows, const std::string& first) {
          ")";
 }
 
-std::string RobotStillMisses(double distance_rms) {
-  return "the calibrated robot still misses by " + InMillimetres(distance_rms) +
-         " (RMS): robot file and measurements do not belong together";
+std::string RobotStillMisses(double distance_rms, bool has_suspects) {
+  const std::string misses = "the calibrated robot still misses by " + InMillimetres(distance_rms) + " (RMS)";
+  if (has_suspects) return "with them " + misses + ": correct these rows or leave them out, and calibrate again";
+  return misses + ": robot file and measurements do not belong together";
+}
+
+std::string JointWasNotMeasured(const Joint& joint, double least, double most) {
+  const bool turns = joint.type == JointType::kRevolute;
+  const std::string at = Fixed(turns ? 0.5 * (least + most) / kDegree : 500.0 * (least + most), 1);
+  return "Joint " + joint.name + " stands at " + at + (turns ? " deg" : " mm") +
+         " in all rows: what it does was not measured, and these figures hold there only; if it did move, its column "
+         "is wrong.";
+}
+
+std::string CorrectionIsLarge(const std::string& name, double correction, bool is_length) {
+  return name + " comes out " + Significant(std::abs(correction) / (is_length ? 1e-3 : kDegree), 2) +
+         (is_length ? " mm" : " deg") +
+         " from the robot file, more than arms are made or mastered off (5 mm, 1 deg): compare the file with the "
+         "maker's table.";
 }
 
 std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured) {
-  return AccuracyInWords(trust, significance, better) +
-         (trust.verdict.trusted ? " Trust it inside the measured joint ranges" + NotMeasured(not_measured) + "."
-                                : " Do not trust it yet: " + Enumerate(trust.verdict.reasons) + ".");
+  std::string words =
+      AccuracyInWords(trust, significance, better) +
+      (trust.verdict.trusted ? " Trust it inside the measured joint ranges" + NotMeasured(not_measured) + "."
+                             : " Do not trust it yet: " + Enumerate(trust.verdict.reasons) + ".");
+  for (const std::string& limit : trust.limits) words += " " + limit;
+  return words;
 }
 
 std::string FitsTurned(int axis) { return "fits with " + AxisName(axis) + " of the other sign"; }

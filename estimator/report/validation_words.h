@@ -21,7 +21,13 @@ std::string WorseThanNominal(double nominal_rms);
 std::string NoRedundancy();
 std::string BelowAnyInstrument(double rms);
 std::string RowsAreSuspect(size_t rows, const std::string& first);
-std::string RobotStillMisses(double distance_rms);
+// With suspect rows it is these that are to be looked at first.
+std::string RobotStillMisses(double distance_rms, bool has_suspects);
+
+// What limits it besides: a joint whose axis was never turned, a correction larger than arms need (of coordinate
+// `name`, SI).
+std::string JointWasNotMeasured(const Joint& joint, double least, double most);
+std::string CorrectionIsLarge(const std::string& name, double correction, bool is_length);
 
 // better: share by which errors have to differ to be called better; not_measured: directions that the data left open.
 std::string VerdictInWords(const Trust& trust, double significance, double better, size_t not_measured);

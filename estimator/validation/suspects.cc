@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/row_lint.h"
+#include "estimator/inspection/wild_rows.h"
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
@@ -20,7 +22,7 @@ constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
 
 struct Rows {
   const CalibrationProblem& problem;
-  const ParameterSet& parameters;
+  ParameterSet parameters;  // what the residuals are of, but for a linear step
   std::vector<int> observations;
   Eigen::Matrix3Xd residuals;  // predicted - measured, m
 
@@ -158,8 +160,15 @@ bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outlier
   // Where a blunder spoiled the estimate so far that nothing is left of it, begin at the aligned nominal robot.
   ParameterSet parameters = IsUsable(estimate.status) ? estimate.parameters : Unheld(estimate.aligned);
   bool is_restarted = !IsUsable(estimate.status);
+  if (estimate.fit.distance_rms > SuspiciousMisfit(rows->problem.robot().chain)) {
+    if (const std::optional<FarRows> far = FindFarRows(rows->problem)) {
+      parameters = Unheld(far->parameters);
+      is_restarted = true;
+    }
+  }
   for (int round = 0; round < kRounds; ++round) {
     if (!FitLinearly(parameters, rows)) return round > 0;
+    rows->parameters = parameters;
     const std::vector<int> found = GrossOutliers(rows->residuals);
     if (found == *outliers) return true;
     *outliers = found;

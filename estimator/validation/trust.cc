@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/inspection/data_lint.h"
+#include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/row_stream.h"
@@ -165,9 +167,26 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
     reasons.push_back(RowsAreSuspect(trust.suspects.size(), trust.suspects[0].row));
   }
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot().chain)) {
-    reasons.push_back(RobotStillMisses(estimate.fit.distance_rms));
+    reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }
   return reasons;
+}
+
+// Joints that never moved, and the errors that no arm is made or mastered with: an interval wholly beyond.
+std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estimate& estimate) {
+  std::vector<std::string> limits;
+  for (const MeasuredRange& range : StillJointsOf(problem)) {
+    limits.push_back(JointWasNotMeasured(problem.robot().chain.joints[range.joint], range.least, range.most));
+  }
+  for (const ParameterEstimate& row : estimate.table) {
+    const bool is_length = row.quantity == Quantity::kLength;
+    const double size = is_length ? kErrorLength : kErrorAngle;
+    const double least = std::min(std::abs(row.ci95.low - row.nominal), std::abs(row.ci95.high - row.nominal));
+    const bool is_beyond = std::abs(row.value - row.nominal) > size && least > size;
+    if (row.name.rfind("geometry/", 0) != 0 || !row.identifiable || !is_beyond) continue;
+    limits.push_back(CorrectionIsLarge(row.name, row.value - row.nominal, is_length));
+  }
+  return limits;
 }
 
 }  // namespace
@@ -187,6 +206,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();
+  trust.limits = LimitsOf(problem, *estimate);
   trust.verdict.words = VerdictInWords(trust, problem.experiment().significance, kBetter,
                                        estimate->identifiability.unidentifiable.size());
   return trust;

@@ -35,6 +35,7 @@ struct Trust {
   double model_error_sigma = 1.0;         // the same of standard deviations
   std::vector<double> sigma;              // SI, with model error, of each line of the estimate's table
   std::vector<Interval> ci95_noise_only;  // the same without
+  std::vector<std::string> limits;        // sentences on what the verdict does not cover
   Verdict verdict;
 
   // What the verdict quotes: the hold-out where there is one, else the cross-validation.

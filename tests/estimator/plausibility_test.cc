@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
+#include "estimator/alignment/aligned_misfit.h"
+#include "estimator/calibration/joint_estimator.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/sampled_problem.h"
+#include "estimator/validation/suspects.h"
 #include "tests/support/measured_arms.h"
 #include "tests/support/real_data.h"
 
@@ -143,7 +147,8 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
     for (size_t i = 0; i < 60; ++i) exchanged.shots[i].station = (i % 3 == 0) != (i % 10 == 0);
     const auto labels = CheckPlausible(ProblemOf(arm.rows, exchanged)).finding;
     EXPECT_EQ(labels.code, "station_label") << labels.words;
-    EXPECT_THAT(labels.remedy, HasSubstr("exchange the station labels"));
+    EXPECT_THAT(labels.words, HasSubstr("station S2 in place of S1 in 2 rows and station S1 in place of S2 in 4 rows"));
+    EXPECT_THAT(labels.remedy, HasSubstr("correct the column station"));
 
     Measurements marker = clean;
     for (size_t i = 0; i < 60; i += 4) {  // 80 mm farther out along the flange's x
@@ -177,6 +182,51 @@ TEST(Plausibility, RowsUnderAnotherLabelAreNamed) {
     for (const size_t i : {7u, 11u, 31u, 50u})
       wild.observations[i].point_in_station.x() += 0.3 + 0.05 * static_cast<double>(i);
     EXPECT_TRUE(CheckPlausible(ProblemOf(arm.rows, wild)).plausible);
+  }
+}
+
+// The sample that the nominal robot is aligned to first may hold none of the wrong rows, and all rows together may lead
+// nowhere; and each of these rows is a suspect where it is gone on with.
+TEST(Plausibility, LabelsThatTheSampleMissesAreNamed) {
+  for (const Arm& arm : Arms()) {
+    Measurements data = Measure(arm.rows, 10, 900);
+    data.stations.push_back("S2");
+    for (size_t i = 0; i < 900; i += 3) {
+      Vector3<double>& p = data.observations[i].point_in_station;
+      p = Vector3<double>(1.5 - p.y(), p.x() - 0.7, p.z() + 0.25);
+    }
+    for (size_t i = 0; i < 900; ++i) data.shots[i].station = i % 3 == 0;
+    std::vector<int> wrong;
+    const std::vector<int> sample = SampleOfRows(ProblemOf(arm.rows, data));
+    for (int i = 4; i < 900; i += 10) {
+      if (std::find(sample.begin(), sample.end(), i) == sample.end()) wrong.push_back(i);
+    }
+    for (const int i : wrong) data.observations[static_cast<size_t>(i)].point_in_station *= -1.0;
+    EXPECT_TRUE(CheckPlausible(ProblemOf(arm.rows, data)).plausible);  // wild rows: suspects
+    for (const int i : wrong) data.observations[static_cast<size_t>(i)].point_in_station *= -1.0;
+    for (const int i : wrong) data.shots[static_cast<size_t>(i)].station ^= 1;
+    const CalibrationProblem problem = ProblemOf(arm.rows, data);
+    const auto found = CheckPlausible(problem).finding;
+    EXPECT_EQ(found.code, "station_label") << found.words;
+    ASSERT_EQ(found.rows.size(), wrong.size()) << arm.name;
+    for (size_t k = 0; k < wrong.size(); ++k) EXPECT_EQ(found.rows[k], "arm.csv:" + std::to_string(wrong[k] + 2));
+    std::vector<std::string> suspects;
+    for (const Suspect& suspect : FindSuspects(problem, EstimateJointly(problem))) {
+      suspects.push_back(suspect.row);
+      EXPECT_THAT(suspect.words, HasSubstr("fits as read from station S")) << suspect.row;
+    }
+    EXPECT_EQ(suspects, found.rows) << arm.name;
+  }
+}
+
+// Zeros in place of what a joint did: where the robot cannot be explained, that joint is asked for.
+TEST(Plausibility, AJointThatWasNotRecordedIsNamed) {
+  for (const Arm& arm : Arms()) {
+    Measurements data = Measure(arm.rows, 11, 60);
+    for (Configuration& configuration : data.configurations) configuration.q[3] = 0.0;
+    const Plausibility found = CheckPlausible(ProblemOf(arm.rows, data));
+    ASSERT_FALSE(found.plausible);
+    EXPECT_THAT(found.finding.words, HasSubstr("joint j4 stands still in all rows (0.0 to 0.0 deg): was it recorded?"));
   }
 }
 

@@ -5,6 +5,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/refit.h"
 #include "estimator/validation/trust.h"
+#include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -78,6 +79,17 @@ TEST(Suspects, EachIsNamedWithWhatWouldMakeItFit) {
   EXPECT_EQ(suspects.size(), 5u);
 }
 
+// Two rows are no reason to doubt the robot file, however far they move everything.
+TEST(Suspects, ARobotThatMissesBecauseOfThemIsNotDoubted) {
+  const CalibrationProblem problem = Problem([](Measurements* data) {
+    std::swap(data->observations[9].point_in_station, data->observations[10].point_in_station);
+  });
+  Estimate estimate = EstimateJointly(problem);
+  const std::string verdict = JudgeTrust(problem, 1, &estimate).verdict.words;
+  EXPECT_THAT(verdict, HasSubstr("correct these rows or leave them out"));
+  EXPECT_THAT(verdict, ::testing::Not(HasSubstr("do not belong together")));
+}
+
 TEST(Trust, CleanDataAreTrustedAndKeepTheirIntervals) {
   int trusted = 0, wide = 0;
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
@@ -130,6 +142,59 @@ TEST(Trust, ARobotFileThatIsCalibratedAlreadyIsAsGoodAsBefore) {
   const bool is_close = trust.nominal.distance_rms > 0.95 * trust.Quoted().distance_rms;
   EXPECT_EQ(trust.verdict.trusted, is_close);
   EXPECT_THAT(trust.verdict.words, HasSubstr(is_close ? "the robot file was as good already" : "worse than the robot"));
+}
+
+// A joint that stands still in all rows is not measured, and the figures hold where it stands.
+TEST(Trust, AJointThatStandsStillIsSaid) {
+  const CalibrationProblem problem = Problem([](Measurements* data) {
+    for (Configuration& configuration : data->configurations) configuration.q[5] = 0.5;
+    test::MeasureKr270(test::Kr270Truth(), 5e-5, 7, data);
+  });
+  Estimate estimate = EstimateJointly(problem);
+  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  EXPECT_TRUE(trust.verdict.trusted) << trust.verdict.words;
+  EXPECT_THAT(trust.verdict.words, HasSubstr("Joint A6 stands at 28.6 deg in all rows: what it does was not measured"));
+}
+
+// 9 mm of a length, as by a typing error: estimated all the same, and said.
+TEST(Trust, ACorrectionLargerThanArmsNeedIsSaid) {
+  CalibrationProblem problem = Problem();
+  Robot typed = problem.robot();
+  const int a = typed.chain.FindError("p_x1");
+  typed.chain.transforms[a].nominal += 9e-3;
+  typed.dh.reset();
+  const CalibrationProblem with = MakeCalibrationProblem(typed, problem.data(), problem.experiment());
+  Estimate estimate = EstimateJointly(with);
+  const Trust trust = JudgeTrust(with, 1, &estimate);
+  EXPECT_THAT(trust.verdict.words, HasSubstr("geometry/p_x1 comes out 9"));
+  Estimate clean = EstimateJointly(problem);
+  EXPECT_THAT(JudgeTrust(problem, 1, &clean).verdict.words, ::testing::Not(HasSubstr("from the robot file")));
+}
+
+// A robot file with learnt weights holds no prior of them. Estimated anew, one that a single row excites would go
+// anywhere where that row is left out: they are kept unless they are asked for.
+TEST(CrossValidation, LearntWeightsAreKept) {
+  const CalibrationProblem plain = Problem();
+  double least = 1e300, most = -1e300;  // of A3, the last seen once
+  for (const Configuration& configuration : plain.data.configurations) {
+    least = std::min(least, configuration.q[2] / kDegree);
+    most = std::max(most, configuration.q[2] / kDegree);
+  }
+  Robot robot = plain.robot;
+  EffectSpec learnt{
+      "learnt_deviation",
+      "A3",
+      {{"by", "q"}, {"driver", "A3"}, {"from", std::to_string(least)}, {"to", std::to_string(most)}, {"knots", "25"}},
+      std::vector<double>(25, 0.0)};
+  robot.effects.push_back(learnt);
+  const CalibrationProblem kept = MakeCalibrationProblem(robot, plain.data, plain.experiment);
+  const CrossValidation found = CrossValidate(kept, EstimateJointly(kept), 1);
+  const CrossValidation without = CrossValidate(plain, EstimateJointly(plain), 1);
+  EXPECT_NEAR(found.unseen.distance_max / without.unseen.distance_max, 1.0, 1e-6);
+  Experiment all = plain.experiment;
+  all.estimate.effects.kind = Selection::Kind::kAll;
+  const CalibrationProblem free = MakeCalibrationProblem(robot, plain.data, all);
+  EXPECT_EQ(free.parameters.EstimatedCoordinates().size(), kept.parameters.EstimatedCoordinates().size() + 25);
 }
 
 }  // namespace

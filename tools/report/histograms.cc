@@ -102,7 +102,7 @@ Picture HistogramPicture(const std::string& title, const std::string& x_label, c
   picture.kind = "histogram";
   picture.title = title;
   picture.settings = {{"xTitle", x_label}};
-  picture.header = {"", "from", "to", "count"};
+  picture.header = {"", x_label + ", from", x_label + ", to", "count"};
   const Bins bins = BinsOver(series, kPlainBins);
   for (const NamedSeries& one : series)
     AddSeries(
@@ -119,7 +119,7 @@ Picture WhitenedHistogram(const CalibrationProblem& problem, const Estimate& est
   if (estimate.sigma.scaled) picture.title += ", divided by the a-posteriori sigma " + Significant(scale, 3);
   picture.title += "; the curve is the normal distribution";
   picture.settings = {{"xTitle", "standard deviations; those beyond 4 are in the last bars"}};
-  picture.header = {"axis", "from", "to", "rows"};
+  picture.header = {"axis", "from, standard deviations", "to, standard deviations", "rows"};
   const Bins bins{-kRange, kRange, kWhitenedBins};
   for (int axis = 0; axis < 3; ++axis) {
     const std::string series(1, "xyz"[axis]);

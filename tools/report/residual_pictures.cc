@@ -107,7 +107,7 @@ Picture ResidualsOverDrivers(const DrawnReadings& readings) {
   picture.kind = "scatter";
   picture.title =
       "What is left of each point, over what may drive it; the line is the mean" + LeftOutInWords(problem, rows.size());
-  picture.header = {"over", "from", "to", "points", "RMS distance, mm", "largest, mm"};
+  picture.header = {"over, and its unit", "from", "to", "points", "RMS distance, mm", "largest, mm"};
   Json& data = picture.data["rows"];
   Json names = Json::array(), poses = Json::array();
   std::vector<double> distances, xyz[3];
