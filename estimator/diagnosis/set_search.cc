@@ -419,15 +419,16 @@ void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const s
 }
 
 // To the nearest set that no addition, drop or swap improves: each step is up, by evaluations that are kept.
-WeightedSet SetSearch::Climb(WeightedSet from) {
+bool SetSearch::Climb(WeightedSet from, int most_steps) {
   from = Settled(from);
-  while (true) {
+  for (int step = 0; step < most_steps; ++step) {
     Expand(from);
-    if (Best().members == from.members && !Exchange(from)) return from;
+    if (Best().members == from.members && !Exchange(from)) return true;
     do {
       from = Settled(Best());
     } while (Best().members != from.members);
   }
+  return false;
 }
 
 // What an addition says of a set keeps the others' scales: the most probable sets are evaluated by themselves, all but
@@ -451,13 +452,14 @@ void SetSearch::SettleAll() {
   }
 }
 
-void SetSearch::ClimbFrom(const WeightedSet& start) {
+bool SetSearch::ClimbFrom(const WeightedSet& start, int most_steps) {
   Record(Evaluate({}), true);
-  if (explanations_.empty()) return;
+  if (explanations_.empty()) return true;
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   Expand(*found_.Find({}));
-  Climb(*found_.Find(start.members));
+  const bool is_done = Climb(*found_.Find(start.members), most_steps);
   place_.reset();
+  return is_done;
 }
 
 std::vector<WeightedSet> SetSearch::Explore() {
