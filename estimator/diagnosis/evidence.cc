@@ -1,6 +1,7 @@
 #include "estimator/diagnosis/evidence.h"
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -15,9 +16,14 @@ namespace {
 // Repeatability of arms, from small ones to worn ones: 2 to 500 urad, by octaves, then refined.
 constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
 constexpr double kSettled = 0.03;  // of log sigma
+constexpr int kSettledBits = 5;    // 2^-5
 // A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
+// Where so many steps do not end a climb with the stated noise, thirty causes at once are less likely than other noise,
+// which is asked first.
+constexpr int kFirstSteps = 30;
+constexpr int kEveryStep = std::numeric_limits<int>::max();
 // A deviation is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not hold
 // what is stated: half the quantile of chi-square with one degree of freedom.
 constexpr double kLeastGain = 1.92;
@@ -55,38 +61,55 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
     progress("weighing " + std::to_string(list_.math.size()) + " explanations");
   }
   std::deque<SetSearch> searches;
-  Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), &searches);
-  const double of_pose = std::log(kOfUnnamed * masses.unnamed / masses.nothing);
+  const bool is_done =
+      Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstSteps, &searches);
   const auto& joints = problem.robot().chain.joints;
   const bool any_turns =
       std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
   for (int round = 1; round < kMostViews && any_turns; ++round) {
-    const WeightedModel best = models_[0];
-    std::vector<Trial> trials;
-    const auto try_beside = [&](const WeightedSet& set) {
-      trials.push_back(BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set));
-      if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, set));
-    };
-    try_beside(best.set);
-    if (!best.set.members.empty()) try_beside(BestOfNothing().set);  // which other noise may be enough for
-    const auto is_known = [&](const NoiseView& view) {
-      return std::any_of(views_.begin(), views_.end(), [&](const ViewedNormal& known) {
-        return known.view.kind == view.kind && std::abs(std::log(known.view.sigma / view.sigma)) < 0.1;
-      });
-    };
-    const Trial* next = nullptr;
-    for (const Trial& trial : trials) {
-      if (trial.log_weight < best.log_weight + kWorthSearching || is_known(trial.view)) continue;
-      if (next == nullptr || trial.log_weight > next->log_weight) next = &trial;
-    }
-    if (next == nullptr) break;
+    const WeightedSet best = models_[0].set;
+    const std::optional<Trial> next = NextView();
+    if (!next) break;
     if (progress) {
       progress(SearchingWithRepeatability(next->view.sigma));
     }
     const JointScatter scatter = ScatterOf(next->view);
-    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best.set, &searches);
+    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best, kEveryStep, &searches);
   }
+  if (!is_done) FinishStated(&searches);
   Explore(&searches);
+}
+
+std::optional<Evidence::Trial> Evidence::NextView() const {
+  const WeightedModel& best = models_[0];
+  const double of_pose = std::log(kOfUnnamed * masses_.unnamed / masses_.nothing);
+  std::vector<Trial> trials;
+  const auto try_beside = [&](const WeightedSet& set) {
+    trials.push_back(BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set));
+    if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, set));
+  };
+  try_beside(best.set);
+  if (!best.set.members.empty()) try_beside(BestOfNothing().set);  // which other noise may be enough for
+  const auto is_known = [&](const NoiseView& view) {
+    return std::any_of(views_.begin(), views_.end(), [&](const ViewedNormal& known) {
+      return known.view.kind == view.kind && std::abs(std::log(known.view.sigma / view.sigma)) < 0.1;
+    });
+  };
+  std::optional<Trial> next;
+  for (const Trial& trial : trials) {
+    if (trial.log_weight < best.log_weight + kWorthSearching || is_known(trial.view)) continue;
+    if (!next || trial.log_weight > next->log_weight) next = trial;
+  }
+  return next;
+}
+
+void Evidence::FinishStated(std::deque<SetSearch>* searches) {
+  const WeightedModel best = models_[0];
+  const bool is_worth_it = best.view == 0 || LogWeight({}, best.set) >= best.log_weight + kWorthSearching;
+  if (!is_worth_it) return;
+  searches->front().ClimbFrom(best.set);
+  AddModel(0, searches->front().Best());
+  Normalise(&models_);
 }
 
 JointScatter Evidence::ScatterOf(const NoiseView& view) const {
@@ -111,24 +134,19 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const 
 Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
   const double low = std::log(kLeastRepeatability), high = std::log(kMostRepeatability);
   const auto weight = [&](double log_sigma) { return LogWeight({kind, std::exp(log_sigma), log_prior}, set); };
-  double best = low, best_weight = weight(low), step = std::log(2.0);
+  const double step = std::log(2.0);
+  double near = low, near_weight = weight(low);
   for (double at = low + step; at <= high; at += step) {
     const double here = weight(at);
-    if (here <= best_weight) continue;
-    best = at;
-    best_weight = here;
+    if (here <= near_weight) continue;
+    near = at;
+    near_weight = here;
   }
-  while (step > kSettled) {
-    step *= 0.5;
-    for (const double at : {best - step, best + step}) {
-      if (at < low || at > high) continue;
-      const double here = weight(at);
-      if (here <= best_weight) continue;
-      best = at;
-      best_weight = here;
-      break;
-    }
-  }
+  // Beside the nearest of them: the precision is relative.
+  const auto [beside, lost] =
+      boost::math::tools::brent_find_minima([&](double at) { return -weight(near + at); }, std::max(low - near, -step),
+                                            std::min(high - near, step), kSettledBits);
+  const double best = near + beside, best_weight = -lost;
   const double gain = best_weight - log_prior - LogWeight({}, set);
   if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
@@ -170,15 +188,16 @@ WeightedSet Evidence::BestOf(const Evidence& other) const {
   return set;
 }
 
-void Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, std::deque<SetSearch>* searches) {
+bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_steps, std::deque<SetSearch>* searches) {
   views_.push_back(std::move(viewed));
   const int view = static_cast<int>(views_.size()) - 1;
   searches->push_back(SearchIn(view));
   SetSearch& search = searches->back();
-  search.ClimbFrom(start);
+  const bool is_done = search.ClimbFrom(start, most_steps);
   AddModel(view, search.Best());
   if (!search.Best().members.empty()) AddModel(view, search.Empty());
   Normalise(&models_);
+  return is_done;
 }
 
 void Evidence::Explore(std::deque<SetSearch>* searches) {

@@ -12,6 +12,7 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -96,10 +97,16 @@ class Evidence {
   // Of the set beside a view, with its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set) const;
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
+  // The view that is most likely beside one of two sets, the best one and nothing; nothing where none is worth a
+  // search.
+  std::optional<Trial> NextView() const;
   // What the best set of another evidence is called here.
   WeightedSet BestOf(const Evidence& other) const;
-  // In one more view, from a set; what is best there is added to the models.
-  void Climb(ViewedNormal viewed, const WeightedSet& start, std::deque<SetSearch>* searches);
+  // In one more view, from a set; what is best there is added to the models. False: it was not reached.
+  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_steps, std::deque<SetSearch>* searches);
+  // Where thirty steps in the stated view did not end, other noise is asked first, and this goes on where it is worth
+  // it.
+  void FinishStated(std::deque<SetSearch>* searches);
   // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
   void Explore(std::deque<SetSearch>* searches);
   void AddModel(int view, const WeightedSet& set);

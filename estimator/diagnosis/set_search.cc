@@ -14,8 +14,32 @@ constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
 constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
+constexpr size_t kFewMoves = 8;          // of as many members the inverse costs less anew
 constexpr size_t kMostSwaps = 1000;   // of one set: where a thousand sets share the probability they differ in details
 constexpr size_t kMostSettled = 100;  // where a hundred sets share it, each has about a hundredth
+
+// What turns one set into another: places among the members.
+struct Difference {
+  std::vector<size_t> gone;  // of the one, last first
+  std::vector<size_t> come;  // of the other, ascending
+};
+
+// A member with another scale goes and comes.
+Difference DifferenceOf(const WeightedSet& one, const WeightedSet& other) {
+  const auto holds = [](const WeightedSet& set, int member, double scale) {
+    const auto at = std::lower_bound(set.members.begin(), set.members.end(), member) - set.members.begin();
+    const auto place = static_cast<size_t>(at);
+    return place < set.members.size() && set.members[place] == member && set.scales[place] == scale;
+  };
+  Difference difference;
+  for (size_t k = one.members.size(); k-- > 0;) {
+    if (!holds(other, one.members[k], one.scales[k])) difference.gone.push_back(k);
+  }
+  for (size_t k = 0; k < other.members.size(); ++k) {
+    if (!holds(one, other.members[k], other.scales[k])) difference.come.push_back(k);
+  }
+  return difference;
+}
 
 // A set with one more, or one fewer; its weights are to be found.
 WeightedSet Grown(WeightedSet set, int candidate, double scale) {
@@ -104,8 +128,43 @@ std::vector<double> SetSearch::LogsOfScales(const GivenOthers& given) const {
 WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
   Members members(normal_, GroupsOf(given_members));
   const std::vector<double> ones(given_members.size(), 1.0);
-  if (!given_members.empty()) members.Condition(scales.size() == given_members.size() ? scales : ones);
+  members.Condition(scales.size() == given_members.size() ? scales : ones);
   return EvaluateFrom(given_members, std::move(members));
+}
+
+const MovingSweep& SetSearch::SweepOf(const WeightedSet& set) {
+  const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
+  // A move costs a pass over the matrix, and so does a member of the first sweep.
+  if (!place_ || difference.gone.size() + difference.come.size() > set.members.size() + 1) {
+    place_ = std::make_unique<Place>(Place{set, MovingSweep(normal_, GroupsOf(set.members), set.scales)});
+    return place_->sweep;
+  }
+  for (const size_t k : difference.gone) place_->sweep.Remove(k);
+  for (const size_t k : difference.come) {
+    place_->sweep.Insert(k, explanations_[set.members[k]].group, set.scales[k]);
+  }
+  place_->set = set;
+  return place_->sweep;
+}
+
+Members SetSearch::MembersAt(const WeightedSet& set, const WeightedSet& before, Members members) {
+  for (size_t k = 0; k < set.members.size(); ++k) {
+    if (set.scales[k] != before.scales[k]) members.Rescale(k, set.scales[k]);
+  }
+  return members;
+}
+
+Members SetSearch::MembersOf(const WeightedSet& set) const {
+  const Difference difference = place_ ? DifferenceOf(place_->set, set) : Difference();
+  if (!place_ || difference.gone.size() + difference.come.size() > kFewMoves) {
+    Members members(normal_, GroupsOf(set.members));
+    members.Condition(set.scales);
+    return members;
+  }
+  Members members = place_->sweep.members();
+  for (const size_t k : difference.gone) members.Remove(k);
+  for (const size_t k : difference.come) members.Insert(k, explanations_[set.members[k]].group, set.scales[k]);
+  return members;
 }
 
 WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
@@ -184,15 +243,20 @@ double SetSearch::GainOfOwn(const Own& own, double residual, double* scale) cons
 }
 
 std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<double>* scales) const {
-  const Sweep sweep(normal_, GroupsOf(given.members), given.scales);
-  std::vector<double> shares = SharesOf(given.members);
+  return AdditionsTo(given, Sweep(normal_, GroupsOf(given.members), given.scales), scales);
+}
+
+template <typename Given>
+std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Given& sweep,
+                                           std::vector<double>* scales) const {
+  std::vector<double> shares = SharesOf(set.members);
   shares.push_back(1.0);
-  const double base = given.log_likelihood + prior_.Log(shares);
+  const double base = set.log_likelihood + prior_.Log(shares);
   std::vector<double> weights(explanations_.size(), kNever);
   if (scales != nullptr) scales->assign(explanations_.size(), 1.0);
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];
-    if (IsExcluded(given.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
+    if (IsExcluded(set.members, static_cast<int>(k)) || !(candidate.share > 0.0)) continue;
     double scale = 1.0;
     weights[k] = base + GainOfOwn(Left(sweep, k), sweep.residual(), &scale) + std::log(candidate.share);
     if (scales != nullptr) (*scales)[k] = scale;
@@ -217,15 +281,17 @@ void SetSearch::Record(WeightedSet set, bool replaces) {
   if (is_better) found_.Put(std::move(set));
 }
 
-WeightedSet SetSearch::Settled(const WeightedSet& set) {
-  if (settled_.emplace(set.members, true).second) Record(Evaluate(set.members, set.scales), true);
+WeightedSet SetSearch::Settled(const WeightedSet& set, const Members* conditioned) {
+  if (settled_.emplace(set.members, true).second) {
+    Record(EvaluateFrom(set.members, conditioned == nullptr ? MembersOf(set) : *conditioned), true);
+  }
   return *found_.Find(set.members);
 }
 
 void SetSearch::Expand(const WeightedSet& given) {
   if (!expanded_.emplace(given.members, true).second) return;
   std::vector<double> scales;
-  const std::vector<double> weights = Additions(given, &scales);
+  const std::vector<double> weights = AdditionsTo(given, SweepOf(given), &scales);
   const double most = std::max(BestWeight(), *std::max_element(weights.begin(), weights.end()));
   for (size_t k = 0; k < weights.size(); ++k) {
     if (weights[k] >= most - kWorthKeeping) RecordGrown(given, static_cast<int>(k), scales[k], weights[k]);
@@ -258,7 +324,9 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
     if (known != nullptr) {
       others = *known;
     } else if (others.members.size() <= kAveragedTogether) {
-      others = EvaluateFrom(others.members, all.Without(m));
+      Members left = all;
+      left.Remove(m);
+      others = EvaluateFrom(others.members, std::move(left));
     } else {
       others.log_likelihood += averages - own_averages[m];
       others.log_weight = others.log_likelihood + prior_.Log(SharesOf(others.members));
@@ -267,18 +335,13 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
   return without;
 }
 
-// Every member's place for every candidate, by one sweep with all members: each is taken out of what is left of the
-// candidates, at the others' scales.
-bool SetSearch::Exchange(const WeightedSet& set) {
-  if (set.members.empty() || !exchanged_.emplace(set.members, true).second) return false;
-  const Sweep sweep(normal_, GroupsOf(set.members), set.scales);
-  Members all(normal_, GroupsOf(set.members));
-  all.Condition(set.scales);
-  const std::vector<WeightedSet> without = WithoutEach(set, all);
-  std::vector<Sweep::WithoutOne> sweeps;
+// Every member's place for every candidate: each is taken out of what is left of the candidates given all, at the
+// others' scales.
+std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const MovingSweep& sweep,
+                                                const std::vector<WeightedSet>& without) {
+  std::vector<MovingSweep::WithoutOne> sweeps;
   std::vector<double> bases;
   for (size_t m = 0; m < set.members.size(); ++m) {
-    Record(without[m]);
     sweeps.push_back(sweep.Without(m));
     std::vector<double> shares = SharesOf(without[m].members);
     shares.push_back(1.0);
@@ -306,18 +369,32 @@ bool SetSearch::Exchange(const WeightedSet& set) {
   std::stable_sort(swaps.begin(), swaps.end(),
                    [](const Swap& a, const Swap& b) { return a.log_weight > b.log_weight; });
   if (swaps.size() > kMostSwaps) swaps.resize(kMostSwaps);
+  return swaps;
+}
+
+bool SetSearch::Exchange(const WeightedSet& set) {
+  if (set.members.empty() || !exchanged_.emplace(set.members, true).second) return false;
+  const MovingSweep& sweep = SweepOf(set);
+  const std::vector<WeightedSet> without = WithoutEach(set, sweep.members());
+  for (const WeightedSet& others : without) Record(others);
+  std::vector<Swap> swaps = SwapsOf(set, sweep, without);
+  const double most = swaps.empty() ? BestWeight() : std::max(BestWeight(), swaps.front().log_weight);
   for (const Swap& swap : swaps) {
     if (swap.log_weight < most - kWorthKeeping) break;
     RecordGrown(without[swap.member], swap.candidate, swap.scale, swap.log_weight);
   }
-  SwapTogether(set, swaps);
+  for (size_t m = 0; m < without.size(); ++m) swaps.push_back({m, -1, 1.0, without[m].log_weight});
+  std::stable_sort(swaps.begin(), swaps.end(),
+                   [](const Swap& a, const Swap& b) { return a.log_weight > b.log_weight; });
+  SwapTogether(set, sweep.members(), swaps);
   return Best().members != set.members;
 }
 
-// The swaps that make the set better by themselves, best first, one for each place: each is kept if the set is better
-// still with it.
-void SetSearch::SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps) {
+// The swaps and drops that make the set better by themselves, best first, one for each place: each is kept if the set
+// is better still with it.
+void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps) {
   WeightedSet now = set;
+  Members members = all;
   std::set<int> done;
   for (const Swap& swap : swaps) {
     if (swap.log_weight <= set.log_weight) return;
@@ -325,25 +402,33 @@ void SetSearch::SwapTogether(const WeightedSet& set, const std::vector<Swap>& sw
     if (!done.insert(out).second) continue;
     const auto at = std::find(now.members.begin(), now.members.end(), out) - now.members.begin();
     WeightedSet swapped = Shrunk(now, static_cast<size_t>(at));
-    const auto& others = swapped.members;
-    const bool is_known = std::find(others.begin(), others.end(), swap.candidate) != others.end();
-    if (is_known || IsExcluded(others, swap.candidate)) continue;
-    swapped = Grown(std::move(swapped), swap.candidate, swap.scale);
-    swapped = Settled(swapped);
-    if (swapped.log_weight > now.log_weight) now = std::move(swapped);
+    Members theirs = members;
+    theirs.Remove(static_cast<size_t>(at));
+    if (swap.candidate >= 0) {
+      const auto& others = swapped.members;
+      const auto place = std::lower_bound(others.begin(), others.end(), swap.candidate);
+      if ((place != others.end() && *place == swap.candidate) || IsExcluded(others, swap.candidate)) continue;
+      theirs.Insert(static_cast<size_t>(place - others.begin()), explanations_[swap.candidate].group, swap.scale);
+      swapped = Grown(std::move(swapped), swap.candidate, swap.scale);
+    }
+    const WeightedSet settled = Settled(swapped, &theirs);
+    if (!(settled.log_weight > now.log_weight)) continue;
+    now = settled;
+    members = MembersAt(now, swapped, std::move(theirs));
   }
 }
 
 // To the nearest set that no addition, drop or swap improves: each step is up, by evaluations that are kept.
-WeightedSet SetSearch::Climb(WeightedSet from) {
+bool SetSearch::Climb(WeightedSet from, int most_steps) {
   from = Settled(from);
-  while (true) {
+  for (int step = 0; step < most_steps; ++step) {
     Expand(from);
-    if (Best().members == from.members && !Exchange(from)) return from;
+    if (Best().members == from.members && !Exchange(from)) return true;
     do {
       from = Settled(Best());
     } while (Best().members != from.members);
   }
+  return false;
 }
 
 // What an addition says of a set keeps the others' scales: the most probable sets are evaluated by themselves, all but
@@ -367,12 +452,14 @@ void SetSearch::SettleAll() {
   }
 }
 
-void SetSearch::ClimbFrom(const WeightedSet& start) {
+bool SetSearch::ClimbFrom(const WeightedSet& start, int most_steps) {
   Record(Evaluate({}), true);
-  if (explanations_.empty()) return;
+  if (explanations_.empty()) return true;
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   Expand(*found_.Find({}));
-  Climb(*found_.Find(start.members));
+  const bool is_done = Climb(*found_.Find(start.members), most_steps);
+  place_.reset();
+  return is_done;
 }
 
 std::vector<WeightedSet> SetSearch::Explore() {
@@ -389,6 +476,7 @@ std::vector<WeightedSet> SetSearch::Explore() {
   }
   if (!explanations_.empty()) Climb(Best());
   SettleAll();
+  place_.reset();
   std::vector<WeightedSet> sets;
   bool holds_nothing = false;
   found_.BestFirst(kWorthKeeping, [&](const WeightedSet& set) {

@@ -2,7 +2,9 @@
 // drop and swap, each the conditioning of the same normal equations (sweep.h).
 #pragma once
 
+#include <limits>
 #include <map>
+#include <memory>
 #include <set>
 #include <vector>
 
@@ -74,8 +76,8 @@ class SetSearch {
   SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
             const ResidualLikelihood& likelihood);
 
-  // To a set that no addition, drop or swap improves. start: a set to climb from.
-  void ClimbFrom(const WeightedSet& start = {});
+  // To a set that no addition, drop or swap improves; false: not within so many steps. start: a set to climb from.
+  bool ClimbFrom(const WeightedSet& start = {}, int most_steps = std::numeric_limits<int>::max());
   // After a climb: the neighbours of the sets that share the probability. Sets within kWorthKeeping of the best, best
   // first; the empty one is always among them.
   std::vector<WeightedSet> Explore();
@@ -109,6 +111,17 @@ class SetSearch {
   double AverageOverScales(Members* members) const;
   const Own& OwnOf(size_t candidate) const;
   Own Left(const Sweep& sweep, size_t candidate) const;
+  Own Left(const MovingSweep& sweep, size_t candidate) const {
+    return {sweep.Information(explanations_[candidate].group), sweep.Gradient(explanations_[candidate].group)};
+  }
+  template <typename Given>
+  std::vector<double> AdditionsTo(const WeightedSet& set, const Given& sweep, std::vector<double>* scales) const;
+  // Given a set: by what comes to the set before, and goes from it.
+  const MovingSweep& SweepOf(const WeightedSet& set);
+  // Conditioned; by what comes to those of the sweep, and goes from them.
+  Members MembersOf(const WeightedSet& set) const;
+  // Of the same members, from their scales before.
+  static Members MembersAt(const WeightedSet& set, const WeightedSet& before, Members members);
   // Log of the evidence that it adds to a residual of this square, averaged over its scale; and no less than that.
   double GainOfOwn(const Own& own, double residual, double* scale) const;
   double MostGainOf(const Own& own, double residual) const;
@@ -116,19 +129,22 @@ class SetSearch {
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.
   void Record(WeightedSet set, bool replaces = false);
-  WeightedSet Settled(const WeightedSet& set);
+  WeightedSet Settled(const WeightedSet& set) { return Settled(set, nullptr); }
+  // conditioned: its members, at its scales, where they are at hand.
+  WeightedSet Settled(const WeightedSet& set, const Members* conditioned);
   // A set without each of its members, the others' scales and averages kept unless the set is small. all: its members,
   // at its scales.
   std::vector<WeightedSet> WithoutEach(const WeightedSet& set, const Members& all) const;
   struct Swap {
-    size_t member;  // place in the set
-    int candidate;
-    double scale, log_weight;
+    size_t member;       // place in the set
+    int candidate = -1;  // none: the member is dropped
+    double scale = 1.0, log_weight = 0.0;
   };
   // Sweeps that swap or drop a member. True: a better set was found.
   bool Exchange(const WeightedSet& set);
-  void SwapTogether(const WeightedSet& set, const std::vector<Swap>& swaps);
-  WeightedSet Climb(WeightedSet from);
+  std::vector<Swap> SwapsOf(const WeightedSet& set, const MovingSweep& sweep, const std::vector<WeightedSet>& without);
+  void SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps);
+  bool Climb(WeightedSet from, int most_steps = std::numeric_limits<int>::max());
   void SettleAll();
   double BestWeight() const { return Best().log_weight; }
 
@@ -141,6 +157,11 @@ class SetSearch {
   std::map<Key, bool> settled_;
   std::map<Key, bool> exchanged_;
   mutable std::vector<Own> own_;  // as they are asked for
+  struct Place {
+    WeightedSet set;
+    MovingSweep sweep;
+  };
+  std::unique_ptr<Place> place_;  // where a climb is; nothing before and after
 };
 
 constexpr double kWorthKeeping = 12.0;  // log units: e^-12 = 6e-6 of the best

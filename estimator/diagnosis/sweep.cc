@@ -9,24 +9,37 @@
 namespace sagitta {
 namespace {
 
-// s M' of all groups, one after the other, applied to rows of a matrix.
-Eigen::MatrixXd RowsOf(const std::vector<const ColumnGroup*>& groups, const std::vector<double>& scales,
-                       const Eigen::MatrixXd& matrix) {
-  int size = 0;
-  for (const ColumnGroup* group : groups) size += group->size();
-  Eigen::MatrixXd rows(size, matrix.cols());
-  int at = 0;
-  for (size_t k = 0; k < groups.size(); ++k) {
-    const ColumnGroup& group = *groups[k];
-    auto own = rows.middleRows(at, group.size());
-    if (group.mixing.size() > 0) {
-      own.noalias() = scales[k] * (group.mixing.transpose() * matrix(group.columns, Eigen::all));
-    } else {
-      own = scales[k] * matrix(group.columns, Eigen::all);
-    }
-    at += group.size();
+// s M'v of one group, to the rows of `rows` that are its own.
+void ScaleRows(const ColumnGroup& group, double scale, const Eigen::MatrixXd& v, Eigen::Ref<Eigen::MatrixXd> rows) {
+  if (group.mixing.size() > 0) {
+    rows.noalias() = scale * (group.mixing.transpose() * v(group.columns, Eigen::all));
+  } else {
+    rows = scale * v(group.columns, Eigen::all);
   }
-  return rows;
+}
+
+Eigen::MatrixXd Cross(const ProjectedNormal& normal, const ColumnGroup& a, const ColumnGroup& b) {
+  Eigen::MatrixXd block = normal.information(a.columns, b.columns);
+  if (b.mixing.size() > 0) block = block * b.mixing;
+  if (a.mixing.size() > 0) block = a.mixing.transpose() * block;
+  return block;
+}
+
+std::vector<long> AllBut(long first, long size, long count) {
+  std::vector<long> kept;
+  for (long c = 0; c < count; ++c) {
+    if (c < first || c >= first + size) kept.push_back(c);
+  }
+  return kept;
+}
+
+// Places in [all; more] of all with `more` before `first`.
+std::vector<long> WithMoreAt(long first, long size, long count) {
+  std::vector<long> places;
+  for (long c = 0; c < first; ++c) places.push_back(c);
+  for (long c = 0; c < size; ++c) places.push_back(count + c);
+  for (long c = first; c < count; ++c) places.push_back(c);
+  return places;
 }
 
 }  // namespace
@@ -48,37 +61,53 @@ Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& gr
   return group.mixing.transpose() * own;
 }
 
-Members::Members(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups)
-    : first_(1, 0), residual_given_none_(normal.residual) {
-  for (const ColumnGroup* group : groups) first_.push_back(first_.back() + group->size());
-  information_.resize(first_.back(), first_.back());
+Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups)
+    : normal_(&normal), groups_(std::move(groups)), residual_(normal.residual) {
+  SetFirst();
   gradient_.resize(first_.back());
-  for (size_t i = 0; i < groups.size(); ++i) {
-    gradient_.segment(first_[i], groups[i]->size()) = OwnGradient(normal, *groups[i]);
+  for (size_t k = 0; k < size(); ++k) gradient_.segment(first_[k], SizeOf(k)) = OwnGradient(normal, *groups_[k]);
+}
+
+void Members::SetFirst() {
+  first_.assign(1, 0);
+  for (const ColumnGroup* group : groups_) first_.push_back(first_.back() + group->size());
+}
+
+Eigen::VectorXd Members::Scales() const {
+  Eigen::VectorXd scales(num_columns());
+  for (size_t k = 0; k < size(); ++k) scales.segment(first_[k], SizeOf(k)).setConstant(scales_[k]);
+  return scales;
+}
+
+Eigen::MatrixXd Members::Information() const {
+  Eigen::MatrixXd information(num_columns(), num_columns());
+  for (size_t i = 0; i < size(); ++i) {
     for (size_t j = 0; j <= i; ++j) {
-      Eigen::MatrixXd block = normal.information(groups[i]->columns, groups[j]->columns);
-      if (groups[j]->mixing.size() > 0) block = block * groups[j]->mixing;
-      if (groups[i]->mixing.size() > 0) block = groups[i]->mixing.transpose() * block;
-      information_.block(first_[i], first_[j], block.rows(), block.cols()) = block;
-      information_.block(first_[j], first_[i], block.cols(), block.rows()) = block.transpose();
+      const Eigen::MatrixXd block = Cross(*normal_, *groups_[i], *groups_[j]);
+      information.block(first_[i], first_[j], block.rows(), block.cols()) = block;
+      information.block(first_[j], first_[i], block.cols(), block.rows()) = block.transpose();
     }
   }
+  return information;
+}
+
+Eigen::MatrixXd Members::ScaledRowsOf(const Eigen::MatrixXd& v) const {
+  Eigen::MatrixXd rows(num_columns(), v.cols());
+  for (size_t k = 0; k < size(); ++k) ScaleRows(*groups_[k], scales_[k], v, rows.middleRows(first_[k], SizeOf(k)));
+  return rows;
 }
 
 void Members::Condition(const std::vector<double>& scales) {
   scales_ = scales;
-  Eigen::VectorXd diagonal(num_columns());
-  for (size_t k = 0; k < scales.size(); ++k)
-    diagonal.segment(first_[k], first_[k + 1] - first_[k]).setConstant(scales[k]);
-  Eigen::MatrixXd inner = diagonal.asDiagonal() * information_ * diagonal.asDiagonal();
+  const Eigen::VectorXd diagonal = Scales();
+  Eigen::MatrixXd inner = diagonal.asDiagonal() * Information() * diagonal.asDiagonal();
   inner.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> root(inner);
   factor_ = root.matrixL();
   inverse_ = root.solve(Eigen::MatrixXd::Identity(num_columns(), num_columns()));
-  const Eigen::VectorXd along = diagonal.cwiseProduct(gradient_);
-  solved_ = root.solve(along);
-  residual_ = residual_given_none_ - along.dot(solved_);
+  solved_ = root.solve(diagonal.cwiseProduct(gradient_));
   log_det_ = 2.0 * factor_.diagonal().array().log().sum();
+  SetResidual();
 }
 
 void Members::Rescale(size_t group, double scale) {
@@ -101,34 +130,56 @@ void Members::Rescale(size_t group, double scale) {
   SetResidual();
 }
 
-Members Members::Without(size_t group) const {
-  const long first = first_[group], size = first_[group + 1] - first;
-  std::vector<long> kept;
-  for (long c = 0; c < num_columns(); ++c) {
-    if (c < first || c >= first + size) kept.push_back(c);
-  }
-  Members others = *this;
-  others.first_.erase(others.first_.begin() + static_cast<long>(group) + 1);
-  for (size_t k = group + 1; k < others.first_.size(); ++k) others.first_[k] -= size;
-  others.scales_.erase(others.scales_.begin() + static_cast<long>(group));
-  others.information_ = information_(kept, kept);
-  others.gradient_ = gradient_(kept);
+void Members::Remove(size_t group) {
+  const long first = first_[group], size = SizeOf(group);
+  const std::vector<long> kept = AllBut(first, size, num_columns());
   const Eigen::LLT<Eigen::MatrixXd> root(inverse_.block(first, first, size, size));
   const Eigen::MatrixXd beside = inverse_(kept, Eigen::seqN(first, size));
-  others.inverse_ = inverse_(kept, kept) - beside * root.solve(beside.transpose());
-  others.solved_ = solved_(kept) - beside * root.solve(solved_.segment(first, size));
-  others.log_det_ = log_det_ + 2.0 * root.matrixLLT().diagonal().array().log().sum();
-  others.SetResidual();
-  return others;
+  inverse_ = inverse_(kept, kept) - beside * root.solve(beside.transpose());
+  solved_ = solved_(kept) - beside * root.solve(Eigen::VectorXd(solved_.segment(first, size)));
+  gradient_ = Eigen::VectorXd(gradient_(kept));
+  log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  groups_.erase(groups_.begin() + static_cast<long>(group));
+  scales_.erase(scales_.begin() + static_cast<long>(group));
+  SetFirst();
+  SetResidual();
 }
 
-void Members::SetResidual() {
-  residual_ = residual_given_none_;
-  for (size_t k = 0; k < scales_.size(); ++k) {
-    const long first = first_[k], size = first_[k + 1] - first;
-    residual_ -= scales_[k] * gradient_.segment(first, size).dot(solved_.segment(first, size));
+void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
+  const long count = num_columns(), more = group.size();
+  Eigen::MatrixXd column(count, more);
+  for (size_t k = 0; k < size(); ++k) {
+    column.middleRows(first_[k], SizeOf(k)) = scale * scales_[k] * Cross(*normal_, *groups_[k], group);
   }
+  const Eigen::MatrixXd beside = inverse_ * column;
+  Eigen::MatrixXd corner = scale * scale * OwnInformation(*normal_, group) - column.transpose() * beside;
+  corner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> root(corner);
+  const Eigen::VectorXd gradient = OwnGradient(*normal_, group);
+  const Eigen::MatrixXd left = root.solve(beside.transpose());  // i U'
+  const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
+  Eigen::MatrixXd inverse(count + more, count + more);
+  inverse.topLeftCorner(count, count) = inverse_ + beside * left;
+  inverse.topRightCorner(count, more) = -left.transpose();
+  inverse.bottomLeftCorner(more, count) = -left;
+  inverse.bottomRightCorner(more, more) = root.solve(Eigen::MatrixXd::Identity(more, more));
+  Eigen::VectorXd solved(count + more), gradients(count + more);
+  solved.head(count) = solved_ - beside * own;
+  solved.tail(more) = own;
+  gradients.head(count) = gradient_;
+  gradients.tail(more) = gradient;
+  const std::vector<long> order = WithMoreAt(first_[place], more, count);
+  inverse_ = inverse(order, order);
+  solved_ = solved(order);
+  gradient_ = gradients(order);
+  log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  groups_.insert(groups_.begin() + static_cast<long>(place), &group);
+  scales_.insert(scales_.begin() + static_cast<long>(place), scale);
+  SetFirst();
+  SetResidual();
 }
+
+void Members::SetResidual() { residual_ = normal_->residual - Scales().cwiseProduct(gradient_).dot(solved_); }
 
 GivenOthers Members::Of(size_t group) const {
   const long first = first_[group], size = first_[group + 1] - first;
@@ -147,22 +198,18 @@ GivenOthers Members::Of(size_t group) const {
 
 Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
              const std::vector<double>& scales)
-    : normal_(normal), members_(normal, given), residual_(normal.residual) {
+    : normal_(normal), residual_(normal.residual) {
   if (given.empty()) return;
-  members_.Condition(scales);
-  const auto lower = members_.factor_.triangularView<Eigen::Lower>();
-  const Eigen::Index count = members_.num_columns();
-  Eigen::MatrixXd columns(normal.information.rows(), count);
-  Eigen::Index at = 0;
-  for (size_t k = 0; k < given.size(); ++k) {
-    columns.middleCols(at, given[k]->size()) = scales[k] * ColumnsOf(*given[k], normal.information);
-    at += given[k]->size();
-  }
+  Members members(normal, given);
+  members.Condition(scales);
+  const auto lower = members.factor_.triangularView<Eigen::Lower>();
+  const Eigen::Index count = members.num_columns();
   const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(count, count));
-  root_ = TallProduct(columns, inverse.transpose()).transpose();  // L^-1 of the rows: the information is symmetric
-  along_ = lower.solve(RowsOf(given, scales, normal.gradient)).col(0);
-  residual_ -= along_.squaredNorm();
-  log_det_ = members_.log_det_;
+  // L^-1 of the rows: the information is symmetric.
+  root_ = TallProduct(members.ScaledRowsOf(normal.information).transpose(), inverse.transpose()).transpose();
+  along_ = lower.solve(members.ScaledRowsOf(normal.gradient).col(0));
+  residual_ = members.residual();
+  log_det_ = members.log_det();
 }
 
 Eigen::MatrixXd Sweep::Taken(const ColumnGroup& group) const { return ColumnsOf(group, root_); }
@@ -181,38 +228,81 @@ Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const {
   return own;
 }
 
-Sweep::WithoutOne Sweep::Without(size_t group) const {
-  const long first = members_.first_[group], size = members_.first_[group + 1] - first;
+MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
+                         const std::vector<double>& scales)
+    : members_(normal, given), left_(normal.information), gradient_(normal.gradient) {
+  members_.Condition(scales);
+  if (given.empty()) {
+    solved_.resize(0, left_.cols());
+    return;
+  }
+  const Eigen::MatrixXd rows = members_.ScaledRowsOf(normal.information);
+  solved_ = members_.inverse_ * rows;
+  left_ -= TallProduct(rows.transpose(), solved_);
+  gradient_ -= rows.transpose() * members_.solved_;
+}
+
+void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
+  const long count = members_.num_columns(), more = group.size();
+  Eigen::MatrixXd rows(more, left_.cols());
+  ScaleRows(group, scale, left_, rows);
+  Eigen::MatrixXd inner = scale * ColumnsOf(group, rows);
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> factor(inner);
+  const Eigen::VectorXd along = factor.matrixL().solve(scale * Gradient(group));
+  const Eigen::MatrixXd beside = scale * ColumnsOf(group, solved_);
+  factor.matrixL().solveInPlace(rows);  // W
+  left_.noalias() -= rows.transpose() * rows;
+  gradient_.noalias() -= rows.transpose() * along;
+  factor.matrixU().solveInPlace(rows);  // T of the group
+  Eigen::MatrixXd solved(count + more, left_.cols());
+  solved.topRows(count) = solved_ - beside * rows;
+  solved.bottomRows(more) = rows;
+  members_.Insert(place, group, scale);
+  solved_ = solved(WithMoreAt(members_.First(place), more, count), Eigen::all);
+}
+
+void MovingSweep::Remove(size_t group) {
+  const long first = members_.First(group), size = members_.SizeOf(group);
+  const WithoutOne without = Without(group);
+  left_.noalias() += without.root.transpose() * without.root;
+  gradient_.noalias() += without.root.transpose() * without.along;
+  const std::vector<long> kept = AllBut(first, size, members_.num_columns());
   const Eigen::LLT<Eigen::MatrixXd> own(members_.inverse_.block(first, first, size, size));
-  // Rows of L^-T of the group alone.
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(root_.rows(), size);
-  rows.middleRows(first, size).setIdentity();
-  members_.factor_.triangularView<Eigen::Lower>().solveInPlace(rows);
+  const Eigen::MatrixXd beside = members_.inverse_(kept, Eigen::seqN(first, size));
+  solved_ = solved_(kept, Eigen::all) - beside * own.solve(Eigen::MatrixXd(solved_.middleRows(first, size)));
+  members_.Remove(group);
+}
+
+Eigen::MatrixXd MovingSweep::Information(const ColumnGroup& group) const {
+  const Eigen::MatrixXd block = left_(group.columns, group.columns);
+  if (group.mixing.size() == 0) return block;
+  return group.mixing.transpose() * block * group.mixing;
+}
+
+Eigen::VectorXd MovingSweep::Gradient(const ColumnGroup& group) const {
+  const Eigen::VectorXd own = gradient_(group.columns);
+  if (group.mixing.size() == 0) return own;
+  return group.mixing.transpose() * own;
+}
+
+MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
+  const long first = members_.First(group), size = members_.SizeOf(group);
+  const Eigen::LLT<Eigen::MatrixXd> own(members_.inverse_.block(first, first, size, size));
   WithoutOne without;
-  without.root = own.matrixL().solve(rows.transpose() * root_);
+  without.root = own.matrixL().solve(solved_.middleRows(first, size));
   without.along = own.matrixL().solve(members_.solved_.segment(first, size));
-  without.residual = residual_ + without.along.squaredNorm();
-  without.log_det = log_det_ + 2.0 * own.matrixLLT().diagonal().array().log().sum();
+  without.residual = members_.residual() + without.along.squaredNorm();
+  without.log_det = members_.log_det() + 2.0 * own.matrixLLT().diagonal().array().log().sum();
   return without;
 }
 
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                      const std::vector<double>& scales) {
-  const Eigen::MatrixXd rows = RowsOf(groups, scales, normal.information);
-  Eigen::MatrixXd inner = RowsOf(groups, scales, rows.transpose());
-  inner.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> factor(inner);
-  Eigen::VectorXd scale(inner.rows());
-  int at = 0;
-  for (size_t k = 0; k < groups.size(); ++k) {
-    scale.segment(at, groups[k]->size()).setConstant(scales[k]);
-    at += groups[k]->size();
-  }
-  GroupValues result;
-  result.values = -scale.cwiseProduct(factor.solve(RowsOf(groups, scales, normal.gradient)).col(0));
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(inner.rows(), inner.rows());
-  result.covariance = scale.asDiagonal() * factor.solve(identity) * scale.asDiagonal();
-  return result;
+  Members members(normal, groups);
+  members.Condition(scales);
+  const Eigen::VectorXd scale = members.Scales();
+  return {-scale.cwiseProduct(members.solved_), scale.asDiagonal() * members.inverse_ * scale.asDiagonal()};
 }
 
 }  // namespace sagitta

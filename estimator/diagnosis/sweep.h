@@ -2,7 +2,6 @@
 //
 //   L L' = I + s^2 M'GM,  W = L^-1 s M'G,  w = L^-1 s M'g:   G <- G - W'W,  g <- g - W'w,  R <- R - w'w.
 //
-// Blocks of what is left are computed when asked for; the whole matrix is never copied.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,6 +20,16 @@ struct ColumnGroup {
   int size() const { return static_cast<int>(mixing.size() > 0 ? mixing.cols() : static_cast<long>(columns.size())); }
 };
 
+// Values of the groups' coefficients, in typical sizes, and their covariance: -(M'GM + I/s^2)^-1 M'g, as the residual
+// is predicted - measured.
+struct GroupValues {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd covariance;
+};
+// scales: prior standard deviation of each group, in typical sizes.
+GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
+                     const std::vector<double>& scales);
+
 // One more group given others, or without one of them: what GainOf needs and what the evidence is without it.
 struct GivenOthers {
   Eigen::MatrixXd information;
@@ -36,36 +45,53 @@ struct GivenOthers {
 //
 //   A <- R^-1 (A - A_k e (I + e A_kk)^-1 A_k') R^-1,   log |Q| += log |I + e A_kk| + 2 n_k log r
 //
-// and without it  A <- A - A_k A_kk^-1 A_k',  log |Q| += log |A_kk|,  of the other groups' rows and columns.
+// without it  A <- A - A_k A_kk^-1 A_k',  log |Q| += log |A_kk|,  of the other groups' rows and columns; and with one
+// more, of which Q has the column q and the corner c: U = A q, i = (c - q'U)^-1,
+//
+//   A <- [A + U i U', -U i; -i U', i],   t_k = i (s_k g_k - q't),  t <- t - U t_k,   log |Q| -= log |i|
 class Members {
  public:
-  Members(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups);
+  Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups);
 
   void Condition(const std::vector<double>& scales);
-  // After Condition: the same with another scale of one group; without one of them.
+  // After Condition: the same with another scale of one group; without one; with one more at a place.
   void Rescale(size_t group, double scale);
-  Members Without(size_t group) const;
+  void Remove(size_t group);
+  void Insert(size_t place, const ColumnGroup& group, double scale);
   const std::vector<double>& scales() const { return scales_; }
   GivenOthers Of(size_t group) const;
   double residual() const { return residual_; }
+  double log_det() const { return log_det_; }
+  size_t size() const { return groups_.size(); }
   int num_columns() const { return static_cast<int>(gradient_.size()); }
+  // Where a group's columns begin among those of all.
+  long First(size_t group) const { return first_[group]; }
+  long SizeOf(size_t group) const { return groups_[group]->size(); }
+  // s M'v of all groups, one after the other; v: a row for each column of the normal equations.
+  Eigen::MatrixXd ScaledRowsOf(const Eigen::MatrixXd& v) const;
 
  private:
   friend class Sweep;
+  friend class MovingSweep;
+  friend GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
+                              const std::vector<double>& scales);
 
+  Eigen::MatrixXd Information() const;  // M'GM
+  Eigen::VectorXd Scales() const;       // of every column
+  void SetFirst();
   void SetResidual();  // of gradient and t
 
-  std::vector<long> first_;  // column of each, and the end
-  Eigen::MatrixXd information_;
-  Eigen::VectorXd gradient_;
-  double residual_given_none_;
+  const ProjectedNormal* normal_;
+  std::vector<const ColumnGroup*> groups_;
+  std::vector<long> first_;   // column of each, and the end
+  Eigen::VectorXd gradient_;  // M'g
   std::vector<double> scales_;
   Eigen::MatrixXd factor_, inverse_;  // L, of the last Condition, and Q^-1
   Eigen::VectorXd solved_;            // t
   double residual_ = 0.0, log_det_ = 0.0;
 };
 
-// All other columns given groups and the scale of each.
+// All other columns given groups and the scale of each. Blocks of what is left are computed when asked for.
 class Sweep {
  public:
   Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given, const std::vector<double>& scales);
@@ -79,9 +105,34 @@ class Sweep {
   double residual() const { return residual_; }
   double log_det() const { return log_det_; }
 
-  // Given all but one of the groups: with T = L^-T W, C = (Q^-1)_kk,
-  //
-  //   G += T_k' C^-1 T_k,   g += T_k' C^-1 t_k,   R += t_k' C^-1 t_k,   log |Q| += log |C|
+ private:
+  const ProjectedNormal& normal_;
+  Eigen::MatrixXd root_;   // W
+  Eigen::VectorXd along_;  // w
+  double residual_ = 0.0;
+  double log_det_ = 0.0;  // of Q
+};
+
+// All columns given groups that come and go one at a time, at the cost of one pass over the matrix each: with
+// T = Q^-1 D M'G of all columns,
+//
+//   a group comes:  as above, G, g, R what is left before; T_k = L^-T W, T <- T - U T_k
+//   a group goes:   with C = A_kk: G += T_k' C^-1 T_k, g += T_k' C^-1 t_k, R += t_k' C^-1 t_k, log |Q| += log |C|,
+//                   T <- T - A_k C^-1 T_k
+class MovingSweep {
+ public:
+  MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
+              const std::vector<double>& scales);
+
+  void Insert(size_t place, const ColumnGroup& group, double scale);
+  void Remove(size_t group);
+
+  Eigen::MatrixXd Information(const ColumnGroup& group) const;
+  Eigen::VectorXd Gradient(const ColumnGroup& group) const;
+  double residual() const { return members_.residual(); }
+  const Members& members() const { return members_; }
+
+  // Given all but one of the groups: what it adds to G and g.
   struct WithoutOne {
     Eigen::MatrixXd root;   // C^(-1/2) T_k over all columns
     Eigen::VectorXd along;  // C^(-1/2) t_k
@@ -90,27 +141,14 @@ class Sweep {
   WithoutOne Without(size_t group) const;
 
  private:
-  const ProjectedNormal& normal_;
   Members members_;
-  Eigen::MatrixXd root_;   // W
-  Eigen::VectorXd along_;  // w
-  double residual_ = 0.0;
-  double log_det_ = 0.0;  // of Q
+  Eigen::MatrixXd left_, solved_;  // G and T
+  Eigen::VectorXd gradient_;
 };
 
 // Columns of a group out of a matrix over all columns.
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix);
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
 Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group);
-
-// Values of the groups' coefficients, in typical sizes, and their covariance: -(M'GM + I/s^2)^-1 M'g, as the residual
-// is predicted - measured.
-struct GroupValues {
-  Eigen::VectorXd values;
-  Eigen::MatrixXd covariance;
-};
-// scales: prior standard deviation of each group, in typical sizes.
-GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
-                     const std::vector<double>& scales);
 
 }  // namespace sagitta

@@ -89,8 +89,11 @@ void KeepThoseApart(FarRows* rows) {
 class Group {
  public:
   Group(const CalibrationProblem& problem, const FarRows& all)
-      : problem_(problem), all_(all), marker_(RowOf(all.far.front()).marker), station_(StationOf(all.far.front())) {
-    measured_ = MeasuredPoints(problem, all.far);
+      : problem_(problem),
+        all_(all),
+        marker_(RowOf(all.far.front()).marker),
+        station_(StationOf(all.far.front())),
+        measured_(MeasuredPoints(problem, all.far)) {
     for (size_t k = 0; k < all.far.size(); ++k) {
       one_marker_ = one_marker_ && RowOf(all.far[k]).marker == marker_;
       one_station_ = one_station_ && StationOf(all.far[k]) == station_;

@@ -63,12 +63,14 @@ std::vector<int> WithinReach(const CalibrationProblem& problem, const std::vecto
 // One visit's share of a check: `rows` index points of `check`.
 void CheckVisit(const Linearization& raw, const std::vector<double>& weights, double scale,
                 const std::vector<int>& points, PointCheck* check) {
-  const int n = 3 * static_cast<int>(points.size()), m = static_cast<int>(raw.latent.cols());
+  const bool deviates = raw.latent.cols() > 0;
+  // Where nothing deviates, one deviation that moves nothing: matrices have columns.
+  const int n = 3 * static_cast<int>(points.size()), m = deviates ? static_cast<int>(raw.latent.cols()) : 1;
   Eigen::VectorXd residual(n), variance(n);  // u without deviations; 1 / w
-  Eigen::MatrixXd latent(n, m);
+  Eigen::MatrixXd latent = Eigen::MatrixXd::Zero(n, m);
   for (size_t i = 0; i < points.size(); ++i) {
     residual.segment<3>(3 * i) = -raw.residual.segment<3>(3 * points[i]) / scale;  // measured - predicted
-    if (m > 0) latent.middleRows<3>(3 * i) = raw.latent.middleRows<3>(3 * points[i]) / scale;
+    if (deviates) latent.middleRows<3>(3 * i) = raw.latent.middleRows<3>(3 * points[i]) / scale;
     variance.segment<3>(3 * i).setConstant(1.0 / std::max(1e-8, weights[points[i]]));
   }
   // delta = (I + L'WL)^-1 L'W r;  V^-1 = W - W L (I + L'WL)^-1 L'W
@@ -82,8 +84,8 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
     const int k = points[i];
     const double own = variance[3 * i];
     check->distance[k] = rest.segment<3>(3 * i).norm();
-    check->expected[k] = 1.0 - (RowBlock(latent, 3 * i, 3) * plain.middleCols<3>(3 * i)).trace() / 3.0;
-    const Eigen::MatrixXd row = RowBlock(weighted, 3 * i, 3);
+    check->expected[k] = 1.0 - (latent.middleRows<3>(3 * i) * plain.middleCols<3>(3 * i)).trace() / 3.0;
+    const Eigen::MatrixXd row = weighted.middleRows<3>(3 * i);
     const Matrix3<double> precision = Matrix3<double>::Identity() / own - row * inverse * row.transpose();
     const Matrix3<double> spread = precision.inverse();
     const Vector3<double> error = spread * (rest.segment<3>(3 * i) / own);

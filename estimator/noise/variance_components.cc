@@ -28,10 +28,13 @@ CalibrationProblem WithReferenceDeviations(CalibrationProblem problem) {
   return problem;
 }
 
-// Without columns, where nothing is estimated, there is no memory to point into.
-Eigen::MatrixXd LastRows(const Eigen::MatrixXd& matrix, Eigen::Index count) {
-  if (matrix.cols() == 0) return Eigen::MatrixXd(count, 0);
-  return matrix.bottomRows(count);
+// Where nothing is estimated one parameter stands in that no reading knows, with a prior of zero and one: it adds
+// ln 1 = 0 to the likelihood, and no matrix is without columns.
+void StandIn(Linearization* all) {
+  all->jacobian = Eigen::MatrixXd::Zero(all->num_rows() + 1, 1);
+  all->jacobian.bottomRows(1).setOnes();
+  all->residual.conservativeResize(all->num_rows() + 1);
+  all->residual.tail(1).setZero();
 }
 
 // Root of an increasing function between `inside`, where it is negative, and `outside`, where it is `there`
@@ -70,9 +73,11 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   columns_ = all.num_columns();
   AppendPriors(parameters, &all);
   dof_ = all.num_rows() - columns_;
+  if (columns_ == 0) StandIn(&all);
+  columns_ = static_cast<int>(all.jacobian.cols());
   const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
   all.jacobian = Eigen::MatrixXd(all.jacobian * scale.asDiagonal());
-  const Eigen::MatrixXd priors = LastRows(all.jacobian, all.num_rows() - rows);
+  const Eigen::MatrixXd priors = all.jacobian.bottomRows(all.num_rows() - rows);
   const Eigen::VectorXd prior_residual = all.residual.tail(all.num_rows() - rows);
   prior_normal_ = priors.transpose() * priors;
   prior_product_ = priors.transpose() * prior_residual;
@@ -88,7 +93,7 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
     const int rest = static_cast<int>(deviation.rows()) - touched;
     const Eigen::MatrixXd upper = qr.matrixQR().topRows(touched).triangularView<Eigen::Upper>();
     visits_.push_back({residual.head(touched), jacobian.topRows(touched), upper});
-    const Eigen::MatrixXd below = LastRows(jacobian, rest);
+    const Eigen::MatrixXd below = jacobian.bottomRows(rest);
     rest_normal_ += below.transpose() * below;
     rest_product_ += below.transpose() * residual.tail(rest);
     rest_square_ += residual.tail(rest).squaredNorm();
@@ -132,14 +137,10 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
     factored.push_back(std::move(f));
   }
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
-  const Eigen::VectorXd x = columns_ > 0 ? Eigen::VectorXd(root.solve(product)) : Eigen::VectorXd();
-  result.chi2 = square;
-  if (columns_ > 0) {
-    result.chi2 -= product.dot(x);
-    result.deviance += 2.0 * Eigen::MatrixXd(root.matrixL()).diagonal().array().log().sum();
-    result.inverse = root.solve(Eigen::MatrixXd::Identity(columns_, columns_));
-  }
-  result.deviance += result.chi2;
+  const Eigen::VectorXd x = root.solve(product);
+  result.chi2 = square - product.dot(x);
+  result.deviance += 2.0 * Eigen::MatrixXd(root.matrixL()).diagonal().array().log().sum() + result.chi2;
+  result.inverse = root.solve(Eigen::MatrixXd::Identity(columns_, columns_));
   if (!with_derivatives) return result;
 
   // dD/dv_i = tr(V^-1 V_i) - tr(N^-1 J'V^-1 V_i V^-1 J) - e'V_i e,   e = P r.
@@ -170,11 +171,10 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
     pull += f.jacobian.transpose() * moved;
     info += moved.transpose() * f.root.solve(moved);
   }
-  for (int i = 0; i < n && columns_ > 0; ++i) {
+  for (int i = 0; i < n; ++i) {
     result.gradient[i] -= result.inverse.cwiseProduct(result.derivative[i]).sum();
   }
-  result.hessian = info;
-  if (columns_ > 0) result.hessian -= pull.transpose() * result.inverse * pull;
+  result.hessian = info - pull.transpose() * result.inverse * pull;
   return result;
 }
 

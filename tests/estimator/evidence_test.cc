@@ -185,9 +185,52 @@ TEST(Sweep, MembersFollowOneScaleAndOneGroup) {
       theirs.erase(theirs.begin() + static_cast<long>(k));
       Members of_others(normal, others);
       of_others.Condition(theirs);
-      expect_same(stepwise.Without(k), of_others);
+      Members left = stepwise;
+      left.Remove(k);
+      expect_same(left, of_others);
+      left.Insert(k, *groups[k], stepwise.scales()[k]);
+      expect_same(left, stepwise);
     }
   }
+}
+
+// Groups come and go in any order, to none and back: as if swept anew.
+TEST(Sweep, FollowsGroupsThatComeAndGo) {
+  const Small small(15, 3, 6, 31);
+  const ProjectedNormal normal = small.Normal();
+  const ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, third{{3}, {}}, asked{{3, 0}, {}};
+  MovingSweep moving(normal, {}, {});
+  std::vector<const ColumnGroup*> groups;
+  std::vector<double> scales;
+  const auto expect_same = [&] {
+    const Sweep anew(normal, groups, scales);
+    for (const ColumnGroup* group : {&first, &second, &third, &asked}) {
+      EXPECT_LT((moving.Information(*group) - anew.Information(*group)).norm(), 1e-9);
+      EXPECT_LT((moving.Gradient(*group) - anew.Gradient(*group)).norm(), 1e-9);
+    }
+    EXPECT_NEAR(moving.residual(), anew.residual(), 1e-9);
+    EXPECT_NEAR(moving.members().log_det(), anew.log_det(), 1e-9);
+  };
+  const auto insert = [&](size_t place, const ColumnGroup& group, double scale) {
+    moving.Insert(place, group, scale);
+    groups.insert(groups.begin() + static_cast<long>(place), &group);
+    scales.insert(scales.begin() + static_cast<long>(place), scale);
+    expect_same();
+  };
+  const auto remove = [&](size_t place) {
+    moving.Remove(place);
+    groups.erase(groups.begin() + static_cast<long>(place));
+    scales.erase(scales.begin() + static_cast<long>(place));
+    expect_same();
+  };
+  insert(0, second, 0.3);
+  insert(0, first, 3.0);
+  insert(1, third, 1.0);
+  remove(2);
+  remove(0);
+  remove(0);
+  insert(0, third, 0.1);
+  insert(1, second, 3.0);
 }
 
 // Of three groups each in turn: by leaving it out, and by taking it out of the sweep with all.
@@ -197,7 +240,7 @@ TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
   const ColumnGroup first{{1, 4}, {}}, second{{0, 2, 5}, Random(3, 2, 77)}, third{{3}, {}}, asked{{3, 0}, {}};
   const std::vector<const ColumnGroup*> groups = {&first, &second, &third};
   const std::vector<double> scales = {0.3, 2.0, 1.0};
-  const Sweep all(normal, groups, scales);
+  const MovingSweep all(normal, groups, scales);
   Members members(normal, groups);
   members.Condition(scales);
   for (size_t k = 0; k < groups.size(); ++k) {
@@ -206,7 +249,7 @@ TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
     others.erase(others.begin() + static_cast<long>(k));
     theirs.erase(theirs.begin() + static_cast<long>(k));
     const Sweep direct(normal, others, theirs);
-    const Sweep::WithoutOne without = all.Without(k);
+    const MovingSweep::WithoutOne without = all.Without(k);
     const Eigen::MatrixXd back = ColumnsOf(asked, without.root);
     EXPECT_LT((all.Information(asked) + back.transpose() * back - direct.Information(asked)).norm(), 1e-9);
     EXPECT_LT((all.Gradient(asked) + back.transpose() * without.along - direct.Gradient(asked)).norm(), 1e-9);

@@ -33,8 +33,8 @@ std::vector<Vector3<double>> ArmOf(const ForwardModel& model, const std::vector<
 }  // namespace
 
 Workspace::Workspace(const ForwardModel& model, const std::vector<double>& theta,
-                     const std::vector<Configuration>& configurations) {
-  arms_ = {{"names", Json::array()}, {"poses", Json::array()}, {"polylines", Json::array()}};
+                     const std::vector<Configuration>& configurations)
+    : arms_({{"names", Json::array()}, {"poses", Json::array()}, {"polylines", Json::array()}}) {
   const size_t step = (configurations.size() + kMostArms - 1) / kMostArms;
   for (size_t c = 0; c < configurations.size(); c += step) {
     Json polyline = Json::array();
