@@ -74,7 +74,7 @@ void DecideRank(bool misfit, LinearState* state) {
 void AlignRigid(const CalibrationProblem& problem, ParameterSet* parameters) {
   CalibrationProblem unloaded = problem;
   std::vector<bool> station(problem.data().stations.size()), marker(problem.data().markers.size());
-  for (Observation& observation : unloaded.data().observations) {
+  for (Observation& observation : unloaded.mutable_data()->observations) {
     const Shot& shot = unloaded.data().shots[observation.shot];
     observation.excluded |= IsLoaded(shot);
     if (observation.excluded || unloaded.data().IsValidation(observation)) continue;

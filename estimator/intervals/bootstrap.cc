@@ -126,7 +126,7 @@ std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions&
     } else {
       const ParameterSet truth = DrawTruth(estimate, SeedOf(~options.seed, i));
       const Simulator redraw = RedrawAt(setup.problem, truth, scale, fallback);
-      if (redraw.Draw(seed, &copies[worker].data)) {
+      if (redraw.Draw(seed, copies[worker].mutable_data())) {
         replicates[i] = MakeReplicate(setup, copies[worker], truth, {}, prior_seed);
       }
     }

@@ -238,8 +238,8 @@ Eigen::MatrixXd PoseRows::At(const PlannedPose& pose) {
     if (!Expect(pose.way)) return Eigen::MatrixXd();
   } else {  // not measured: derivatives are those of the prediction
     for (const int k : observations) {
-      problem.data().observations[k].point_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
-      problem.data().observations[k].rotation_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+      problem.mutable_data()->observations[k].point_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
+      problem.mutable_data()->observations[k].rotation_in_station.setConstant(std::numeric_limits<double>::quiet_NaN());
     }
   }
   const Linearization rows = LinearizeByModel(problem, problem.parameters, observations, numbers_.columns,

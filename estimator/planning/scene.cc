@@ -234,7 +234,7 @@ void ExpectReadings(PlanScene* scene) {
   std::vector<int> kept, ways;
   for (size_t i = 0; i < scene->candidates.size(); ++i) {
     if (!holds(scene->candidates[i])) {
-      ++scene->infeasible[LoadFoldsArm()];
+      ++scene->infeasible[HasNoEquilibrium()];
       continue;
     }
     kept.push_back(scene->candidates[i]);

@@ -158,6 +158,6 @@ std::string SightsAreOpen(const std::string& stations) { return "lines of sight 
 
 std::string WaysAreOpen() { return "the way from one pose to the next"; }
 
-std::string LoadFoldsArm() { return "the load folds the arm: no equilibrium"; }
+std::string HasNoEquilibrium() { return "the load folds the arm: no equilibrium"; }
 
 }  // namespace sagitta

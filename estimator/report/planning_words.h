@@ -43,7 +43,7 @@ std::string CapsulesAreChecked();
 std::string SightIsChecked(const std::string& station);
 std::string SightsAreOpen(const std::string& stations);
 std::string WaysAreOpen();
-std::string LoadFoldsArm();
+std::string HasNoEquilibrium();
 
 // How near the plan is to the best one; of a criterion without a certificate, why that is not known.
 std::string CertificateInWords(const Plan& plan);

@@ -1,4 +1,4 @@
-// The catalogue of effects: one list, in the order of FORMATS section 5 (ties go
+// The catalogue of effects: one list, in the order of FORMATS section 5 (equals go
 // to the earlier). The gravity compensator, whose torque is not linear in its
 // parameters, has its home in the robot (gravity_compensator.h).
 #pragma once

@@ -127,7 +127,7 @@ DiagnosedModel OffBy(const Distance& distance) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, problem.parameters, held_out);
   std::map<int, int> numbers;  // of the configurations, in order
   for (size_t k = 0; k < held_out.size(); ++k) {
-    Observation& row = problem.data().observations[static_cast<size_t>(held_out[k])];
+    Observation& row = problem.mutable_data()->observations[static_cast<size_t>(held_out[k])];
     const int c = problem.data().shots[static_cast<size_t>(row.shot)].configuration;
     const int number = numbers.emplace(c, static_cast<int>(numbers.size())).first->second;
     row.point_in_station = predicted.col(static_cast<long>(k)) + distance(number) * Vector3<double>::UnitY();
@@ -212,7 +212,7 @@ TEST(DiagnosisFormulas, OutliersAreJudgedAsTheWorstOfAll) {
   ASSERT_EQ(rows.size(), 90u);
   const auto found = [&](double square) {
     CalibrationProblem problem = *fit.problem;
-    Observation& row = problem.data().observations[static_cast<size_t>(rows[31])];
+    Observation& row = problem.mutable_data()->observations[static_cast<size_t>(rows[31])];
     row.point_in_station = fit.estimate.predicted.col(rows[31]) + kSigma * std::sqrt(square) * Vector3<double>::UnitX();
     return FindOutliers(problem, fit.estimate.parameters, rows, 1e-3, false, 0);
   };

@@ -185,7 +185,7 @@ TEST(DiagnosisOutliers, HeldOutRowsAreJudgedByTheirBodyAlone) {
 TEST(DiagnosisNoise, BodiesAreRigidEachForItself) {
   DiagnosedModel model = Healthy(2);
   CalibrationProblem problem = *model.problem;
-  for (Observation& observation : problem.data().observations) {
+  for (Observation& observation : problem.mutable_data()->observations) {
     if (observation.marker == 2) observation.point_in_station.y() += 3e-3 * std::sin(observation.shot);
   }
   const auto together = InstrumentNoiseScale(problem, model.estimate.parameters, 0.01);

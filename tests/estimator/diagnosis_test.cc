@@ -165,7 +165,7 @@ TEST(Diagnosis, PlayNeedsADirectionThatVaries) {
 // Where no joint moves and no time is stated there is nothing that could drive anything.
 TEST(Diagnosis, OnePoseWithoutTimeHasAVerdict) {
   CalibrationProblem problem = Moved(5, [](Eigen::VectorXd* q) { q->setConstant(0.3); });
-  for (Configuration& configuration : problem.data().configurations) configuration.q.setConstant(0.3);
+  for (Configuration& configuration : problem.mutable_data()->configurations) configuration.q.setConstant(0.3);
   for (ShotInput& shot : *problem.mutable_shot_inputs()) {
     shot.conditions.q.setConstant(0.3);
     shot.conditions.has_time = false;
@@ -274,7 +274,7 @@ TEST(Diagnosis, StatedRepeatabilityBesideAWrongSigmaIsNoFinding) {
 // extended one.
 TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 300e-6 * std::cos(2 * q) - 200e-6 * std::sin(2 * q); });
-  for (Observation& observation : problem.data().observations) {
+  for (Observation& observation : problem.mutable_data()->observations) {
     observation.sigma.setZero();
     observation.excluded = observation.marker != 0;
   }
@@ -289,7 +289,7 @@ TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
 // Asked for, too, it takes nothing away from what has a name.
 TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
   CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); });
-  for (Observation& observation : problem.data().observations) observation.sigma.setZero();
+  for (Observation& observation : problem.mutable_data()->observations) observation.sigma.setZero();
   problem.mutable_experiment()->noise.from = NoiseSpec::From::kVarianceComponents;
   problem.mutable_experiment()->repeatability.angle.estimate = true;
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());

@@ -35,7 +35,7 @@ double Harmonic(double q) { return kAmplitude * std::sin(3 * q); }
 DiagnosedModel WithHarmonicOfA4() {
   DiagnosedModel model = Healthy();
   auto problem = std::make_shared<CalibrationProblem>(*model.problem);
-  for (Observation& row : problem->data().observations) {
+  for (Observation& row : problem->mutable_data()->observations) {
     Eigen::VectorXd q = problem->data().ConfigurationOf(row).q;
     q[kA4] += Harmonic(q[kA4]);
     row.point_in_station = test::ExactPoint(test::Kr270Truth(), q, row.marker, 0);

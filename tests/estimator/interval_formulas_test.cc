@@ -126,7 +126,7 @@ TEST(IntervalFormulas, ProfileAtAnEstimatedNoise) {
   test::Kr270Design design;
   design.configurations = 30;
   CalibrationProblem problem = test::Kr270Problem(design, test::Kr270Truth(), 3);
-  for (Observation& row : problem.data().observations) row.sigma.setZero();
+  for (Observation& row : problem.mutable_data()->observations) row.sigma.setZero();
   const Estimate estimate = EstimateJointly(problem);
   Estimate profiled = estimate;
   ProfileOptions options;

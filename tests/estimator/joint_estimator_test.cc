@@ -93,7 +93,7 @@ TEST(JointEstimator, AnyBaseRotationAndUnknownToolsConvergeToTheSameOptimum) {
     // The same noise seen from another base is other noise: rotate it along.
     test::MeasureKr270(truth, 0.0, 1, problem.mutable_data());
     NormalNumbers normal(5);
-    for (Observation& observation : problem.data().observations) {
+    for (Observation& observation : problem.mutable_data()->observations) {
       const Vector3<double> noise = test::RandomVector(normal);
       observation.point_in_station += RotationFromVector(truth.base_rotvec[0]) * noise * design.sigma;
     }
@@ -107,7 +107,7 @@ TEST(JointEstimator, AnyBaseRotationAndUnknownToolsConvergeToTheSameOptimum) {
 TEST(JointEstimator, SigmaIsEstimatedWhereNothingStatesIt) {
   const Kr270Truth truth;
   CalibrationProblem problem = Kr270Problem(Kr270Design(), truth, 11);
-  for (Observation& observation : problem.data().observations) observation.sigma.setZero();
+  for (Observation& observation : problem.mutable_data()->observations) observation.sigma.setZero();
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
   EXPECT_FALSE(estimate.sigma.stated);
@@ -118,7 +118,7 @@ TEST(JointEstimator, SigmaIsEstimatedWhereNothingStatesIt) {
 TEST(JointEstimator, TooSmallStatedSigmaScalesTheIntervalsAndSaysSo) {
   const Kr270Truth truth;
   CalibrationProblem problem = Kr270Problem(Kr270Design(), truth, 12);
-  for (Observation& observation : problem.data().observations) observation.sigma.setConstant(1e-5);
+  for (Observation& observation : problem.mutable_data()->observations) observation.sigma.setConstant(1e-5);
   const Estimate estimate = EstimateJointly(problem);
   ASSERT_EQ(estimate.status, Status::kConverged) << estimate.message;
   EXPECT_TRUE(estimate.sigma.scaled);

@@ -40,7 +40,7 @@ TEST_F(RealIntervalsTest, PredictedValidationRmsOverTenFolds) {
   experiment.validation.column = "group";
   experiment.validation.values = {"random"};
   CalibrationProblem problem = test::RealProblem("ur5_gts3800", {"measurements.csv"}, experiment);
-  for (Observation& observation : problem.data().observations)
+  for (Observation& observation : problem.mutable_data()->observations)
     observation.excluded = problem.data().IsValidation(observation);
   std::vector<int> grid;
   for (size_t c = 0; c < problem.data().configurations.size(); ++c) {

@@ -71,7 +71,8 @@ TEST(Refit, AWeightOfTwoIsTheRowTwice) {
 TEST(Bootstrap, ParametricAgreesWithTheModelWhereTheModelHolds) {
   const test::Kr270Truth truth;
   CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 3);
-  for (Observation& observation : problem.data().observations) observation.sigma.setZero();  // estimated: Student's t
+  for (Observation& observation : problem.mutable_data()->observations)
+    observation.sigma.setZero();  // estimated: Student's t
   const Estimate model = EstimateJointly(problem);
   Estimate drawn = model;
   BootstrapOptions options;

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "estimator/report/planning_words.h"
+#include "problems/io/files.h"
 #include "problems/text.h"
 
 namespace sagitta {

@@ -15,8 +15,6 @@
 
 namespace sagitta {
 
-constexpr double kMicro = 1e-6;  // um, or urad/(N m)
-
 // Files below the data folder (problems/published); SI where they are no JSON.
 struct PublishedData {
   nlohmann::json tables;       // kr270/published.json
