@@ -36,7 +36,7 @@ KnownRobot Estimated(const Kr270Truth& truth, std::uint64_t seed, const std::vec
 
 std::string NamesOf(const Changes& changes) {
   std::string names;
-  for (const Change& change : changes.changes) names += change.what + "/" + change.target + " ";
+  for (const Change& change : changes.changes) names += WordOf(change.kind) + "/" + change.target + " ";
   return names;
 }
 

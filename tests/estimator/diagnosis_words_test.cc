@@ -27,7 +27,7 @@ DiagnosisStep Step(const std::string& effect, const std::string& target, double 
 // 41 steps of six effects on a robot whose gap is closed by 90 %.
 Diagnosis Large() {
   Diagnosis d;
-  d.verdict = "partly";
+  d.verdict = DiagnosisVerdict::kPartly;
   d.status = Status::kConverged;
   const test::Kr270Design design;
   d.final.problem = std::make_shared<CalibrationProblem>(test::Kr270Problem(design, test::Kr270Truth(), 1));
@@ -65,7 +65,7 @@ TEST(DiagnosisWords, AVerdictOfFortyOneStepsHasFiveLines) {
 
 TEST(DiagnosisWords, OneStepIsOneSentence) {
   Diagnosis d = Large();
-  d.verdict = "explained";
+  d.verdict = DiagnosisVerdict::kExplained;
   d.steps.resize(1);
   d.groups = {{"joint_harmonic", {0}, 1.0}};
   EXPECT_EQ(VerdictLines(d).size(), 1u);

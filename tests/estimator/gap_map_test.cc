@@ -77,7 +77,7 @@ TEST(GapMap, IsDrawnOverWhatVaries) {
   EXPECT_EQ(names(), std::vector<std::string>{"A4"});  // no loads, no time, no directions
   auto problem = std::make_shared<CalibrationProblem>(*model.problem);
   for (size_t s = 0; s < problem->shot_inputs().size(); ++s) {
-    ShotConditions& conditions = problem->shot_inputs()[s].conditions;
+    ShotConditions& conditions = (*problem->mutable_shot_inputs())[s].conditions;
     conditions.has_time = true;
     conditions.time = 60.0 * static_cast<double>(s);
     conditions.approach = {1, 1, 1, s % 2 == 0 ? 1 : -1, 1, 1};

@@ -80,7 +80,7 @@ TEST(MeasuredTorque, IsComparedWithTheModelInWords) {
     CalibrationProblem problem = loads;
     for (size_t s = 0; s < problem.data().shots.size(); ++s) {
       const Matrix3<double> base = problem.parameters.BaseInStation(problem.data().shots[s].station).rotation;
-      problem.data().shots[s].joint_torques =
+      problem.mutable_data()->shots[s].joint_torques =
           factor * problem.model().ModelledJointTorques(problem.shot_inputs()[s], theta.data(), base);
     }
     return CompareTorques(problem, problem.parameters);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <numeric>
 
 #include "estimator/noise/repeatability.h"
 #include "tests/support/noise_experiment.h"
@@ -124,14 +125,22 @@ TEST(VarianceComponents, ExactJointsEndAtZeroOrCannotBeToldFromIt) {
 
 // Asking for the revolute joints' leaves what is stated for the prismatic one.
 TEST(VarianceComponents, WhatIsStatedForTheOtherKindStays) {
-  Measured setup = MakeMeasured(false, 700);
-  setup.problem.robot().chain.joints[2].type = JointType::kPrismatic;
-  RepeatabilitySpec& spec = setup.problem.experiment().repeatability;
-  spec = RepeatabilitySpec();
-  spec.angle.estimate = true;
-  spec.length.common = 5e-6;
+  const Measured setup = MakeMeasured(false, 700);
+  Robot robot = setup.problem.robot();
+  robot.chain.joints[2].type = JointType::kPrismatic;
+  Experiment experiment = setup.problem.experiment();
+  experiment.repeatability = RepeatabilitySpec();
+  experiment.repeatability.angle.estimate = true;
+  experiment.repeatability.length.common = 5e-6;
+  CalibrationProblem problem = MakeCalibrationProblem(robot, setup.problem.data(), experiment);
+  std::vector<int> all(problem.data().observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  // The residuals that the revolute arm had.
+  const Eigen::Matrix3Xd shift =
+      PredictPoints(problem, problem.parameters, all) - PredictPoints(setup.problem, setup.estimate.parameters, all);
+  for (const int i : all) problem.mutable_data()->observations[i].point_in_station += shift.col(i);
   RepeatabilityChoice choice;
-  FindComponents(setup.problem, setup.estimate.parameters, true, 0, &choice);
+  FindComponents(problem, problem.parameters, true, 0, &choice);
   int stated = 0;
   for (const DeviationGroup& group : choice.groups) {
     const bool has_slide = std::count(group.joints.begin(), group.joints.end(), 2) > 0;

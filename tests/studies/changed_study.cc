@@ -94,7 +94,7 @@ void Run(const Case& one, int pairs, std::uint64_t first) {
     bool any_sure = false, is_among = false;
     for (const Change& change : found.changes) {
       any_sure |= change.probability > 0.95;
-      const bool is_right = change.what + "/" + change.target == one.name;
+      const bool is_right = WordOf(change.kind) + "/" + change.target == one.name;
       is_among |= is_right;
       if (!is_right) continue;
       ++known;
