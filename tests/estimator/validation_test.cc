@@ -176,24 +176,24 @@ TEST(Trust, ACorrectionLargerThanArmsNeedIsSaid) {
 TEST(CrossValidation, LearntWeightsAreKept) {
   const CalibrationProblem plain = Problem();
   double least = 1e300, most = -1e300;  // of A3, the last seen once
-  for (const Configuration& configuration : plain.data.configurations) {
+  for (const Configuration& configuration : plain.data().configurations) {
     least = std::min(least, configuration.q[2] / kDegree);
     most = std::max(most, configuration.q[2] / kDegree);
   }
-  Robot robot = plain.robot;
+  Robot robot = plain.robot();
   EffectSpec learnt{
       "learnt_deviation",
       "A3",
       {{"by", "q"}, {"driver", "A3"}, {"from", std::to_string(least)}, {"to", std::to_string(most)}, {"knots", "25"}},
       std::vector<double>(25, 0.0)};
   robot.effects.push_back(learnt);
-  const CalibrationProblem kept = MakeCalibrationProblem(robot, plain.data, plain.experiment);
+  const CalibrationProblem kept = MakeCalibrationProblem(robot, plain.data(), plain.experiment());
   const CrossValidation found = CrossValidate(kept, EstimateJointly(kept), 1);
   const CrossValidation without = CrossValidate(plain, EstimateJointly(plain), 1);
   EXPECT_NEAR(found.unseen.distance_max / without.unseen.distance_max, 1.0, 1e-6);
-  Experiment all = plain.experiment;
+  Experiment all = plain.experiment();
   all.estimate.effects.kind = Selection::Kind::kAll;
-  const CalibrationProblem free = MakeCalibrationProblem(robot, plain.data, all);
+  const CalibrationProblem free = MakeCalibrationProblem(robot, plain.data(), all);
   EXPECT_EQ(free.parameters.EstimatedCoordinates().size(), kept.parameters.EstimatedCoordinates().size() + 25);
 }
 
