@@ -12,17 +12,17 @@ namespace {
 constexpr double kLeastWeight = 1e-6;
 constexpr double kUnmoved = 1e-6;  // of the range: rounding along what no row sees
 
-double Reference(const CalibrationProblem& problem, const ParameterSet& aligned, int coordinate) {
-  const ParameterBlock& block = aligned.blocks()[aligned.coordinates()[coordinate].block];
-  return (block.kind == BlockKind::kStationTranslation ? aligned : problem.parameters).Value(coordinate);
-}
-
 double ColumnNorm(const Linearization& rows, int coordinate) {
   const auto column = std::find(rows.columns.begin(), rows.columns.end(), coordinate);
   return column == rows.columns.end() ? 0.0 : rows.jacobian.col(column - rows.columns.begin()).norm();
 }
 
 }  // namespace
+
+double ReferenceOf(const CalibrationProblem& problem, const ParameterSet& aligned, int coordinate) {
+  const ParameterBlock& block = aligned.blocks()[aligned.coordinates()[coordinate].block];
+  return (block.kind == BlockKind::kStationTranslation ? aligned : problem.parameters).Value(coordinate);
+}
 
 ParameterSet ReleaseHeld(const CalibrationProblem& problem, const ParameterSet& parameters, const ParameterSet& aligned,
                          const Linearization& here, double noise_scale) {
@@ -34,7 +34,7 @@ ParameterSet ReleaseHeld(const CalibrationProblem& problem, const ParameterSet& 
     if (coordinate.prior_sigma > 0.0) continue;
     const double weight = std::max(noise_scale / PhysicalRange(coordinate), kLeastWeight * ColumnNorm(here, i));
     coordinate.prior_sigma = 1.0 / weight;
-    coordinate.prior_value = Reference(problem, aligned, i);
+    coordinate.prior_value = ReferenceOf(problem, aligned, i);
   }
   return released;
 }

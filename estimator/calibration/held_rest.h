@@ -19,6 +19,9 @@ namespace sagitta {
 ParameterSet ReleaseHeld(const CalibrationProblem& problem, const ParameterSet& parameters, const ParameterSet& aligned,
                          const Linearization& here, double noise_scale);
 
+// h0 of a coordinate, SI.
+double ReferenceOf(const CalibrationProblem& problem, const ParameterSet& aligned, int coordinate);
+
 // The values of `released`, held again as in `parameters`; what has not left its h0 stands on it exactly.
 ParameterSet HoldAgain(const ParameterSet& parameters, const ParameterSet& released);
 

@@ -2,7 +2,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <optional>
+#include <set>
 
+#include "estimator/calibration/held_rest.h"
+#include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/held_influence.h"
+#include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/row_sums.h"
@@ -28,13 +34,59 @@ struct Fold {
   PredictedSums predicted;  // of its points
   Eigen::MatrixXd total;    // of `rows`
   Eigen::VectorXd step;     // of the fit without it, SI
+  bool loses = false;       // the fit without it holds more than the whole
 };
 
+// What the fit without a fold would hold rests where such a fit lets it rest (held_rest.h): the same weak prior about
+// the same place. One step along a direction that is hardly measured any more would go anywhere. left: [J r]'[J r].
+// False: nothing is lost.
+bool AddRest(const CalibrationProblem& problem, const Estimate& estimate, const std::vector<int>& columns, double noise,
+             Eigen::MatrixXd* left) {
+  constexpr double kLeastWeight = 1e-6;  // of a column's norm: normal equations do not lose it in rounding
+  const ParameterSet& aligned = estimate.aligned.num_coordinates() > 0 ? estimate.aligned : problem.parameters;
+  NormalSums sums;
+  sums.columns = columns;
+  sums.matrix = *left;
+  sums.valid = true;
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  const std::vector<int> lost = FindUnidentifiable(Condense(sums), estimate.parameters, noise).columns;
+  for (const int c : lost) {
+    const int i = columns[static_cast<size_t>(c)];
+    const Coordinate& coordinate = estimate.parameters.coordinates()[i];
+    if (coordinate.prior_sigma > 0.0) continue;
+    const double weight = std::max(noise / PhysicalRange(coordinate), kLeastWeight * std::sqrt((*left)(c, c)));
+    (*left)(c, c) += weight * weight;
+    // Single axes of a rotation have no value of their own: they stay where the whole has them.
+    if (IsRotation(estimate.parameters.blocks()[coordinate.block].kind)) continue;
+    const double off = estimate.parameters.Value(i) - ReferenceOf(problem, aligned, i);
+    (*left)(c, n) += weight * weight * off;
+    (*left)(n, c) = (*left)(c, n);
+  }
+  return !lost.empty();
+}
+
+// A calibration without the listed rows, where the others see every station and marker. Nothing: it has no result.
+std::optional<ParameterSet> CalibrateWithout(const CalibrationProblem& problem, const std::vector<int>& left_out) {
+  CalibrationProblem rest = problem;
+  for (const int i : left_out) rest.data.ExcludeRow(i);
+  std::set<int> stations, markers;
+  for (const int i : rest.CalibrationObservations()) {
+    stations.insert(rest.data.shots[rest.data.observations[i].shot].station);
+    markers.insert(rest.data.observations[i].marker);
+  }
+  for (const int i : left_out) {
+    const Observation& row = problem.data.observations[i];
+    if (stations.count(problem.data.shots[row.shot].station) + markers.count(row.marker) < 2) return std::nullopt;
+  }
+  const Estimate estimate = EstimateJointly(rest);
+  if (!IsUsable(estimate.status)) return std::nullopt;
+  return estimate.parameters;
+}
+
 // The fit without one fold, by one Gauss-Newton step: its step, and R with R R' = (J'J)^-1. What only this fold
-// measures is left where the whole has it: the step that is least. sums: [J r]'[J r] of all, SI; scale: of a unit of
-// each column.
-Eigen::MatrixXd Leave(const Eigen::MatrixXd& sums, const Eigen::VectorXd& scale, Fold* fold) {
-  const Eigen::MatrixXd left = sums - fold->total;
+// measures is left where the whole has it: the step that is least. left: [J r]'[J r] of the others, SI; scale: of a
+// unit of each column.
+Eigen::MatrixXd Leave(const Eigen::MatrixXd& left, const Eigen::VectorXd& scale, Fold* fold) {
   const auto n = scale.size();
   const Eigen::MatrixXd normal = scale.asDiagonal() * left.topLeftCorner(n, n) * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
@@ -102,7 +154,11 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   for (Fold& fold : folds) sums += fold.total = fold.rows.Total();
   const Eigen::VectorXd scale = sums.diagonal().head(n).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   std::vector<Eigen::MatrixXd> of_fits;
-  for (Fold& fold : folds) of_fits.push_back(Leave(sums, scale, &fold));
+  for (Fold& fold : folds) {
+    Eigen::MatrixXd left = sums - fold.total;
+    fold.loses = AddRest(problem, estimate, columns, NoiseOf(estimate.sigma), &left);
+    of_fits.push_back(Leave(left, scale, &fold));
+  }
 
   const std::vector<int> quoted = problem.data().PointsAmong(observations);
   Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
@@ -123,6 +179,24 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
       fold.predicted.Add(scatter[i], own);
     }
   });
+  // What is held besides moves what was held before: no step from the whole finds that. A fold without which something
+  // is not measured is calibrated without.
+  for (int f = 0; f < count; ++f) {
+    if (!folds[static_cast<size_t>(f)].loses) continue;
+    std::vector<int> left_out;
+    for (const int i : observations) {
+      if (&fold_at(i) == &folds[static_cast<size_t>(f)]) left_out.push_back(i);
+    }
+    const std::optional<ParameterSet> rest = CalibrateWithout(problem, left_out);
+    if (!rest) continue;
+    const std::vector<int> own = problem.data.PointsAmong(left_out);
+    const Eigen::Matrix3Xd points_without = PredictPoints(problem, *rest, own);
+    for (size_t k = 0; k < own.size(); ++k) {
+      const auto place = std::lower_bound(quoted.begin(), quoted.end(), own[k]) - quoted.begin();
+      errors.col(place) =
+          problem.data.observations[own[k]].point_in_station - points_without.col(static_cast<Eigen::Index>(k));
+    }
+  }
   PredictedSquares predicted;
   for (int f = 0; f < count; ++f) {
     const PredictedSquares own = folds[f].predicted.Squares(NoiseOf(estimate.sigma) * of_fits[f]);

@@ -4,7 +4,8 @@
 //   x_f = x - (N - J_f' J_f)^-1 (g - J_f' r_f),    N = J'J and g = J'r of all rows,
 //
 // one Gauss-Newton step from the estimate of all rows. Whole configurations, those with equal joint values together:
-// their rows share the robot's error. What is held stays held.
+// their rows share the robot's error. What is held stays held; a fold without which more would be held is calibrated
+// without it, in full.
 #pragma once
 
 #include <cstdint>

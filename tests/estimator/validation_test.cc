@@ -171,6 +171,43 @@ TEST(Trust, ACorrectionLargerThanArmsNeedIsSaid) {
   EXPECT_THAT(JudgeTrust(problem, 1, &clean).verdict.words, ::testing::Not(HasSubstr("from the robot file")));
 }
 
+// One configuration alone tilts the flange: the fold that holds it out leaves the marker unmeasured, and the figure is
+// that of a calibration without it, which holds what it cannot tell.
+TEST(CrossValidation, WhatOnlyOneConfigurationMeasuresIsHeldWhereItIsLeftOut) {
+  const CalibrationProblem problem = Problem([](Measurements* data) {
+    for (size_t c = 0; c < data->configurations.size(); ++c) {
+      Eigen::VectorXd& q = data->configurations[c].q;
+      if (c != 4) q.tail(3).setZero();
+      if (c != 4) q[2] = 0.4 - q[1];
+    }
+    data->markers = {"P1"};
+    std::vector<Observation> first;  // of each shot
+    for (Shot& shot : data->shots) {
+      first.push_back(data->observations[static_cast<size_t>(shot.observations.front())]);
+      shot.observations = {static_cast<int>(first.size()) - 1};
+    }
+    data->observations = first;
+    test::MeasureKr270(test::Kr270Truth(), 1e-4, 9, data);
+  });
+  const Estimate estimate = EstimateJointly(problem);
+  const CrossValidation found = CrossValidate(problem, estimate, 1);
+  const int fold = FoldsOf(problem, 1)[4];
+  CalibrationProblem without = problem;
+  for (Observation& row : without.data.observations) {
+    row.excluded |= FoldsOf(problem, 1)[problem.data.shots[row.shot].configuration] == fold;
+  }
+  const Estimate rest = EstimateJointly(without);
+  double refitted = 0.0;
+  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
+    const Observation& row = problem.data.observations[i];
+    if (row.excluded || problem.data.shots[row.shot].configuration != 4) continue;
+    const Eigen::Matrix3Xd at = PredictPoints(problem, rest.parameters, {static_cast<int>(i)});
+    refitted = (row.point_in_station - at.col(0)).norm();
+  }
+  ASSERT_GT(refitted, 10.0 * estimate.fit.distance_rms);  // it is not told
+  EXPECT_NEAR(found.unseen.distance_max / refitted, 1.0, 0.02);
+}
+
 // A robot file with learnt weights holds no prior of them. Estimated anew, one that a single row excites would go
 // anywhere where that row is left out: they are kept unless they are asked for.
 TEST(CrossValidation, LearntWeightsAreKept) {
