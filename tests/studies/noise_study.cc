@@ -192,7 +192,7 @@ void StudyOutliers(const std::string& loss, const Range& range) {
   design.sigma = 3e-5;
   Measurements data = test::DesignMeasurements(design);
   Experiment robust;
-  robust.loss = *FindChoice<LossKind>(loss);
+  robust.method.loss = *FindChoice<LossKind>(loss);
   IntervalTally clean, spoilt, plain;
   test::FlagTally flags;
   for (int t = 0; t < range.trials; ++t) {
