@@ -68,15 +68,15 @@ bool AddRest(const CalibrationProblem& problem, const Estimate& estimate, const 
 // A calibration without the listed rows, where the others see every station and marker. Nothing: it has no result.
 std::optional<ParameterSet> CalibrateWithout(const CalibrationProblem& problem, const std::vector<int>& left_out) {
   CalibrationProblem rest = problem;
-  for (const int i : left_out) rest.data.ExcludeRow(i);
+  for (const int i : left_out) rest.mutable_data()->ExcludeRow(i);
   std::set<int> stations, markers;
   for (const int i : rest.CalibrationObservations()) {
-    stations.insert(rest.data.shots[rest.data.observations[i].shot].station);
-    markers.insert(rest.data.observations[i].marker);
+    stations.insert(rest.data().shots[rest.data().observations[i].shot].station);
+    markers.insert(rest.data().observations[i].marker);
   }
   for (const int i : left_out) {
-    const Observation& row = problem.data.observations[i];
-    if (stations.count(problem.data.shots[row.shot].station) + markers.count(row.marker) < 2) return std::nullopt;
+    const Observation& row = problem.data().observations[i];
+    if (stations.count(problem.data().shots[row.shot].station) + markers.count(row.marker) < 2) return std::nullopt;
   }
   const Estimate estimate = EstimateJointly(rest);
   if (!IsUsable(estimate.status)) return std::nullopt;
@@ -189,12 +189,12 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
     }
     const std::optional<ParameterSet> rest = CalibrateWithout(problem, left_out);
     if (!rest) continue;
-    const std::vector<int> own = problem.data.PointsAmong(left_out);
+    const std::vector<int> own = problem.data().PointsAmong(left_out);
     const Eigen::Matrix3Xd points_without = PredictPoints(problem, *rest, own);
     for (size_t k = 0; k < own.size(); ++k) {
       const auto place = std::lower_bound(quoted.begin(), quoted.end(), own[k]) - quoted.begin();
       errors.col(place) =
-          problem.data.observations[own[k]].point_in_station - points_without.col(static_cast<Eigen::Index>(k));
+          problem.data().observations[own[k]].point_in_station - points_without.col(static_cast<Eigen::Index>(k));
     }
   }
   PredictedSquares predicted;

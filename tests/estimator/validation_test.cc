@@ -193,18 +193,18 @@ TEST(CrossValidation, WhatOnlyOneConfigurationMeasuresIsHeldWhereItIsLeftOut) {
   const CrossValidation found = CrossValidate(problem, estimate, 1);
   const int fold = FoldsOf(problem, 1)[4];
   CalibrationProblem without = problem;
-  for (Observation& row : without.data.observations) {
-    row.excluded |= FoldsOf(problem, 1)[problem.data.shots[row.shot].configuration] == fold;
+  for (Observation& row : without.mutable_data()->observations) {
+    row.excluded |= FoldsOf(problem, 1)[problem.data().shots[row.shot].configuration] == fold;
   }
   const Estimate rest = EstimateJointly(without);
   double refitted = 0.0;
-  for (size_t i = 0; i < problem.data.observations.size(); ++i) {
-    const Observation& row = problem.data.observations[i];
-    if (row.excluded || problem.data.shots[row.shot].configuration != 4) continue;
+  for (size_t i = 0; i < problem.data().observations.size(); ++i) {
+    const Observation& row = problem.data().observations[i];
+    if (row.excluded || problem.data().shots[row.shot].configuration != 4) continue;
     const Eigen::Matrix3Xd at = PredictPoints(problem, rest.parameters, {static_cast<int>(i)});
     refitted = (row.point_in_station - at.col(0)).norm();
   }
-  ASSERT_GT(refitted, 10.0 * estimate.fit.distance_rms);  // it is not told
+  ASSERT_GT(refitted, 10.0 * estimate.fit.distance_rms);  // it is not measured
   EXPECT_NEAR(found.unseen.distance_max / refitted, 1.0, 0.02);
 }
 

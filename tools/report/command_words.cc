@@ -75,8 +75,8 @@ std::string PlanInWords(const Plan& plan) {
 }
 
 std::string PredictedInWords(int points, double largest, const std::string& file) {
-  const std::string deviation =
-      std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis" : "not known: no rows to spare told it";
+  const std::string deviation = std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis"
+                                                       : "not known: there are no more rows than unknowns";
   return std::to_string(points) + " points predicted, their standard deviation " + deviation + ": " + file + "\n";
 }
 
