@@ -199,6 +199,81 @@ TEST_F(RobotProgramTest, UrScript) {
   EXPECT_EQ(program.points.size(), 6U);
 }
 
+// A load or a tool that the program changes as it runs holds nowhere for certain: the name is there, no value.
+TEST_F(RobotProgramTest, WhatChangesAsTheProgramRunsIsNotStated) {
+  const std::string load = "{M 5,CM {X 0,Y 0,Z 100},J {X 0,Y 0,Z 0}}",
+                    other = "{M 9,CM {X 0,Y 0,Z 100},J {X 0,Y 0,Z 0}}";
+  const std::string points = "PTP {A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0}\n";
+  const auto krl = [&](const std::string& change) {
+    return ReadAs("switch.src", "DEF SWITCH()\nLOAD_DATA[1]=" + load + "\nDECL LOAD GRIPPER=" + load +
+                                    "\nTOOL_DATA[1]={X 0,Y 0,Z 100,A 0,B 0,C 0}\nBAS(#TOOL,1)\n" + points + change +
+                                    "\n" + points + "END\n");
+  };
+  EXPECT_EQ(krl("").loads.count("LOAD_DATA[1]"), 1U);
+  EXPECT_EQ(krl("LOAD_DATA[1]=" + load).loads.count("LOAD_DATA[1]"), 1U);
+  for (const std::string& change :
+       {"LOAD_DATA[1]=" + other, std::string("LOAD_DATA[1].M=9"), std::string("LOAD_DATA[1]=GRIPPER")}) {
+    const RobotProgram program = krl(change);
+    EXPECT_EQ(program.loads.count("LOAD_DATA[1]"), 0U) << change;
+    EXPECT_EQ(program.points[0].load, "LOAD_DATA[1]") << change;
+  }
+  EXPECT_EQ(krl("GRIPPER.CM.X=10").loads.count("GRIPPER"), 0U);
+  EXPECT_EQ(krl("TOOL_DATA[1].Z=200").tools.count("TOOL_DATA[1]"), 0U);
+  EXPECT_EQ(krl("TOOL_DATA[1]={X 0,Y 0,Z 200,A 0,B 0,C 0}").tools.count("TOOL_DATA[1]"), 0U);
+
+  const auto ur = [&](const std::string& change) {
+    return ReadAs("switch.script",
+                  "set_payload(2.5, [0,0,0.05])\nmovej([0,0,0,0,0,0])\n" + change + "\nmovej([1,0,0,0,0,0])\n");
+  };
+  EXPECT_EQ(ur("").points[1].load, "set_payload of line 1");
+  for (const std::string change : {"set_payload_mass(4)", "set_payload_cog([0,0,0.1])"}) {
+    const RobotProgram program = ur(change);
+    EXPECT_EQ(program.points[1].load, change.substr(0, change.find('(')) + " of line 3");
+    EXPECT_EQ(program.loads.count(program.points[1].load), 0U);
+  }
+
+  const std::string loaddata = "PERS loaddata piece:=[5,[0,0,100],[1,0,0,0],0,0,0];\n";
+  const std::string tooldata = "PERS tooldata gun:=[TRUE,[[0,0,100],[1,0,0,0]],[3,[0,0,50],[1,0,0,0],0,0,0]];\n";
+  const auto rapid = [&](const std::string& change) {
+    return ReadAs(
+        "switch.mod",
+        "MODULE M\n" + tooldata + loaddata +
+            "PROC main()\nGripLoad piece;\nMoveAbsJ [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,gun;\n" +
+            change + "\nENDPROC\nENDMODULE\n");
+  };
+  EXPECT_EQ(rapid("").loads.count("GUN and PIECE"), 1U);
+  for (const std::string change : {"piece.mass:=9;", "piece := other;", "gun.tload.mass := 4;"}) {
+    EXPECT_EQ(rapid(change).loads.count("GUN and PIECE"), 0U) << change;
+  }
+  EXPECT_EQ(rapid("gun.tframe.trans.z := 4;").tools.count("GUN"), 0U);
+}
+
+TEST_F(RobotProgramTest, PayloadByARegisterIsNamed) {
+  const RobotProgram program = ReadAs("switch.ls", R"(/PROG  SWITCH
+/MN
+   1:  PAYLOAD[1] ;
+   2:J P[1] 100% FINE    ;
+   3:  PAYLOAD[R[7]] ;
+   4:J P[2] 100% FINE    ;
+/POS
+P[1]{
+   GP1:
+	UF : 0, UT : 1,
+	J1=     1.000 deg,	J2=   -20.000 deg,	J3=    10.500 deg,
+	J4=     0.000 deg,	J5=   -60.000 deg,	J6=     5.000 deg
+};
+P[2]{
+   GP1:
+	UF : 0, UT : 1,
+	J1=     2.000 deg,	J2=   -20.000 deg,	J3=    10.500 deg,
+	J4=     0.000 deg,	J5=   -60.000 deg,	J6=     5.000 deg
+};
+/END
+)");
+  EXPECT_EQ(program.points[0].load, "PAYLOAD[1]");
+  EXPECT_EQ(program.points[1].load, "PAYLOAD[R[7]]");
+}
+
 constexpr char kFanuc[] = R"(/PROG  WELD
 /MN
    1:J P[1] 100% FINE    ;

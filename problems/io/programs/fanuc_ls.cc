@@ -76,7 +76,8 @@ void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* poin
 
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
-  static const std::regex step("\\b(PAYLOAD|P)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+)");
+  // PAYLOAD[2], PAYLOAD[R[3]], P[4], P[GP1:4]
+  static const std::regex step("\\b(PAYLOAD|P)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])");
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
   std::string load;
   std::set<size_t> used;

@@ -1,7 +1,7 @@
 // KUKA KRL: .src and .dat. Points are aggregates, {X 1, Y 2, ..., A 0, S 2, T 35} and {A1 0, A2 -90, ...}; tool and
 // base of taught points stand in their FDAT, of others in $TOOL and $BASE as the program goes. The load, {M 5, CM {X 0,
 // ...}, J {...}} with the centre of mass in the flange and all that hangs there in it, is $LOAD; BAS sets it beside
-// $TOOL.
+// $TOOL. What the program changes as it runs (LOAD_DATA[1].M = 5, a second LOAD_DATA[1] = {...}) is not stated.
 #include <limits>
 #include <regex>
 #include <set>
@@ -27,6 +27,7 @@ class KrlReader {
   void ReadLine(size_t begin, size_t end);
   void ReadScene(const std::string& line, size_t begin);
   bool ReadLoad(const std::string& line, size_t begin);
+  bool ReadChange(const std::string& line, size_t begin);
   void StateLoad(const std::string& name, size_t open);
   void ReadFrameData(const std::string& name, size_t open);
   void ReadMotion(const std::string& word, size_t begin, size_t end);
@@ -44,6 +45,8 @@ class KrlReader {
   std::map<std::string, size_t> named_;
   std::vector<bool> used_;   // by a motion
   std::set<size_t> loaded_;  // points whose FDAT says the tool, and so the load
+  StatedOnce<ProgramLoad> loads_;
+  StatedOnce<Pose<double>> tools_, bases_;
 };
 
 // "{E6POS: X 1, Y 2}" -> X, Y with the places of their values.
@@ -170,7 +173,7 @@ void KrlReader::StateLoad(const std::string& name, size_t open) {
     if (at == of_centre.end() || !NumberAt(code_, at->second, &number)) return;
     load.centre[a] = number.value / 1e3;
   }
-  program_.loads[name] = load;
+  loads_.State(name, load, &program_.loads);
 }
 
 // $LOAD = ..., LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}
@@ -215,9 +218,38 @@ void KrlReader::ReadScene(const std::string& line, size_t begin) {
     const std::string written = "{";
     const std::string name = NameOf(written, begin + static_cast<size_t>(match.position(3)), kFlange, &one);
     if (one.empty()) return;
-    (match[1] == "TOOL_DATA" ? program_.tools : program_.frames)[match[1].str() + "[" + match[2].str() + "]"] =
-        one.begin()->second;
+    const std::string place = match[1].str() + "[" + match[2].str() + "]";
+    const bool is_tool = match[1] == "TOOL_DATA";
+    (is_tool ? tools_ : bases_).State(place, one.begin()->second, is_tool ? &program_.tools : &program_.frames);
   }
+}
+
+// Other values of what is stated: LOAD_DATA[1].M = 5, TOOL_DATA[2] = X, GRIPPER.CM.X = 10, $TOOL.Z = 3.
+bool KrlReader::ReadChange(const std::string& line, size_t begin) {
+  static const std::regex change(
+      "^\\s*(?:\\$(TOOL|BASE|LOAD)|\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[\\s*(\\w+)\\s*\\]|(\\w+))\\s*((?:\\.\\s*\\w+\\s*)*)"
+      "=\\s*(?=\\S)");
+  std::smatch match;
+  if (!std::regex_search(line, match, change)) return false;
+  const bool is_part = match.length(5) > 0;
+  const bool is_literal = !is_part && code_[begin + static_cast<size_t>(match.length(0))] == '{';
+  if (match[1].matched) {
+    if (!is_part) return false;
+    const std::string here = "$" + match[1].str() + " of line " + std::to_string(LineAt(code_, begin));
+    (match[1] == "TOOL" ? tool_ : match[1] == "BASE" ? base_ : load_) = here;
+    return true;
+  }
+  if (match[4].matched) {
+    if (program_.loads.count(match[4]) == 0) return false;
+    loads_.Change(match[4], &program_.loads);
+    return true;
+  }
+  if (is_literal) return false;
+  const std::string place = match[2].str() + "_DATA[" + match[3].str() + "]";
+  if (match[2] == "LOAD") loads_.Change(place, &program_.loads);
+  if (match[2] == "TOOL") tools_.Change(place, &program_.tools);
+  if (match[2] == "BASE") bases_.Change(place, &program_.frames);
+  return true;
 }
 
 // FDAT of XP1 is FP1.
@@ -272,6 +304,8 @@ void KrlReader::ReadLine(size_t begin, size_t end) {
   std::smatch match;
   if (std::regex_search(line, match, motion)) {
     ReadMotion(match[1], begin + static_cast<size_t>(match.position(0) + match.length(0)), end);
+  } else if (ReadChange(line, begin)) {
+    return;
   } else if (std::regex_search(line, match, declaration) && match[2].str()[0] != '$') {
     const size_t open = begin + static_cast<size_t>(match.position(0) + match.length(0)) - 1;
     if (match[1] == "FDAT") {

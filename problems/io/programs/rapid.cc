@@ -4,6 +4,7 @@
 // tool.
 #include <optional>
 #include <regex>
+#include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -24,6 +25,7 @@ class RapidReader {
 
  private:
   void ReadDeclarations();
+  void ReadChanges();  // of tools, work objects and loads as the program runs
   void ReadMotions();
   bool ReadStatement(size_t begin, size_t end);  // false: it is no motion
   void AddTarget(const std::string& name, size_t open, bool is_joints);
@@ -39,7 +41,9 @@ class RapidReader {
   std::map<std::string, size_t> named_;
   std::map<std::string, std::string> refused_;  // tools and work objects that stand in the way of a correction
   std::map<std::string, ProgramLoad> tool_loads_, payloads_;  // in the flange, in the tool
-  std::string gripped_;                                       // by the last GripLoad; "": nothing
+  StatedOnce<ProgramLoad> stated_tool_loads_, stated_payloads_;
+  StatedOnce<Pose<double>> stated_tools_, stated_frames_;
+  std::string gripped_;  // by the last GripLoad; "": nothing
   std::vector<bool> used_;
 };
 
@@ -95,9 +99,11 @@ void RapidReader::AddTool(const std::string& name, size_t open) {
   const std::vector<TextNumber> numbers = NumbersInBracket(code_, parts[1].first);
   if (upper_.compare(parts[0].first, 4, "TRUE") != 0)
     refused_[key] = "its tool stands in the room and the robot holds the workpiece";
-  if (numbers.size() == 7) program_.tools[key] = PoseOf(numbers, 0);
+  if (numbers.size() == 7) stated_tools_.State(key, PoseOf(numbers, 0), &program_.tools);
   if (parts.size() < 3 || code_[parts[2].first] != '[') return;
-  if (const auto load = LoadOf(NumbersInBracket(code_, parts[2].first))) tool_loads_[key] = *load;
+  if (const auto load = LoadOf(NumbersInBracket(code_, parts[2].first))) {
+    stated_tool_loads_.State(key, *load, &tool_loads_);
+  }
 }
 
 // "GUN and PIECE": tool and workpiece as one body. `total`: what \TLoad names in place of both, "": nothing.
@@ -153,7 +159,7 @@ void RapidReader::AddWorkObject(const std::string& name, size_t open) {
                                 object = NumbersInBracket(code_, parts[4].first);
   if (user.size() != 7 || object.size() != 7) return;
   const Pose<double> u = PoseOf(user, 0), o = PoseOf(object, 0);
-  program_.frames[key] = {u.rotation * o.rotation, u * o.translation};
+  stated_frames_.State(key, {u.rotation * o.rotation, u * o.translation}, &program_.frames);
 }
 
 void RapidReader::ReadDeclarations() {
@@ -181,10 +187,32 @@ void RapidReader::ReadDeclarations() {
     } else if (type == "WOBJDATA") {
       AddWorkObject(name, open);
     } else if (type == "LOADDATA") {
-      if (const auto load = LoadOf(NumbersInBracket(code_, open))) payloads_[UpperCase(name)] = *load;
+      if (const auto load = LoadOf(NumbersInBracket(code_, open))) {
+        stated_payloads_.State(UpperCase(name), *load, &payloads_);
+      }
     } else {
       AddTarget(name, open, type == "JOINTTARGET");
     }
+  }
+}
+
+// gun.tload.mass := 7; piece := other;   a word before the name is a type only in a declaration.
+void RapidReader::ReadChanges() {
+  static const std::regex change("(?:\\b(\\w+)\\s+)?\\b(\\w+)((?:\\s*\\.\\s*\\w+)*)\\s*:=");
+  static const std::set<std::string> types = {"TOOLDATA", "WOBJDATA", "LOADDATA"};
+  for (auto match = std::sregex_iterator(upper_.begin(), upper_.end(), change); match != std::sregex_iterator();
+       ++match) {
+    const size_t at = static_cast<size_t>(match->position(2));
+    if (types.count((*match)[1]) > 0 || (at > 0 && upper_[at - 1] == '\\')) continue;
+    const std::string name = (*match)[2], part = (*match)[3];
+    if (payloads_.count(name) > 0) stated_payloads_.Change(name, &payloads_);
+    if (tool_loads_.count(name) > 0 && part.find("TFRAME") == std::string::npos) {
+      stated_tool_loads_.Change(name, &tool_loads_);
+    }
+    if (program_.tools.count(name) > 0 && part.find("TLOAD") == std::string::npos) {
+      stated_tools_.Change(name, &program_.tools);
+    }
+    if (program_.frames.count(name) > 0) stated_frames_.Change(name, &program_.frames);
   }
 }
 
@@ -263,6 +291,7 @@ void RapidReader::ReadMotions() {
 void RapidReader::Read() {
   program_.notation = PoseNotation::kQuaternion;
   ReadDeclarations();
+  ReadChanges();
   ReadMotions();
 }
 

@@ -93,6 +93,29 @@ struct RobotProgram {
 // the robot. Throws InputError: another ending, no target in the file, a point that is cut off.
 RobotProgram ReadRobotProgram(const std::string& path, int joints);
 
+// Of tools, frames and loads, by name. One that the program gives two values, or changes as it runs, has none that
+// holds everywhere: its name stays, and the user states it.
+template <typename Value>
+class StatedOnce {
+ public:
+  void State(const std::string& name, const Value& value, std::map<std::string, Value>* stated) {
+    const auto [known, is_new] = stated->emplace(name, value);
+    if (is_changed_[name] || (!is_new && !IsSame(known->second, value))) Change(name, stated);
+  }
+  void Change(const std::string& name, std::map<std::string, Value>* stated) {
+    is_changed_[name] = true;
+    stated->erase(name);
+  }
+
+ private:
+  static bool IsSame(const ProgramLoad& a, const ProgramLoad& b) { return a.mass == b.mass && a.centre == b.centre; }
+  static bool IsSame(const Pose<double>& a, const Pose<double>& b) {
+    return a.rotation == b.rotation && a.translation == b.translation;
+  }
+
+  std::map<std::string, bool> is_changed_;
+};
+
 // A motion goes to the point with this load.
 void UseLoad(const std::string& load, bool is_first, ProgramPoint* point);
 

@@ -1,6 +1,7 @@
 // URScript: p[x, y, z, rx, ry, rz] in the base, m and rad, for the tool that set_tcp states; [j1, ..., j6] in rad. Only
 // what a motion goes to is a target: other lists and poses are tools, frames. set_payload(m, [x, y, z]) states all that
-// hangs on the flange, in m of the flange; without the list its centre of mass is the tool centre point.
+// hangs on the flange, in m of the flange; without the list its centre of mass is the tool centre point. After
+// set_payload_mass or set_payload_cog, which change a part of it, the user states it.
 #include <optional>
 #include <regex>
 #include <set>
@@ -23,7 +24,7 @@ class UrReader {
   void ReadCalls();
   void ReadTarget(const std::string& motion, TextRange argument, bool only_start);
   void SetTool(size_t open);
-  void SetLoad(size_t open);
+  void SetLoad(const std::string& call, size_t open);
   std::string LoadHere();
   int AddLiteral(const std::string& name, size_t at);
 
@@ -90,10 +91,11 @@ void UrReader::SetTool(size_t open) {
   program_.tools[tool_] = PoseFrom(PoseNotation::kRotationVectorMetres, values);
 }
 
-void UrReader::SetLoad(size_t open) {
+void UrReader::SetLoad(const std::string& call, size_t open) {
   const std::vector<TextRange> parts = PartsOf(code_, open + 1, EndOfBracket(code_, open) - 1);
-  load_ = "set_payload of line " + std::to_string(LineAt(code_, open));
+  load_ = call + " of line " + std::to_string(LineAt(code_, open));
   mass_at_tool_.reset();
+  if (call == "set_payload_mass" || call == "set_payload_cog") return;
   TextNumber mass;
   if (!NumberAt(code_, parts[0], &mass) || mass.value < 0.0) return;
   if (parts.size() < 2) {
@@ -147,7 +149,9 @@ void UrReader::ReadTarget(const std::string& motion, TextRange argument, bool on
 }
 
 void UrReader::ReadCalls() {
-  static const std::regex call("\\b(movej|movel|movep|movec|servoj|set_tcp|set_payload|set_target_payload)\\s*(\\()");
+  static const std::regex call(
+      "\\b(movej|movel|movep|movec|servoj|set_tcp|set_payload|set_payload_mass|set_payload_cog|set_target_payload)"
+      "\\s*(\\()");
   static const std::regex inverse("^get_inverse_kin\\s*\\(");
   for (auto match = std::sregex_iterator(code_.begin(), code_.end(), call); match != std::sregex_iterator(); ++match) {
     const size_t open = static_cast<size_t>(match->position(2));
@@ -160,8 +164,8 @@ void UrReader::ReadCalls() {
       SetTool(open);
       continue;
     }
-    if (motion == "set_payload" || motion == "set_target_payload") {
-      SetLoad(open);
+    if (motion.find("payload") != std::string::npos) {
+      SetLoad(motion, open);
       continue;
     }
     const std::vector<TextRange> parts = PartsOf(code_, open + 1, end - 1);
