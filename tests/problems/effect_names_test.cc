@@ -1,0 +1,65 @@
+// Effects by their names, as --discriminate has them.
+#include "problems/io/effect_names.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "problems/input_error.h"
+#include "problems/io/robot_file.h"
+
+namespace sagitta {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* kRobot = R"(schema: sagitta/robot/1
+joints:
+  - {name: A1, type: revolute}
+  - {name: A2, type: revolute}
+  - {name: A3, type: revolute}
+kinematics:
+  chain:
+    - {Rz: A1}
+    - {Tx_mm: 400}
+    - {Ry: A2}
+    - {Tx_mm: 400}
+    - {Ry: A3}
+)";
+
+TEST(RivalEffects, AreReadWithTheirSettings) {
+  const Robot robot = ReadRobotText(kRobot, "robot.yaml");
+  EXPECT_TRUE(RivalEffects(robot, "", "--discriminate").empty());
+  const std::vector<EffectSpec> rivals =
+      RivalEffects(robot, "joint_harmonic[order=2]/A3,joint_coupling[driver=A2]/A3", "--discriminate");
+  ASSERT_EQ(rivals.size(), 2U);
+  EXPECT_EQ(rivals[0].effect, "joint_harmonic");
+  EXPECT_EQ(rivals[0].settings.at("order"), "2");
+  EXPECT_EQ(rivals[0].target, "A3");
+  EXPECT_EQ(rivals[1].Path(), "effect/joint_coupling[driver=A2]/A3");
+}
+
+TEST(RivalEffects, MistakesAreNamed) {
+  const Robot robot = ReadRobotText(kRobot, "robot.yaml");
+  const std::pair<const char*, const char*> cases[] = {
+      {"joint_harmonic", "does not say what the effect acts on"},
+      {"joint_harmonic[order=2/A3,encoder_gain/A3", "lacks a ']'"},
+      {"joint_harmonic[two]/A3,encoder_gain/A3", "'two' is no setting"},
+      {"joint_rattle/A3,encoder_gain/A3", "there is no effect 'joint_rattle'"},
+      {"gravity_compensator/A2,encoder_gain/A3", "there is no effect 'gravity_compensator'"},
+      {"joint_harmonic[orders=2]/A3,encoder_gain/A3", "has no setting 'orders'"},
+      {"joint_coupling/A3,encoder_gain/A3", "needs the setting 'driver'"},
+      {"joint_harmonic[order=2]/A9,encoder_gain/A3", "no joint 'A9'"},
+      {"encoder_gain/A3,encoder_gain/A3", "cannot be told from itself"},
+      {"encoder_gain/A3", "two effects are expected"}};
+  for (const auto& [names, words] : cases) {
+    try {
+      RivalEffects(robot, names, "--discriminate");
+      ADD_FAILURE() << names;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(words)) << names;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sagitta
