@@ -3,6 +3,7 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -64,19 +65,34 @@ struct FoundRobot {
   std::string words;
 };
 
-// Tables that ship with the program, by file name.
-std::vector<std::string> ShippedTables() {
+// Sorted, empty where there is no such folder.
+std::vector<std::string> TablesIn(const fs::path& folder) {
   std::vector<std::string> tables;
   std::error_code ignored;
-  // Where it is installed: bin/ beside share/.
-  const fs::path installed =
-      fs::read_symlink("/proc/self/exe", ignored).parent_path().parent_path() / "share/sagitta/published/robots";
-  const fs::path folder = fs::exists(installed, ignored) ? installed : fs::path(SAGITTA_ROBOTS_DIR);
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     if (entry.path().extension() == ".csv") tables.push_back(entry.path().string());
   }
   std::sort(tables.begin(), tables.end());
   return tables;
+}
+
+// Tables that ship with the program. A variable that is set is what the user means: nothing else is tried then. bin/
+// lies beside share/ in the build folder as where it is installed.
+std::vector<std::string> ShippedTables() {
+  std::vector<std::string> tried;
+  const char* set = std::getenv("SAGITTA_DATA_DIR");
+  if (set != nullptr && *set != '\0') {
+    tried = {(fs::path(set) / "robots").string()};
+  } else {
+    std::error_code ignored;
+    const fs::path bin = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+    tried = {(bin.parent_path() / "share/sagitta/published/robots").string(), SAGITTA_ROBOTS_DIR};
+  }
+  for (const std::string& folder : tried) {
+    const std::vector<std::string> tables = TablesIn(folder);
+    if (!tables.empty()) return tables;
+  }
+  throw InputError({"", 0, ""}, NoShippedTables(tried), WhereTablesAre());
 }
 
 FoundRobot ShippedRobot(const std::string& name) {
@@ -280,7 +296,8 @@ found out; where a header does not say, the robot decides: the reading that its 
 angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
 nominal or computed are never taken for measured ones. Several files are several stations.
 
-Without a robot the tables that this program ships are tried; --robot=NAME takes one of them. Details: docs/IMPORT.md.
+Without a robot the tables that this program ships are tried; --robot=NAME takes one of them. They are
+found in $SAGITTA_DATA_DIR/robots if that is set, else beside the program or where it was built. Details: docs/IMPORT.md.
 
 Examples
   sagitta import robot.urdf tracker.csv --out=job

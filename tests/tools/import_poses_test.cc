@@ -239,6 +239,33 @@ TEST_F(Import, TheConventionOfATableIsThatOfTheReadings) {
   EXPECT_EQ(Run({"import", robot, data, "--out=" + Path("strict"), "--strict", "--convention=standard"}).status, 0);
 }
 
+// A program that was moved, away from where it was built, finds its tables beside it; a variable that is set is obeyed.
+TEST_F(Import, ShippedTablesAreFoundWhereTheProgramIs) {
+  namespace fs = std::filesystem;
+  const std::string data = Write("d.csv", Table(Readings()).ToText());
+  const fs::path moved = Path("moved");
+  fs::create_directories(moved / "bin");
+  fs::copy_file(Program(), moved / "bin/sagitta");
+  const fs::path beside = moved / "share/sagitta/published/robots";
+  fs::create_directories(beside);
+  fs::copy_file(Published("robots/ur5.csv"), beside / "only_here.csv");
+  const auto run = [&](const std::string& environment) {
+    const std::string command = environment + " '" + (moved / "bin/sagitta").string() + "' import '" + data +
+                                "' --robot=no_such --out='" + Path("job") + "' 2>'" + Path("stderr") + "' >/dev/null";
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 2);
+    return Read("stderr");
+  };
+  const std::string own = run("env -u SAGITTA_DATA_DIR");
+  EXPECT_NE(own.find("only_here"), std::string::npos) << own;
+  const std::string set = run("SAGITTA_DATA_DIR='" + Published("") + "'");
+  EXPECT_EQ(set.find("only_here"), std::string::npos) << set;
+  EXPECT_NE(set.find("irb120"), std::string::npos) << set;
+  const std::string nowhere = run("SAGITTA_DATA_DIR='" + Path("nowhere") + "'");
+  EXPECT_NE(nowhere.find(Path("nowhere") + "/robots"), std::string::npos) << nowhere;
+  EXPECT_NE(nowhere.find("SAGITTA_DATA_DIR"), std::string::npos) << nowhere;
+}
+
 class AsPublished : public ProgramTest {
  protected:
   std::string Set(const std::string& name) const { return SharedFolder() + "/data/as_published/" + name; }
@@ -324,7 +351,9 @@ TEST_F(AsPublished, Wam) {
   const Outcome calibrated = Run({"calibrate", Path("job/experiment.yaml"), "--out=" + Path("results")});
   ASSERT_EQ(calibrated.status, 0) << calibrated.err;
   const auto json = ReadJson("results/estimate.json");
-  EXPECT_LT(json["cross_validation"]["distance_rms_mm"].get<double>(), 2.9178) << "the authors' figure, with a network";
+  // The authors have 2.9178 with a network; docs/IMPORT.md prints both figures.
+  EXPECT_NEAR(json["fit"]["before"]["distance_rms_mm"].get<double>(), 5.16, 0.005);
+  EXPECT_NEAR(json["cross_validation"]["distance_rms_mm"].get<double>(), 2.41, 0.005);
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include "tools/report/command_words.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cmath>
 #include <sstream>
 
@@ -136,6 +139,14 @@ std::string MovesAsBefore(double difference) {
 }
 
 std::string LeftOutOfFormat(const std::string& what) { return "left out, the format has no place for them: " + what; }
+
+std::string NoShippedTables(const std::vector<std::string>& tried) {
+  return fmt::format("the tables of robots that this program ships are not found in {}", fmt::join(tried, " nor in "));
+}
+
+std::string WhereTablesAre() {
+  return "SAGITTA_DATA_DIR names the folder that holds robots/*.csv; or give the robot as one of the files";
+}
 
 std::string OnlyTableThatFits(const std::string& table, const std::string& misfit) {
   return "no robot is given: of the tables that this program ships only '" + table +

@@ -50,6 +50,8 @@ std::string MovesAsBefore(double difference);
 std::string LeftOutOfFormat(const std::string& what);
 
 // Imported files.
+std::string NoShippedTables(const std::vector<std::string>& tried);
+std::string WhereTablesAre();
 std::string OnlyTableThatFits(const std::string& table, const std::string& misfit);
 std::string ColumnsFit(const std::string& misfit);
 std::string TorquesAreCarried();
