@@ -74,6 +74,8 @@ int LargestSlip(size_t length) {
   return length <= 9 ? 2 : 3;
 }
 
+std::string BeforeLastBar(const std::string& name) { return name.substr(0, name.rfind('_')); }
+
 }  // namespace
 
 InputError::InputError(Where where, const std::string& what, const std::string& hint)
@@ -93,6 +95,14 @@ int NameDistance(const std::string& given_name, const std::string& given_candida
   if (length - std::min(name.size(), candidate.size()) > 3 || length > 60) return -1;
   const int distance = Distance(name, candidate);
   return distance <= LargestSlip(length) ? 1 + distance : -1;
+}
+
+bool IsSlipOfColumn(const std::string& name, const std::string& listed) {
+  const int distance = NameDistance(name, listed);
+  if (distance < 0 || distance <= 1) return distance >= 0;
+  if (distance > 2 && std::tolower(name[0]) != std::tolower(listed[0])) return false;
+  const bool has_unit = listed.find('_') != std::string::npos;
+  return !has_unit || NameDistance(BeforeLastBar(name), BeforeLastBar(listed)) >= 0;
 }
 
 std::string NearestName(const std::string& name, const std::vector<std::string>& candidates) {

@@ -29,6 +29,10 @@ class InputError : public std::runtime_error {
 // another unit (x_cm for x_mm), above: 1 + Levenshtein distance; -1: not near.
 int NameDistance(const std::string& name, const std::string& candidate);
 
+// A column name is likely meant to be the listed one. Extra columns are welcome: dx_mm is not x_mm, rotation is not
+// station.
+bool IsSlipOfColumn(const std::string& name, const std::string& listed);
+
 // The candidate that a misspelt name is nearest to (Levenshtein distance), ""
 // when none is near enough to be meant.
 std::string NearestName(const std::string& name, const std::vector<std::string>& candidates);

@@ -51,18 +51,6 @@ bool IsOtherMeaning(const std::string& name) {
   return std::regex_match(name, other);
 }
 
-std::string BeforeLastBar(const std::string& name) { return name.substr(0, name.rfind('_')); }
-
-// Extra columns are welcome, so a slip has to be a likely one: dx_mm is not
-// x_mm, rotation is not station.
-bool IsSlipOf(const std::string& name, const std::string& listed) {
-  const int distance = NameDistance(name, listed);
-  if (distance < 0 || distance <= 1) return distance >= 0;
-  if (distance > 2 && std::tolower(name[0]) != std::tolower(listed[0])) return false;
-  const bool has_unit = listed.find('_') != std::string::npos;
-  return !has_unit || NameDistance(BeforeLastBar(name), BeforeLastBar(listed)) >= 0;
-}
-
 class ColumnFinder {
  public:
   ColumnFinder(const CsvTable& table, const std::vector<std::string>& joints, const std::vector<bool>& prismatic)
@@ -223,7 +211,7 @@ void ColumnFinder::CheckUnlisted() const {
     }
     std::vector<std::string> meant;
     for (const std::string& listed : listed_) {
-      if (IsSlipOf(name, listed)) meant.push_back(listed);
+      if (IsSlipOfColumn(name, listed)) meant.push_back(listed);
     }
     if (!meant.empty()) Fail(name, "unknown column '" + name + "'", SpellingHint(name, meant));
   }

@@ -126,11 +126,7 @@ void TargetReader::CheckUnlisted() const {
            "q1_deg …; prismatic joints q1_mm …");
     }
     for (const std::string& listed : listed_) {
-      const int distance = NameDistance(name, listed);
-      const bool same_stem = name.substr(0, name.rfind('_')) == listed.substr(0, listed.rfind('_'));
-      if (distance == 0 || (distance == 1 && same_stem)) {
-        Fail(name, "unknown column '" + name + "'", SpellingHint(name, {listed}));
-      }
+      if (IsSlipOfColumn(name, listed)) Fail(name, "unknown column '" + name + "'", SpellingHint(name, {listed}));
     }
   }
 }

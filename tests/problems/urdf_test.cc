@@ -131,6 +131,32 @@ TEST(UrdfEditTest, AnotherRobotIsRefused) {
                           {"arm.urdf", "a3", "200 mm", "another robot"}));
 }
 
+// Each would move another joint than the one that was calibrated.
+TEST(UrdfEditTest, WhatTheUrdfCannotHoldIsRefused) {
+  const auto rows = test::UniversalStyle();
+  const std::string text = UrdfText(rows);
+  const Robot robot = ReadUrdfText(text, "arm.urdf");
+  const auto refusal = [](const std::string& urdf, const Robot& into, const UrdfEnds& ends = {}) {
+    return ErrorOf([&] { EditUrdf(urdf, "arm.urdf", ends, into); });
+  };
+  const UrdfEnds upward = {"l7", "l0"};
+  EXPECT_TRUE(SaysInOrder(refusal(text, robot, upward), {"arm.urdf", "from child to parent", "towards the tip"}));
+  EXPECT_TRUE(SaysInOrder(refusal(text, robot, {"l0", "l3"}), {"has 3 joints, the robot has 6", "--tip_link"}));
+  Robot slides = robot;
+  slides.chain.joints[1].type = JointType::kPrismatic;
+  EXPECT_TRUE(SaysInOrder(refusal(text, slides), {"lift", "is of the other type"}));
+
+  const auto mimic = [&](const std::string& multiplier) {
+    return Replaced(text, "<!-- joint 2 -->", "<mimic joint=\"lift\" multiplier=\"" + multiplier + "\"/>");
+  };
+  const Robot coupled = ReadUrdfText(mimic("-0.5"), "arm.urdf");
+  EXPECT_EQ(refusal(mimic("-0.5"), coupled), "");
+  EXPECT_TRUE(SaysInOrder(refusal(mimic("-0.4"), coupled), {"elbow", "another coupling", "<mimic>"}));
+  EXPECT_TRUE(SaysInOrder(refusal(text, coupled), {"couplings that this URDF does not have", "<mimic>"}));
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { RobotToUrdf(coupled); }), {"coupling", "'elbow'"}));
+  EXPECT_TRUE(SaysInOrder(refusal(Replaced(text, "</robot>", ""), robot), {"arm.urdf"}));
+}
+
 // Against the direction of the tree: the chain from the tip to the base is the inverse pose.
 TEST(UrdfReadTest, ChainRunsUpTheTreeToo) {
   const std::string text = UrdfText(test::ObliqueStyle());

@@ -1,0 +1,113 @@
+// What robot, experiment and data say together is checked before anything is estimated.
+#include "problems/problem_checks.h"
+
+#include <gtest/gtest.h>
+
+#include "problems/calibration_problem.h"
+#include "tests/problems/file_test_support.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+using From = NoiseSpec::From;
+
+class ProblemChecksTest : public ::testing::Test {
+ protected:
+  ProblemChecksTest() {
+    robot_.chain = test::Kr270Chain();
+    data_ = test::DesignMeasurements({6, 1, 1, 1e-4});
+    test::MeasureKr270(test::Kr270Truth(), 1e-4, 1, &data_);
+    experiment_.file = "experiment.yaml";
+    experiment_.robot_file = "robot.yaml";
+  }
+  std::string Refusal() const {
+    return ErrorOf([&] { MakeCalibrationProblem(robot_, data_, experiment_); });
+  }
+
+  Robot robot_;
+  Measurements data_;
+  Experiment experiment_;
+};
+
+TEST_F(ProblemChecksTest, WhatIsNamedHasRows) {
+  EXPECT_EQ(Refusal(), "");
+  experiment_.markers["P4"];
+  experiment_.lines["markers.P4"] = 7;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"experiment.yaml:7", "markers.P4", "no row measures this marker", "P1"}));
+  experiment_.markers.clear();
+  experiment_.stations["S2"];
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"experiment.yaml", "stations.S2", "no row is measured from", "S1"}));
+}
+
+TEST_F(ProblemChecksTest, TargetsOfEffectsAreInTheData) {
+  const auto refused = [&](const std::string& effect, const std::string& target) {
+    robot_.effects = {{effect, target, {}, {}}};
+    return Refusal();
+  };
+  EXPECT_TRUE(SaysInOrder(refused("station_scale", "S9"), {"robot.yaml", "station_scale", "no 'S9'", "S1"}));
+  EXPECT_TRUE(SaysInOrder(refused("marker_shift", "P9"), {"robot.yaml", "marker_shift", "no 'P9'", "P1"}));
+  EXPECT_TRUE(SaysInOrder(refused("payload", "crate"), {"robot.yaml", "payload", "no 'crate'"}));
+}
+
+TEST_F(ProblemChecksTest, ColumnsOfEffectsAreInTheData) {
+  robot_.effects = {{"thermal_growth", "robot", {}, {}}};
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"simulated.csv:2", "temperature_degC", "thermal_growth/robot needs this column",
+                                      "take the effect out"}));
+}
+
+TEST_F(ProblemChecksTest, WeightsHangAlongAGravityThatIsKnown) {
+  experiment_.stations["S1"].levelled = false;
+  EXPECT_EQ(Refusal(), "");
+  robot_.compliances = {{1, {{0.0, 1e-6}}, false}};
+  experiment_.tool_mass = 20.0;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"stations.S1.levelled", "not levelled", "frame: base"}));
+  experiment_.gravity_in_base = true;
+  EXPECT_EQ(Refusal(), "");
+}
+
+// Weights, loss and noise that do not go together.
+TEST_F(ProblemChecksTest, NoiseOfResidualsIsAllThatScatters) {
+  experiment_.noise.from = From::kResiduals;
+  experiment_.repeatability.angle.common = 1e-5;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"noise.from", "contain the repeatability", "variance-components"}));
+  experiment_.repeatability = {};
+  experiment_.method.loss = LossKind::kHuber;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"loss", "outliers", "loss: none"}));
+}
+
+TEST_F(ProblemChecksTest, Equation14WeighsRows) {
+  experiment_.method.weights = Weights::kEq14;
+  for (const From from : {From::kVarianceComponents, From::kRepeats}) {
+    experiment_.noise.from = from;
+    EXPECT_TRUE(SaysInOrder(Refusal(), {"weights", "eq. (14) weighs standard deviations of rows", "weights: sigma"}));
+  }
+}
+
+TEST_F(ProblemChecksTest, RepeatsThatAreCopiesShowNoNoise) {
+  experiment_.noise.from = From::kRepeats;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"noise.from", "no marker was shot twice"}));
+  Shot again = data_.shots[0];
+  again.repeat = "2";
+  again.observations.clear();
+  for (const int i : data_.shots[0].observations) {
+    Observation copy = data_.observations[i];
+    copy.shot = static_cast<int>(data_.shots.size());
+    again.observations.push_back(static_cast<int>(data_.observations.size()));
+    data_.observations.push_back(copy);
+  }
+  data_.shots.push_back(again);
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"noise.from", "equal to the last digit", "instead of copying"}));
+}
+
+TEST_F(ProblemChecksTest, SigmasAreStatedByAllRowsOrByNone) {
+  data_.observations[4].sigma.setZero();
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"simulated.csv:6", "sigma_x_mm", "this one has none", "--sigma_mm"}));
+  for (Observation& observation : data_.observations) observation.sigma.setZero();
+  EXPECT_EQ(Refusal(), "");
+  experiment_.repeatability.angle.common = 1e-5;
+  EXPECT_TRUE(SaysInOrder(Refusal(), {"repeatability_urad", "the instrument's noise is not", "variance-components"}));
+}
+
+}  // namespace
+}  // namespace sagitta

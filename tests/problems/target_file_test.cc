@@ -1,0 +1,114 @@
+// Target files of compensate: what they state arrives in SI, and what cannot be is refused with line and column.
+#include "problems/io/target_file.h"
+
+#include <gtest/gtest.h>
+
+#include "models/effects/effect.h"
+#include "tests/problems/file_test_support.h"
+#include "tests/support/kr270.h"
+
+namespace sagitta {
+namespace {
+
+Robot Arm() {
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  return robot;
+}
+
+Targets Read(const std::string& text) { return TargetsFromTable(ParseCsvTable(text, "t.csv"), Arm(), "S1"); }
+
+TEST(TargetFileTest, EverythingArrivesInSi) {
+  const Targets targets = Read(
+      "target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_m,y_mm,z_mm,rx_mrad,ry_deg,rz_rad,station,load,fz_N,my_Nm,"
+      "time_s,"
+      "temperature_degC,approach2,remark\n"
+      "a,90,0,0,0,0,180,,,,,,,,,,,,,,first\n"
+      "b,,,,,,,1.5,200,-30,0,0,1,S2,piece,-98,4,30,21.5,-1,second\n");
+  ASSERT_EQ(targets.rows.size(), 2u);
+  EXPECT_NEAR((*targets.rows[0].q)[0], M_PI / 2, 1e-15);
+  EXPECT_NEAR((*targets.rows[0].q)[5], M_PI, 1e-15);
+  EXPECT_FALSE(targets.rows[0].flange_in_base);
+  EXPECT_FALSE(targets.rows[1].q);
+  const Pose<double>& flange_in_base = *targets.rows[1].flange_in_base;
+  EXPECT_LT((flange_in_base.translation - Vector3<double>(1.5, 0.2, -0.03)).norm(), 1e-15);
+  EXPECT_NEAR(flange_in_base.rotation(0, 0), std::cos(1.0), 1e-15);
+  EXPECT_NEAR(flange_in_base.rotation(1, 0), std::sin(1.0), 1e-15);
+  ASSERT_EQ(targets.shots.shots.size(), 2u);
+  const Shot &first = targets.shots.shots[0], &second = targets.shots.shots[1];
+  EXPECT_EQ(targets.shots.stations, (std::vector<std::string>{"S1", "S2"}));
+  EXPECT_EQ(first.station, 0);
+  EXPECT_EQ(second.station, 1);
+  EXPECT_FALSE(first.has_time || first.has_temperature);
+  EXPECT_TRUE(first.approach.empty());
+  EXPECT_EQ(second.load, "piece");
+  EXPECT_EQ(second.wrench.force[2], -98);
+  EXPECT_EQ(second.wrench.moment[1], 4);
+  EXPECT_TRUE(second.has_time && second.has_temperature);
+  EXPECT_EQ(second.time, 30);
+  EXPECT_EQ(second.approach[1], -1);
+  EXPECT_EQ(second.approach[0], kApproachNotStated);
+}
+
+TEST(TargetFileTest, OtherColumnsAreCarriedAlong) {
+  EXPECT_EQ(Read("target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad,v_mm,q1_cmd_deg\na,1,1,1,0,0,0,5,6\n").rows.size(), 1u);
+}
+
+struct BadTargets {
+  const char* name;
+  std::string text;
+  std::vector<std::string> parts;  // of the error, in order
+};
+void PrintTo(const BadTargets& bad, std::ostream* out) { *out << bad.name; }
+
+class BadTargetsTest : public ::testing::TestWithParam<BadTargets> {};
+
+TEST_P(BadTargetsTest, AreRefusedWithLineAndColumn) {
+  EXPECT_TRUE(SaysInOrder(ErrorOf([&] { Read(GetParam().text); }), GetParam().parts));
+}
+
+const std::string kJoints = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg";
+const std::string kPose = "x_mm,y_mm,z_mm,rx_mrad,ry_mrad,rz_mrad";
+
+INSTANTIATE_TEST_SUITE_P(
+    Headers, BadTargetsTest,
+    ::testing::Values(
+        BadTargets{"NoName", kJoints + "\n0,0,0,0,0,0\n", {"t.csv:1", "target", "missing", "names each row"}},
+        BadTargets{"NeitherJointsNorPose", "target,load\na,piece\n", {"t.csv:1", "neither joint values nor poses"}},
+        BadTargets{"JointMissing",
+                   "target,q1_deg,q2_deg,q4_deg,q5_deg,q6_deg\na,0,0,0,0,0\n",
+                   {"t.csv:1", "'q3' is missing", "q3_"}},
+        BadTargets{"AngleMissing",
+                   "target,x_mm,y_mm,z_mm,rx_mrad,ry_mrad\na,1,1,1,0,0\n",
+                   {"t.csv:1", "'rz' is missing", "rz_mrad"}},
+        BadTargets{"TwoUnits",
+                   "target," + kPose + ",z_m\na,1,1,1,0,0,0,1\n",
+                   {"t.csv:1", "'z' is given in two units", "keep one"}},
+        BadTargets{"JointTooMany",
+                   "target," + kJoints + ",q7_deg\na,0,0,0,0,0,0,0\n",
+                   {"t.csv:1", "q7_deg", "it has 6 joints"}},
+        BadTargets{"LoadMisspelt",
+                   "target," + kJoints + ",laod\na,0,0,0,0,0,0,piece\n",
+                   {"t.csv:1", "unknown column 'laod'", "load"}},
+        BadTargets{"Misspelt",
+                   "target," + kJoints + ",temperture_degC\na,0,0,0,0,0,0,20\n",
+                   {"t.csv:1", "unknown column 'temperture_degC'", "temperature_degC"}}),
+    [](const auto& bad) { return std::string(bad.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Cells, BadTargetsTest,
+    ::testing::Values(
+        BadTargets{"NoNumber",
+                   "target," + kJoints + "\na,0,0,0,0,0,0\nb,0,0,zero,0,0,0\n",
+                   {"t.csv:3", "q3_deg", "'zero' is not a finite number"}},
+        BadTargets{"Beyond", "target," + kPose + ",fx_N\na,1,1,1,0,0,0,1e40\n", {"t.csv:2", "fx_N", "beyond anything"}},
+        BadTargets{"HalfAPose", "target," + kPose + "\na,1,1,1,0,,0\n", {"t.csv:2", "ry_mrad", "is empty"}},
+        BadTargets{"NoNameHere", "target," + kPose + "\n,1,1,1,0,0,0\n", {"t.csv:2", "target", "is empty"}},
+        BadTargets{
+            "Nothing", "target," + kPose + "\na,,,,,,\n", {"t.csv:2", "'a' has neither joint values nor a pose"}},
+        BadTargets{
+            "Direction", "target," + kPose + ",approach3\na,1,1,1,0,0,0,2\n", {"t.csv:2", "approach3", "-1, 0 or 1"}}),
+    [](const auto& bad) { return std::string(bad.param.name); });
+
+}  // namespace
+}  // namespace sagitta
