@@ -16,11 +16,19 @@
 
 #include "models/forward_model.h"
 #include "models/geometry.h"
+#include "models/gravity_compensator.h"
 #include "models/quantity.h"
 #include "problems/spring_tie.h"
 
 namespace sagitta {
 
+// What a coordinate is of; its name begins with it.
+enum class CoordinateKind { kBase, kMarker, kGeometry, kCompliance, kCompensator, kEffect };
+
+// Of a name in a file, e.g. kGeometry of geometry/A2.theta; nothing where it is none.
+std::optional<CoordinateKind> CoordinateKindOf(const std::string& name);
+
+// One tangent direction of a block: one unknown.
 struct Coordinate {
   std::string name;
   Quantity quantity = Quantity::kLength;
@@ -34,6 +42,8 @@ struct Coordinate {
   // SI; a direction whose standard deviation exceeds it is unidentifiable: of its kind (TraitsOf), or 5 mm or 5 mrad of
   // what it moves (problems/excitation.h).
   double hold_limit = 0.0;
+  CoordinateKind kind = CoordinateKind::kBase;
+  std::optional<CompensatorPart> compensator_part = {};
   bool estimated() const { return free && !held; }
 };
 
@@ -71,6 +81,8 @@ class ParameterSet {
   int num_model_parameters() const { return num_model_parameters_; }
   // -1: there is no coordinate of that name.
   int FindCoordinate(const std::string& name) const;
+  // -1: the robot has no compensator.
+  int FindCoordinate(CompensatorPart part) const;
   // Coordinates whose name is `prefix` or starts with `prefix/`.
   std::vector<int> Match(const std::string& prefix) const;
   std::vector<int> EstimatedCoordinates() const;

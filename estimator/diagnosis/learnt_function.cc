@@ -75,7 +75,8 @@ struct Formula {
 // Offered in the order of simplicity: a later one has to explain half of what the one before leaves.
 class FormulaSearch {
  public:
-  FormulaSearch(const LearntFunction& learnt) : driver_(learnt.driver), unit_(learnt.driver_unit), of_(learnt.unit) {
+  FormulaSearch(const LearntFunction& learnt)
+      : driver_(learnt.driver), unit_(learnt.driver_unit), of_(learnt.unit), kind_(learnt.driver_kind) {
     const long n = static_cast<long>(learnt.table.size());
     x_.resize(n);
     y_.resize(n);
@@ -91,8 +92,8 @@ class FormulaSearch {
   std::string Nearest() {
     TryLine();
     TryStep();
-    if (unit_ == "deg") TryHarmonics();
-    if (unit_ == "s") TryExponential();
+    if (kind_ == DriverKind::kAngle) TryHarmonics();
+    if (kind_ == DriverKind::kTime) TryExponential();
     TryDeadband();
     if (best_.words.empty()) return "";
     return best_.words + " (" + Rounded(100.0 * best_.explained) + " % of it)";
@@ -167,6 +168,7 @@ class FormulaSearch {
   }
 
   std::string driver_, unit_, of_;
+  DriverKind kind_;
   Eigen::VectorXd x_, y_, weights_, c_;
   Formula best_;
 };
@@ -186,6 +188,7 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   if (what.driver.of_shot.size() == 0) return learnt;
   learnt.driver = what.driver.name;
   learnt.driver_unit = what.driver.unit;
+  learnt.driver_kind = what.driver.kind;
 
   const ColumnGroup& group = evidence.list().math[member].group;
   const GroupValues own_values = evidence.ValuesOfMember(with, member);

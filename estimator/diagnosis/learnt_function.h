@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/diagnosis/drivers.h"
 #include "estimator/diagnosis/posterior.h"
 
 namespace sagitta {
@@ -25,6 +26,7 @@ struct LearntFunction {
   std::vector<std::string> depends_on;
   std::string words;
   std::string driver, driver_unit, unit;  // of the table; empty where there is more than one driver
+  DriverKind driver_kind = DriverKind::kOther;
   std::vector<FunctionPoint> table;
   std::string formula;
 };

@@ -35,8 +35,9 @@ Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec,
   const bool spring = IsGravityCompensator(spec);
   Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
   for (int c = 0; c < here.num_columns(); ++c) {
-    const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
-    if (!IsParameterOf(spec, name) || (spring && name != "compensator/Kc")) continue;
+    const Coordinate& coordinate = with.estimate.parameters.coordinates()[here.columns[c]];
+    if (!IsParameterOf(spec, coordinate.name)) continue;
+    if (spring && coordinate.compensator_part != CompensatorPart::kKc) continue;
     contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
   }
   return contribution;

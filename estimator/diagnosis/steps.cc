@@ -121,10 +121,11 @@ ParameterSet AlignedWith(const std::vector<SelectedEffect>& steps, const Paramet
   ParameterSet aligned = extended;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
   for (int i = 0; i < aligned.num_coordinates(); ++i) {
-    const std::string& name = aligned.coordinates()[i].name;
-    const bool is_shape = name.rfind("compensator/", 0) == 0 && name != "compensator/Kc";
+    const Coordinate& coordinate = aligned.coordinates()[i];
+    const bool is_shape =
+        coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kKc;
     const bool is_new = std::any_of(steps.begin(), steps.end(), [&](const SelectedEffect& step) {
-      return IsParameterOf(step.candidate.spec, name);
+      return IsParameterOf(step.candidate.spec, coordinate.name);
     });
     if (is_new && !is_shape) delta[i] = -aligned.Value(i);
   }

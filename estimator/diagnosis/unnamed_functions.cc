@@ -120,12 +120,13 @@ class UnnamedBuilder {
       if (loaded) drivers.push_back({TorqueOf(problem_, j, torques), "torque"});
       for (const auto& [driver, family] : drivers) {
         Functions functions;
-        if (!Smooth(driver.of_shot, family == "time" ? "time" : "smooth", &functions)) continue;
+        if (!Smooth(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", &functions)) continue;
+        const bool is_torque = driver.kind == DriverKind::kTorque;
         AddFunctions(functions,
                      {"",
                       JointName(j),
-                      {family == "torque" ? JointName(j) : family},
-                      DeviatesWith(JointName(j), family == "torque" ? "the torque on it" : family),
+                      {is_torque ? JointName(j) : family},
+                      DeviatesWith(JointName(j), is_torque ? "the torque on it" : family),
                       {source},
                       driver},
                      family);
@@ -270,7 +271,7 @@ class UnnamedBuilder {
         const Eigen::VectorXd fitted = OnFitted(driver.of_shot);
         const double low = fitted.minCoeff(), high = fitted.maxCoeff();
         if (!(high - low > 1e-9 * (1.0 + std::abs(high)))) continue;
-        const bool is_time = driver.name == "time";
+        const bool is_time = driver.kind == DriverKind::kTime;
         functions.Append(Bumps(driver.of_shot, low, high, kBumps[is_time ? 1 : 0]), is_time ? "time" : "smooth",
                          kBumps[is_time ? 1 : 0]);
         AddFunctions(functions, {"", marker, {driver.name}, MarkerMovesWith(marker, driver.name), sources, driver},

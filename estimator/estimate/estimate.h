@@ -59,10 +59,11 @@ struct ParameterEstimate {
   double nominal = 0.0;  // SI; geometric errors 0, base and markers the aligned start
   double sigma = 0.0;    // 0 unless estimated
   Interval ci95;
-  bool free = false;         // estimated
-  bool identifiable = true;  // false: held, the data cannot tell it
-  bool at_bound = false;     // the value or its interval meets the physical bound
-  bool weak = false;         // known worse than 1 mm, 1 mrad or half its value
+  bool free = false;                                        // estimated
+  bool identifiable = true;                                 // false: held, the data cannot tell it
+  bool at_bound = false;                                    // the value or its interval meets the physical bound
+  double lower = -std::numeric_limits<double>::infinity();  // that bound, SI
+  bool weak = false;                                        // known worse than 1 mm, 1 mrad or half its value
 
   double dof = std::numeric_limits<double>::infinity();  // of the interval: Student's t; infinity: normal
   // With what held parameters may do to it (held_influence.h): the value tied to

@@ -24,6 +24,7 @@ ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estima
   ParameterEstimate row;
   row.name = coordinate.name;
   row.quantity = coordinate.quantity;
+  row.lower = coordinate.lower;
   row.value = estimate.parameters.Value(i);
   row.nominal = estimate.aligned.num_coordinates() > 0 ? estimate.aligned.Value(i) : problem.parameters.Value(i);
   row.free = coordinate.estimated();

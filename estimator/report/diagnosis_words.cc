@@ -20,11 +20,17 @@ constexpr size_t kMostCauses = 4;        // of a verdict: with its first line fi
 constexpr size_t kMostTargets = 6;       // named of one cause
 constexpr size_t kMostSteps = 5;         // told one by one on a terminal
 
-std::string SettingsInWords(const EffectSpec& spec) {
+// definition: null for the compensator, which has no settings.
+std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec& spec) {
   std::string words;
   for (const auto& [name, text] : spec.settings) {
-    words +=
-        name == "after_s" ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
+    const bool is_moment =
+        definition != nullptr && std::any_of(definition->settings.begin(), definition->settings.end(),
+                                             [&name = name](const SettingDefinition& setting) {
+                                               return setting.kind == SettingDefinition::Kind::kMoment &&
+                                                      setting.name == name;
+                                             });
+    words += is_moment ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
   }
   return words;
 }
@@ -81,8 +87,11 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
   return Enumerate(wrong);
 }
 
+// Where it is only said to be above 99.9 %.
+bool IsNearlyCertain(double probability) { return probability > 0.9995; }
+
 std::string Percent(double probability) {
-  if (probability > 0.9995) return "above 99.9 %";
+  if (IsNearlyCertain(probability)) return "above 99.9 %";
   return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
 }
 
@@ -103,9 +112,8 @@ std::string CauseInWords(const Diagnosis& d, const StepGroup& group) {
   const bool is_one = group.steps.size() == 1;
   const DiagnosisStep& first = d.steps[static_cast<size_t>(group.steps.front())];
   std::string words = is_one ? Title(d.final.problem->robot(), first.candidate.spec) : GroupInWords(d, group);
-  const std::string probability = Percent(LeastProbability(d, group));
-  const bool is_bound = probability.rfind("above", 0) == 0;
-  words += is_one ? ", " + probability : ", each " + probability + (is_bound ? "" : " or more");
+  const double least = LeastProbability(d, group);
+  words += is_one ? ", " + Percent(least) : ", each " + Percent(least) + (IsNearlyCertain(least) ? "" : " or more");
   const std::string share = ShareOfGap(d, group.share_of_gap);
   return d.steps.size() > 1 && !share.empty() ? words + ": " + share : words;
 }
@@ -145,7 +153,7 @@ std::string RestInWords(const Diagnosis& d) {
 std::string Title(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
-  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
+  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(definition, spec) + ")";
 }
 
 std::string VerdictInWords(const Diagnosis& d) {
@@ -252,9 +260,9 @@ std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
     if (std::find(targets.begin(), targets.end(), target) == targets.end()) targets.push_back(target);
   }
   const EffectDefinition* definition = FindEffect(d.final.problem->robot(), group.effect);
-  const std::string title = definition != nullptr                   ? definition->title
-                            : group.effect == "gravity_compensator" ? "gravity compensator"
-                                                                    : "other effects";
+  const std::string title = definition != nullptr                 ? definition->title
+                            : group.effect == kGravityCompensator ? "gravity compensator"
+                                                                  : "other effects";
   return title + " on " + Enumerate(targets, kMostTargets);
 }
 
@@ -300,8 +308,7 @@ std::string ShareInWords(const WhereShare& share) {
 bool IsPlausibleSpring(const DiagnosisStep& step) {
   for (const ParameterEstimate& row : step.parameters) {
     if (row.quantity == Quantity::kLength && std::abs(row.value) > kFarthestAnchor) return false;
-    const bool is_size = row.name == "compensator/s0" || row.name == "compensator/Kc";
-    if (is_size && row.ci95.high < 0.0) return false;
+    if (row.ci95.high < row.lower) return false;
   }
   return true;
 }
@@ -314,8 +321,7 @@ bool IsPlausible(const Robot& robot, const DiagnosisStep& step) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
     if (is_compliance && row.ci95.high < 0.0) return false;
     if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
-    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.candidate.spec.effect == "link_gravity")
-      return false;
+    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && definition == &LinkGravity()) return false;
   }
   return true;
 }

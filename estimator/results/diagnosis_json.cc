@@ -9,6 +9,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/report/diagnosis_words.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
 
 namespace sagitta {
@@ -273,7 +274,7 @@ Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->model().WithValues(model.estimate.parameters.ModelValues());
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
-    if (spec.effect != "joint_compliance" || !MoveHome(spec, &robot)) others.push_back(spec);
+    if (spec.effect != JointComplianceEffect().name || !MoveHome(spec, &robot)) others.push_back(spec);
   }
   robot.effects = others;
   return robot;

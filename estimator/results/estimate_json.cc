@@ -151,13 +151,13 @@ Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parame
   Json json = Json::object();
   for (size_t m = 0; m < problem.data().markers.size(); ++m) {
     const auto spec = problem.experiment().markers.find(problem.data().markers[m]);
-    const std::string on = spec == problem.experiment().markers.end() ? "flange" : spec->second.on;
+    const MarkerPlace on = spec == problem.experiment().markers.end() ? MarkerPlace() : spec->second.on;
     Json& marker = json[problem.data().markers[m]];
     marker["xyz_mm"] = MillimetresOf(parameters.MarkerPoint(m));
     if (parameters.is_oriented(static_cast<int>(m))) {  // mrad of rad, as mm of m
       marker["rotvec_mrad"] = MillimetresOf(RotationVector(parameters.MarkerRotation(static_cast<int>(m))));
     }
-    marker["on"] = on;
+    marker["on"] = on.Word();
   }
   return json;
 }

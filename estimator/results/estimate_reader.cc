@@ -91,7 +91,7 @@ class EstimateReader {
       MarkerSpec spec;
       spec.point = Thousandths(marker, "xyz_mm");
       if (marker.Find("rotvec_mrad")) spec.rotvec = Thousandths(marker, "rotvec_mrad");
-      spec.on = marker.Get("on").Text();
+      spec.on = MarkerPlace::Named(marker.Get("on").Text());
       known_.markers[name] = spec;
     }
   }

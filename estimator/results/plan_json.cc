@@ -8,6 +8,7 @@
 #include "problems/io/json_reader.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/loads.h"
 
 namespace sagitta {
 namespace {
@@ -108,7 +109,7 @@ Json PlanToJson(const Plan& plan) {
 
 std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const Measurements& data = plan.rows;
-  const bool has_load = AnyShot(data, [](const Shot& shot) { return shot.load != "none"; });
+  const bool has_load = AnyShot(data, IsLoaded);
   const bool has_wrench = AnyShot(data, [](const Shot& shot) { return !shot.wrench.IsZero(); });
   const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
                                      [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });
