@@ -106,6 +106,16 @@ void SetPriors(CalibrationProblem* problem) {
 
 }  // namespace
 
+template Measurements* SharedValue<Measurements>::Own();
+template Experiment* SharedValue<Experiment>::Own();
+template std::vector<ShotInput>* SharedValue<std::vector<ShotInput>>::Own();
+
+CalibrationProblem::CalibrationProblem(const CalibrationProblem&) = default;
+CalibrationProblem::CalibrationProblem(CalibrationProblem&&) noexcept = default;
+CalibrationProblem& CalibrationProblem::operator=(const CalibrationProblem&) = default;
+CalibrationProblem& CalibrationProblem::operator=(CalibrationProblem&&) noexcept = default;
+CalibrationProblem::~CalibrationProblem() = default;
+
 bool IsGravityCompensator(const EffectSpec& spec) { return spec.effect == kGravityCompensator; }
 
 CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measurements> data,
@@ -118,6 +128,10 @@ CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measureme
   RenewShots();
   latent = MakeLatentModel(robot().chain, *data_, *experiment_);
 }
+
+void CalibrationProblem::set_data(Measurements data) { data_ = std::move(data); }
+void CalibrationProblem::set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
+void CalibrationProblem::set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
 
 void CalibrationProblem::RenewJoints() {
   std::vector<ShotInput>& inputs = *mutable_shot_inputs();

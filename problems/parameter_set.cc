@@ -36,6 +36,13 @@ std::optional<CoordinateKind> CoordinateKindOf(const std::string& name) {
   return found == kinds.end() ? std::nullopt : std::optional(found->second);
 }
 
+ParameterSet::ParameterSet() = default;
+ParameterSet::ParameterSet(const ParameterSet&) = default;
+ParameterSet::ParameterSet(ParameterSet&&) noexcept = default;
+ParameterSet& ParameterSet::operator=(const ParameterSet&) = default;
+ParameterSet& ParameterSet::operator=(ParameterSet&&) noexcept = default;
+ParameterSet::~ParameterSet() = default;
+
 ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
                            const std::vector<ModelParameter>& model_parameters, const std::vector<bool>& oriented)
     : num_stations_(stations.size()), num_markers_(markers.size()), num_model_parameters_(model_parameters.size()) {
@@ -146,6 +153,13 @@ void ParameterSet::SetMarkerRotation(int m, const Matrix3<double>& rotation) {
   if (!is_oriented(m)) return;
   Eigen::Map<Eigen::Quaterniond>(marker_rotation(m).values.data()) = Eigen::Quaterniond(rotation).normalized();
 }
+
+MarkerInFrame ParameterSet::MarkerOn(int frame, int m, ReadingKind kind) const {
+  return {frame, MarkerPoint(m), m, kind, MarkerRotation(m)};
+}
+
+void ParameterSet::SetSpringTie(const SpringTie& tie) { spring_tie_ = tie; }
+void ParameterSet::DropSpringTie() { spring_tie_.reset(); }
 
 std::vector<double> ParameterSet::ModelValues() const {
   std::vector<double> theta(num_model_parameters_);

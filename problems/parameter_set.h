@@ -67,7 +67,12 @@ struct ParameterBlock {
 // All unknowns of a problem, by name and by coordinate.
 class ParameterSet {
  public:
-  ParameterSet() = default;
+  ParameterSet();
+  ParameterSet(const ParameterSet&);
+  ParameterSet(ParameterSet&&) noexcept;
+  ParameterSet& operator=(const ParameterSet&);
+  ParameterSet& operator=(ParameterSet&&) noexcept;
+  ~ParameterSet();
   // oriented: the markers whose rotation is an unknown too; empty: none.
   ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
                const std::vector<ModelParameter>& model_parameters, const std::vector<bool>& oriented = {});
@@ -114,16 +119,14 @@ class ParameterSet {
   Matrix3<double> MarkerRotation(int marker) const;  // frame_from_target; the identity where it is no unknown
   void SetMarkerRotation(int marker, const Matrix3<double>& rotation);
   // The marker as a reading of that kind needs it.
-  MarkerInFrame MarkerOn(int frame, int marker, ReadingKind kind) const {
-    return {frame, MarkerPoint(marker), marker, kind, MarkerRotation(marker)};
-  }
+  MarkerInFrame MarkerOn(int frame, int marker, ReadingKind kind) const;
   std::vector<double> ModelValues() const;  // theta
   void SetModelValue(int i, double value);
 
   // A prior that links several blocks: markers on the compensator's spring.
   const std::optional<SpringTie>& spring_tie() const { return spring_tie_; }
-  void SetSpringTie(const SpringTie& tie) { spring_tie_ = tie; }
-  void DropSpringTie() { spring_tie_.reset(); }
+  void SetSpringTie(const SpringTie& tie);
+  void DropSpringTie();
 
   // A coordinate's value as results state it (rotations: rotation vector), SI.
   double Value(int coordinate) const;

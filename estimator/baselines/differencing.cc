@@ -134,7 +134,7 @@ bool IsElastic(const CalibrationProblem& problem, const ParameterSet& parameters
   return law == ParameterLaw::kCompliance || law == ParameterLaw::kCompensator;
 }
 
-// Step 1: what does not bend, from the unloaded rows.
+// Stage 1: what does not bend, from the unloaded rows.
 Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   CalibrationProblem unloaded = problem;
   for (Observation& observation : unloaded.mutable_data()->observations) {
@@ -146,7 +146,7 @@ Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   return EstimateJointly(unloaded);
 }
 
-// Step 2; the size of the last step, in standard deviations.
+// Stage 2; the size of the last step, in standard deviations.
 StepOutcome FitDifferences(const DifferenceContext& context, const std::vector<int>& elastic, Estimate* estimate,
                            LinearSolution* solution) {
   const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) -> FittedRows {

@@ -8,6 +8,7 @@
 
 #include "estimator/report/diagnosis_function_words.h"
 #include "models/constants.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -15,11 +16,7 @@ namespace {
 constexpr size_t kTableRows = 41;
 constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
 
-std::string Rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string Rounded(double value) { return Significant(value, 3); }
 
 // The unnamed member that the set can least do without; else the best to add in the first view, if it stands out. -1:
 // none.
@@ -91,7 +88,7 @@ class FormulaSearch {
 
   std::string Nearest() {
     TryLine();
-    TryStep();
+    TryJump();
     if (kind_ == DriverKind::kAngle) TryHarmonics();
     if (kind_ == DriverKind::kTime) TryExponential();
     TryDeadband();
@@ -111,7 +108,7 @@ class FormulaSearch {
     Offer(explained, "proportional to " + driver_ + ": " + Rounded(c_[0]) + " " + of_ + " per " + unit_);
   }
 
-  void TryStep() {
+  void TryJump() {
     double most = 0.0, size = 0.0, place = 0.0;
     for (long i = 1; i < x_.size(); ++i) {
       const double here = 0.5 * (x_[i - 1] + x_[i]);
@@ -121,7 +118,7 @@ class FormulaSearch {
       size = c_[0];
       place = here;
     }
-    Offer(most, "a step of " + Rounded(size) + " " + of_ + " at " + driver_ + " = " + Rounded(place) + " " + unit_);
+    Offer(most, "a jump of " + Rounded(size) + " " + of_ + " at " + driver_ + " = " + Rounded(place) + " " + unit_);
   }
 
   void TryHarmonics() {

@@ -21,7 +21,7 @@ struct FunctionPoint {
 
 // A function of the data that no effect of the catalogue is.
 struct LearntFunction {
-  std::string kind = "other";  // smooth, periodic, step, time, other
+  std::string kind = "other";  // as UnnamedFunction::kind
   std::string acts_on;         // joint, station or marker; empty: no cause stands out
   std::vector<std::string> depends_on;
   std::string words;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "estimator/diagnosis/steps.h"
+#include "estimator/diagnosis/selected_effects.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
 
@@ -11,7 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kMostFunctions = 12;  // each costs a refit
-constexpr int kFewestKnots = 4;        // a sag: fewer columns than that are waves or a step,
+constexpr int kFewestKnots = 4;        // a sag: fewer columns than that are waves or a jump,
 constexpr int kFineKnots = 25;         // which these follow
 constexpr int kDigits = 7;             // of a range
 

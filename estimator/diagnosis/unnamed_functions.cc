@@ -14,7 +14,7 @@ namespace {
 constexpr int kBumps[] = {4, 10};
 constexpr int kOrders = 6;       // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
 constexpr int kPeriods = 8;      // of waves over the time of the campaign
-constexpr int kPlaces = 24;      // of a step along a joint's angle
+constexpr int kPlaces = 24;      // of a jump along a joint's angle
 constexpr int kFineBumps = 25;   // of a joint's own angle: a bump of 10 degrees
 constexpr int kSeats = 25;       // stretches of visits in which a loose part stays in its seat
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
@@ -105,7 +105,7 @@ class UnnamedBuilder {
           const Eigen::VectorXd seen = OnFitted(q);
           functions.Append(Bumps(q, seen.minCoeff(), seen.maxCoeff(), kFineBumps), "smooth", kFineBumps);
         }
-        if (k == j) functions.Append(Steps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1);
+        if (k == j) functions.Append(Jumps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1);
         if (k != j && IsRevolute(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2);
         AddFunctions(functions,
                      {"",

@@ -66,9 +66,9 @@ struct ParameterEstimate {
   bool weak = false;                                        // known worse than 1 mm, 1 mrad or half its value
 
   double dof = std::numeric_limits<double>::infinity();  // of the interval: Student's t; infinity: normal
-  // With what held parameters may do to it (held_influence.h): the value tied to
-  // them, and they themselves. Equal to sigma and ci95 where nothing is held.
-  bool tied = false;
+  // Interval on the condition that held parameters are where they were put; the unconditional one counts what they may
+  // do to it (held_influence.h). Of held ones themselves too; equal to sigma and ci95 where nothing is held.
+  bool conditional = false;
   double unconditional_sigma = 0.0;
   Interval unconditional_ci95;
   bool open_low = false, open_high = false;  // profile likelihood: no end on that side

@@ -132,9 +132,9 @@ class Multiplicative {
 // The candidates to begin with: those that weigh something, or some of all.
 std::vector<int> FirstActive(const CandidateSet& set, const Eigen::VectorXd& weights, bool is_started) {
   std::vector<int> active;
-  const int step = std::max(1, set.size() / kFewCandidates);
+  const int stride = std::max(1, set.size() / kFewCandidates);
   for (int i = 0; i < set.size(); ++i) {
-    if ((is_started && weights[i] > 1e-7) || (!is_started && i % step == 0)) active.push_back(i);
+    if ((is_started && weights[i] > 1e-7) || (!is_started && i % stride == 0)) active.push_back(i);
   }
   return active;
 }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "models/constants.h"
+#include "problems/text.h"
 
 namespace sagitta {
 
@@ -27,9 +28,9 @@ const Unit& UnitNamed(const std::string& suffix) {
 }
 
 std::string NamesWithUnits(const std::string& stem, Dimension dimension) {
-  std::string names;
-  for (const Unit& unit : UnitsOf(dimension)) names += (names.empty() ? "" : ", ") + stem + "_" + unit.suffix;
-  return names;
+  std::vector<std::string> names;
+  for (const Unit& unit : UnitsOf(dimension)) names.push_back(stem + "_" + unit.suffix);
+  return Joined(names);
 }
 
 std::optional<double> ParseNumber(std::string_view text) {

@@ -88,7 +88,7 @@ std::string EditedTag(const std::string& tag, const OriginEdit& edit) {
   return WithAttribute(WithAttribute(tag, "rpy", edit.rpy), "xyz", edit.xyz);
 }
 
-// A line break and the blanks of the joint's own line, one step deeper.
+// A line break and the blanks of the joint's own line, one level deeper.
 std::string IndentAfter(const std::string& text, const Span& joint) {
   const size_t line = text.rfind('\n', joint.begin);
   const size_t first = line == std::string::npos ? 0 : line + 1;

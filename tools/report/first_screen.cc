@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/constants.h"
+#include "problems/text.h"
 #include "tools/report/histograms.h"
 #include "tools/report/remedies.h"
 
@@ -46,10 +47,9 @@ Section Unseen(const Trust& trust) {
   add("before (nominal robot)", trust.nominal);
   add("after", quoted);
   if (is_holdout) add("after, cross-validation of the rest", trust.cross_validation.unseen);
-  std::string worst;
-  for (const FarPose& pose : quoted.worst)
-    worst += (worst.empty() ? "" : ", ") + pose.configuration + " " + Millimetres(pose.distance);
-  section.paragraphs = {"Worst poses: " + worst + " mm."};
+  std::vector<std::string> worst;
+  for (const FarPose& pose : quoted.worst) worst.push_back(pose.configuration + " " + Millimetres(pose.distance));
+  section.paragraphs = {"Worst poses: " + Joined(worst) + " mm."};
   if (quoted.predicted_rms > 0.0) {
     section.paragraphs.push_back("Coordinate RMS " + Millimetres(quoted.rms) + " mm, predicted " +
                                  Millimetres(quoted.predicted_rms) + " mm (p = " + Significant(quoted.p_value, 2) +

@@ -151,7 +151,7 @@ int DecimalsFor(double size) {
 }
 
 // Estimated, but on the condition that a held parameter is where it was put.
-bool IsTied(const ParameterEstimate& row, const Identifiability& identifiability) {
+bool IsConditional(const ParameterEstimate& row, const Identifiability& identifiability) {
   for (const Direction& direction : identifiability.unidentifiable) {
     for (const auto& [name, value] : direction.components) {
       if (name == row.name && row.free) return true;
@@ -163,7 +163,7 @@ bool IsTied(const ParameterEstimate& row, const Identifiability& identifiability
 std::string StateOf(const ParameterEstimate& row, const Identifiability& identifiability) {
   if (!row.identifiable) return "not measured";
   if (!row.free) return "fixed";
-  if (IsTied(row, identifiability)) return "tied";
+  if (IsConditional(row, identifiability)) return "conditional";
   if (row.at_bound) return "at bound";
   return row.weak ? "weak" : "";
 }
@@ -226,8 +226,9 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
                         "robot fits best. calibrated: nominal + correction."};
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.push_back(
-        "not measured: held where the data fit best; the value means nothing by itself. tied: moves together with one "
-        "that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does not).");
+        "not measured: held where the data fit best; the value means nothing by itself. conditional: moves "
+        "together with one that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does "
+        "not).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(

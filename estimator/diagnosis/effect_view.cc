@@ -1,4 +1,4 @@
-#include "estimator/diagnosis/step_view.h"
+#include "estimator/diagnosis/effect_view.h"
 
 #include <algorithm>
 #include <map>
@@ -49,12 +49,12 @@ struct VisitSums {
 
 }  // namespace
 
-StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
+EffectView ViewEffect(const DiagnosedModel& with, const EffectSpec& spec) {
   const CalibrationProblem& problem = *with.problem;
   const Linearization here = LinearizeEstimate(problem, with.estimate.parameters);
   const Eigen::VectorXd contribution = Contribution(with, spec, here);
   const Driver driver = DriverOf(problem, spec);
-  StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
+  EffectView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
   Eigen::VectorXd along = contribution;
   const int joint = problem.robot().chain.FindJoint(spec.target);
   if (joint >= 0) {
@@ -63,7 +63,7 @@ StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
     view.quantity = "deviation of " + spec.target;
     view.unit = turns ? "urad" : "um";
   }
-  // Residuals are predicted - measured: without the step they would be lower by its contribution.
+  // Residuals are predicted - measured: without the effect they would be lower by its contribution.
   std::map<int, VisitSums> visits;
   for (size_t k = 0; k < here.observations.size(); ++k) {
     const int s = problem.data().observations[here.observations[k]].shot;

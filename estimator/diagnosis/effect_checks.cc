@@ -1,4 +1,4 @@
-#include "estimator/diagnosis/step_checks.h"
+#include "estimator/diagnosis/effect_checks.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -19,7 +19,7 @@ constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
-constexpr double kTakesItsPlace = 0.5;  // of what the step explains
+constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
 WeightedSet Without(const Evidence& evidence, const WeightedModel& model, int member) {
@@ -110,7 +110,7 @@ std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const We
   return shapes;
 }
 
-// With c = A a the step's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
+// With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
                                           const WeightedModel& model, int member,
                                           const std::vector<NamedProbability>& in_place) {
