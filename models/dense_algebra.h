@@ -21,12 +21,10 @@
 namespace Eigen {
 
 SAGITTA_TEMPLATE class LLT<MatrixXd, Lower>;
-SAGITTA_TEMPLATE class LLT<MatrixXd, Upper>;
 SAGITTA_TEMPLATE class LDLT<MatrixXd, Lower>;
 SAGITTA_TEMPLATE class PartialPivLU<MatrixXd>;
 SAGITTA_TEMPLATE class HouseholderQR<MatrixXd>;
 SAGITTA_TEMPLATE class ColPivHouseholderQR<MatrixXd>;
-SAGITTA_TEMPLATE class CompleteOrthogonalDecomposition<MatrixXd>;
 SAGITTA_SVD_TEMPLATE class JacobiSVD<MatrixXd>;
 SAGITTA_SVD_TEMPLATE class BDCSVD<MatrixXd>;
 SAGITTA_TEMPLATE class SelfAdjointEigenSolver<MatrixXd>;

@@ -39,4 +39,17 @@ Matrix3<double> RotationFromRpy(const Vector3<double>& rpy) {
       .toRotationMatrix();
 }
 
+Matrix3<double> RotationBetween(const Vector3<double>& from, const Vector3<double>& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+}
+
+Pose<double> Inverse(const Pose<double>& pose) {
+  const Matrix3<double> back = pose.rotation.transpose();
+  return {back, -(back * pose.translation)};
+}
+
+Pose<double> Product(const Pose<double>& c_from_b, const Pose<double>& b_from_a) {
+  return {c_from_b.rotation * b_from_a.rotation, c_from_b * b_from_a.translation};
+}
+
 }  // namespace sagitta

@@ -67,6 +67,9 @@ Matrix3<double> InverseLeftJacobian(const Vector3<double>& v);
 // Fixed-axis x-y-z angles as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
 Matrix3<double> RotationFromRpy(const Vector3<double>& rpy);
 
+// The least rotation that turns one direction into another.
+Matrix3<double> RotationBetween(const Vector3<double>& from, const Vector3<double>& to);
+
 // A rigid pose: p_target = rotation * p_source + translation.
 template <typename T>
 struct Pose {
@@ -75,5 +78,11 @@ struct Pose {
 
   Vector3<T> operator*(const Vector3<T>& point) const { return rotation * point + translation; }
 };
+
+// source_from_target of a pose target_from_source.
+Pose<double> Inverse(const Pose<double>& pose);
+
+// c_from_b b_from_a.
+Pose<double> Product(const Pose<double>& c_from_b, const Pose<double>& b_from_a);
 
 }  // namespace sagitta

@@ -36,6 +36,7 @@ inline const char* WordOf(CompensatorPart part) {
 // Of the parameter in results: compensator/L.
 inline std::string NameOf(CompensatorPart part) { return std::string("compensator/") + WordOf(part); }
 
+// What it is made of.
 template <typename T>
 struct CompensatorParameters {
   T L, a_x, a_y, s0;  // m

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <regex>
 #include <utility>
+
+#include "problems/io/pattern.h"
 
 namespace sagitta {
 namespace {
@@ -22,9 +23,9 @@ std::string InWords(double seconds) {
 
 // "bootstrap: 12 of 400": 0.03; nothing of the kind: 0.
 double ShareIn(const std::string& what) {
-  static const std::regex kCount("([0-9]+) of ([0-9]+)");
+  static const std::regex kCount = MakePattern("([0-9]+) of ([0-9]+)");
   std::smatch found;
-  if (!std::regex_search(what, found, kCount)) return 0.0;
+  if (!SearchPattern(what, &found, kCount)) return 0.0;
   const double all = std::stod(found[2]);
   return all > 0.0 ? std::min(1.0, std::stod(found[1]) / all) : 0.0;
 }

@@ -116,7 +116,7 @@ Linearization LinearizeDifferences(const DifferenceContext& context, const Param
     const int n = static_cast<int>(visit.difference.rows());
     const Eigen::MatrixXd d = visit.difference * visit.roots;  // of whitened rows
     const Eigen::MatrixXd spread = d * points.latent(visit.rows, Eigen::all);
-    const Eigen::LLT<Eigen::MatrixXd> root(d * d.transpose() + spread * spread.transpose());
+    const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(d * d.transpose() + spread * spread.transpose()));
     const Eigen::VectorXd residual = d * Eigen::VectorXd(points.residual(visit.rows));
     const Eigen::MatrixXd jacobian = d * Eigen::MatrixXd(points.jacobian(visit.rows, Eigen::all));
     result.residual.segment(first, n) = root.matrixL().solve(residual);

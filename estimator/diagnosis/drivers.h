@@ -9,8 +9,10 @@
 
 namespace sagitta {
 
+// What kind of thing drives.
 enum class DriverKind { kAngle, kTravel, kTorque, kTime, kTemperature, kOther };
 
+// One of them, with its values.
 struct Driver {
   std::string name, unit;
   DriverKind kind = DriverKind::kOther;

@@ -166,7 +166,7 @@ MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member
   const Eigen::MatrixXd precision =
       information + Eigen::MatrixXd::Identity(information.rows(), information.cols()) / variance;
   const Eigen::VectorXd left =
-      precision.llt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols())).diagonal();
+      precision.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(precision.rows(), precision.cols()))).diagonal();
   for (long c = 0; c < left.size(); ++c) {
     const std::string& name = evidence.columns().Name(own.columns[static_cast<size_t>(c)]);
     if (left[c] > kPoorlyDetermined * variance) fit.poorly_determined.push_back(name);
@@ -225,7 +225,8 @@ Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int m
   confirmation.compatible_p = std::numeric_limits<double>::quiet_NaN();
   if (confirmation.halves.size() < 2) return confirmation;
   const Eigen::VectorXd apart = confirmation.halves[0].values - confirmation.halves[1].values;
-  const Eigen::LLT<Eigen::MatrixXd> joint(confirmation.halves[0].covariance + confirmation.halves[1].covariance);
+  const Eigen::LLT<Eigen::MatrixXd> joint(
+      Eigen::MatrixXd(confirmation.halves[0].covariance + confirmation.halves[1].covariance));
   if (joint.info() == Eigen::Success) {
     confirmation.compatible_p = ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
   }

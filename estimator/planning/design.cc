@@ -21,7 +21,7 @@ bool IsLogarithm(const Criterion& criterion) {
 }
 
 Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& information) {
-  return information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  return information.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(information.rows(), information.cols())));
 }
 
 // Two halves at once where that is worth a thread. The halves are the same on every machine, and so is their sum.
@@ -337,7 +337,7 @@ double CostBeside::With(const Eigen::MatrixXd& rows) const {
   const auto log_det = [](const Eigen::LLT<Eigen::MatrixXd>& of) {
     return 2.0 * of.matrixLLT().diagonal().array().log().sum();
   };
-  return now_ - log_det(root) + log_det((one + inner).llt());
+  return now_ - log_det(root) + log_det((one + inner).eval().llt());
 }
 
 std::vector<int> Foremost(const Eigen::VectorXd& values, int most) {

@@ -8,6 +8,7 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/report/diagnosis_words.h"
+#include "estimator/results/json_numbers.h"
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
@@ -20,8 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kListedCandidates = 40;
 constexpr double kHardlyWorthALine = 1e-4;  // of probability
-
-Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 // mm; null without a hold-out.
 Json HeldOut(const Estimate& estimate, double metres) {

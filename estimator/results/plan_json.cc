@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/results/json_numbers.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
@@ -15,16 +16,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double Millimetres(double metres) { return 1e3 * metres; }
-
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json CertificateToJson(const Plan& plan) {
   Json json = {{"words", CertificateInWords(plan)}};
   if (!plan.criterion.HasCertificate()) return json;
-  json["cost"] = NumberOrNull(plan.cost);
-  json["bound"] = NumberOrNull(plan.bound);
-  json["efficiency"] = NumberOrNull(plan.efficiency);
+  json["cost"] = Finite(plan.cost);
+  json["bound"] = Finite(plan.bound);
+  json["efficiency"] = Finite(plan.efficiency);
   return json;
 }
 
@@ -72,7 +69,7 @@ Json PlanToJson(const Plan& plan) {
                {"predicted",
                 {{"position_rms_mm", Millimetres(plan.position_rms)},
                  {"position_max_mm", Millimetres(plan.position_max)},
-                 {"rms_mm", Millimetres(plan.position_rms) / std::sqrt(3.0)},
+                 {"rms_mm", Millimetres(plan.position_rms / std::sqrt(3.0))},
                  {"model_error", plan.model_error},
                  {"position_rms_with_model_error_mm", Millimetres(plan.rms_with_model_error)}}}};
   if (plan.field_amplitude > 0.0) {
@@ -84,7 +81,7 @@ Json PlanToJson(const Plan& plan) {
                           {"decides", plan.decides},
                           {"words", SeparationInWords()}};
   } else {
-    for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = NumberOrNull(plan.indices[i]);
+    for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = Finite(plan.indices[i]);
   }
   json["parameters"] = Json::array();
   for (const PlannedParameter& parameter : plan.parameters) {

@@ -27,6 +27,10 @@ const Unit& UnitNamed(const std::string& suffix) {
   throw std::logic_error("no unit is called '" + suffix + "'");
 }
 
+JointUnit UnitOf(const Joint& joint) {
+  return joint.type == JointType::kRevolute ? JointUnit{1.0 / kDegree, "deg"} : JointUnit{1e3, "mm"};
+}
+
 std::string NamesWithUnits(const std::string& stem, Dimension dimension) {
   std::vector<std::string> names;
   for (const Unit& unit : UnitsOf(dimension)) names.push_back(stem + "_" + unit.suffix);

@@ -23,8 +23,6 @@ std::string Probability(double p) {
   return p > 0.0 ? Significant(p, 2) : "below 1e-300";
 }
 
-std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
-
 std::string Labelled(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + ", " + ShownUnit(unit);
 }

@@ -16,8 +16,6 @@ namespace {
 
 std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
-std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
-
 Section ResultSection(const CalibrationProblem& problem, const Estimate& estimate) {
   Section section;
   section.title = problem.robot().name.empty() ? "Calibration" : problem.robot().name;
@@ -314,6 +312,8 @@ std::string Wrapped(const std::string& paragraph) {
 }
 
 }  // namespace
+
+std::string Millimetres(double metres, int decimals) { return Fixed(1e3 * metres, decimals); }
 
 std::string ShownUnit(const std::string& unit) { return unit.rfind('u', 0) == 0 ? "µ" + unit.substr(1) : unit; }
 
