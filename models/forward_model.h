@@ -32,7 +32,7 @@ struct ModelParameter {
   std::string name;  // geometry/<error>, compliance/<joint>[@<q_deg>], compensator/L, effect/... of FORMATS section 4
   Quantity quantity = Quantity::kLength;
   ParameterLaw law = ParameterLaw::kGeometry;
-  int index = -1;        // the transform, index into compliances, 0..4 of L, a_x, a_y, s0, Kc, index into effects
+  int index = -1;        // the transform, index into compliances, CompensatorPart, index into effects
   double nominal = 0.0;  // SI, as the robot file states it; 0 for geometric errors
   double lower = -std::numeric_limits<double>::infinity();
 };

@@ -4,6 +4,7 @@
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "models/forward_model.h"
+#include "models/gravity_compensator.h"
 
 namespace sagitta {
 namespace {
@@ -50,11 +51,10 @@ void ForwardModel::AddCompensator() {
   const double zero = spring.zero.value_or(transform.nominal);
   compensator_ = CompensatorOnJoint{slot, spring.joint, num_parameters(), zero, transform.sign, spring.preload};
   const double nominal[5] = {spring.L, spring.a_x, spring.a_y, spring.s0, spring.Kc};
-  const char* names[5] = {"L", "a_x", "a_y", "s0", "Kc"};
-  for (int i = 0; i < 5; ++i) {
-    const Quantity quantity = i < 4 ? Quantity::kLength : Quantity::kSpringRate;
-    parameters_.push_back(
-        {std::string("compensator/") + names[i], quantity, ParameterLaw::kCompensator, i, nominal[i]});
+  for (const CompensatorPart part : kCompensatorParts) {
+    const Quantity quantity = part == CompensatorPart::kKc ? Quantity::kSpringRate : Quantity::kLength;
+    const int i = static_cast<int>(part);
+    parameters_.push_back({NameOf(part), quantity, ParameterLaw::kCompensator, i, nominal[i]});
   }
   // No spring is shorter than nothing, or pushes harder the less it is pressed.
   for (const int i : {0, 3, 4}) parameters_[compensator_->first_parameter + i].lower = 0.0;

@@ -52,46 +52,23 @@ Matrix3<T> RotationFromVector(const Vector3<T>& v) {
 }
 
 // The inverse of QuaternionFromRotationVector, angle in [0, pi].
-inline Vector3<double> RotationVector(const Eigen::Quaterniond& rotation) {
-  const double sign = rotation.w() < 0 ? -1.0 : 1.0;
-  const Vector3<double> v = sign * rotation.vec();
-  const double n = v.norm();
-  if (n < 1e-12) return 2.0 * v;
-  return 2.0 * std::atan2(n, sign * rotation.w()) / n * v;
-}
+Vector3<double> RotationVector(const Eigen::Quaterniond& rotation);
 
 // v with R = exp([v]x), rad.
-inline Vector3<double> RotationVector(const Matrix3<double>& rotation) {
-  return RotationVector(Eigen::Quaterniond(rotation));
-}
+Vector3<double> RotationVector(const Matrix3<double>& rotation);
 
 // J of exp(v + dv) = exp(J dv) exp(v): what a change of the vector is as a left perturbation (Barfoot, State
-// Estimation for Robotics, eq. 7.77). The coefficients are 1/2 and 1/6 to 1e-9 below 1e-4 rad.
-inline Matrix3<double> LeftJacobian(const Vector3<double>& v) {
-  const double angle = v.norm();
-  const bool is_small = angle < 1e-4;
-  const double a = is_small ? 0.5 : (1.0 - std::cos(angle)) / (angle * angle);
-  const double b = is_small ? 1.0 / 6.0 : (angle - std::sin(angle)) / (angle * angle * angle);
-  const Matrix3<double> skew = Skew(v);
-  return Matrix3<double>::Identity() + a * skew + b * skew * skew;
-}
+// Estimation for Robotics, eq. 7.77).
+Matrix3<double> LeftJacobian(const Vector3<double>& v);
 
-// Its inverse, what a left perturbation is as a change of the vector; 1/12 is the limit of the last coefficient.
-inline Matrix3<double> InverseLeftJacobian(const Vector3<double>& v) {
-  const double angle = v.norm();
-  const double half = 0.5 * angle;
-  const double b = angle < 1e-4 ? 1.0 / 12.0 : (1.0 - half * std::cos(half) / std::sin(half)) / (angle * angle);
-  const Matrix3<double> skew = Skew(v);
-  return Matrix3<double>::Identity() - 0.5 * skew + b * skew * skew;
-}
+// Its inverse, what a left perturbation is as a change of the vector.
+Matrix3<double> InverseLeftJacobian(const Vector3<double>& v);
 
 // Fixed-axis x-y-z angles as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
-inline Matrix3<double> RotationFromRpy(const Vector3<double>& rpy) {
-  using Eigen::AngleAxisd;
-  return (AngleAxisd(rpy.z(), Vector3<double>::UnitZ()) * AngleAxisd(rpy.y(), Vector3<double>::UnitY()) *
-          AngleAxisd(rpy.x(), Vector3<double>::UnitX()))
-      .toRotationMatrix();
-}
+Matrix3<double> RotationFromRpy(const Vector3<double>& rpy);
+
+// The least rotation that turns one direction into another.
+Matrix3<double> RotationBetween(const Vector3<double>& from, const Vector3<double>& to);
 
 // A rigid pose: p_target = rotation * p_source + translation.
 template <typename T>
@@ -101,5 +78,11 @@ struct Pose {
 
   Vector3<T> operator*(const Vector3<T>& point) const { return rotation * point + translation; }
 };
+
+// source_from_target of a pose target_from_source.
+Pose<double> Inverse(const Pose<double>& pose);
+
+// c_from_b b_from_a.
+Pose<double> Product(const Pose<double>& c_from_b, const Pose<double>& b_from_a);
 
 }  // namespace sagitta

@@ -15,9 +15,28 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 
 namespace sagitta {
 
+// How candidates of the diagnosis name it among the effects.
+constexpr char kGravityCompensator[] = "gravity_compensator";
+
+// Its unknowns, in the order of CompensatorParameters and of a model's theta.
+enum class CompensatorPart { kL, kAx, kAy, kS0, kKc };
+constexpr CompensatorPart kCompensatorParts[] = {CompensatorPart::kL, CompensatorPart::kAx, CompensatorPart::kAy,
+                                                 CompensatorPart::kS0, CompensatorPart::kKc};
+
+// L, a_x, a_y, s0, Kc.
+inline const char* WordOf(CompensatorPart part) {
+  constexpr const char* kWords[] = {"L", "a_x", "a_y", "s0", "Kc"};
+  return kWords[static_cast<int>(part)];
+}
+
+// Of the parameter in results: compensator/L.
+inline std::string NameOf(CompensatorPart part) { return std::string("compensator/") + WordOf(part); }
+
+// What it is made of.
 template <typename T>
 struct CompensatorParameters {
   T L, a_x, a_y, s0;  // m

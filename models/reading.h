@@ -22,14 +22,9 @@ struct TargetReading {
 };
 
 // measured - predicted. `predicted` is a point, or a rotation vector.
-inline Vector3<double> MeasuredMinusPredicted(const TargetReading& measured, const Vector3<double>& predicted) {
-  if (measured.kind == ReadingKind::kPoint) return measured.point - predicted;
-  return RotationVector(Matrix3<double>(measured.rotation * RotationFromVector(predicted).transpose()));
-}
+Vector3<double> MeasuredMinusPredicted(const TargetReading& measured, const Vector3<double>& predicted);
 
 // d misfit / d prediction, the latter by left perturbation; misfit = predicted - measured.
-inline Matrix3<double> MisfitByPrediction(ReadingKind kind, const Vector3<double>& misfit) {
-  return kind == ReadingKind::kPoint ? Matrix3<double>(Matrix3<double>::Identity()) : InverseLeftJacobian(misfit);
-}
+Matrix3<double> MisfitByPrediction(ReadingKind kind, const Vector3<double>& misfit);
 
 }  // namespace sagitta

@@ -21,6 +21,9 @@ namespace sagitta {
 // given in the flange turns with the flange.
 enum class WrenchFrame { kMeasurement, kBase, kFlange };
 
+// The load id of rows that hang nothing on the arm.
+constexpr char kNoLoad[] = "none";
+
 // Force and moment at a point that rides on the arm.
 struct AppliedWrench {
   int frame = 0;                                     // chain frame its point rides on

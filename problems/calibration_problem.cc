@@ -13,24 +13,31 @@
 namespace sagitta {
 namespace {
 
+int FrameOf(const Chain& chain, const Experiment& experiment, const std::string& marker, const MarkerPlace& on) {
+  switch (on.kind) {
+    case MarkerPlace::Kind::kFlange:
+      return chain.FlangeFrame();
+    case MarkerPlace::Kind::kBase:
+      return chain.BaseFrame();
+    case MarkerPlace::Kind::kWorld:
+      return chain.WorldFrame();
+    case MarkerPlace::Kind::kJoint:
+      break;
+  }
+  const int joint = chain.FindJoint(on.joint);
+  if (joint >= 0) return chain.FrameAfterJoint(joint);
+  std::vector<std::string> places = MarkerPlace::Words();
+  for (const Joint& other : chain.joints) places.push_back(other.name);
+  FailProblem(experiment, "markers." + marker + ".on", "'" + on.joint + "' is no place on this robot",
+              SpellingHint(on.joint, places));
+}
+
 std::vector<int> ResolveMarkerFrames(const Chain& chain, const Measurements& data, const Experiment& experiment) {
-  std::vector<std::string> places = {"flange", "base", "world"};
-  for (const Joint& joint : chain.joints) places.push_back(joint.name);
   std::vector<int> frames;
   for (const std::string& name : data.markers) {
     const auto spec = experiment.markers.find(name);
-    const std::string on = spec == experiment.markers.end() ? "flange" : spec->second.on;
-    const int joint = chain.FindJoint(on);
-    if (on == "flange") {
-      frames.push_back(chain.FlangeFrame());
-    } else if (on == "base" || on == "world") {
-      frames.push_back(on == "base" ? chain.BaseFrame() : chain.WorldFrame());
-    } else if (joint >= 0) {
-      frames.push_back(chain.FrameAfterJoint(joint));
-    } else {
-      FailProblem(experiment, "markers." + name + ".on", "'" + on + "' is no place on this robot",
-                  SpellingHint(on, places));
-    }
+    frames.push_back(
+        FrameOf(chain, experiment, name, spec == experiment.markers.end() ? MarkerPlace() : spec->second.on));
   }
   return frames;
 }
@@ -99,7 +106,17 @@ void SetPriors(CalibrationProblem* problem) {
 
 }  // namespace
 
-bool IsGravityCompensator(const EffectSpec& spec) { return spec.effect == "gravity_compensator"; }
+template Measurements* SharedValue<Measurements>::Own();
+template Experiment* SharedValue<Experiment>::Own();
+template std::vector<ShotInput>* SharedValue<std::vector<ShotInput>>::Own();
+
+CalibrationProblem::CalibrationProblem(const CalibrationProblem&) = default;
+CalibrationProblem::CalibrationProblem(CalibrationProblem&&) noexcept = default;
+CalibrationProblem& CalibrationProblem::operator=(const CalibrationProblem&) = default;
+CalibrationProblem& CalibrationProblem::operator=(CalibrationProblem&&) noexcept = default;
+CalibrationProblem::~CalibrationProblem() = default;
+
+bool IsGravityCompensator(const EffectSpec& spec) { return spec.effect == kGravityCompensator; }
 
 CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measurements> data,
                                        SharedValue<Experiment> experiment)
@@ -111,6 +128,10 @@ CalibrationProblem::CalibrationProblem(ForwardModel model, SharedValue<Measureme
   RenewShots();
   latent = MakeLatentModel(robot().chain, *data_, *experiment_);
 }
+
+void CalibrationProblem::set_data(Measurements data) { data_ = std::move(data); }
+void CalibrationProblem::set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
+void CalibrationProblem::set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
 
 void CalibrationProblem::RenewJoints() {
   std::vector<ShotInput>& inputs = *mutable_shot_inputs();
@@ -169,7 +190,8 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
   }
   CalibrationProblem problem(ForwardModel(std::move(extended), data_->markers), data_, experiment_);
   problem.parameters.CopyByName(parameters);
-  if (adds_compensator) problem.parameters.coordinate(problem.parameters.FindCoordinate("compensator/L")).free = false;
+  if (adds_compensator)
+    problem.parameters.coordinate(problem.parameters.FindCoordinate(CompensatorPart::kL)).free = false;
   problem.latent = latent;  // found, not as stated
   problem.resolved_noise = resolved_noise;
   problem.weight_roots = weight_roots;

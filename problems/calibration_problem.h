@@ -27,6 +27,11 @@ namespace sagitta {
 
 struct KnownPlaces;
 
+// Copies of these are made in one place (calibration_problem.cc) and not in each file that knows a problem.
+extern template Measurements* SharedValue<Measurements>::Own();
+extern template Experiment* SharedValue<Experiment>::Own();
+extern template std::vector<ShotInput>* SharedValue<std::vector<ShotInput>>::Own();
+
 // The one effect that has a home of its own in the robot (Robot::gravity_compensator).
 bool IsGravityCompensator(const EffectSpec& spec);
 
@@ -34,6 +39,12 @@ bool IsGravityCompensator(const EffectSpec& spec);
 // are the only sources, all others are copies.
 class CalibrationProblem {
  public:
+  CalibrationProblem(const CalibrationProblem&);
+  CalibrationProblem(CalibrationProblem&&) noexcept;
+  CalibrationProblem& operator=(const CalibrationProblem&);
+  CalibrationProblem& operator=(CalibrationProblem&&) noexcept;
+  ~CalibrationProblem();
+
   const Robot& robot() const { return model_->robot(); }  // with the tilt slots that effects need
   const ForwardModel& model() const { return *model_; }   // of `robot`
   const Measurements& data() const { return *data_; }
@@ -46,11 +57,11 @@ class CalibrationProblem {
   // Given otherwise, for this problem alone. Readings, exclusions and the split may change at will; where joint values
   // or conditions do, RenewJoints or RenewShots follows.
   Measurements* mutable_data() { return data_.Own(); }
-  void set_data(Measurements data) { data_ = std::move(data); }
+  void set_data(Measurements data);
   Experiment* mutable_experiment() { return experiment_.Own(); }
   std::vector<ShotInput>* mutable_shot_inputs() { return shot_inputs_.Own(); }
-  void set_shot_inputs(std::vector<ShotInput> inputs) { shot_inputs_ = std::move(inputs); }
-  void set_marker_frame(int marker, int frame) { (*marker_frames_.Own())[marker] = frame; }
+  void set_shot_inputs(std::vector<ShotInput> inputs);
+  void set_marker_frame(int marker, int frame);
   // Joint values of the shots as the configurations have them now; everything else of the shots stays.
   void RenewJoints();
   // All that acts in the shots, as data and experiment say now.

@@ -20,10 +20,23 @@ struct LoadSpec {
   WrenchFrame frame = WrenchFrame::kMeasurement;
 };
 
+// What a marker rides on.
+struct MarkerPlace {
+  enum class Kind { kFlange, kBase, kWorld, kJoint };
+  Kind kind = Kind::kFlange;
+  std::string joint;  // of kJoint: on the link that it moves
+
+  // Of the word in files: flange, base, world; every other is a joint's name.
+  static MarkerPlace Named(const std::string& word);
+  std::string Word() const;
+  static std::vector<std::string> Words();  // of all but joints
+  bool operator==(const MarkerPlace& other) const { return kind == other.kind && joint == other.joint; }
+};
+
 // A marker as stated: where it sits and on what.
 struct MarkerSpec {
-  std::optional<Vector3<double>> point;   // m, in the frame it is on
-  std::string on = "flange";              // flange, base, world or a joint's name
+  std::optional<Vector3<double>> point;  // m, in the frame it is on
+  MarkerPlace on;
   std::optional<Vector3<double>> rotvec;  // rad, frame_from_target, of a target whose pose is read
   std::optional<SpringEnd> spring;        // end of the compensator's spring that it is; empty: not stated
   std::optional<double> spring_sigma;     // m, per coordinate: how well it sits on that end

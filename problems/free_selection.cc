@@ -51,8 +51,9 @@ std::vector<std::string> FreeSpring(const CalibrationProblem& problem) {
     FailProblem(problem, "estimate.gravity_compensator", "the robot has no gravity_compensator",
                 "describe it in the robot file: joint, L_mm, a_x_mm, a_y_mm, s0_mm, Kc_N_per_mm");
   }
-  return SelectFrom({"L", "a_x", "a_y", "s0", "Kc"}, selection, "estimate.gravity_compensator", "compensator parameter",
-                    problem.experiment());
+  std::vector<std::string> parts;
+  for (const CompensatorPart part : kCompensatorParts) parts.emplace_back(WordOf(part));
+  return SelectFrom(parts, selection, "estimate.gravity_compensator", "compensator parameter", problem.experiment());
 }
 
 // The parameters of the name's family (geometry/...), or all where it has none.

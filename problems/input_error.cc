@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 
+#include "problems/text.h"
+
 namespace sagitta {
 namespace {
 
@@ -122,8 +124,8 @@ std::string SpellingHint(const std::string& name, const std::vector<std::string>
   if (!nearest.empty()) return "did you mean '" + nearest + "'?";
   if (candidates.empty()) return "";
   constexpr size_t kShown = 20;
-  std::string hint = "known: ";
-  for (size_t i = 0; i < std::min(kShown, candidates.size()); ++i) hint += (i > 0 ? ", " : "") + candidates[i];
+  const auto shown = candidates.begin() + static_cast<long>(std::min(kShown, candidates.size()));
+  std::string hint = "known: " + Joined({candidates.begin(), shown});
   if (candidates.size() > kShown) hint += ", ... " + std::to_string(candidates.size()) + " in all";
   return hint;
 }

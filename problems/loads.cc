@@ -117,7 +117,7 @@ ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experimen
   return origins;
 }
 
-bool IsLoaded(const Shot& shot) { return shot.load != "none"; }
+bool IsLoaded(const Shot& shot) { return shot.load != kNoLoad; }
 
 void CheckLoadStates(Measurements* data) {
   bool any_loaded = false, any_unloaded = false;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "models/reading.h"
+#include "models/wrench.h"
 #include "problems/measurement_rows.h"
 
 namespace sagitta {
@@ -47,7 +48,7 @@ struct Shot {
   int station = -1;
   std::string visit;
   std::string repeat;
-  std::string load = "none";
+  std::string load = kNoLoad;
   Wrench wrench;
   bool has_time = false;
   double time = 0.0;  // s, mean of its rows

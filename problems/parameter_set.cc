@@ -7,17 +7,52 @@ namespace {
 
 constexpr const char* kAxisNames[3] = {"x", "y", "z"};
 
+CoordinateKind KindOf(ParameterLaw law) {
+  switch (law) {
+    case ParameterLaw::kGeometry:
+      return CoordinateKind::kGeometry;
+    case ParameterLaw::kCompliance:
+      return CoordinateKind::kCompliance;
+    case ParameterLaw::kCompensator:
+      return CoordinateKind::kCompensator;
+    case ParameterLaw::kEffect:
+      break;
+  }
+  return CoordinateKind::kEffect;
+}
+
 }  // namespace
+
+std::optional<CoordinateKind> CoordinateKindOf(const std::string& name) {
+  static const std::map<std::string, CoordinateKind> kinds = {
+      {"base", CoordinateKind::kBase},
+      {"marker", CoordinateKind::kMarker},
+      {"geometry", CoordinateKind::kGeometry},
+      {"compliance", CoordinateKind::kCompliance},
+      {"compensator", CoordinateKind::kCompensator},
+      {"effect", CoordinateKind::kEffect},
+  };
+  const auto found = kinds.find(name.substr(0, name.find('/')));
+  return found == kinds.end() ? std::nullopt : std::optional(found->second);
+}
+
+ParameterSet::ParameterSet() = default;
+ParameterSet::ParameterSet(const ParameterSet&) = default;
+ParameterSet::ParameterSet(ParameterSet&&) noexcept = default;
+ParameterSet& ParameterSet::operator=(const ParameterSet&) = default;
+ParameterSet& ParameterSet::operator=(ParameterSet&&) noexcept = default;
+ParameterSet::~ParameterSet() = default;
 
 ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
                            const std::vector<ModelParameter>& model_parameters, const std::vector<bool>& oriented)
     : num_stations_(stations.size()), num_markers_(markers.size()), num_model_parameters_(model_parameters.size()) {
   const auto add_block = [this](const std::string& name, BlockKind kind, int owner, std::vector<double> values,
-                                const std::vector<std::string>& coordinates, Quantity quantity) {
+                                const std::vector<std::string>& coordinates, Quantity quantity, CoordinateKind of) {
     ParameterBlock block{name, kind, owner, std::move(values), num_coordinates(), static_cast<int>(coordinates.size())};
     for (size_t i = 0; i < coordinates.size(); ++i) {
       coordinates_.push_back({coordinates[i], quantity, static_cast<int>(blocks_.size()), static_cast<int>(i)});
       coordinates_.back().hold_limit = TraitsOf(quantity).hold_limit;
+      coordinates_.back().kind = of;
     }
     blocks_.push_back(std::move(block));
   };
@@ -28,13 +63,14 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
   };
   for (int s = 0; s < num_stations_; ++s) {
     const std::string base = "base/" + stations[s];
-    add_block(base + "/position", BlockKind::kStationTranslation, s, {0, 0, 0}, axes(base + "/"), Quantity::kLength);
+    add_block(base + "/position", BlockKind::kStationTranslation, s, {0, 0, 0}, axes(base + "/"), Quantity::kLength,
+              CoordinateKind::kBase);
     add_block(base + "/rotation", BlockKind::kStationRotation, s, {0, 0, 0, 1}, axes(base + "/r"),
-              Quantity::kRotationVector);
+              Quantity::kRotationVector, CoordinateKind::kBase);
   }
   for (int m = 0; m < num_markers_; ++m) {
     const std::string name = "marker/" + markers[m];
-    add_block(name, BlockKind::kMarker, m, {0, 0, 0}, axes(name + "/"), Quantity::kLength);
+    add_block(name, BlockKind::kMarker, m, {0, 0, 0}, axes(name + "/"), Quantity::kLength, CoordinateKind::kMarker);
   }
   rotation_block_.assign(markers.size(), -1);
   for (size_t m = 0; m < oriented.size(); ++m) {
@@ -42,19 +78,30 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
     const std::string name = "marker/" + markers[m];
     rotation_block_[m] = static_cast<int>(blocks_.size());
     add_block(name + "/rotation", BlockKind::kMarkerRotation, static_cast<int>(m), {0, 0, 0, 1}, axes(name + "/r"),
-              Quantity::kRotationVector);
+              Quantity::kRotationVector, CoordinateKind::kMarker);
   }
   first_model_block_ = static_cast<int>(blocks_.size());
   for (int i = 0; i < num_model_parameters_; ++i) {
     const ModelParameter& parameter = model_parameters[i];
-    add_block(parameter.name, BlockKind::kModelParameter, i, {parameter.nominal}, {parameter.name}, parameter.quantity);
+    add_block(parameter.name, BlockKind::kModelParameter, i, {parameter.nominal}, {parameter.name}, parameter.quantity,
+              KindOf(parameter.law));
     coordinates_.back().lower = parameter.lower;
+    if (parameter.law == ParameterLaw::kCompensator) {
+      coordinates_.back().compensator_part = static_cast<CompensatorPart>(parameter.index);
+    }
   }
 }
 
 int ParameterSet::FindCoordinate(const std::string& name) const {
   for (int i = 0; i < num_coordinates(); ++i) {
     if (coordinates_[i].name == name) return i;
+  }
+  return -1;
+}
+
+int ParameterSet::FindCoordinate(CompensatorPart part) const {
+  for (int i = 0; i < num_coordinates(); ++i) {
+    if (coordinates_[i].compensator_part == part) return i;
   }
   return -1;
 }
@@ -106,6 +153,13 @@ void ParameterSet::SetMarkerRotation(int m, const Matrix3<double>& rotation) {
   if (!is_oriented(m)) return;
   Eigen::Map<Eigen::Quaterniond>(marker_rotation(m).values.data()) = Eigen::Quaterniond(rotation).normalized();
 }
+
+MarkerInFrame ParameterSet::MarkerOn(int frame, int m, ReadingKind kind) const {
+  return {frame, MarkerPoint(m), m, kind, MarkerRotation(m)};
+}
+
+void ParameterSet::SetSpringTie(const SpringTie& tie) { spring_tie_ = tie; }
+void ParameterSet::DropSpringTie() { spring_tie_.reset(); }
 
 std::vector<double> ParameterSet::ModelValues() const {
   std::vector<double> theta(num_model_parameters_);

@@ -16,11 +16,19 @@
 
 #include "models/forward_model.h"
 #include "models/geometry.h"
+#include "models/gravity_compensator.h"
 #include "models/quantity.h"
 #include "problems/spring_tie.h"
 
 namespace sagitta {
 
+// What a coordinate is of; its name begins with it.
+enum class CoordinateKind { kBase, kMarker, kGeometry, kCompliance, kCompensator, kEffect };
+
+// Of a name in a file, e.g. kGeometry of geometry/A2.theta; nothing where it is none.
+std::optional<CoordinateKind> CoordinateKindOf(const std::string& name);
+
+// One tangent direction of a block: one unknown.
 struct Coordinate {
   std::string name;
   Quantity quantity = Quantity::kLength;
@@ -34,6 +42,8 @@ struct Coordinate {
   // SI; a direction whose standard deviation exceeds it is unidentifiable: of its kind (TraitsOf), or 5 mm or 5 mrad of
   // what it moves (problems/excitation.h).
   double hold_limit = 0.0;
+  CoordinateKind kind = CoordinateKind::kBase;
+  std::optional<CompensatorPart> compensator_part = {};
   bool estimated() const { return free && !held; }
 };
 
@@ -57,7 +67,12 @@ struct ParameterBlock {
 // All unknowns of a problem, by name and by coordinate.
 class ParameterSet {
  public:
-  ParameterSet() = default;
+  ParameterSet();
+  ParameterSet(const ParameterSet&);
+  ParameterSet(ParameterSet&&) noexcept;
+  ParameterSet& operator=(const ParameterSet&);
+  ParameterSet& operator=(ParameterSet&&) noexcept;
+  ~ParameterSet();
   // oriented: the markers whose rotation is an unknown too; empty: none.
   ParameterSet(const std::vector<std::string>& stations, const std::vector<std::string>& markers,
                const std::vector<ModelParameter>& model_parameters, const std::vector<bool>& oriented = {});
@@ -71,6 +86,8 @@ class ParameterSet {
   int num_model_parameters() const { return num_model_parameters_; }
   // -1: there is no coordinate of that name.
   int FindCoordinate(const std::string& name) const;
+  // -1: the robot has no compensator.
+  int FindCoordinate(CompensatorPart part) const;
   // Coordinates whose name is `prefix` or starts with `prefix/`.
   std::vector<int> Match(const std::string& prefix) const;
   std::vector<int> EstimatedCoordinates() const;
@@ -102,16 +119,14 @@ class ParameterSet {
   Matrix3<double> MarkerRotation(int marker) const;  // frame_from_target; the identity where it is no unknown
   void SetMarkerRotation(int marker, const Matrix3<double>& rotation);
   // The marker as a reading of that kind needs it.
-  MarkerInFrame MarkerOn(int frame, int marker, ReadingKind kind) const {
-    return {frame, MarkerPoint(marker), marker, kind, MarkerRotation(marker)};
-  }
+  MarkerInFrame MarkerOn(int frame, int marker, ReadingKind kind) const;
   std::vector<double> ModelValues() const;  // theta
   void SetModelValue(int i, double value);
 
   // A prior that links several blocks: markers on the compensator's spring.
   const std::optional<SpringTie>& spring_tie() const { return spring_tie_; }
-  void SetSpringTie(const SpringTie& tie) { spring_tie_ = tie; }
-  void DropSpringTie() { spring_tie_.reset(); }
+  void SetSpringTie(const SpringTie& tie);
+  void DropSpringTie();
 
   // A coordinate's value as results state it (rotations: rotation vector), SI.
   double Value(int coordinate) const;

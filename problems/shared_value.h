@@ -17,13 +17,16 @@ class SharedValue {
   const T& operator*() const { return *value_; }
   const T* operator->() const { return value_.get(); }
 
-  T* Own() {
-    if (value_.use_count() > 1) value_ = std::make_shared<T>(*value_);
-    return value_.get();
-  }
+  T* Own();
 
  private:
   std::shared_ptr<T> value_;
 };
+
+template <typename T>
+T* SharedValue<T>::Own() {
+  if (value_.use_count() > 1) value_ = std::make_shared<T>(*value_);
+  return value_.get();
+}
 
 }  // namespace sagitta

@@ -47,6 +47,12 @@ std::string Enumerate(const std::vector<std::string>& items, size_t most) {
   return words;
 }
 
+std::string Joined(const std::vector<std::string>& items, const char* separator) {
+  std::string text;
+  for (size_t i = 0; i < items.size(); ++i) text += (i > 0 ? separator : "") + items[i];
+  return text;
+}
+
 std::vector<std::string> SplitText(const std::string& text, char separator) {
   std::vector<std::string> parts;
   size_t begin = 0;

@@ -23,6 +23,9 @@ std::string WholePercent(double share);
 // "a", "a and b", "a, b and c"; of more than `most` items "a, b and 3 more".
 std::string Enumerate(const std::vector<std::string>& items, size_t most = std::string::npos);
 
+// All items with the separator between them.
+std::string Joined(const std::vector<std::string>& items, const char* separator = ", ");
+
 // The parts between separators, empty ones included; one at least.
 std::vector<std::string> SplitText(const std::string& text, char separator);
 

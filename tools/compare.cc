@@ -114,9 +114,9 @@ int RunCompare(const CommandLine& line) {
 
   std::vector<MethodResult> results;
   {
-    std::vector<ProgressStep> steps = {{"fitting jointly", 1.0}};
-    for (const Method method : methods) steps.push_back({"running " + WordOf(method), 1.0});
-    Progress progress(FLAGS_quiet, steps);
+    std::vector<ProgressPhase> phases = {{"fitting jointly", 1.0}};
+    for (const Method method : methods) phases.push_back({"running " + WordOf(method), 1.0});
+    Progress progress(FLAGS_quiet, phases);
     progress.Say("fitting jointly, to compare with");
     JointOptions options;
     options.num_threads = FLAGS_threads;

@@ -17,6 +17,7 @@
 #include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/urdf_writer.h"
+#include "problems/text.h"
 #include "tools/commands.h"
 #include "tools/convert_options.h"
 #include "tools/report/command_words.h"
@@ -136,9 +137,8 @@ Written ToUrdf(const Robot& robot) {
   if (FLAGS_template.empty()) return {RobotToUrdf(robot), {}, true};
   const EditedUrdf edited =
       EditUrdf(ReadTextFile(FLAGS_template), FLAGS_template, {FLAGS_base_link, FLAGS_tip_link}, robot);
-  std::string joints;
-  for (const std::string& joint : edited.joints) joints += (joints.empty() ? "" : ", ") + joint;
-  return {edited.text, {edited.joints.empty() ? "no origin changes" : "origins edited: " + joints}, true};
+  return {
+      edited.text, {edited.joints.empty() ? "no origin changes" : "origins edited: " + Joined(edited.joints)}, true};
 }
 
 Written ToUrConf(const Robot& robot) {
@@ -172,12 +172,11 @@ Written WrittenAs(const Robot& robot, const std::string& out) {
 
 // What the other format has no place for.
 std::string LeftOut(const Robot& robot) {
-  std::string words;
-  const auto add = [&words](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
-  if (!robot.compliances.empty()) add("joint compliances");
-  if (robot.gravity_compensator) add("the gravity compensator");
-  if (!robot.effects.empty()) add("effects");
-  return words;
+  std::vector<std::string> parts;
+  if (!robot.compliances.empty()) parts.emplace_back("joint compliances");
+  if (robot.gravity_compensator) parts.emplace_back("the gravity compensator");
+  if (!robot.effects.empty()) parts.emplace_back("effects");
+  return Joined(parts);
 }
 
 // The largest distance of the flanges and of points 1 m from them, over random joint values.

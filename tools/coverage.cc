@@ -111,10 +111,10 @@ Json RowToJson(const CoverageRow& row) {
   number("rmse", any, row.rmse / unit);
   number("bias", any, row.bias / unit);
   number("predicted_sigma", any, row.predicted_sigma / unit);
-  number("cramer_rao_sigma", !row.tied, row.cramer_rao / unit);
-  number("efficiency", any && !row.tied, row.rmse / row.cramer_rao);
-  number("efficiency_same_draws", any && !row.tied, row.rmse / row.linear_rmse);
-  json["tied"] = row.tied;
+  number("cramer_rao_sigma", !row.conditional, row.cramer_rao / unit);
+  number("efficiency", any && !row.conditional, row.rmse / row.cramer_rao);
+  number("efficiency_same_draws", any && !row.conditional, row.rmse / row.linear_rmse);
+  json["conditional"] = row.conditional;
   return json;
 }
 
@@ -155,9 +155,9 @@ std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
     section.rows.push_back({rows[i].name, cell("coverage", 4), cell("rmse", 3), cell("predicted_sigma", 3),
                             cell("cramer_rao_sigma", 3), cell("efficiency", 4), cell("efficiency_same_draws", 5),
                             row.at("unit").get<std::string>(),
-                            rows[i].tied ? "tied"
-                            : is_off     ? "not 95 %"
-                                         : ""});
+                            rows[i].conditional ? "conditional"
+                            : is_off            ? "not 95 %"
+                                                : ""});
   }
   section.paragraphs = CoverageLegend(outside, rows.size());
   for (const auto& [status, count] : json.at("status").items()) {

@@ -173,7 +173,7 @@ void PrintPlan(const TextTable& table, const Choice& choice) {
   if (choice.plan.rotation) {
     std::cout << "  rotation: " << choice.plan.rotation->Words();
     if (std::isfinite(choice.rotation_misfit))
-      std::cout << fmt::format("; the nominal robot misses it by {:.3g} deg (RMS)", choice.rotation_misfit / kDegree);
+      std::cout << "; the nominal robot misses it by " << InDegrees(choice.rotation_misfit) << " (RMS)";
     std::cout << "\n";
   }
   if (choice.plan.Find("tau1")) {

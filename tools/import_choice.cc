@@ -86,11 +86,11 @@ void RefuseComputedPoints(const TextTable& table, const Choice& choice, bool is_
                    "name the measured columns: --map=x_mm=HEADER,y_mm=HEADER,z_mm=HEADER; if these are, name them");
 }
 
+std::string InDegrees(double radians) { return Significant(radians / kDegree, 3) + " deg"; }
+
 namespace {
 
 constexpr double kRotationFits = 5.0 * kDegree;  // nominal robots turn their flange by far less than this wrongly
-
-std::string InDegrees(double radians) { return fmt::format("{:.3g} deg", radians / kDegree); }
 
 // The plan with its rotation read in one way.
 ImportPlan WithRotation(ImportPlan plan, const RotationReading& reading) {

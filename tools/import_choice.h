@@ -22,6 +22,9 @@ struct Choice {
   double rotation_misfit = std::numeric_limits<double>::infinity();  // rad; infinite where no rotation is used
 };
 
+// "0.123 deg".
+std::string InDegrees(double radians);
+
 std::set<std::string> LoadsOf(const Measurements& data);
 
 // Of several plans the one that fits; by the size of the numbers where there are too few rows to tell. Throws

@@ -41,7 +41,7 @@ std::string Overview() {
     }
   }
   return text +
-         "\nFirst steps: sagitta calibrate ROBOT.yaml MEASUREMENTS.csv --out=results\n"
+         "\nTo begin: sagitta calibrate ROBOT.yaml MEASUREMENTS.csv --out=results\n"
          "Exit status: 0 done; 1 a requirement is not met; 2 input or usage error; 3 numerical failure\n";
 }
 

@@ -24,7 +24,7 @@ int RunPredict(const CommandLine& line) {
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
   // Shares as measured on 200000 rows of a UR5.
   std::optional<Progress> progress;
-  progress.emplace(FLAGS_quiet, std::vector<ProgressStep>{{"reading", 1.0}, {"predicting", 3.0}, {"writing", 2.0}});
+  progress.emplace(FLAGS_quiet, std::vector<ProgressPhase>{{"reading", 1.0}, {"predicting", 3.0}, {"writing", 2.0}});
   progress->Say("reading the rows");
   MeasurementReadOptions options;
   options.points_required = false;

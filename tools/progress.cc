@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <regex>
 #include <utility>
+
+#include "problems/io/pattern.h"
 
 namespace sagitta {
 namespace {
@@ -22,49 +23,50 @@ std::string InWords(double seconds) {
 
 // "bootstrap: 12 of 400": 0.03; nothing of the kind: 0.
 double ShareIn(const std::string& what) {
-  static const std::regex kCount("([0-9]+) of ([0-9]+)");
+  static const std::regex kCount = MakePattern("([0-9]+) of ([0-9]+)");
   std::smatch found;
-  if (!std::regex_search(what, found, kCount)) return 0.0;
+  if (!SearchPattern(what, &found, kCount)) return 0.0;
   const double all = std::stod(found[2]);
   return all > 0.0 ? std::min(1.0, std::stod(found[1]) / all) : 0.0;
 }
 
 }  // namespace
 
-ProgressMeter::ProgressMeter(std::vector<ProgressStep> steps) : steps_(std::move(steps)) {}
+ProgressMeter::ProgressMeter(std::vector<ProgressPhase> phases) : phases_(std::move(phases)) {}
 
-double ProgressMeter::ShareDone(double of_step) const {
+double ProgressMeter::ShareDone(double of_phase) const {
   double before = 0.0, all = 0.0;
-  for (int i = 0; i < static_cast<int>(steps_.size()); ++i) {
-    all += steps_[i].share;
-    if (i < step_) before += steps_[i].share;
-    if (i == step_) before += of_step * steps_[i].share;
+  for (int i = 0; i < static_cast<int>(phases_.size()); ++i) {
+    all += phases_[i].share;
+    if (i < phase_) before += phases_[i].share;
+    if (i == phase_) before += of_phase * phases_[i].share;
   }
-  return all > 0.0 ? before / all : of_step;
+  return all > 0.0 ? before / all : of_phase;
 }
 
 void ProgressMeter::Say(const std::string& what, double seconds) {
-  const auto first = steps_.begin() + std::max(0, step_);
+  const auto first = phases_.begin() + std::max(0, phase_);
   const auto own =
-      std::find_if(first, steps_.end(), [&](const ProgressStep& step) { return what.rfind(step.begins, 0) == 0; });
-  if (own != steps_.end()) step_ = static_cast<int>(own - steps_.begin());
+      std::find_if(first, phases_.end(), [&](const ProgressPhase& phase) { return what.rfind(phase.begins, 0) == 0; });
+  if (own != phases_.end()) phase_ = static_cast<int>(own - phases_.begin());
   what_ = what;
   const double share = ShareIn(what);
   const double done = ShareDone(share);
-  // Within a step that does not say how far it is, what was expected at its beginning stands.
-  if ((own != steps_.end() || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
+  // Within a phase that does not say how far it is, what was expected at its beginning stands.
+  if ((own != phases_.end() || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
 }
 
 std::string ProgressMeter::Line(double seconds) const {
   if (what_.empty()) return "";
   std::string line = what_;
-  if (step_ >= 0) line = "step " + std::to_string(step_ + 1) + " of " + std::to_string(steps_.size()) + ": " + what_;
+  if (phase_ >= 0)
+    line = "phase " + std::to_string(phase_ + 1) + " of " + std::to_string(phases_.size()) + ": " + what_;
   const double left = expected_ - seconds;
   if (left >= kWorthSaying) return line + " (about " + InWords(left) + " left)";
   return seconds >= kWorthSaying ? line + " (" + InWords(seconds) + " so far)" : line + " ...";
 }
 
-Progress::Progress(bool quiet, std::vector<ProgressStep> steps) : meter_(std::move(steps)) {
+Progress::Progress(bool quiet, std::vector<ProgressPhase> phases) : meter_(std::move(phases)) {
   if (!quiet) printer_ = std::thread(&Progress::PrintUntilDone, this);
 }
 

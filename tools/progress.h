@@ -1,5 +1,5 @@
 // Progress lines on stderr, twice a second at most: from the start on a terminal, elsewhere only when the work takes
-// longer than a second. They say which step of how many it is, and about how long the rest will take.
+// longer than a second. They say which phase of how many it is, and about how long the rest will take.
 #pragma once
 
 #include <chrono>
@@ -11,34 +11,35 @@
 
 namespace sagitta {
 
-struct ProgressStep {
+struct ProgressPhase {
   std::string begins;  // how what is said of it begins
-  double share;        // of the time that all steps take; only their ratios count
+  double share;        // of the time that all phases take; only their ratios count
 };
 
-// What was said, in words with step and time left. What fits the beginning of no later step belongs to the present one.
+// What was said, in words with phase and time left. What fits the beginning of no later phase belongs to the present
+// one.
 class ProgressMeter {
  public:
-  explicit ProgressMeter(std::vector<ProgressStep> steps);
+  explicit ProgressMeter(std::vector<ProgressPhase> phases);
 
-  // "12 of 400" in the words is how far the step is. seconds: since the start.
+  // "12 of 400" in the words is how far the phase is. seconds: since the start.
   void Say(const std::string& what, double seconds);
-  // "step 2 of 5: solving (about 20 s left)"; empty: nothing was said yet.
+  // "phase 2 of 5: solving (about 20 s left)"; empty: nothing was said yet.
   std::string Line(double seconds) const;
 
  private:
-  double ShareDone(double of_step) const;
+  double ShareDone(double of_phase) const;
 
-  std::vector<ProgressStep> steps_;
-  int step_ = -1;
+  std::vector<ProgressPhase> phases_;
+  int phase_ = -1;
   std::string what_;
   double expected_ = 0.0;  // s, all together; 0: not known yet
 };
 
 class Progress {
  public:
-  // No steps: what is said stands alone.
-  explicit Progress(bool quiet, std::vector<ProgressStep> steps = {});
+  // No phases: what is said stands alone.
+  explicit Progress(bool quiet, std::vector<ProgressPhase> phases = {});
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

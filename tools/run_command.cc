@@ -38,7 +38,7 @@ std::atomic<bool> g_interrupted{false};
 
 extern "C" void NoteInterrupt(int) { g_interrupted = true; }
 
-// The first Ctrl-C asks the work to end at its next step, a second one ends the program at once.
+// The first Ctrl-C asks the work to end at its next round, a second one ends the program at once.
 void ListenForInterrupts() {
   struct sigaction action = {};
   action.sa_handler = NoteInterrupt;

@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kTie = 1e-6;  // relative difference of RMS below which starts count as equal
+constexpr double kEqual = 1e-6;  // relative difference of RMS below which starts count as equal
 
 bool AllFree(const ParameterSet& parameters, const ParameterBlock& block) {
   for (int i = 0; i < block.tangent_size; ++i) {
@@ -212,14 +212,14 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   }
   // Where the data cannot tell the markers, all starts fit alike: then the one
   // without random markers counts.
-  candidates[0].rms *= 1.0 - kTie;
+  candidates[0].rms *= 1.0 - kEqual;
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   candidates.resize(std::min<size_t>(candidates.size(), options.polished));
   const NormalEquations equations = EquationsOf(problem, looked_at);
   for (Candidate& candidate : candidates) Polish(equations, framed, &candidate);
   Candidate* best = &candidates[0];
   for (Candidate& candidate : candidates) {
-    if (candidate.rms < best->rms * (1.0 - kTie)) best = &candidate;
+    if (candidate.rms < best->rms * (1.0 - kEqual)) best = &candidate;
   }
   if (looked_at.size() < observations.size()) Polish(EquationsOf(problem, observations), framed, best);
   *parameters = best->parameters;

@@ -116,7 +116,7 @@ Linearization LinearizeDifferences(const DifferenceContext& context, const Param
     const int n = static_cast<int>(visit.difference.rows());
     const Eigen::MatrixXd d = visit.difference * visit.roots;  // of whitened rows
     const Eigen::MatrixXd spread = d * points.latent(visit.rows, Eigen::all);
-    const Eigen::LLT<Eigen::MatrixXd> root(d * d.transpose() + spread * spread.transpose());
+    const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(d * d.transpose() + spread * spread.transpose()));
     const Eigen::VectorXd residual = d * Eigen::VectorXd(points.residual(visit.rows));
     const Eigen::MatrixXd jacobian = d * Eigen::MatrixXd(points.jacobian(visit.rows, Eigen::all));
     result.residual.segment(first, n) = root.matrixL().solve(residual);
@@ -134,7 +134,7 @@ bool IsElastic(const CalibrationProblem& problem, const ParameterSet& parameters
   return law == ParameterLaw::kCompliance || law == ParameterLaw::kCompensator;
 }
 
-// Step 1: what does not bend, from the unloaded rows.
+// Stage 1: what does not bend, from the unloaded rows.
 Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   CalibrationProblem unloaded = problem;
   for (Observation& observation : unloaded.mutable_data()->observations) {
@@ -146,7 +146,7 @@ Estimate EstimateUnloaded(const CalibrationProblem& problem) {
   return EstimateJointly(unloaded);
 }
 
-// Step 2; the size of the last step, in standard deviations.
+// Stage 2; the size of the last step, in standard deviations.
 StepOutcome FitDifferences(const DifferenceContext& context, const std::vector<int>& elastic, Estimate* estimate,
                            LinearSolution* solution) {
   const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) -> FittedRows {

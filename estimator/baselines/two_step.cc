@@ -9,10 +9,11 @@
 #include <limits>
 
 #include "estimator/baselines/damped_step.h"
-#include "estimator/baselines/paper_steps.h"
+#include "estimator/baselines/paper_stages.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/baselines_words.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -24,7 +25,7 @@ constexpr int kRateWindow = 6;           // iterations the measured rate is take
 constexpr int kStandstill = 20;          // iterations without progress that show rounding
 constexpr double kRateFloor = 1e-6;      // ... the last ones with steps above this many standard deviations
 
-Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet& parameters,
+Linearization LinearizeWithPriors(const StageContext& context, const ParameterSet& parameters,
                                   const std::vector<int>& columns) {
   Linearization here = Linearize(context.problem, parameters, context.observations, columns, context.noise);
   AppendPriors(parameters, &here);
@@ -32,7 +33,7 @@ Linearization LinearizeWithPriors(const StepContext& context, const ParameterSet
 }
 
 // One Gauss-Newton step in the given coordinates, the others held.
-StepOutcome GaussNewtonStep(const StepContext& context, const std::vector<int>& coordinates, StepState* state) {
+StepOutcome GaussNewtonStep(const StageContext& context, const std::vector<int>& coordinates, StageState* state) {
   const auto rows_at = [&](const ParameterSet& parameters, const std::vector<int>& columns) -> FittedRows {
     const Linearization here = LinearizeWithPriors(context, parameters, columns);
     return {here, here.num_rows()};
@@ -44,12 +45,12 @@ StepOutcome GaussNewtonStep(const StepContext& context, const std::vector<int>& 
 
 StepOutcome Printed(bool solved) { return solved ? StepOutcome::kTaken : StepOutcome::kSingular; }
 
-StepOutcome Iterate(TwoStepVariant variant, const StepContext& context, StepState* state) {
+StepOutcome Iterate(TwoStepVariant variant, const StageContext& context, StageState* state) {
   switch (variant) {
     case TwoStepVariant::kLiteral:
-      return Printed(LiteralStepOne(context, state) && LiteralStepTwo(context, state));
+      return Printed(LiteralStageOne(context, state) && LiteralStageTwo(context, state));
     case TwoStepVariant::kRelinearised:
-      if (!RelinearisedStepOne(context, state)) return StepOutcome::kSingular;
+      if (!RelinearisedStageOne(context, state)) return StepOutcome::kSingular;
       return GaussNewtonStep(context, context.geometry, state);
     case TwoStepVariant::kExact: {
       const StepOutcome first = GaussNewtonStep(context, context.base_and_markers, state);
@@ -59,8 +60,8 @@ StepOutcome Iterate(TwoStepVariant variant, const StepContext& context, StepStat
   return StepOutcome::kSingular;
 }
 
-StepContext MakeContext(const CalibrationProblem& problem) {
-  StepContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
+StageContext MakeContext(const CalibrationProblem& problem) {
+  StageContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
   context.noise = FitRoots(problem, context.observations, kFallbackSigma);
   for (const int c : problem.parameters.EstimatedCoordinates()) {
     const ParameterBlock& block = problem.parameters.blocks()[problem.parameters.coordinates()[c].block];
@@ -69,7 +70,7 @@ StepContext MakeContext(const CalibrationProblem& problem) {
   return context;
 }
 
-// Why the printed step 1 cannot run on this problem; empty if it can.
+// Why the printed stage 1 cannot run on this problem; empty if it can.
 std::string Obstacle(const CalibrationProblem& problem) {
   for (size_t m = 0; m < problem.marker_frames().size(); ++m) {
     if (problem.marker_frames()[m] == problem.robot().chain.FlangeFrame()) continue;
@@ -78,7 +79,7 @@ std::string Obstacle(const CalibrationProblem& problem) {
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     const BlockKind kind = problem.parameters.blocks()[coordinate.block].kind;
     if (kind == BlockKind::kModelParameter || coordinate.estimated()) continue;
-    return NotRunBecause(HeldInFirstStep(coordinate.name));
+    return NotRunBecause(HeldInFirstStage(coordinate.name));
   }
   return "";
 }
@@ -100,7 +101,7 @@ struct Yardstick {
   }
 };
 
-Yardstick MakeYardstick(const StepContext& context, const ParameterSet& parameters) {
+Yardstick MakeYardstick(const StageContext& context, const ParameterSet& parameters) {
   const std::vector<int> columns = parameters.EstimatedCoordinates();
   Yardstick yardstick;
   yardstick.start = LinearizeWithPriors(context, parameters, columns);
@@ -136,9 +137,9 @@ Status StatusOf(StepOutcome outcome) {
   return outcome == StepOutcome::kNoDescent ? Status::kNoConvergence : Status::kSingular;
 }
 
-void Alternate(const StepContext& context, const TwoStepOptions& options, TwoStepResult* result) {
+void Alternate(const StageContext& context, const TwoStepOptions& options, TwoStepResult* result) {
   Estimate& estimate = result->estimate;
-  StepState state{estimate.aligned, {}};
+  StageState state{estimate.aligned, {}};
   for (int s = 0; s < state.parameters.num_stations(); ++s) state.bases.push_back(state.parameters.BaseInStation(s));
   Yardstick yardstick = MakeYardstick(context, state.parameters);
   if (yardstick.singular && Iterate(options.variant, context, &state) == StepOutcome::kTaken) {
@@ -160,9 +161,8 @@ void Alternate(const StepContext& context, const TwoStepOptions& options, TwoSte
     estimate.iterations = i + 1;
     estimate.parameters = state.parameters;
     if (options.progress && i % 100 == 99) {
-      char size[32];
-      std::snprintf(size, sizeof size, "%.1e", step);
-      options.progress("iteration " + std::to_string(i + 1) + ": step " + size + " standard deviations");
+      options.progress("iteration " + std::to_string(i + 1) + ": step " + Significant(step, 2) +
+                       " standard deviations");
     }
     const bool rounding = i >= kStandstill && step < kRoundOff && step >= result->steps[i - kStandstill];
     const double rate = i == 0 ? 0.5 : std::min(step / std::max(1e-300, result->steps[i - 1]), 0.999);

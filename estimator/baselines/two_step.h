@@ -9,7 +9,7 @@
 //                   lever arm, [p_robot + R_robot p_tool]^T,
 //                 * R_base = I + [r], eq. (9), about identity, never relinearised.
 //                 Its fixed point is biased, the more the larger the base rotation.
-//   relinearised  the literal step 1 on data pulled back through the current base,
+//   relinearised  the literal stage 1 on data pulled back through the current base,
 //                 R_base^T (p - p_base): r_base tends to zero, the estimate is
 //                 consistent, but the wrong Jacobian stops it beside the optimum.
 //   exact         the correct Jacobian of each half: block Gauss-Newton. It reaches
@@ -22,7 +22,7 @@
 //   for all; p_tool = R_base^T u_tool, eq. (14), is averaged over the stations that
 //   see the marker, by number of rows.
 // * r_base is stated as rotation vector, R_base = exp([r]), in the result.
-// * literal starts from its own step 1 at nominal geometry; the others from the
+// * literal starts from its own stage 1 at nominal geometry; the others from the
 //   aligned nominal robot.
 // literal and relinearised want every marker on the flange and all of base and
 // markers estimated; otherwise they return without having run, and say why. What

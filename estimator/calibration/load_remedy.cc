@@ -20,8 +20,6 @@ constexpr int kHeadings = 8;
 constexpr size_t kMostConfigurations = 60;  // tried
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
-
 double NoiseScale(const SigmaReport& sigma) {
   if (!sigma.stated) return sigma.estimated / kFallbackSigma;
   return sigma.scaled ? sigma.a_posteriori : 1.0;
@@ -201,10 +199,11 @@ std::string ComplianceRemedy(const CalibrationProblem& problem, const Estimate& 
   return NoLoadTells();
 }
 
-std::string SpringRemedy(const Direction& direction, bool tied) {
-  if (tied) return SpringRemedyInWords(SpringDoubt::kTied);
+std::string SpringRemedy(const Direction& direction, const ParameterSet& parameters) {
+  if (parameters.spring_tie()) return SpringRemedyInWords(SpringDoubt::kTied);
+  const std::string length = NameOf(CompensatorPart::kL);
   const bool is_length = std::any_of(direction.components.begin(), direction.components.end(),
-                                     [](const auto& component) { return component.first == "compensator/L"; });
+                                     [&](const auto& component) { return component.first == length; });
   return SpringRemedyInWords(is_length ? SpringDoubt::kLength : SpringDoubt::kOther);
 }
 
@@ -226,22 +225,24 @@ LoadPlan PlanPulls(const CalibrationProblem& problem, const Estimate& estimate, 
 }
 
 void AddLoadRemedies(const CalibrationProblem& problem, Estimate* estimate) {
-  const bool tied = estimate->parameters.spring_tie().has_value();
+  const ParameterSet& parameters = estimate->parameters;
   for (Direction& direction : estimate->identifiability.weak) {
-    if (StartsWith(direction.components[0].first, "compensator/")) direction.remedy = SpringRemedy(direction, tied);
+    const bool is_spring = CoordinateKindOf(direction.components[0].first) == CoordinateKind::kCompensator;
+    if (is_spring) direction.remedy = SpringRemedy(direction, parameters);
   }
   for (Direction& direction : estimate->identifiability.unidentifiable) {
     int held = -1;
     bool compliance = false, spring = false;
     for (const auto& [name, value] : direction.components) {
-      const int coordinate = estimate->parameters.FindCoordinate(name);
-      if (held < 0 && estimate->parameters.coordinates()[coordinate].held) held = coordinate;
-      compliance |= StartsWith(name, "compliance/");
-      spring |= StartsWith(name, "compensator/");
+      const int i = parameters.FindCoordinate(name);
+      const Coordinate& coordinate = parameters.coordinates()[i];
+      if (held < 0 && coordinate.held) held = i;
+      compliance |= coordinate.kind == CoordinateKind::kCompliance;
+      spring |= coordinate.kind == CoordinateKind::kCompensator;
     }
     if (held < 0 || !(compliance || spring)) continue;
-    const bool spring_held = StartsWith(estimate->parameters.coordinates()[held].name, "compensator/");
-    direction.remedy = spring_held ? SpringRemedy(direction, tied) : ComplianceRemedy(problem, *estimate, held);
+    const bool spring_held = parameters.coordinates()[held].kind == CoordinateKind::kCompensator;
+    direction.remedy = spring_held ? SpringRemedy(direction, parameters) : ComplianceRemedy(problem, *estimate, held);
   }
 }
 

@@ -189,7 +189,7 @@ ChangeGroup EstimateComparison::Motion(ChangeKind kind, const std::string& targe
     const Vector3<double> unit = Vector3<double>::Unit(i % 3);
     for (size_t m = 0; m < problems_[0].data().markers.size(); ++m) {
       const std::string& name = problems_[0].data().markers[m];
-      if (old_.markers.at(name).on != "flange") continue;
+      if (old_.markers.at(name).on.kind != MarkerPlace::Kind::kFlange) continue;
       const Vector3<double> way = turns ? unit.cross(parameters.MarkerPoint(static_cast<int>(m))) : unit;
       for (int a = 0; a < 3; ++a) {
         group.coordinates(parameters.FindCoordinate("marker/" + name + "/" + "xyz"[a]), i) = group.typical[i] * way[a];
@@ -203,7 +203,7 @@ void EstimateComparison::AddMarkers() {
   const ParameterSet& parameters = problems_[0].parameters;
   int on_flange = 0;
   for (const std::string& name : problems_[0].data().markers) {
-    on_flange += old_.markers.at(name).on == "flange";
+    on_flange += old_.markers.at(name).on.kind == MarkerPlace::Kind::kFlange;
     ChangeGroup group{ChangeKind::kMarker, name};
     group.coordinates.setZero(parameters.num_coordinates(), 3);
     for (int a = 0; a < 3; ++a) {
@@ -302,7 +302,8 @@ void EstimateComparison::FactorCovariance() {
   for (const auto& [one, other] : {std::pair(&old_, &new_), std::pair(&new_, &old_)}) {
     std::vector<std::string> names;
     for (const std::string& name : one->uncertainty.estimated) {
-      if (name.rfind("geometry/", 0) && name.rfind("comp", 0) && name.rfind("effect/", 0)) continue;
+      const std::optional<CoordinateKind> kind = CoordinateKindOf(name);
+      if (!kind || kind == CoordinateKind::kBase || kind == CoordinateKind::kMarker) continue;
       if (!Has(other->uncertainty.estimated, name) && !Has(other->uncertainty.held, name)) names.push_back(name);
     }
     if (names.empty()) continue;

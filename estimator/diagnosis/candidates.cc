@@ -31,8 +31,8 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
       break;
     case EffectTarget::kError:
       for (const Coordinate& coordinate : problem.parameters.coordinates()) {
-        if (coordinate.name.rfind("geometry/", 0) == 0 && !coordinate.estimated())
-          targets.push_back(coordinate.name.substr(9));
+        if (coordinate.kind == CoordinateKind::kGeometry && !coordinate.estimated())
+          targets.push_back(coordinate.name.substr(coordinate.name.find('/') + 1));
       }
       break;
     case EffectTarget::kBase:
@@ -97,7 +97,7 @@ bool Stands(const CalibrationProblem& problem, const EffectSpec& spec) {
   for (const EffectSpec& own : problem.robot().effects) {
     if (own.Path() == spec.Path()) return true;
   }
-  if (spec.effect != "joint_compliance") return false;
+  if (spec.effect != JointComplianceEffect().name) return false;
   for (const int i : ComplianceCoordinates(problem.parameters, spec.target)) {
     if (problem.parameters.coordinates()[i].estimated()) return true;
   }
@@ -124,7 +124,7 @@ std::string StandingColumn(const CalibrationProblem& problem, const EffectDefini
     const bool varies = Varies(problem, [](const ShotConditions& shot) { return shot.temperature; });
     return varies ? "" : "temperature_degC that varies";
   }
-  if (spec.TextSetting("by", "") != "approach") return "";
+  if (definition.PressedByOf(spec) != PressedBy::kApproach) return "";
   const int joint = problem.robot().chain.FindJoint(spec.target);
   if (joint < 0 || !problem.shot_inputs()[0].conditions.StatesApproachOf(joint)) return "";
   if (Varies(problem, [joint](const ShotConditions& shot) { return shot.approach[joint]; })) return "";
@@ -170,9 +170,9 @@ void AppendCompensators(const CalibrationProblem& problem, const std::set<std::s
   for (const Joint& joint : problem.robot().chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
     if (compliant.count(joint.name) == 0) {
-      list->not_testable.push_back({"gravity_compensator", joint.name, ComplianceAboveZero()});
+      list->not_testable.push_back({kGravityCompensator, joint.name, ComplianceAboveZero()});
     } else {
-      list->candidates.push_back({{"gravity_compensator", joint.name, {}, {}}});
+      list->candidates.push_back({{kGravityCompensator, joint.name, {}, {}}});
     }
   }
 }
@@ -226,7 +226,7 @@ void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& d
   for (const EffectSpec& variant : variants) {
     const std::string column = Missing(problem, definition, variant);
     if (!column.empty()) missing = column;
-    const bool needs_torque = variant.TextSetting("by", "") == "torque" && !known.loads;
+    const bool needs_torque = definition.PressedByOf(variant) == PressedBy::kTorque && !known.loads;
     if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
   }
   const std::string unknown = testable.empty() || known.levelled ? "" : UnknownGravity(problem, testable[0]);
@@ -252,7 +252,7 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
   const Knowledge known{AnyLoad(problem), !compliant.empty(), IsLevelled(problem.experiment())};
   for (const EffectDefinition* definition : EffectsOf(problem.robot())) {
     if (definition->is_learnt) continue;
-    if (definition->name == "link_gravity") AppendCompensators(problem, compliant, &list);
+    if (definition == &LinkGravity()) AppendCompensators(problem, compliant, &list);
     if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;
     const std::string unmet = UnmetNeed(definition->needs, known);
     for (const std::string& target : Targets(*definition, problem)) {

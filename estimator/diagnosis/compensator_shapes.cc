@@ -26,7 +26,7 @@ const double kRatioDeviation = std::log(1.4) / std::sqrt(12.0);
 
 EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
   const double a_x = ratio * kLever * std::sin(alpha), a_y = ratio * kLever * std::cos(alpha);
-  return {"gravity_compensator", joint, {}, {kLever, a_x, a_y, 0.0, 0.0}};
+  return {kGravityCompensator, joint, {}, {kLever, a_x, a_y, 0.0, 0.0}};
 }
 
 }  // namespace
@@ -34,8 +34,10 @@ EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
 std::vector<int> ComplianceCoordinates(const ParameterSet& parameters, const std::string& joint) {
   std::vector<int> nodes;
   for (int i = 0; i < parameters.num_coordinates(); ++i) {
-    const std::string& name = parameters.coordinates()[i].name;
-    if (name == "compliance/" + joint || name.rfind("compliance/" + joint + "@", 0) == 0) nodes.push_back(i);
+    const Coordinate& coordinate = parameters.coordinates()[i];
+    if (coordinate.kind != CoordinateKind::kCompliance) continue;
+    const std::string name = coordinate.name.substr(coordinate.name.find('/') + 1);  // A2, or A2@-90 of a table
+    if (name == joint || name.rfind(joint + '@', 0) == 0) nodes.push_back(i);
   }
   return nodes;
 }
@@ -93,23 +95,23 @@ void SeedSpring(const Eigen::VectorXd& angles, const Eigen::VectorXd& torques, E
 }
 
 void BoundCompensatorShape(bool keep, ParameterSet* parameters) {
-  const auto value = [&](const char* name) { return parameters->Value(parameters->FindCoordinate(name)); };
-  const auto prior = [&](const char* name, double about, double sigma) {
-    const int i = parameters->FindCoordinate(name);
+  const auto value = [&](CompensatorPart part) { return parameters->Value(parameters->FindCoordinate(part)); };
+  const auto prior = [&](CompensatorPart part, double about, double sigma) {
+    const int i = parameters->FindCoordinate(part);
     if (i < 0 || !parameters->coordinates()[i].free) return;
     parameters->coordinate(i).prior_value = about;
     parameters->coordinate(i).prior_sigma = sigma;
   };
   if (!keep) {
-    prior("compensator/a_x", 0.0, kAnchorReach);
-    prior("compensator/a_y", 0.0, kAnchorReach);
-    prior("compensator/s0", kSpringRest, kSpringRest);
+    prior(CompensatorPart::kAx, 0.0, kAnchorReach);
+    prior(CompensatorPart::kAy, 0.0, kAnchorReach);
+    prior(CompensatorPart::kS0, kSpringRest, kSpringRest);
     return;
   }
-  const double a_x = value("compensator/a_x"), a_y = value("compensator/a_y"), a = std::hypot(a_x, a_y);
-  prior("compensator/a_x", a_x, kKeptWithin * a);
-  prior("compensator/a_y", a_y, kKeptWithin * a);
-  prior("compensator/s0", kUsualRest * a, kRestDeviation * a);
+  const double a_x = value(CompensatorPart::kAx), a_y = value(CompensatorPart::kAy), a = std::hypot(a_x, a_y);
+  prior(CompensatorPart::kAx, a_x, kKeptWithin * a);
+  prior(CompensatorPart::kAy, a_y, kKeptWithin * a);
+  prior(CompensatorPart::kS0, kUsualRest * a, kRestDeviation * a);
 }
 
 }  // namespace sagitta

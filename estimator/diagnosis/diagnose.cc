@@ -150,8 +150,8 @@ class Session {
   void SayFound() const {
     if (!options_.found) return;
     FoundSoFar found;
-    for (const SelectedEffect& step : steps_)
-      found.emplace_back(step.candidate.spec, posterior_.Of(evidence_->list().name[step.explanation]));
+    for (const SelectedEffect& effect : selected_)
+      found.emplace_back(effect.candidate.spec, posterior_.Of(evidence_->list().name[effect.explanation]));
     options_.found(found);
   }
 
@@ -175,14 +175,14 @@ class Session {
     if (!named_) leading = RefitSet(*evidence_, evidence_->BestOfNothing(), working, d_.baseline, joint_);
     leading_ = leading.model;
     lacking_ = leading.lacking;
-    steps_ = leading.steps;
+    selected_ = leading.effects;
     SayFound();
-    d_.final = leading.with_steps;
+    d_.final = leading.with_effects;
     d_.has_unexplained = named_ && (posterior_.sets[0].has_unnamed || posterior_.unnamed > kEvenOdds);
-    while (!steps_.empty() && !IsUsable(d_.final.estimate.status)) {
-      steps_.pop_back();  // the weakest
+    while (!selected_.empty() && !IsUsable(d_.final.estimate.status)) {
+      selected_.pop_back();  // the weakest
       d_.has_unexplained = true;
-      d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+      d_.final = Extend(lacking_, CandidatesOf(selected_), joint_);
     }
     SayFound();
     if (!is_stated && IsUsable(d_.final.estimate.status)) FollowScatter();
@@ -191,7 +191,7 @@ class Session {
   // Where nothing states sigma it is the scatter about what is named, no longer that about the baseline; priors of what
   // is told poorly weigh less then, so it takes a few rounds.
   void FollowScatter() {
-    for (int round = 0; round < kMostScatterRounds && !steps_.empty(); ++round) {
+    for (int round = 0; round < kMostScatterRounds && !selected_.empty(); ++round) {
       const Estimate& left = d_.final.estimate;
       if (left.dof <= 0 || !IsUsable(left.status)) return;
       const double factor = std::sqrt(left.chi2 / left.dof);
@@ -199,7 +199,7 @@ class Session {
       const DiagnosedModel refit = RefitFully(WithScaledSigmas(*lacking_.problem, factor), lacking_.estimate, joint_);
       if (!IsUsable(refit.estimate.status)) return;
       lacking_ = refit;
-      d_.final = Extend(lacking_, CandidatesOf(steps_), joint_);
+      d_.final = Extend(lacking_, CandidatesOf(selected_), joint_);
     }
   }
 
@@ -209,55 +209,55 @@ class Session {
 
   bool IsNamed() const { return posterior_.Something() > NamingGate() && !posterior_.sets.empty(); }
 
-  // The full estimator has the last word: a step with which it finds no optimum is not named, nor one whose values it
-  // takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance.
+  // The full estimator has the last word: an effect with which it finds no optimum is not named, nor one whose values
+  // it takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance.
   void JudgeFinal() {
     Say("fitting the extended model");
     while (true) {
-      d_.final = steps_.empty() ? lacking_ : JudgedWith(steps_);
-      if (steps_.empty()) break;
+      d_.final = selected_.empty() ? lacking_ : JudgedWith(selected_);
+      if (selected_.empty()) break;
       const bool usable = IsUsable(d_.final.estimate.status);
-      const auto idle = usable ? LeastSupported() : steps_.end();
-      const int worse = usable && idle == steps_.end() ? MeasurePrefixes() : -1;
-      if (usable && idle == steps_.end() && worse < 0) break;
-      const auto out = !usable ? steps_.end() - 1 : idle != steps_.end() ? idle : steps_.begin() + worse;
-      steps_.erase(out);
+      const auto idle = usable ? LeastSupported() : selected_.end();
+      const int worse = usable && idle == selected_.end() ? MeasurePrefixes() : -1;
+      if (usable && idle == selected_.end() && worse < 0) break;
+      const auto out = !usable ? selected_.end() - 1 : idle != selected_.end() ? idle : selected_.begin() + worse;
+      selected_.erase(out);
       SayFound();
       d_.has_unexplained = true;
     }
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
   }
 
-  // The step whose values the full estimator takes for chance, if there is one.
+  // The effect whose values the full estimator takes for chance, if there is one.
   std::vector<SelectedEffect>::iterator LeastSupported() {
-    auto least = steps_.end();
+    auto least = selected_.end();
     double largest = kIntervalMisses;
-    for (auto step = steps_.begin(); step != steps_.end(); ++step) {
-      const double p = WaldP(step->candidate.spec, d_.final.estimate);
+    for (auto effect = selected_.begin(); effect != selected_.end(); ++effect) {
+      const double p = WaldP(effect->candidate.spec, d_.final.estimate);
       if (p <= largest) continue;
       largest = p;
-      least = step;
+      least = effect;
     }
     return least;
   }
 
-  DiagnosedModel JudgedWith(const std::vector<SelectedEffect>& steps) const {
-    const DiagnosedModel quick = Extend(lacking_, CandidatesOf(steps), joint_);
+  DiagnosedModel JudgedWith(const std::vector<SelectedEffect>& effects) const {
+    const DiagnosedModel quick = Extend(lacking_, CandidatesOf(effects), joint_);
     if (!IsUsable(quick.estimate.status)) return quick;
-    const ParameterSet aligned = AlignedWith(steps, quick.problem->parameters, d_.baseline.estimate.aligned);
+    const ParameterSet aligned = AlignedWith(effects, quick.problem->parameters, d_.baseline.estimate.aligned);
     return JudgeFully(quick.problem, quick.estimate.parameters, aligned, joint_);
   }
 
-  // Hold-out after each step. A step that makes it worse beyond chance, or, where all since the best prefix do
+  // Hold-out after each effect. An effect that makes it worse beyond chance, or, where all since the best prefix do
   // together, the one of these that makes it worst; -1 where none does.
   int MeasurePrefixes() {
     prefixes_.assign(1, lacking_);
-    for (size_t count = 1; count < steps_.size(); ++count) {
-      const std::vector<SelectedEffect> first(steps_.begin(), steps_.begin() + static_cast<long>(count));
+    for (size_t count = 1; count < selected_.size(); ++count) {
+      const std::vector<SelectedEffect> first(selected_.begin(), selected_.begin() + static_cast<long>(count));
       prefixes_.push_back(Extend(lacking_, CandidatesOf(first), joint_));
     }
     prefixes_.push_back(d_.final);
-    for (size_t k = steps_.size(); k > 0; --k) {
+    for (size_t k = selected_.size(); k > 0; --k) {
       if (MakesHoldoutWorse(prefixes_[k - 1], prefixes_[k])) return static_cast<int>(k) - 1;
     }
     std::vector<double> rms;
@@ -266,10 +266,10 @@ class Session {
     }
     const auto is_less = [](double a, double b) { return a < b || (!std::isnan(a) && std::isnan(b)); };
     const size_t best = std::min_element(rms.begin(), rms.end(), is_less) - rms.begin();
-    if (best == steps_.size() || !MakesHoldoutWorse(prefixes_[best], d_.final)) return -1;
+    if (best == selected_.size() || !MakesHoldoutWorse(prefixes_[best], d_.final)) return -1;
     int worst = -1;
     double most = 0.0;
-    for (size_t k = best; k < steps_.size(); ++k) {
+    for (size_t k = best; k < selected_.size(); ++k) {
       if (!(rms[k + 1] - rms[k] > most)) continue;
       most = rms[k + 1] - rms[k];
       worst = static_cast<int>(k);
@@ -284,22 +284,22 @@ class Session {
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
     double before = HoldoutRms(d_.baseline);
-    for (size_t k = 0; k < steps_.size(); ++k) {
-      d_.steps.push_back(DescribeStep(steps_[k], static_cast<int>(d_.candidates.size())));
-      DiagnosisStep& step = d_.steps.back();
-      const DiagnosedModel& here = k + 1 == steps_.size() ? d_.final : prefixes_[k + 1];
-      step.holdout_before = before;
+    for (size_t k = 0; k < selected_.size(); ++k) {
+      d_.effects.push_back(DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size())));
+      FoundEffect& effect = d_.effects.back();
+      const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
+      effect.holdout_before = before;
       if (IsUsable(here.estimate.status)) {
-        step.holdout_after = HoldoutRms(here);
-        step.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
+        effect.holdout_after = HoldoutRms(here);
+        effect.reduced_chi2_after = here.estimate.chi2 / std::max(1, here.estimate.dof);
       }
-      before = step.holdout_after;
+      before = effect.holdout_after;
     }
     d_.next =
         ProposeNext(*evidence_, posterior_, *working_, d_.baseline.estimate.parameters, candidates_, kSeedOfPoses);
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, IsSigmaStated(problem_));
-    d_.groups = GroupSteps(d_.steps, lacking_, d_.baseline, d_.final, joint_);
+    d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, joint_);
   }
 
   // Of the first candidates that have a share of the probability: each alone beside the believed model.
@@ -311,31 +311,32 @@ class Session {
       if (posterior_.Of(evidence_->list().name[entry.explanation]) < kWorthListing) continue;
       ++count;
       const WeightedModel alone{leading_.view, {{entry.explanation}, {1.0}, 0.0, 0.0}, 0.0, 0.0};
-      const DiagnosedModel with = Extend(lacking_, CandidatesOf(StepsOf(*evidence_, alone, lacking_)), joint_);
+      const DiagnosedModel with =
+          Extend(lacking_, CandidatesOf(SelectedEffectsOf(*evidence_, alone, lacking_)), joint_);
       if (IsUsable(with.estimate.status)) entry.holdout_rms = HoldoutRms(with);
     }
   }
 
-  DiagnosisStep DescribeStep(const SelectedEffect& chosen, int tests) const {
-    DiagnosisStep step;
-    step.candidate = chosen.candidate;
-    step.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
-    step.reduction = chosen.fit.reduction;
+  FoundEffect DescribeEffect(const SelectedEffect& chosen, int tests) const {
+    FoundEffect effect;
+    effect.candidate = chosen.candidate;
+    effect.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
+    effect.reduction = chosen.fit.reduction;
     const Estimate& after = d_.final.estimate;
     // The reduction is in units of the evidence's rows, the refit may have other sigmas.
     const double unit = evidence_->views()[leading_.view].beside.normal.residual / lacking_.estimate.chi2;
-    step.corrected_p =
+    effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), tests);
     const std::vector<NamedProbability> in_place = InPlaceOf(*evidence_, leading_, chosen.explanation);
-    step.alternatives = FindAlternatives(*evidence_, posterior_, leading_, chosen.explanation, in_place);
-    step.confirmation = Confirm(*evidence_, leading_, chosen.explanation, in_place);
-    step.view = ViewStep(d_.final, chosen.candidate.spec);
+    effect.alternatives = FindAlternatives(*evidence_, posterior_, leading_, chosen.explanation, in_place);
+    effect.confirmation = Confirm(*evidence_, leading_, chosen.explanation, in_place);
+    effect.view = ViewEffect(d_.final, chosen.candidate.spec);
     for (const ParameterEstimate& row : after.table) {
-      if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) step.parameters.push_back(row);
+      if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }
-    step.lag = AllowForLag(d_.final, chosen.candidate.spec, &step.parameters);
-    return step;
+    effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
+    return effect;
   }
 
   void Decide() {
@@ -352,7 +353,7 @@ class Session {
     const bool is_ambiguous =
         d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose && !d_.noise.repeatability_is_overstated;
     const bool is_far = IsFarFromFloor(d_.final, IsSigmaStated(problem_), options_.significance);
-    d_.has_unexplained |= misfits || is_far || (is_ambiguous && steps_.empty());
+    d_.has_unexplained |= misfits || is_far || (is_ambiguous && selected_.empty());
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
       Say("learning what has no name");
@@ -360,7 +361,7 @@ class Session {
       if (learnt) d_.learnt = std::make_shared<LearntModel>(*std::move(learnt));
     }
     d_.noise.is_bound = d_.has_unexplained;
-    if (!steps_.empty()) {
+    if (!selected_.empty()) {
       d_.verdict = d_.has_unexplained ? DiagnosisVerdict::kPartly : DiagnosisVerdict::kExplained;
     } else if (d_.has_unexplained) {
       d_.verdict = DiagnosisVerdict::kUnknown;
@@ -383,7 +384,7 @@ class Session {
   bool named_ = false;
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model beside the noise that goes with the leading set
-  std::vector<SelectedEffect> steps_;
+  std::vector<SelectedEffect> selected_;
   std::vector<DiagnosedModel> prefixes_;
 };
 

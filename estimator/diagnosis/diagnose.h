@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "estimator/diagnosis/effect_checks.h"
+#include "estimator/diagnosis/effect_view.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/diagnosis/gap_map.h"
 #include "estimator/diagnosis/learnt_function.h"
 #include "estimator/diagnosis/next_poses.h"
 #include "estimator/diagnosis/noise_finding.h"
-#include "estimator/diagnosis/step_checks.h"
-#include "estimator/diagnosis/step_view.h"
 #include "estimator/diagnosis/thermal_lag.h"
 #include "problems/choices.h"
 
@@ -42,25 +42,25 @@ struct ScreenedCandidate {
 };
 
 // An effect that the diagnosis names, with what it explains and what speaks for it.
-struct DiagnosisStep {
+struct FoundEffect {
   Candidate candidate;
   double probability = 0.0;
   double reduction = 0.0;  // chi-square, the others given
   double corrected_p = 1.0;
   std::vector<ParameterEstimate> parameters;
   std::optional<ThermalLag> lag;  // that their intervals allow for
-  // m; not a number without a hold-out, or where this prefix of the steps does not converge alone
+  // m; not a number without a hold-out, or where this prefix of the effects does not converge alone
   double holdout_before = kNotKnown, holdout_after = kNotKnown;
   double reduced_chi2_after = kNotKnown;
   std::vector<Alternative> alternatives;
   Confirmation confirmation;
-  StepView view;
+  EffectView view;
 };
 
-// Steps of one effect, on how many targets whatever.
-struct StepGroup {
+// Uses of one effect, on however many targets.
+struct EffectGroup {
   std::string effect;
-  std::vector<int> steps;
+  std::vector<int> effects;  // of Diagnosis::effects
   // Of the squared gap beyond the noise floor on untouched rows; group after group, strongest first.
   double share_of_gap = kNotKnown;
 };
@@ -111,8 +111,8 @@ struct Diagnosis {
   ReportedPosterior posterior;
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
-  std::vector<DiagnosisStep> steps;
-  std::vector<StepGroup> groups;
+  std::vector<FoundEffect> effects;
+  std::vector<EffectGroup> groups;
   double baseline_p = kNotKnown, final_p = kNotKnown;  // lack of fit
   GapReport gap;
   std::optional<NextPoses> next;  // that would decide between what shares the probability
@@ -122,7 +122,7 @@ struct Diagnosis {
   std::vector<std::string> cautions;          // what limits the verdict, in words
 };
 
-// Steps with their probability while the work goes on: refitted, not yet judged by the full estimator.
+// Effects with their probability while the work goes on: refitted, not yet judged by the full estimator.
 using FoundSoFar = std::vector<std::pair<EffectSpec, double>>;
 
 // How Diagnose searches, and whom it tells of its progress.
@@ -133,7 +133,7 @@ struct DiagnosisOptions {
   bool points_are_measured = true;  // not shifted by a simulation: readings can be judged
   int num_threads = 1;              // of the search
   std::function<void(const std::string&)> progress;
-  std::function<void(const FoundSoFar&)> found;  // whenever the steps change; may be empty
+  std::function<void(const FoundSoFar&)> found;  // whenever the effects change; may be empty
 };
 
 // Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis).

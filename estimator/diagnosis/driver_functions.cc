@@ -27,12 +27,12 @@ Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders) {
   return waves;
 }
 
-Eigen::MatrixXd Steps(const Eigen::VectorXd& x, const std::vector<double>& places) {
-  Eigen::MatrixXd steps(x.size(), static_cast<long>(places.size()));
+Eigen::MatrixXd Jumps(const Eigen::VectorXd& x, const std::vector<double>& places) {
+  Eigen::MatrixXd jumps(x.size(), static_cast<long>(places.size()));
   for (size_t p = 0; p < places.size(); ++p) {
-    steps.col(static_cast<long>(p)) = (x.array() > places[p]).cast<double>();
+    jumps.col(static_cast<long>(p)) = (x.array() > places[p]).cast<double>();
   }
-  return steps;
+  return jumps;
 }
 
 std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most) {

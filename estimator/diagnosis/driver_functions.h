@@ -1,4 +1,4 @@
-// Functions of what drives a deviation, one row per shot: what an unnamed smooth function, a wave or a step is made of.
+// Functions of what drives a deviation, one row per shot: what an unnamed smooth function, a wave or a jump is made of.
 // Random functions have unit variance where their coefficients have.
 #pragma once
 
@@ -13,7 +13,7 @@ Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int cou
 // cos and sin of n x for n = 1 .. orders, in pairs.
 Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders);
 // One where x is above the place.
-Eigen::MatrixXd Steps(const Eigen::VectorXd& x, const std::vector<double>& places);
+Eigen::MatrixXd Jumps(const Eigen::VectorXd& x, const std::vector<double>& places);
 // Middles between distinct values, at most so many.
 std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most);
 

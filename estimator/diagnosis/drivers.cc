@@ -56,8 +56,10 @@ bool IsRevolute(const CalibrationProblem& problem, int joint) {
 }
 
 Driver AngleOf(const CalibrationProblem& problem, int joint) {
-  const double scale = IsRevolute(problem, joint) ? 1.0 / kDegree : 1e3;
-  return {problem.robot().chain.joints[joint].name, IsRevolute(problem, joint) ? "deg" : "mm", "q",
+  const bool turns = IsRevolute(problem, joint);
+  const double scale = turns ? 1.0 / kDegree : 1e3;
+  return {problem.robot().chain.joints[joint].name, turns ? "deg" : "mm",
+          turns ? DriverKind::kAngle : DriverKind::kTravel,
           OfShots(problem, [&](const ShotConditions& shot) { return scale * shot.q[joint]; })};
 }
 
@@ -65,21 +67,23 @@ Driver ApproachOf(const CalibrationProblem& problem, int joint) {
   const auto approach = [joint](const ShotConditions& shot) -> double {
     return shot.StatesApproachOf(joint) ? shot.approach[joint] : 0.0;
   };
-  return {"approach of " + problem.robot().chain.joints[joint].name, "", "", OfShots(problem, approach)};
+  return {"approach of " + problem.robot().chain.joints[joint].name, "", DriverKind::kOther,
+          OfShots(problem, approach)};
 }
 
 Driver TimeOf(const CalibrationProblem& problem) {
   const auto time = [](const ShotConditions& shot) { return shot.has_time ? shot.time : 0.0; };
-  return {"time", "s", "time_s", OfShots(problem, time)};
+  return {"time", "s", DriverKind::kTime, OfShots(problem, time)};
 }
 
 Driver TemperatureOf(const CalibrationProblem& problem) {
   const auto above = [](const ShotConditions& shot) { return shot.has_temperature ? shot.temperature : 0.0; };
-  return {"temperature above its mean", "K", "temperature_K", OfShots(problem, above)};
+  return {"temperature above its mean", "K", DriverKind::kTemperature, OfShots(problem, above)};
 }
 
 Driver ConfigurationNumberOf(const CalibrationProblem& problem) {
-  Driver driver{"configuration", "", "", Eigen::VectorXd(static_cast<long>(problem.data().shots.size()))};
+  Driver driver{"configuration", "", DriverKind::kOther,
+                Eigen::VectorXd(static_cast<long>(problem.data().shots.size()))};
   for (size_t s = 0; s < problem.data().shots.size(); ++s) {
     driver.of_shot[static_cast<long>(s)] = 1.0 + problem.data().shots[s].configuration;
   }
@@ -144,7 +148,7 @@ Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterS
 
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques) {
   return {"torque on " + problem.robot().chain.joints[joint].name, IsRevolute(problem, joint) ? "N m" : "N",
-          "torque_Nm", joint_torques.col(joint)};
+          DriverKind::kTorque, joint_torques.col(joint)};
 }
 
 }  // namespace sagitta

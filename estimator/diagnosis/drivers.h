@@ -9,9 +9,13 @@
 
 namespace sagitta {
 
+// What kind of thing drives.
+enum class DriverKind { kAngle, kTravel, kTorque, kTime, kTemperature, kOther };
+
+// One of them, with its values.
 struct Driver {
   std::string name, unit;
-  std::string column;       // as effects name it: q, torque_Nm, time_s, temperature_K
+  DriverKind kind = DriverKind::kOther;
   Eigen::VectorXd of_shot;  // one per Measurements::shots
 
   bool Varies() const { return of_shot.size() > 0 && of_shot.maxCoeff() > of_shot.minCoeff(); }

@@ -20,10 +20,10 @@ constexpr int kSettledBits = 5;    // 2^-5
 // A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
-// Where so many steps do not end a climb with the stated noise, thirty causes at once are less likely than other noise,
+// Where so many moves do not end a climb with the stated noise, thirty causes at once are less likely than other noise,
 // which is asked first.
-constexpr int kFirstSteps = 30;
-constexpr int kEveryStep = std::numeric_limits<int>::max();
+constexpr int kFirstMoves = 30;
+constexpr int kEveryMove = std::numeric_limits<int>::max();
 // A deviation is another than stated only where the interval of 95 % for it, by the likelihood ratio, does not hold
 // what is stated: half the quantile of chi-square with one degree of freedom.
 constexpr double kLeastGain = 1.92;
@@ -62,7 +62,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   }
   std::deque<SetSearch> searches;
   const bool is_done =
-      Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstSteps, &searches);
+      Climb(std::move(stated), before == nullptr ? WeightedSet() : BestOf(*before), kFirstMoves, &searches);
   const auto& joints = problem.robot().chain.joints;
   const bool any_turns =
       std::any_of(joints.begin(), joints.end(), [](const Joint& joint) { return joint.type == JointType::kRevolute; });
@@ -74,7 +74,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       progress(SearchingWithRepeatability(next->view.sigma));
     }
     const JointScatter scatter = ScatterOf(next->view);
-    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best, kEveryStep, &searches);
+    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best, kEveryMove, &searches);
   }
   if (!is_done) FinishStated(&searches);
   Explore(&searches);
@@ -134,18 +134,18 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const 
 Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
   const double low = std::log(kLeastRepeatability), high = std::log(kMostRepeatability);
   const auto weight = [&](double log_sigma) { return LogWeight({kind, std::exp(log_sigma), log_prior}, set); };
-  const double step = std::log(2.0);
+  const double spacing = std::log(2.0);
   double near = low, near_weight = weight(low);
-  for (double at = low + step; at <= high; at += step) {
+  for (double at = low + spacing; at <= high; at += spacing) {
     const double here = weight(at);
     if (here <= near_weight) continue;
     near = at;
     near_weight = here;
   }
   // Beside the nearest of them: the precision is relative.
-  const auto [beside, lost] =
-      boost::math::tools::brent_find_minima([&](double at) { return -weight(near + at); }, std::max(low - near, -step),
-                                            std::min(high - near, step), kSettledBits);
+  const auto [beside, lost] = boost::math::tools::brent_find_minima([&](double at) { return -weight(near + at); },
+                                                                    std::max(low - near, -spacing),
+                                                                    std::min(high - near, spacing), kSettledBits);
   const double best = near + beside, best_weight = -lost;
   const double gain = best_weight - log_prior - LogWeight({}, set);
   if (gain < kLeastGain) return {};
@@ -188,12 +188,12 @@ WeightedSet Evidence::BestOf(const Evidence& other) const {
   return set;
 }
 
-bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_steps, std::deque<SetSearch>* searches) {
+bool Evidence::Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves, std::deque<SetSearch>* searches) {
   views_.push_back(std::move(viewed));
   const int view = static_cast<int>(views_.size()) - 1;
   searches->push_back(SearchIn(view));
   SetSearch& search = searches->back();
-  const bool is_done = search.ClimbFrom(start, most_steps);
+  const bool is_done = search.ClimbFrom(start, most_moves);
   AddModel(view, search.Best());
   if (!search.Best().members.empty()) AddModel(view, search.Empty());
   Normalise(&models_);

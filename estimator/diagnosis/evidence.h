@@ -103,8 +103,8 @@ class Evidence {
   // What the best set of another evidence is called here.
   WeightedSet BestOf(const Evidence& other) const;
   // In one more view, from a set; what is best there is added to the models. False: it was not reached.
-  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_steps, std::deque<SetSearch>* searches);
-  // Where thirty steps in the stated view did not end, other noise is asked first, and this goes on where it is worth
+  bool Climb(ViewedNormal viewed, const WeightedSet& start, int most_moves, std::deque<SetSearch>* searches);
+  // Where thirty moves in the stated view did not end, other noise is asked first, and this goes on where it is worth
   // it.
   void FinishStated(std::deque<SetSearch>* searches);
   // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.

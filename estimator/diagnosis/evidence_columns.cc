@@ -412,7 +412,8 @@ BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
   const int priors = AddPriors(&own, &along_residual, &square);
   beside.col(count) = along_residual;
   const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * own * scale.asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
   const double least = kRank * eigen.eigenvalues().maxCoeff();
   const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
   const Eigen::MatrixXd basis =

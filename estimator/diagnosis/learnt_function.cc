@@ -8,6 +8,7 @@
 
 #include "estimator/report/diagnosis_function_words.h"
 #include "models/constants.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -15,11 +16,7 @@ namespace {
 constexpr size_t kTableRows = 41;
 constexpr int kOrders = 12;  // what ten bumps over a turn can follow, and a little more
 
-std::string Rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string Rounded(double value) { return Significant(value, 3); }
 
 // The unnamed member that the set can least do without; else the best to add in the first view, if it stands out. -1:
 // none.
@@ -75,7 +72,8 @@ struct Formula {
 // Offered in the order of simplicity: a later one has to explain half of what the one before leaves.
 class FormulaSearch {
  public:
-  FormulaSearch(const LearntFunction& learnt) : driver_(learnt.driver), unit_(learnt.driver_unit), of_(learnt.unit) {
+  FormulaSearch(const LearntFunction& learnt)
+      : driver_(learnt.driver), unit_(learnt.driver_unit), of_(learnt.unit), kind_(learnt.driver_kind) {
     const long n = static_cast<long>(learnt.table.size());
     x_.resize(n);
     y_.resize(n);
@@ -90,9 +88,9 @@ class FormulaSearch {
 
   std::string Nearest() {
     TryLine();
-    TryStep();
-    if (unit_ == "deg") TryHarmonics();
-    if (unit_ == "s") TryExponential();
+    TryJump();
+    if (kind_ == DriverKind::kAngle) TryHarmonics();
+    if (kind_ == DriverKind::kTime) TryExponential();
     TryDeadband();
     if (best_.words.empty()) return "";
     return best_.words + " (" + Rounded(100.0 * best_.explained) + " % of it)";
@@ -110,7 +108,7 @@ class FormulaSearch {
     Offer(explained, "proportional to " + driver_ + ": " + Rounded(c_[0]) + " " + of_ + " per " + unit_);
   }
 
-  void TryStep() {
+  void TryJump() {
     double most = 0.0, size = 0.0, place = 0.0;
     for (long i = 1; i < x_.size(); ++i) {
       const double here = 0.5 * (x_[i - 1] + x_[i]);
@@ -120,7 +118,7 @@ class FormulaSearch {
       size = c_[0];
       place = here;
     }
-    Offer(most, "a step of " + Rounded(size) + " " + of_ + " at " + driver_ + " = " + Rounded(place) + " " + unit_);
+    Offer(most, "a jump of " + Rounded(size) + " " + of_ + " at " + driver_ + " = " + Rounded(place) + " " + unit_);
   }
 
   void TryHarmonics() {
@@ -167,6 +165,7 @@ class FormulaSearch {
   }
 
   std::string driver_, unit_, of_;
+  DriverKind kind_;
   Eigen::VectorXd x_, y_, weights_, c_;
   Formula best_;
 };
@@ -186,6 +185,7 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   if (what.driver.of_shot.size() == 0) return learnt;
   learnt.driver = what.driver.name;
   learnt.driver_unit = what.driver.unit;
+  learnt.driver_kind = what.driver.kind;
 
   const ColumnGroup& group = evidence.list().math[member].group;
   const GroupValues own_values = evidence.ValuesOfMember(with, member);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "estimator/diagnosis/drivers.h"
 #include "estimator/diagnosis/posterior.h"
 
 namespace sagitta {
@@ -20,11 +21,12 @@ struct FunctionPoint {
 
 // A function of the data that no effect of the catalogue is.
 struct LearntFunction {
-  std::string kind = "other";  // smooth, periodic, step, time, other
+  std::string kind = "other";  // as UnnamedFunction::kind
   std::string acts_on;         // joint, station or marker; empty: no cause stands out
   std::vector<std::string> depends_on;
   std::string words;
   std::string driver, driver_unit, unit;  // of the table; empty where there is more than one driver
+  DriverKind driver_kind = DriverKind::kOther;
   std::vector<FunctionPoint> table;
   std::string formula;
 };

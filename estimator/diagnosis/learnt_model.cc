@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "estimator/diagnosis/steps.h"
+#include "estimator/diagnosis/selected_effects.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
 
@@ -11,7 +11,7 @@ namespace sagitta {
 namespace {
 
 constexpr size_t kMostFunctions = 12;  // each costs a refit
-constexpr int kFewestKnots = 4;        // a sag: fewer columns than that are waves or a step,
+constexpr int kFewestKnots = 4;        // a sag: fewer columns than that are waves or a jump,
 constexpr int kFineKnots = 25;         // which these follow
 constexpr int kDigits = 7;             // of a range
 
@@ -32,6 +32,24 @@ const char* EffectOf(Source::Kind kind) {
   return "";  // nothing of the kind is defined
 }
 
+// As a setting `by` names it; "" where none does.
+const char* SettingOf(DriverKind kind) {
+  switch (kind) {
+    case DriverKind::kAngle:
+    case DriverKind::kTravel:
+      return "q";
+    case DriverKind::kTorque:
+      return "torque_Nm";
+    case DriverKind::kTime:
+      return "time_s";
+    case DriverKind::kTemperature:
+      return "temperature_K";
+    case DriverKind::kOther:
+      break;
+  }
+  return "";
+}
+
 // Of two angles together.
 std::optional<EffectSpec> PairSpec(const UnnamedFunction& what, const Chain& chain) {
   if (what.sources[0].kind != Source::Kind::kJoint || what.depends_on.size() != 2) return std::nullopt;
@@ -45,14 +63,16 @@ std::optional<EffectSpec> PairSpec(const UnnamedFunction& what, const Chain& cha
 // The same function as an effect; nothing where there is none that follows it.
 std::optional<EffectSpec> SpecOf(const ExplanationList& list, int explanation, const CalibrationProblem& problem) {
   const UnnamedFunction& what = list.functions[list.unnamed[explanation]];
-  if (what.driver.column.empty()) return PairSpec(what, problem.robot().chain);
+  const std::string by = SettingOf(what.driver.kind);
+  if (by.empty()) return PairSpec(what, problem.robot().chain);
   const EffectDefinition* definition = FindEffect(EffectOf(what.sources[0].kind));
   if (definition == nullptr) return std::nullopt;
   const std::vector<std::string>& known = definition->settings[0].choices;
-  if (std::find(known.begin(), known.end(), what.driver.column) == known.end()) return std::nullopt;
+  if (std::find(known.begin(), known.end(), by) == known.end()) return std::nullopt;
   const std::string target = definition->target == EffectTarget::kRobot ? "robot" : what.acts_on;
-  EffectSpec spec{definition->name, target, {{"by", what.driver.column}}, {}};
-  if (what.driver.column == "q") spec.settings["driver"] = what.driver.name;
+  EffectSpec spec{definition->name, target, {{"by", by}}, {}};
+  const bool is_joint = what.driver.kind == DriverKind::kAngle || what.driver.kind == DriverKind::kTravel;
+  if (is_joint) spec.settings["driver"] = what.driver.name;
   const Eigen::VectorXd seen = what.driver.of_shot(FittedShots(problem));
   const double low = seen.minCoeff(), high = seen.maxCoeff();
   const int count = static_cast<int>(list.math[explanation].group.size() / static_cast<long>(what.sources.size()));

@@ -10,6 +10,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/noise/variance_components.h"
 #include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
@@ -156,14 +157,13 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     }
   }
   if (entries.size() < 20) return {};
-  std::vector<double> sorted;
-  for (const Entry& entry : entries) sorted.push_back(entry.squared);
-  std::sort(sorted.begin(), sorted.end());
-  const double scale = std::max(1.0, sorted[sorted.size() / 2] / kMedianOfThree);
+  std::vector<double> squares;
+  for (const Entry& entry : entries) squares.push_back(entry.squared);
+  const double scale = std::max(1.0, Median(squares) / kMedianOfThree);
   const double scatter = held_out ? kHeldOutScatter * scale : scale;
   const double limit = scatter * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
   // The worst first: they pull the fit, and the others with it.
-  const double floor = std::max(limit, kOfTheWorst * sorted.back());
+  const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
   std::vector<int> outliers;
   for (const Entry& entry : entries) {
     const bool alone =

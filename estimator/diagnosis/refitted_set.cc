@@ -23,14 +23,14 @@ DiagnosedModel LackingBeside(const Evidence& evidence, const WeightedModel& mode
 // A spring's shape is a narrow valley, or one without an end where the data hardly tell it: near the start's shape, and
 // near others, the refit may find its floor.
 void TryOtherSprings(const Evidence& evidence, const JointOptions& joint, RefittedSet* refitted) {
-  for (SelectedEffect& step : refitted->steps) {
-    if (!IsGravityCompensator(step.candidate.spec)) continue;
-    step.candidate.keeps_shape = true;
-    std::vector<EffectSpec> springs = OtherSprings(evidence, refitted->model, step, refitted->lacking);
-    springs.insert(springs.begin(), step.candidate.spec);
+  for (SelectedEffect& effect : refitted->effects) {
+    if (!IsGravityCompensator(effect.candidate.spec)) continue;
+    effect.candidate.keeps_shape = true;
+    std::vector<EffectSpec> springs = OtherSprings(evidence, refitted->model, effect, refitted->lacking);
+    springs.insert(springs.begin(), effect.candidate.spec);
     for (const EffectSpec& spring : springs) {
-      step.candidate.spec = spring;
-      refitted->with_steps = Extend(refitted->lacking, CandidatesOf(refitted->steps), joint);
+      effect.candidate.spec = spring;
+      refitted->with_effects = Extend(refitted->lacking, CandidatesOf(refitted->effects), joint);
       if (refitted->IsUsable()) return;
     }
   }
@@ -52,20 +52,20 @@ RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const
   RefittedSet refitted;
   refitted.model = model;
   refitted.lacking = LackingBeside(evidence, model, working, baseline, joint);
-  refitted.steps = StepsOf(evidence, model, refitted.lacking);
-  refitted.with_steps = Extend(refitted.lacking, CandidatesOf(refitted.steps), joint);
+  refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
+  refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
   if (!refitted.IsUsable()) TryOtherSprings(evidence, joint, &refitted);
   return refitted;
 }
 
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted) {
   if (!refitted.IsUsable()) return -std::numeric_limits<double>::infinity();
-  if (refitted.steps.size() != refitted.model.set.members.size()) return 0.0;
+  if (refitted.effects.size() != refitted.model.set.members.size()) return 0.0;
   const ResidualLikelihood likelihood = evidence.LikelihoodOf(refitted.model.view);
   const double nothing = evidence.views()[refitted.model.view].beside.normal.residual;
   // In units of the rows' sigma: the refit may have another.
   const double unit = nothing / refitted.lacking.estimate.chi2;
-  return likelihood.Log(unit * refitted.with_steps.estimate.chi2) -
+  return likelihood.Log(unit * refitted.with_effects.estimate.chi2) -
          likelihood.Log(ResidualAtBest(evidence, refitted.model));
 }
 

@@ -11,17 +11,17 @@
 
 #include <vector>
 
-#include "estimator/diagnosis/steps.h"
+#include "estimator/diagnosis/selected_effects.h"
 
 namespace sagitta {
 
 struct RefittedSet {
   WeightedModel model;
-  DiagnosedModel lacking;             // the believed model beside the noise that goes with the set
-  std::vector<SelectedEffect> steps;  // of the catalogue
-  DiagnosedModel with_steps;
+  DiagnosedModel lacking;               // the believed model beside the noise that goes with the set
+  std::vector<SelectedEffect> effects;  // of the catalogue
+  DiagnosedModel with_effects;
 
-  bool IsUsable() const { return sagitta::IsUsable(with_steps.estimate.status); }
+  bool IsUsable() const { return sagitta::IsUsable(with_effects.estimate.status); }
 };
 
 // working: what the evidence is made of. baseline: fitted with the noise as stated.

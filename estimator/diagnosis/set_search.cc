@@ -418,10 +418,10 @@ void SetSearch::SwapTogether(const WeightedSet& set, const Members& all, const s
   }
 }
 
-// To the nearest set that no addition, drop or swap improves: each step is up, by evaluations that are kept.
-bool SetSearch::Climb(WeightedSet from, int most_steps) {
+// To the nearest set that no addition, drop or swap improves: each move is up, by evaluations that are kept.
+bool SetSearch::Climb(WeightedSet from, int most_moves) {
   from = Settled(from);
-  for (int step = 0; step < most_steps; ++step) {
+  for (int move = 0; move < most_moves; ++move) {
     Expand(from);
     if (Best().members == from.members && !Exchange(from)) return true;
     do {
@@ -452,12 +452,12 @@ void SetSearch::SettleAll() {
   }
 }
 
-bool SetSearch::ClimbFrom(const WeightedSet& start, int most_steps) {
+bool SetSearch::ClimbFrom(const WeightedSet& start, int most_moves) {
   Record(Evaluate({}), true);
   if (explanations_.empty()) return true;
   if (!start.members.empty()) Record(Evaluate(start.members, start.scales));
   Expand(*found_.Find({}));
-  const bool is_done = Climb(*found_.Find(start.members), most_steps);
+  const bool is_done = Climb(*found_.Find(start.members), most_moves);
   place_.reset();
   return is_done;
 }

@@ -76,8 +76,8 @@ class SetSearch {
   SetSearch(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
             const ResidualLikelihood& likelihood);
 
-  // To a set that no addition, drop or swap improves; false: not within so many steps. start: a set to climb from.
-  bool ClimbFrom(const WeightedSet& start = {}, int most_steps = std::numeric_limits<int>::max());
+  // To a set that no addition, drop or swap improves; false: not within so many moves. start: a set to climb from.
+  bool ClimbFrom(const WeightedSet& start = {}, int most_moves = std::numeric_limits<int>::max());
   // After a climb: the neighbours of the sets that share the probability. Sets within kWorthKeeping of the best, best
   // first; the empty one is always among them.
   std::vector<WeightedSet> Explore();
@@ -144,7 +144,7 @@ class SetSearch {
   bool Exchange(const WeightedSet& set);
   std::vector<Swap> SwapsOf(const WeightedSet& set, const MovingSweep& sweep, const std::vector<WeightedSet>& without);
   void SwapTogether(const WeightedSet& set, const Members& all, const std::vector<Swap>& swaps);
-  bool Climb(WeightedSet from, int most_steps = std::numeric_limits<int>::max());
+  bool Climb(WeightedSet from, int most_moves = std::numeric_limits<int>::max());
   void SettleAll();
   double BestWeight() const { return Best().log_weight; }
 

@@ -133,7 +133,7 @@ void Members::Rescale(size_t group, double scale) {
 void Members::Remove(size_t group) {
   const long first = first_[group], size = SizeOf(group);
   const std::vector<long> kept = AllBut(first, size, num_columns());
-  const Eigen::LLT<Eigen::MatrixXd> root(inverse_.block(first, first, size, size));
+  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = inverse_(kept, Eigen::seqN(first, size));
   inverse_ = inverse_(kept, kept) - beside * root.solve(beside.transpose());
   solved_ = solved_(kept) - beside * root.solve(Eigen::VectorXd(solved_.segment(first, size)));
@@ -183,7 +183,7 @@ void Members::SetResidual() { residual_ = normal_->residual - Scales().cwiseProd
 
 GivenOthers Members::Of(size_t group) const {
   const long first = first_[group], size = first_[group + 1] - first;
-  const Eigen::LLT<Eigen::MatrixXd> root(inverse_.block(first, first, size, size));
+  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
   const Eigen::VectorXd own = solved_.segment(first, size);
   const double scale = scales_[group];
   GivenOthers given;
@@ -268,7 +268,7 @@ void MovingSweep::Remove(size_t group) {
   left_.noalias() += without.root.transpose() * without.root;
   gradient_.noalias() += without.root.transpose() * without.along;
   const std::vector<long> kept = AllBut(first, size, members_.num_columns());
-  const Eigen::LLT<Eigen::MatrixXd> own(members_.inverse_.block(first, first, size, size));
+  const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = members_.inverse_(kept, Eigen::seqN(first, size));
   solved_ = solved_(kept, Eigen::all) - beside * own.solve(Eigen::MatrixXd(solved_.middleRows(first, size)));
   members_.Remove(group);
@@ -288,7 +288,7 @@ Eigen::VectorXd MovingSweep::Gradient(const ColumnGroup& group) const {
 
 MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
   const long first = members_.First(group), size = members_.SizeOf(group);
-  const Eigen::LLT<Eigen::MatrixXd> own(members_.inverse_.block(first, first, size, size));
+  const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
   WithoutOne without;
   without.root = own.matrixL().solve(solved_.middleRows(first, size));
   without.along = own.matrixL().solve(members_.solved_.segment(first, size));

@@ -12,8 +12,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kLongestLag = 1800.0, kLagStep = 60.0;  // s
-constexpr double kBetweenShots = 60.0;                   // s, where no time is stated
+constexpr double kLongestLag = 1800.0, kLagSpacing = 60.0;  // s
+constexpr double kBetweenShots = 60.0;                      // s, where no time is stated
 
 // The model refitted with the arm this late.
 struct LaggedFit {
@@ -43,7 +43,7 @@ std::vector<double> ClockOf(const Measurements& data) {
 // From no lag on; empty where that one does not converge.
 std::vector<LaggedFit> FitLags(const DiagnosedModel& final) {
   std::vector<LaggedFit> fits;
-  for (double lag = 0.0; lag <= kLongestLag; lag += kLagStep) {
+  for (double lag = 0.0; lag <= kLongestLag; lag += kLagSpacing) {
     CalibrationProblem late = *final.problem;
     LagTemperatures(lag, late.mutable_data());
     late.RenewShots();

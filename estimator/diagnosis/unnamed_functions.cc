@@ -14,7 +14,7 @@ namespace {
 constexpr int kBumps[] = {4, 10};
 constexpr int kOrders = 6;       // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
 constexpr int kPeriods = 8;      // of waves over the time of the campaign
-constexpr int kPlaces = 24;      // of a step along a joint's angle
+constexpr int kPlaces = 24;      // of a jump along a joint's angle
 constexpr int kFineBumps = 25;   // of a joint's own angle: a bump of 10 degrees
 constexpr int kSeats = 25;       // stretches of visits in which a loose part stays in its seat
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
@@ -105,7 +105,7 @@ class UnnamedBuilder {
           const Eigen::VectorXd seen = OnFitted(q);
           functions.Append(Bumps(q, seen.minCoeff(), seen.maxCoeff(), kFineBumps), "smooth", kFineBumps);
         }
-        if (k == j) functions.Append(Steps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1);
+        if (k == j) functions.Append(Jumps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1);
         if (k != j && IsRevolute(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2);
         AddFunctions(functions,
                      {"",
@@ -120,12 +120,13 @@ class UnnamedBuilder {
       if (loaded) drivers.push_back({TorqueOf(problem_, j, torques), "torque"});
       for (const auto& [driver, family] : drivers) {
         Functions functions;
-        if (!Smooth(driver.of_shot, family == "time" ? "time" : "smooth", &functions)) continue;
+        if (!Smooth(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", &functions)) continue;
+        const bool is_torque = driver.kind == DriverKind::kTorque;
         AddFunctions(functions,
                      {"",
                       JointName(j),
-                      {family == "torque" ? JointName(j) : family},
-                      DeviatesWith(JointName(j), family == "torque" ? "the torque on it" : family),
+                      {is_torque ? JointName(j) : family},
+                      DeviatesWith(JointName(j), is_torque ? "the torque on it" : family),
                       {source},
                       driver},
                      family);
@@ -270,7 +271,7 @@ class UnnamedBuilder {
         const Eigen::VectorXd fitted = OnFitted(driver.of_shot);
         const double low = fitted.minCoeff(), high = fitted.maxCoeff();
         if (!(high - low > 1e-9 * (1.0 + std::abs(high)))) continue;
-        const bool is_time = driver.name == "time";
+        const bool is_time = driver.kind == DriverKind::kTime;
         functions.Append(Bumps(driver.of_shot, low, high, kBumps[is_time ? 1 : 0]), is_time ? "time" : "smooth",
                          kBumps[is_time ? 1 : 0]);
         AddFunctions(functions, {"", marker, {driver.name}, MarkerMovesWith(marker, driver.name), sources, driver},

@@ -13,7 +13,7 @@ namespace sagitta {
 
 // A deviation outside the catalogue.
 struct UnnamedFunction {
-  std::string kind;                     // smooth, periodic, step, time, other
+  std::string kind;                     // smooth, periodic, step (a jump), time, other: FORMATS section 6
   std::string acts_on;                  // joint, station or marker
   std::vector<std::string> depends_on;  // joints, time, temperature, a station or a marker
   std::string words;

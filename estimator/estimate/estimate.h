@@ -59,15 +59,16 @@ struct ParameterEstimate {
   double nominal = 0.0;  // SI; geometric errors 0, base and markers the aligned start
   double sigma = 0.0;    // 0 unless estimated
   Interval ci95;
-  bool free = false;         // estimated
-  bool identifiable = true;  // false: held, the data cannot tell it
-  bool at_bound = false;     // the value or its interval meets the physical bound
-  bool weak = false;         // known worse than 1 mm, 1 mrad or half its value
+  bool free = false;                                        // estimated
+  bool identifiable = true;                                 // false: held, the data cannot tell it
+  bool at_bound = false;                                    // the value or its interval meets the physical bound
+  double lower = -std::numeric_limits<double>::infinity();  // that bound, SI
+  bool weak = false;                                        // known worse than 1 mm, 1 mrad or half its value
 
   double dof = std::numeric_limits<double>::infinity();  // of the interval: Student's t; infinity: normal
-  // With what held parameters may do to it (held_influence.h): the value tied to
-  // them, and they themselves. Equal to sigma and ci95 where nothing is held.
-  bool tied = false;
+  // Interval on the condition that held parameters are where they were put; the unconditional one counts what they may
+  // do to it (held_influence.h). Of held ones themselves too; equal to sigma and ci95 where nothing is held.
+  bool conditional = false;
   double unconditional_sigma = 0.0;
   Interval unconditional_ci95;
   bool open_low = false, open_high = false;  // profile likelihood: no end on that side

@@ -10,7 +10,7 @@ namespace sagitta {
 namespace {
 
 // Held parameters add less than this share of a variance (5 % of the interval): not worth a word.
-constexpr double kTied = 0.1;
+constexpr double kNotWorthAWord = 0.1;
 
 bool IsWeak(const ParameterEstimate& row) {
   const double limit = TraitsOf(row.quantity).weak_limit;
@@ -24,6 +24,7 @@ ParameterEstimate Line(const CalibrationProblem& problem, const Estimate& estima
   ParameterEstimate row;
   row.name = coordinate.name;
   row.quantity = coordinate.quantity;
+  row.lower = coordinate.lower;
   row.value = estimate.parameters.Value(i);
   row.nominal = estimate.aligned.num_coordinates() > 0 ? estimate.aligned.Value(i) : problem.parameters.Value(i);
   row.free = coordinate.estimated();
@@ -54,7 +55,7 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate) {
     row.weak = IsWeak(row);
     row.at_bound = row.value - quantile * row.sigma < lower;
     row.ci95 = Around(row.value, quantile * row.sigma, lower);
-    row.tied = added(c, c) > kTied * row.sigma * row.sigma;
+    row.conditional = added(c, c) > kNotWorthAWord * row.sigma * row.sigma;
     row.unconditional_sigma = std::sqrt(row.sigma * row.sigma + added(c, c));
     row.unconditional_ci95 = Around(row.value, quantile * row.unconditional_sigma, lower);
   }

@@ -12,6 +12,7 @@
 #include "estimator/inspection/linear_state.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/report/inspection_words.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -125,12 +126,11 @@ void AddDirectionFindings(const Inspection& inspection, std::vector<Finding>* fi
 
 void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& inspection,
                         std::vector<Finding>* findings) {
-  std::vector<std::string> rows;
-  std::string names;
+  std::vector<std::string> rows, names;
   for (const ConfigurationLeverage& entry : inspection.leverage) {
     if (entry.most < kAlone) continue;
     const std::string& id = problem.data().configurations[entry.configuration].id;
-    if (rows.size() < 6) names += (names.empty() ? "" : ", ") + id;
+    if (rows.size() < 6) names.push_back(id);
     for (const Observation& observation : problem.data().observations) {
       if (problem.data().shots[observation.shot].configuration != entry.configuration) continue;
       rows.push_back(problem.data().SourceOf(observation));
@@ -138,8 +138,8 @@ void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& ins
     }
   }
   if (rows.empty()) return;
-  findings->push_back(
-      Found(Severity::kWarning, "alone", RestsOnOneConfiguration(names + (rows.size() > 6 ? ", …" : "")), rows));
+  findings->push_back(Found(Severity::kWarning, "alone",
+                            RestsOnOneConfiguration(Joined(names) + (rows.size() > 6 ? ", …" : "")), rows));
 }
 
 // What `calibrate` calls before: base poses and markers of the nominal robot fitted to the calibration rows.

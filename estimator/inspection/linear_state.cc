@@ -20,7 +20,7 @@ ParameterSet NominalValues(const CalibrationProblem& problem) {
   ParameterSet parameters = problem.parameters;
   bool spring = false;
   for (const Coordinate& coordinate : parameters.coordinates())
-    spring |= coordinate.free && coordinate.name.rfind("compensator/", 0) == 0;
+    spring |= coordinate.free && coordinate.kind == CoordinateKind::kCompensator;
   for (int i = 0; spring && i < parameters.num_model_parameters(); ++i) {
     const Coordinate& coordinate = parameters.coordinates()[parameters.model_parameter(i).first_coordinate];
     const bool rigid = problem.model().parameters()[i].law == ParameterLaw::kCompliance &&

@@ -228,8 +228,9 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
       const double misfit = misfit_on(joint < 0 ? 0 : chain.FrameAfterJoint(joint));
       if (!(misfit < least)) continue;
       least = misfit;
-      Set(OtherLabel::Kind::kOtherFrame, problem.data().markers[marker], joint < 0 ? "base" : chain.joints[joint].name,
-          &found);
+      found.place = joint < 0 ? MarkerPlace{MarkerPlace::Kind::kBase, ""}
+                              : MarkerPlace{MarkerPlace::Kind::kJoint, chain.joints[joint].name};
+      Set(OtherLabel::Kind::kOtherFrame, problem.data().markers[marker], found.place.Word(), &found);
     }
     if (found.fits.empty()) continue;
     found.moved = least;

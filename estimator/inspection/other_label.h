@@ -22,6 +22,7 @@ struct OtherLabel {
   enum class Kind { kOtherStation, kOtherMarker, kOwnStation, kOwnMarker, kOtherFrame };
   Kind kind = Kind::kOwnStation;
   std::string stated, fits;  // labels; fits: "" of one of their own; of a frame the marker, and what it rides on
+  MarkerPlace place;         // kOtherFrame: what `fits` names
   std::vector<std::string> fits_of_row;  // kOtherStation: label for each of `far`
   double moved = 0.0;       // m: between the instruments, or the markers' points; of a frame what is left, RMS
   double turned = 0.0;      // rad, of the instruments

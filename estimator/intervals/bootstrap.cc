@@ -16,6 +16,7 @@
 #include "estimator/least_squares/sandwich.h"
 #include "estimator/report/intervals_words.h"
 #include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -139,14 +140,6 @@ std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions&
   return replicates;
 }
 
-// Order statistic (n + 1) p, linear between.
-double Quantile(const std::vector<double>& sorted, double p) {
-  const double at = std::clamp((sorted.size() + 1) * p - 1.0, 0.0, sorted.size() - 1.0);
-  const auto below = static_cast<size_t>(at);
-  const size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (at - below) * (sorted[above] - sorted[below]);
-}
-
 // What the refits do not repeat: the price of a loss, and, where the noise they are drawn with was estimated (REML),
 // how far that may be off: Student's quantile over the normal one.
 double Widening(const Setup& setup, double dof) {
@@ -166,9 +159,9 @@ void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Ei
     std::sort(t.begin(), t.end());
     ParameterEstimate& row = estimate->table[estimate->estimated[c]];
     const double lower = setup.estimate.parameters.coordinates()[estimate->estimated[c]].lower;
-    const double low = row.value - Quantile(t, 0.975) * sigma;
+    const double low = row.value - InterpolatedQuantile(t, 0.975) * sigma;
     row.at_bound = low < lower;
-    row.ci95 = {std::max(lower, low), std::max(lower, row.value - Quantile(t, 0.025) * sigma)};
+    row.ci95 = {std::max(lower, low), std::max(lower, row.value - InterpolatedQuantile(t, 0.025) * sigma)};
     row.dof = std::numeric_limits<double>::infinity();
   }
 }

@@ -28,7 +28,7 @@ Estimate EstimateBy(Method method, const CalibrationProblem& problem) {
 
 // Truth minus value within the interval's arms, so that rotations count by their perturbation.
 bool Covers(const ParameterEstimate& row, double error) {
-  const Interval& interval = row.tied ? row.unconditional_ci95 : row.ci95;
+  const Interval& interval = row.conditional ? row.unconditional_ci95 : row.ci95;
   const bool above = row.open_low || interval.low - row.value <= -error;
   const bool below = row.open_high || -error <= interval.high - row.value;
   return above && below;
@@ -88,7 +88,7 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
     trial.linear_error[c] = linear[c];
     if (!row.free || !(row.sigma > 0.0)) continue;
     trial.error[c] = error[truth_.estimated[c]];
-    trial.sigma[c] = row.tied ? row.unconditional_sigma : row.sigma;
+    trial.sigma[c] = row.conditional ? row.unconditional_sigma : row.sigma;
     trial.covered[c] = Covers(row, trial.error[c]) ? 1 : 0;
   }
   return trial;
@@ -101,7 +101,7 @@ std::vector<CoverageRow> CoverageStudy::Summarise(const std::vector<CoverageTria
     CoverageRow row;
     row.name = line.name;
     row.quantity = line.quantity;
-    row.tied = line.tied;
+    row.conditional = line.conditional;
     row.cramer_rao = cramer_rao_[c];
     for (const CoverageTrial& trial : trials) {
       if (trial.covered[c] < 0) continue;

@@ -32,7 +32,7 @@ struct CoverageRow {
   int trials = 0;                                                                             // with an interval
   int covered = 0;                                                                            // of them
   double bias = 0.0, rmse = 0.0, linear_rmse = 0.0, predicted_sigma = 0.0, cramer_rao = 0.0;  // SI
-  bool tied = false;  // to a held parameter: judged by its unconditional interval, no bound
+  bool conditional = false;  // judged by its unconditional interval, no bound
 };
 
 class CoverageStudy {

@@ -18,14 +18,12 @@ constexpr double kWellTold = 1e6;
 constexpr double kLeastSigma = 1e-9;       // of an exact fit, stated sigmas
 constexpr double kWeakPerHoldLimit = 0.2;  // 1 mm of 5 mm, 1 mrad of 5 mrad
 
-bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
-
 // Which member of a direction is held first: a geometric error has a nominal
 // value to fall back on, a marker sometimes, a base never.
-double HoldPreference(const std::string& name) {
-  if (name == "compensator/L") return 10.0;  // the scale gauge is fixed by its file value
-  if (StartsWith(name, "marker/")) return 0.5;
-  if (StartsWith(name, "base/")) return 0.2;
+double HoldPreference(const Coordinate& coordinate) {
+  if (coordinate.compensator_part == CompensatorPart::kL) return 10.0;  // the scale gauge is fixed by its file value
+  if (coordinate.kind == CoordinateKind::kMarker) return 0.5;
+  if (coordinate.kind == CoordinateKind::kBase) return 0.2;
   return 1.0;
 }
 
@@ -121,7 +119,7 @@ Unidentifiable FindUnidentifiable(const Linearization& linearization, const Para
   // One column to hold per lost direction: pivots of the (preferred) rows.
   Eigen::MatrixXd preferred = null_space.transpose();
   for (int c = 0; c < n; ++c) {
-    preferred.col(c) *= HoldPreference(parameters.coordinates()[linearization.columns[c]].name);
+    preferred.col(c) *= HoldPreference(parameters.coordinates()[linearization.columns[c]]);
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(preferred);
   Eigen::MatrixXd pivot_rows(lost.size(), lost.size());

@@ -76,10 +76,12 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
   // delta = (I + L'WL)^-1 L'W r;  V^-1 = W - W L (I + L'WL)^-1 L'W
   const Eigen::MatrixXd weighted = variance.cwiseInverse().asDiagonal() * latent;
   const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(m, m) + latent.transpose() * weighted;
-  const Eigen::MatrixXd inverse = inner.llt().solve(Eigen::MatrixXd::Identity(m, m));
+  const Eigen::MatrixXd inverse = inner.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(m, m)));
   const Eigen::VectorXd rest = residual - latent * (inverse * (weighted.transpose() * residual));
-  const Eigen::MatrixXd plain =
-      (Eigen::MatrixXd::Identity(m, m) + latent.transpose() * latent).llt().solve(Eigen::MatrixXd(latent.transpose()));
+  const Eigen::MatrixXd plain = (Eigen::MatrixXd::Identity(m, m) + latent.transpose() * latent)
+                                    .eval()
+                                    .llt()
+                                    .solve(Eigen::MatrixXd(latent.transpose()));
   for (size_t i = 0; i < points.size(); ++i) {
     const int k = points[i];
     const double own = variance[3 * i];

@@ -277,7 +277,8 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
   if (inner.empty()) return fit;
   // D = -2 ln L: its second derivatives are twice the information.
   const Eigen::MatrixXd info = 0.5 * here.hessian(inner, inner);
-  const Eigen::MatrixXd inverse = info.ldlt().solve(Eigen::MatrixXd::Identity(inner.size(), inner.size()));
+  const Eigen::MatrixXd inverse =
+      info.ldlt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(inner.size(), inner.size())));
   const auto unit = [](int i) { return i == 0 ? 1.0 : kReference * kReference; };
   for (size_t r = 0; r < inner.size(); ++r) {
     for (size_t c = 0; c < inner.size(); ++c) {

@@ -30,7 +30,7 @@ Body CapsuleBetween(const std::string& name, const Vector3<double>& from, const 
   const double length = (to - from).norm();
   Body body{name, std::make_shared<fcl::Capsuled>(radius, length), fcl::Transform3d::Identity(), 0.5 * length + radius};
   const Vector3<double> along = length > 0.0 ? Vector3<double>((to - from) / length) : Vector3<double>::UnitZ();
-  body.place.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3<double>::UnitZ(), along).toRotationMatrix();
+  body.place.linear() = RotationBetween(Vector3<double>::UnitZ(), along);
   body.place.translation() = 0.5 * (from + to);
   return body;
 }

@@ -21,7 +21,7 @@ bool IsLogarithm(const Criterion& criterion) {
 }
 
 Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& information) {
-  return information.llt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  return information.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(information.rows(), information.cols())));
 }
 
 // Two halves at once where that is worth a thread. The halves are the same on every machine, and so is their sum.
@@ -132,9 +132,9 @@ class Multiplicative {
 // The candidates to begin with: those that weigh something, or some of all.
 std::vector<int> FirstActive(const CandidateSet& set, const Eigen::VectorXd& weights, bool is_started) {
   std::vector<int> active;
-  const int step = std::max(1, set.size() / kFewCandidates);
+  const int stride = std::max(1, set.size() / kFewCandidates);
   for (int i = 0; i < set.size(); ++i) {
-    if ((is_started && weights[i] > 1e-7) || (!is_started && i % step == 0)) active.push_back(i);
+    if ((is_started && weights[i] > 1e-7) || (!is_started && i % stride == 0)) active.push_back(i);
   }
   return active;
 }
@@ -337,7 +337,7 @@ double CostBeside::With(const Eigen::MatrixXd& rows) const {
   const auto log_det = [](const Eigen::LLT<Eigen::MatrixXd>& of) {
     return 2.0 * of.matrixLLT().diagonal().array().log().sum();
   };
-  return now_ - log_det(root) + log_det((one + inner).llt());
+  return now_ - log_det(root) + log_det((one + inner).eval().llt());
 }
 
 std::vector<int> Foremost(const Eigen::VectorXd& values, int most) {

@@ -35,9 +35,9 @@ double FieldAmplitude(const PlanScene& scene, const std::vector<int>& columns, c
                       double rms) {
   const CalibrationProblem& problem = *scene.problem;
   const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
-  const size_t step = std::max<size_t>(1, scene.candidates.size() / kMostPoses);
+  const size_t stride = std::max<size_t>(1, scene.candidates.size() / kMostPoses);
   std::vector<int> points;
-  for (size_t i = 0; i < scene.candidates.size(); i += step) {
+  for (size_t i = 0; i < scene.candidates.size(); i += stride) {
     const std::vector<int>& own = observations[scene.candidates[i]];
     points.insert(points.end(), own.begin(), own.end());
   }

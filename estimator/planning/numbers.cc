@@ -102,7 +102,8 @@ Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) con
   for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
   const Eigen::MatrixXd cross = covariance(rest, field);
   Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
-  alone(rest, rest) = covariance(rest, rest) - cross * covariance(field, field).llt().solve(cross.transpose());
+  alone(rest, rest) =
+      covariance(rest, rest) - cross * covariance(field, field).eval().llt().solve(Eigen::MatrixXd(cross.transpose()));
   return alone;
 }
 

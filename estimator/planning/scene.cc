@@ -8,6 +8,7 @@
 #include "estimator/planning/model_field.h"
 #include "estimator/planning/pose_space.h"
 #include "estimator/report/planning_words.h"
+#include "models/effects/catalogue.h"
 #include "problems/excitation.h"
 #include "problems/input_error.h"
 #include "problems/text.h"
@@ -21,8 +22,8 @@ constexpr int kPlacing = 100;      // candidates beside the rows in the problem 
 constexpr int kTriesPerPose = 200;
 
 bool NeedsApproach(const Robot& robot) {
-  return std::any_of(robot.effects.begin(), robot.effects.end(), [](const EffectSpec& effect) {
-    return effect.effect == "backlash" && effect.TextSetting("by", "approach") == "approach";
+  return std::any_of(robot.effects.begin(), robot.effects.end(), [&](const EffectSpec& effect) {
+    return FindEffect(robot, effect.effect)->PressedByOf(effect) == PressedBy::kApproach;
   });
 }
 

@@ -40,8 +40,10 @@ std::string MarkerOffFlange(const std::string& marker) {
   return "marker '" + marker + "' is not on the flange, and paper 000 eq. (8) knows no other";
 }
 
-std::string HeldInFirstStep(const std::string& parameter) {
-  return parameter + " is held, but step 1 of paper 000 (eq. 15) solves for every base pose and marker; use two-step";
+std::string HeldInFirstStage(const std::string& parameter) {
+  return parameter +
+         " is held, but stage 1 of the two-step method as printed (paper 000, eq. 15) solves for every base pose and "
+         "marker; use two-step";
 }
 
 std::string PoseEquationsSingular() {
@@ -54,7 +56,7 @@ std::string DifferencesTakeRestAsExact() {
 }
 
 std::string PreloadWentIntoGeometry() {
-  return "what bends the unloaded arm (the spring's preload, the tool) went into the geometry of its first step";
+  return "what bends the unloaded arm (the spring's preload, the tool) went into the geometry of its first stage";
 }
 
 std::string BiasIsIgnored() { return "the intervals ignore the bias of this variant of the two-step method"; }

@@ -20,7 +20,7 @@ std::string SomeMarkersHeld();
 std::string NoFullPose();
 std::string FewFullPoses(size_t poses, int unknowns);
 std::string MarkerOffFlange(const std::string& marker);
-std::string HeldInFirstStep(const std::string& parameter);
+std::string HeldInFirstStage(const std::string& parameter);
 
 std::string PoseEquationsSingular();
 std::string IdentificationSingular();

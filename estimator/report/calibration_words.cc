@@ -6,9 +6,7 @@ namespace sagitta {
 namespace {
 
 std::string Places(const std::vector<std::string>& configurations) {
-  std::string names;
-  for (const std::string& id : configurations) names += (names.empty() ? "" : ", ") + id;
-  return "in three configurations, e.g. " + names;
+  return "in three configurations, e.g. " + Joined(configurations);
 }
 
 }  // namespace

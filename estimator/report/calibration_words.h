@@ -9,7 +9,7 @@
 
 namespace sagitta {
 
-// Progress: the first step.
+// Progress: the first phase.
 std::string AligningNominal();
 
 // Why an estimate is none, or is one.

@@ -36,7 +36,7 @@ std::string OutOfReach(bool joints_are_given, double position, double rotation) 
 std::string LoadFoldsArm() { return "the load folds the arm: no equilibrium of load and compliances was found"; }
 
 std::string IterationUnsettled(double position, double rotation) {
-  return "the iteration did not settle (a law with a step, such as backlash by torque?); " + Left(position, rotation) +
+  return "the iteration did not settle (a law that jumps, such as backlash by torque?); " + Left(position, rotation) +
          " are left";
 }
 

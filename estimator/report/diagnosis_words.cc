@@ -18,13 +18,19 @@ constexpr size_t kMostNames = 3;         // of what another prior would name
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 constexpr size_t kMostCauses = 4;        // of a verdict: with its first line five
 constexpr size_t kMostTargets = 6;       // named of one cause
-constexpr size_t kMostSteps = 5;         // told one by one on a terminal
+constexpr size_t kMostEffects = 5;       // told one by one on a terminal
 
-std::string SettingsInWords(const EffectSpec& spec) {
+// definition: null for the compensator, which has no settings.
+std::string SettingsInWords(const EffectDefinition* definition, const EffectSpec& spec) {
   std::string words;
   for (const auto& [name, text] : spec.settings) {
-    words +=
-        name == "after_s" ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
+    const bool is_moment =
+        definition != nullptr && std::any_of(definition->settings.begin(), definition->settings.end(),
+                                             [&name = name](const SettingDefinition& setting) {
+                                               return setting.kind == SettingDefinition::Kind::kMoment &&
+                                                      setting.name == name;
+                                             });
+    words += is_moment ? ", after " + std::to_string(std::lround(std::stod(text))) + " s" : ", " + name + " " + text;
   }
   return words;
 }
@@ -32,7 +38,7 @@ std::string SettingsInWords(const EffectSpec& spec) {
 std::string GapInWords(const Diagnosis& d) {
   const std::string words =
       "Gap on untouched configurations, beyond the noise floor: " + Significant(1e3 * d.gap.before, 3);
-  if (d.steps.empty()) return words + " mm\n";
+  if (d.effects.empty()) return words + " mm\n";
   return words + " -> " + Significant(1e3 * d.gap.after, 3) + " mm, " + ClosedInWords(d.gap) + "\n";
 }
 
@@ -81,8 +87,11 @@ std::string WrongNoiseInWords(const NoiseFinding& noise) {
   return Enumerate(wrong);
 }
 
+// Where it is only said to be above 99.9 %.
+bool IsNearlyCertain(double probability) { return probability > 0.9995; }
+
 std::string Percent(double probability) {
-  if (probability > 0.9995) return "above 99.9 %";
+  if (IsNearlyCertain(probability)) return "above 99.9 %";
   return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
 }
 
@@ -92,45 +101,44 @@ std::string ShareOfGap(const Diagnosis& d, double share) {
   return std::isfinite(share) && closed > 0.0 ? Significant(100.0 * share * closed, 2) + " % of the gap" : "";
 }
 
-double LeastProbability(const Diagnosis& d, const StepGroup& group) {
+double LeastProbability(const Diagnosis& d, const EffectGroup& group) {
   double least = 1.0;
-  for (const int k : group.steps) least = std::min(least, d.steps[static_cast<size_t>(k)].probability);
+  for (const int k : group.effects) least = std::min(least, d.effects[static_cast<size_t>(k)].probability);
   return least;
 }
 
-// "gear ripple on j1, j2 and j3, each 98 % or more: 60 % of the gap"; one step by its full name.
-std::string CauseInWords(const Diagnosis& d, const StepGroup& group) {
-  const bool is_one = group.steps.size() == 1;
-  const DiagnosisStep& first = d.steps[static_cast<size_t>(group.steps.front())];
+// "gear ripple on j1, j2 and j3, each 98 % or more: 60 % of the gap"; one effect by its full name.
+std::string CauseInWords(const Diagnosis& d, const EffectGroup& group) {
+  const bool is_one = group.effects.size() == 1;
+  const FoundEffect& first = d.effects[static_cast<size_t>(group.effects.front())];
   std::string words = is_one ? Title(d.final.problem->robot(), first.candidate.spec) : GroupInWords(d, group);
-  const std::string probability = Percent(LeastProbability(d, group));
-  const bool is_bound = probability.rfind("above", 0) == 0;
-  words += is_one ? ", " + probability : ", each " + probability + (is_bound ? "" : " or more");
+  const double least = LeastProbability(d, group);
+  words += is_one ? ", " + Percent(least) : ", each " + Percent(least) + (IsNearlyCertain(least) ? "" : " or more");
   const std::string share = ShareOfGap(d, group.share_of_gap);
-  return d.steps.size() > 1 && !share.empty() ? words + ": " + share : words;
+  return d.effects.size() > 1 && !share.empty() ? words + ": " + share : words;
 }
 
-std::vector<StepGroup> GroupsOf(const Diagnosis& d) {
+std::vector<EffectGroup> GroupsOf(const Diagnosis& d) {
   if (!d.groups.empty()) return d.groups;
-  std::vector<StepGroup> groups;  // not grouped yet: each step by itself
-  for (size_t k = 0; k < d.steps.size(); ++k)
-    groups.push_back({d.steps[k].candidate.spec.effect, {static_cast<int>(k)}, kNotKnown});
+  std::vector<EffectGroup> groups;  // not grouped yet: each effect by itself
+  for (size_t k = 0; k < d.effects.size(); ++k)
+    groups.push_back({d.effects[k].candidate.spec.effect, {static_cast<int>(k)}, kNotKnown});
   return groups;
 }
 
 // At most kMostCauses; the last takes what is left.
 std::vector<std::string> CausesInWords(const Diagnosis& d) {
-  std::vector<StepGroup> groups = GroupsOf(d);
+  std::vector<EffectGroup> groups = GroupsOf(d);
   while (groups.size() > kMostCauses) {
-    const StepGroup last = groups.back();
+    const EffectGroup last = groups.back();
     groups.pop_back();
-    StepGroup& rest = groups.back();
+    EffectGroup& rest = groups.back();
     rest.effect = "others";
-    rest.steps.insert(rest.steps.end(), last.steps.begin(), last.steps.end());
+    rest.effects.insert(rest.effects.end(), last.effects.begin(), last.effects.end());
     rest.share_of_gap += last.share_of_gap;
   }
   std::vector<std::string> causes;
-  for (const StepGroup& group : groups) causes.push_back(CauseInWords(d, group));
+  for (const EffectGroup& group : groups) causes.push_back(CauseInWords(d, group));
   return causes;
 }
 
@@ -145,7 +153,7 @@ std::string RestInWords(const Diagnosis& d) {
 std::string Title(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
-  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(spec) + ")";
+  return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(definition, spec) + ")";
 }
 
 std::string VerdictInWords(const Diagnosis& d) {
@@ -157,44 +165,42 @@ std::string VerdictInWords(const Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::kNoise) return "No effect is missing; " + WrongNoiseInWords(d.noise) + ".";
   if (d.verdict != DiagnosisVerdict::kExplained && d.verdict != DiagnosisVerdict::kPartly)
     return "There is a significant gap that no effect of the catalogue explains well.";
-  std::string names;
-  for (const std::string& cause : CausesInWords(d)) names += (names.empty() ? "" : "; ") + cause;
-  return "Found: " + names + ". " + RestInWords(d);
+  return "Found: " + Joined(CausesInWords(d), "; ") + ". " + RestInWords(d);
 }
 
 std::vector<std::string> VerdictLines(const Diagnosis& d) {
-  const std::vector<std::string> causes = d.steps.empty() ? std::vector<std::string>() : CausesInWords(d);
+  const std::vector<std::string> causes = d.effects.empty() ? std::vector<std::string>() : CausesInWords(d);
   if (causes.size() < 2) return {VerdictInWords(d)};
-  std::vector<std::string> lines = {"Found " + std::to_string(d.steps.size()) + " effects. " + RestInWords(d)};
+  std::vector<std::string> lines = {"Found " + std::to_string(d.effects.size()) + " effects. " + RestInWords(d)};
   for (const std::string& cause : causes) lines.push_back("- " + cause);
   return lines;
 }
 
-bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row) {
-  const std::vector<std::string>& poorly_determined = step.candidate.poorly_determined;
+bool IsTold(const FoundEffect& effect, const ParameterEstimate& row) {
+  const std::vector<std::string>& poorly_determined = effect.candidate.poorly_determined;
   return std::find(poorly_determined.begin(), poorly_determined.end(), row.name) == poorly_determined.end();
 }
 
-std::string StepInWords(const Robot& robot, const DiagnosisStep& step) {
-  std::string words = Title(robot, step.candidate.spec) + ", " + Percent(step.probability) + ":";
-  const std::vector<std::string>& poorly_determined = step.candidate.poorly_determined;
-  for (const ParameterEstimate& row : step.parameters) {
-    if (!IsTold(step, row)) continue;
+std::string EffectInWords(const Robot& robot, const FoundEffect& effect) {
+  std::string words = Title(robot, effect.candidate.spec) + ", " + Percent(effect.probability) + ":";
+  const std::vector<std::string>& poorly_determined = effect.candidate.poorly_determined;
+  for (const ParameterEstimate& row : effect.parameters) {
+    if (!IsTold(effect, row)) continue;
     words += " " + row.name.substr(row.name.rfind('/') + 1) + " " + WithInterval(row) + ",";
   }
   words.back() = ';';
   if (!poorly_determined.empty())
     words += " " + std::to_string(poorly_determined.size()) + " more that these data cannot tell;";
-  if (std::isfinite(step.holdout_after)) {
-    const bool is_change = std::isfinite(step.holdout_before);
-    words += " hold-out RMS " + (is_change ? Significant(1e3 * step.holdout_before, 3) + " -> " : "") +
-             Significant(1e3 * step.holdout_after, 3) + " mm.";
+  if (std::isfinite(effect.holdout_after)) {
+    const bool is_change = std::isfinite(effect.holdout_before);
+    words += " hold-out RMS " + (is_change ? Significant(1e3 * effect.holdout_before, 3) + " -> " : "") +
+             Significant(1e3 * effect.holdout_after, 3) + " mm.";
   } else {
     words.back() = '.';
   }
-  const EffectDefinition* definition = FindEffect(robot, step.candidate.spec.effect);
+  const EffectDefinition* definition = FindEffect(robot, effect.candidate.spec.effect);
   if (definition != nullptr && !definition->note.empty()) words += " " + definition->note;
-  if (step.lag) words += " " + LagInWords(*step.lag);
+  if (effect.lag) words += " " + LagInWords(*effect.lag);
   return words;
 }
 
@@ -245,16 +251,16 @@ std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {
   return prior + (more.empty() ? "without " + fewer : more + " instead of " + fewer) + ".";
 }
 
-std::string GroupInWords(const Diagnosis& d, const StepGroup& group) {
+std::string GroupInWords(const Diagnosis& d, const EffectGroup& group) {
   std::vector<std::string> targets;
-  for (const int k : group.steps) {
-    const std::string& target = d.steps[static_cast<size_t>(k)].candidate.spec.target;
+  for (const int k : group.effects) {
+    const std::string& target = d.effects[static_cast<size_t>(k)].candidate.spec.target;
     if (std::find(targets.begin(), targets.end(), target) == targets.end()) targets.push_back(target);
   }
   const EffectDefinition* definition = FindEffect(d.final.problem->robot(), group.effect);
-  const std::string title = definition != nullptr                   ? definition->title
-                            : group.effect == "gravity_compensator" ? "gravity compensator"
-                                                                    : "other effects";
+  const std::string title = definition != nullptr                 ? definition->title
+                            : group.effect == kGravityCompensator ? "gravity compensator"
+                                                                  : "other effects";
   return title + " on " + Enumerate(targets, kMostTargets);
 }
 
@@ -297,32 +303,30 @@ std::string ShareInWords(const WhereShare& share) {
 }
 
 // A spring within metres of the joint, with a rest length and a rate.
-bool IsPlausibleSpring(const DiagnosisStep& step) {
-  for (const ParameterEstimate& row : step.parameters) {
+bool IsPlausibleSpring(const FoundEffect& effect) {
+  for (const ParameterEstimate& row : effect.parameters) {
     if (row.quantity == Quantity::kLength && std::abs(row.value) > kFarthestAnchor) return false;
-    const bool is_size = row.name == "compensator/s0" || row.name == "compensator/Kc";
-    if (is_size && row.ci95.high < 0.0) return false;
+    if (row.ci95.high < row.lower) return false;
   }
   return true;
 }
 
 // Whether a machine could show it: sign, and size within what its definition allows.
-bool IsPlausible(const Robot& robot, const DiagnosisStep& step) {
-  const EffectDefinition* definition = FindEffect(robot, step.candidate.spec.effect);
-  if (definition == nullptr) return IsPlausibleSpring(step);
-  for (const ParameterEstimate& row : step.parameters) {
+bool IsPlausible(const Robot& robot, const FoundEffect& effect) {
+  const EffectDefinition* definition = FindEffect(robot, effect.candidate.spec.effect);
+  if (definition == nullptr) return IsPlausibleSpring(effect);
+  for (const ParameterEstimate& row : effect.parameters) {
     const bool is_compliance = row.quantity == Quantity::kCompliance;
     if (is_compliance && row.ci95.high < 0.0) return false;
     if (std::abs(row.value) > definition->largest * TraitsOf(row.quantity).hold_limit) return false;
-    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && step.candidate.spec.effect == "link_gravity")
-      return false;
+    if (row.quantity == Quantity::kMass && row.ci95.high < 0.0 && definition == &LinkGravity()) return false;
   }
   return true;
 }
 
-std::string PhysicalInWords(const Robot& robot, const DiagnosisStep& step) {
-  return IsPlausible(robot, step) ? "the size is one that machines show"
-                                  : "sign or size is not physical: take it as a description, not as a cause";
+std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
+  return IsPlausible(robot, effect) ? "the size is one that machines show"
+                                    : "sign or size is not physical: take it as a description, not as a cause";
 }
 
 std::string ClosedInWords(const GapReport& gap) {
@@ -343,17 +347,17 @@ std::string DiagnosisToText(const Diagnosis& d) {
   text << "\n";
   text << "Baseline: reduced chi-square " << Significant(before.chi2 / std::max(1, before.dof), 3) << ", "
        << HoldoutInWords(before) << "\n";
-  for (size_t i = 0; i < std::min(kMostSteps, d.steps.size()); ++i) {
-    text << "Step " << i + 1 << ": " << StepInWords(robot, d.steps[i]) << "\n";
-    text << "    " << HalvesInWords(d.steps[i].confirmation) << "\n";
-    if (!IsPlausible(robot, d.steps[i])) text << "    " << PhysicalInWords(robot, d.steps[i]) << "\n";
-    for (const Alternative& alternative : d.steps[i].alternatives) {
+  for (size_t i = 0; i < std::min(kMostEffects, d.effects.size()); ++i) {
+    text << "Effect " << i + 1 << ": " << EffectInWords(robot, d.effects[i]) << "\n";
+    text << "    " << HalvesInWords(d.effects[i].confirmation) << "\n";
+    if (!IsPlausible(robot, d.effects[i])) text << "    " << PhysicalInWords(robot, d.effects[i]) << "\n";
+    for (const Alternative& alternative : d.effects[i].alternatives) {
       text << "    or " << Title(robot, alternative.spec) << " (overlap " << Significant(alternative.overlap, 3) << ", "
            << Percent(alternative.probability) << "); separate by " << SeparateBy(robot, alternative.spec) << "\n";
     }
   }
-  if (d.steps.size() > kMostSteps)
-    text << d.steps.size() - kMostSteps << " more steps: in report.html and diagnosis.json\n";
+  if (d.effects.size() > kMostEffects)
+    text << d.effects.size() - kMostEffects << " more effects: in report.html and diagnosis.json\n";
   text << "Final: reduced chi-square " << Significant(after.chi2 / std::max(1, after.dof), 3) << ", "
        << HoldoutInWords(after);
   if (after.validation.observations > 0) text << ", noise floor " << Significant(1e3 * after.noise_floor, 3) << " mm";

@@ -19,7 +19,7 @@ std::string Title(const Robot& robot, const EffectSpec& spec);
 // share of the gap on untouched rows.
 std::string VerdictInWords(const Diagnosis& diagnosis);
 std::vector<std::string> VerdictLines(const Diagnosis& diagnosis);
-std::string StepInWords(const Robot& robot, const DiagnosisStep& step);
+std::string EffectInWords(const Robot& robot, const FoundEffect& effect);
 std::string AlternativeInWords(const Robot& robot, const Alternative& alternative);
 // Poses, loads or columns that would tell this effect from another.
 std::string SeparateBy(const Robot& robot, const EffectSpec& spec);
@@ -32,16 +32,16 @@ std::string LearntInWords(const Diagnosis& d);
 std::string NextInWords(const NextPoses& next);
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip);
 // "periodic joint error on A1, A2 and A3".
-std::string GroupInWords(const Diagnosis& diagnosis, const StepGroup& group);
+std::string GroupInWords(const Diagnosis& diagnosis, const EffectGroup& group);
 std::string ShareInWords(const WhereShare& share);
 
 std::string ClosedInWords(const GapReport& gap);
 
 // Whether a machine could show sign and size.
-bool IsPlausible(const Robot& robot, const DiagnosisStep& step);
-std::string PhysicalInWords(const Robot& robot, const DiagnosisStep& step);
-// Whether the data tell this parameter of the step; the others are held near neutral.
-bool IsTold(const DiagnosisStep& step, const ParameterEstimate& row);
+bool IsPlausible(const Robot& robot, const FoundEffect& effect);
+std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect);
+// Whether the data tell this parameter of the effect; the others are held near neutral.
+bool IsTold(const FoundEffect& effect, const ParameterEstimate& row);
 
 std::string DiagnosisToText(const Diagnosis& diagnosis);
 

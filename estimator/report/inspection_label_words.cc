@@ -76,7 +76,7 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
       finding.words = "marker " + found.stated + " misses by " + WholeMillimetres(found.far_median) +
                       " (RMS) on what it is said to be on (the flange where nothing is said), by " +
                       WholeMillimetres(found.moved) + " on " + found.fits +
-                      (found.fits == "base" ? "" : ", the link that this joint moves");
+                      (found.place.kind == MarkerPlace::Kind::kBase ? "" : ", the link that this joint moves");
       finding.remedy = "state markers: {" + found.stated + ": {on: " + found.fits + "}} in the experiment file" + where;
       break;
   }

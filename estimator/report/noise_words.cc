@@ -146,10 +146,8 @@ void DescribeOutliers(const CalibrationProblem& problem, Estimate* estimate) {
     report.words.push_back(count + ", left out of all figures: " + list + ".");
     return;
   }
-  std::string shared;
-  for (const std::string& words : report.shared) shared += (shared.empty() ? "" : "; ") + words;
   const std::string warning =
-      "the flagged rows share a cause (" + shared +
+      "the flagged rows share a cause (" + Joined(report.shared, "; ") +
       "): that is a misfit of the model there, not outliers, and they stay in all figures; try sagitta diagnose";
   estimate->warnings.push_back(warning);
   report.words.push_back(count + " flagged, but " + warning + ". Flagged: " + list + ".");

@@ -8,8 +8,11 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/report/diagnosis_words.h"
+#include "estimator/results/json_numbers.h"
 #include "models/constants.h"
+#include "models/effects/catalogue.h"
 #include "problems/io/effect_entries.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -18,8 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kListedCandidates = 40;
 constexpr double kHardlyWorthALine = 1e-4;  // of probability
-
-Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 // mm; null without a hold-out.
 Json HeldOut(const Estimate& estimate, double metres) {
@@ -41,31 +42,31 @@ Json HalvesToJson(const Confirmation& confirmation) {
   return json;
 }
 
-Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
-  Json json = SpecToJson(robot, step.candidate.spec);
-  json["probability"] = step.probability;
-  json["p_value"] = step.corrected_p;
-  json["chi2_reduction"] = step.reduction;
+Json FoundToJson(const Robot& robot, const FoundEffect& effect) {
+  Json json = SpecToJson(robot, effect.candidate.spec);
+  json["probability"] = effect.probability;
+  json["p_value"] = effect.corrected_p;
+  json["chi2_reduction"] = effect.reduction;
   json["parameters"] = Json::array();
-  for (const ParameterEstimate& row : step.parameters) {
+  for (const ParameterEstimate& row : effect.parameters) {
     const double unit = TraitsOf(row.quantity).si_per_unit;
     const std::string name = row.name.substr(row.name.rfind('/') + 1);
     json["parameters"].push_back({{"name", ParameterKey(name, row.quantity)},
                                   {"value", row.value / unit},
                                   {"sigma", row.sigma / unit},
                                   {"ci95", {row.ci95.low / unit, row.ci95.high / unit}},
-                                  {"identifiable", IsTold(step, row)}});
+                                  {"identifiable", IsTold(effect, row)}});
   }
-  if (step.lag) {
-    json["thermal_lag_s"] = {{"best", step.lag->best}, {"possible", {step.lag->shortest, step.lag->longest}}};
+  if (effect.lag) {
+    json["thermal_lag_s"] = {{"best", effect.lag->best}, {"possible", {effect.lag->shortest, effect.lag->longest}}};
   }
-  json["holdout_rms_before_mm"] = Finite(1e3 * step.holdout_before);
-  json["holdout_rms_after_mm"] = Finite(1e3 * step.holdout_after);
-  json["reduced_chi2_after"] = Finite(step.reduced_chi2_after);
-  json["halves"] = HalvesToJson(step.confirmation);
-  json["physical"] = {{"plausible", IsPlausible(robot, step)}, {"words", PhysicalInWords(robot, step)}};
+  json["holdout_rms_before_mm"] = Finite(1e3 * effect.holdout_before);
+  json["holdout_rms_after_mm"] = Finite(1e3 * effect.holdout_after);
+  json["reduced_chi2_after"] = Finite(effect.reduced_chi2_after);
+  json["halves"] = HalvesToJson(effect.confirmation);
+  json["physical"] = {{"plausible", IsPlausible(robot, effect)}, {"words", PhysicalInWords(robot, effect)}};
   json["alternatives"] = Json::array();
-  for (const Alternative& alternative : step.alternatives) {
+  for (const Alternative& alternative : effect.alternatives) {
     Json entry = SpecToJson(robot, alternative.spec);
     entry["probability"] = alternative.probability;
     entry["overlap"] = alternative.overlap;
@@ -73,7 +74,7 @@ Json StepToJson(const Robot& robot, const DiagnosisStep& step) {
     entry["separate_by"] = SeparateBy(robot, alternative.spec);
     json["alternatives"].push_back(entry);
   }
-  json["words"] = StepInWords(robot, step);
+  json["words"] = EffectInWords(robot, effect);
   return json;
 }
 
@@ -120,9 +121,9 @@ Json PriorToJson(const Robot& robot, const ReportedPosterior& posterior) {
 
 Json GroupsToJson(const Diagnosis& d) {
   Json json = Json::array();
-  for (const StepGroup& group : d.groups) {
+  for (const EffectGroup& group : d.groups) {
     json.push_back(
-        {{"words", GroupInWords(d, group)}, {"steps", group.steps}, {"share_of_gap", Finite(group.share_of_gap)}});
+        {{"words", GroupInWords(d, group)}, {"steps", group.effects}, {"share_of_gap", Finite(group.share_of_gap)}});
   }
   return json;
 }
@@ -144,9 +145,7 @@ std::string NextCell(const std::string& column, const std::string& cell, const P
   if (end == std::string::npos || joint < 0 || joint >= pose.q.size()) return cell;
   const std::string unit = column.substr(end + 1);
   const double si = unit == "deg" ? kDegree : unit == "mm" ? 1e-3 : 1.0;
-  char text[32];
-  std::snprintf(text, sizeof text, unit == "rad" ? "%.5f" : "%.3f", pose.q[joint] / si);
-  return text;
+  return Fixed(pose.q[joint] / si, unit == "rad" ? 5 : 3);
 }
 
 Json LearntToJson(const Robot& robot, const LearntModel& learnt) {
@@ -273,7 +272,7 @@ Robot RobotOf(const DiagnosedModel& model) {
   Robot robot = model.problem->model().WithValues(model.estimate.parameters.ModelValues());
   std::vector<EffectSpec> others;
   for (const EffectSpec& spec : robot.effects) {
-    if (spec.effect != "joint_compliance" || !MoveHome(spec, &robot)) others.push_back(spec);
+    if (spec.effect != JointComplianceEffect().name || !MoveHome(spec, &robot)) others.push_back(spec);
   }
   robot.effects = others;
   return robot;
@@ -303,7 +302,7 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
     json["not_testable"].push_back({{"effect", entry.effect}, {"target", entry.target}, {"needs", entry.needs}});
   }
   json["steps"] = Json::array();
-  for (const DiagnosisStep& step : d.steps) json["steps"].push_back(StepToJson(robot, step));
+  for (const FoundEffect& effect : d.effects) json["steps"].push_back(FoundToJson(robot, effect));
   json["final"] = FinalToJson(d);
   json["unexplained"] = nullptr;
   if (d.verdict == DiagnosisVerdict::kUnknown || d.verdict == DiagnosisVerdict::kPartly)

@@ -4,6 +4,7 @@
 
 #include "estimator/results/agreement_json.h"
 #include "estimator/results/intervals_json.h"
+#include "estimator/results/json_numbers.h"
 #include "estimator/results/loading_json.h"
 #include "estimator/results/noise_json.h"
 #include "estimator/results/prediction_noise.h"
@@ -16,19 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double Millimetres(double metres) { return ToUnit(metres, UnitNamed("mm")); }
-
-Json MillimetresOf(const Vector3<double>& metres) {
-  return Json::array({Millimetres(metres.x()), Millimetres(metres.y()), Millimetres(metres.z())});
-}
-
 }  // namespace
 
 Json SizeToJson(const ResidualSize& size) {
   Json json;
   json["rms_mm"] = Millimetres(size.rms);
   json["max_mm"] = Millimetres(size.max);
-  json["rms_axis_mm"] = size.observations > 0 ? MillimetresOf(size.rms_axis) : Json::array();
+  json["rms_axis_mm"] = size.observations > 0 ? Millimetres(size.rms_axis) : Json::array();
   json["distance_rms_mm"] = Millimetres(size.distance_rms);
   json["distance_max_mm"] = Millimetres(size.distance_max);
   if (size.rotations > 0) {
@@ -135,11 +130,11 @@ Json StationsToJson(const CalibrationProblem& problem, const ParameterSet& param
   for (size_t s = 0; s < problem.data().stations.size(); ++s) {
     const Vector3<double> rotation =
         RotationVector(Eigen::Map<const Eigen::Quaterniond>(parameters.station_rotation(s).values.data()));
-    Json station = {{"xyz_mm", MillimetresOf(parameters.BaseInStation(s).translation)},
-                    {"rotvec_mrad", MillimetresOf(rotation)}};  // mrad of rad, as mm of m
+    Json station = {{"xyz_mm", Millimetres(parameters.BaseInStation(s).translation)},
+                    {"rotvec_mrad", Millimetres(rotation)}};  // mrad of rad, as mm of m
     const auto spec = problem.experiment().stations.find(problem.data().stations[s]);
     if (spec != problem.experiment().stations.end()) {
-      if (spec->second.instrument_xyz) station["instrument_mm"] = MillimetresOf(*spec->second.instrument_xyz);
+      if (spec->second.instrument_xyz) station["instrument_mm"] = Millimetres(*spec->second.instrument_xyz);
       if (spec->second.levelled) station["levelled"] = *spec->second.levelled;
     }
     json[problem.data().stations[s]] = station;
@@ -151,13 +146,13 @@ Json MarkersToJson(const CalibrationProblem& problem, const ParameterSet& parame
   Json json = Json::object();
   for (size_t m = 0; m < problem.data().markers.size(); ++m) {
     const auto spec = problem.experiment().markers.find(problem.data().markers[m]);
-    const std::string on = spec == problem.experiment().markers.end() ? "flange" : spec->second.on;
+    const MarkerPlace on = spec == problem.experiment().markers.end() ? MarkerPlace() : spec->second.on;
     Json& marker = json[problem.data().markers[m]];
-    marker["xyz_mm"] = MillimetresOf(parameters.MarkerPoint(m));
+    marker["xyz_mm"] = Millimetres(parameters.MarkerPoint(m));
     if (parameters.is_oriented(static_cast<int>(m))) {  // mrad of rad, as mm of m
-      marker["rotvec_mrad"] = MillimetresOf(RotationVector(parameters.MarkerRotation(static_cast<int>(m))));
+      marker["rotvec_mrad"] = Millimetres(RotationVector(parameters.MarkerRotation(static_cast<int>(m))));
     }
-    marker["on"] = on;
+    marker["on"] = on.Word();
   }
   return json;
 }

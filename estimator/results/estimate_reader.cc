@@ -91,7 +91,7 @@ class EstimateReader {
       MarkerSpec spec;
       spec.point = Thousandths(marker, "xyz_mm");
       if (marker.Find("rotvec_mrad")) spec.rotvec = Thousandths(marker, "rotvec_mrad");
-      spec.on = marker.Get("on").Text();
+      spec.on = MarkerPlace::Named(marker.Get("on").Text());
       known_.markers[name] = spec;
     }
   }
@@ -176,7 +176,8 @@ class EstimateReader {
     const Eigen::VectorXd sizes = own.eigenvalues().cwiseMax(1e-12 * own.eigenvalues().maxCoeff()).cwiseSqrt();
     const Eigen::MatrixXd root = own.eigenvectors() * sizes.asDiagonal();
     const Eigen::MatrixXd inverse = sizes.cwiseInverse().asDiagonal() * own.eigenvectors().transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> beyond(inverse * ratios * inverse.transpose());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> beyond(
+        Eigen::MatrixXd(inverse * ratios * inverse.transpose()));
     const Eigen::MatrixXd spread = root * beyond.eigenvectors();
     return spread * (1.0 + beyond.eigenvalues().array()).max(square).matrix().asDiagonal() * spread.transpose();
   }

@@ -4,19 +4,12 @@
 
 #include "estimator/results/torques_json.h"
 #include "models/constants.h"
+#include "problems/io/units.h"
 
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct JointUnit {
-  double factor;
-  const char* name;
-};
-JointUnit UnitOf(const Joint& joint) {
-  return joint.type == JointType::kRevolute ? JointUnit{1.0 / kDegree, "deg"} : JointUnit{1e3, "mm"};
-}
 
 Json FindingsToJson(const std::vector<Finding>& findings) {
   Json json = Json::array();

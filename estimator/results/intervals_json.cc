@@ -52,7 +52,7 @@ void AddIntervalTo(const ParameterEstimate& row, const Estimate& estimate, Json*
     if (row.open_low) (*json)["open"].push_back("low");
     if (row.open_high) (*json)["open"].push_back("high");
   }
-  if ((has_sigma && row.tied) || (!row.identifiable && row.unconditional_sigma > 0.0)) {
+  if ((has_sigma && row.conditional) || (!row.identifiable && row.unconditional_sigma > 0.0)) {
     (*json)["unconditional"] = {{"sigma", row.unconditional_sigma / unit},
                                 {"ci95", PairOf(row.unconditional_ci95, unit)}};
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "estimator/results/json_numbers.h"
 #include "problems/io/units.h"
 #include "problems/loads.h"
 
@@ -15,12 +16,6 @@ constexpr std::array<const char*, 3> kFrameNames = {"measurement", "base", "flan
 constexpr std::array<WrenchFrame, 3> kFrames = {WrenchFrame::kMeasurement, WrenchFrame::kBase, WrenchFrame::kFlange};
 
 Json Numbers(const Vector3<double>& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
-Json Millimetres(const Vector3<double>& metres) {
-  Json json = Json::array();
-  for (const double metre : metres) json.push_back(ToUnit(metre, UnitNamed("mm")));
-  return json;
-}
 
 Vector3<double> Metres(const JsonValue& millimetres) { return millimetres.Triple() / 1e3; }
 

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
+#include "estimator/results/json_numbers.h"
+
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json NumberOrNull(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
 Json ComponentToJson(const VarianceComponent& component, bool is_factor) {
   const double unit = is_factor ? 1.0 : 1e6;
@@ -17,10 +17,9 @@ Json ComponentToJson(const VarianceComponent& component, bool is_factor) {
                                                                              : "urad"},
                {"value", unit * component.value},
                {"estimated", component.estimated}};
-  json["sigma"] = component.estimated ? NumberOrNull(unit * component.sigma) : Json(nullptr);
-  json["ci95"] = component.estimated
-                     ? Json::array({NumberOrNull(unit * component.low), NumberOrNull(unit * component.high)})
-                     : Json(nullptr);
+  json["sigma"] = component.estimated ? Finite(unit * component.sigma) : Json(nullptr);
+  json["ci95"] =
+      component.estimated ? Json::array({Finite(unit * component.low), Finite(unit * component.high)}) : Json(nullptr);
   return json;
 }
 

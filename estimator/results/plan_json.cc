@@ -3,27 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/results/json_numbers.h"
 #include "estimator/statistics/distributions.h"
 #include "problems/io/files.h"
 #include "problems/io/json_reader.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/loads.h"
 
 namespace sagitta {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-double Millimetres(double metres) { return 1e3 * metres; }
-
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json CertificateToJson(const Plan& plan) {
   Json json = {{"words", CertificateInWords(plan)}};
   if (!plan.criterion.HasCertificate()) return json;
-  json["cost"] = NumberOrNull(plan.cost);
-  json["bound"] = NumberOrNull(plan.bound);
-  json["efficiency"] = NumberOrNull(plan.efficiency);
+  json["cost"] = Finite(plan.cost);
+  json["bound"] = Finite(plan.bound);
+  json["efficiency"] = Finite(plan.efficiency);
   return json;
 }
 
@@ -71,7 +69,7 @@ Json PlanToJson(const Plan& plan) {
                {"predicted",
                 {{"position_rms_mm", Millimetres(plan.position_rms)},
                  {"position_max_mm", Millimetres(plan.position_max)},
-                 {"rms_mm", Millimetres(plan.position_rms) / std::sqrt(3.0)},
+                 {"rms_mm", Millimetres(plan.position_rms / std::sqrt(3.0))},
                  {"model_error", plan.model_error},
                  {"position_rms_with_model_error_mm", Millimetres(plan.rms_with_model_error)}}}};
   if (plan.field_amplitude > 0.0) {
@@ -83,7 +81,7 @@ Json PlanToJson(const Plan& plan) {
                           {"decides", plan.decides},
                           {"words", SeparationInWords()}};
   } else {
-    for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = NumberOrNull(plan.indices[i]);
+    for (int i = 0; i < 5; ++i) json["observability"]["O" + std::to_string(i + 1)] = Finite(plan.indices[i]);
   }
   json["parameters"] = Json::array();
   for (const PlannedParameter& parameter : plan.parameters) {
@@ -108,7 +106,7 @@ Json PlanToJson(const Plan& plan) {
 
 std::string PlanToCsv(const Chain& chain, const Plan& plan) {
   const Measurements& data = plan.rows;
-  const bool has_load = AnyShot(data, [](const Shot& shot) { return shot.load != "none"; });
+  const bool has_load = AnyShot(data, IsLoaded);
   const bool has_wrench = AnyShot(data, [](const Shot& shot) { return !shot.wrench.IsZero(); });
   const bool has_sigma = std::any_of(data.observations.begin(), data.observations.end(),
                                      [](const Observation& row) { return row.sigma.maxCoeff() > 0.0; });

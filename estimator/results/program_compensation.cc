@@ -19,15 +19,6 @@ namespace {
 
 constexpr const char* kDefault = "default";
 
-Pose<double> Inverse(const Pose<double>& pose) {
-  const Matrix3<double> back = pose.rotation.transpose();
-  return {back, -(back * pose.translation)};
-}
-
-Pose<double> Product(const Pose<double>& a, const Pose<double>& b) {
-  return {a.rotation * b.rotation, a * b.translation};
-}
-
 std::string WithoutBlanks(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\n");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") - first + 1);

@@ -183,7 +183,7 @@ std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estim
     const double size = is_length ? kErrorLength : kErrorAngle;
     const double least = std::min(std::abs(row.ci95.low - row.nominal), std::abs(row.ci95.high - row.nominal));
     const bool is_beyond = std::abs(row.value - row.nominal) > size && least > size;
-    if (row.name.rfind("geometry/", 0) != 0 || !row.identifiable || !is_beyond) continue;
+    if (CoordinateKindOf(row.name) != CoordinateKind::kGeometry || !row.identifiable || !is_beyond) continue;
     limits.push_back(CorrectionIsLarge(row.name, row.value - row.nominal, is_length));
   }
   return limits;

@@ -4,17 +4,12 @@
 #include <cmath>
 
 #include "estimator/statistics/distributions.h"
+#include "estimator/statistics/median.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kWorst = 5;
-
-// Nearest rank: the smallest value that is not exceeded by the share p.
-double Quantile(const std::vector<double>& sorted, double p) {
-  const auto rank = static_cast<size_t>(std::ceil(p * sorted.size()));
-  return sorted[std::clamp<size_t>(rank, 1, sorted.size()) - 1];
-}
 
 }  // namespace
 
@@ -35,8 +30,8 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   unseen.rms = unseen.distance_rms / std::sqrt(3.0);
   std::vector<double> sorted = unseen.distances;
   std::sort(sorted.begin(), sorted.end());
-  unseen.distance_p50 = Quantile(sorted, 0.5);
-  unseen.distance_p95 = Quantile(sorted, 0.95);
+  unseen.distance_p50 = NearestRank(sorted, 0.5);
+  unseen.distance_p95 = NearestRank(sorted, 0.95);
   unseen.distance_max = sorted.back();
   std::vector<int> order;
   for (size_t c = 0; c < farthest.size(); ++c) {

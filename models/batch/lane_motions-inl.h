@@ -82,9 +82,9 @@ unsigned MotionsOfLanes(const ShotProgram& program, const BatchPoint& at, const 
                         double* motions) {
   scratch->Reserve(LaneStatics::MemoryFor(program) / sizeof(double) + 64);
   LaneMotions shots(program, at, scratch, motions);
-  const int step = static_cast<int>(hn::Lanes(Tag()));
+  const int stride = static_cast<int>(hn::Lanes(Tag()));
   unsigned unsettled = 0;
-  for (int lane = 0; lane < kBatchLanes; lane += step) unsettled |= shots.Raise(data, lane) << lane;
+  for (int lane = 0; lane < kBatchLanes; lane += stride) unsettled |= shots.Raise(data, lane) << lane;
   return unsettled;
 }
 

@@ -233,9 +233,9 @@ unsigned EvaluateLanes(const ShotProgram& program, const BatchPoint& at, const B
                        BatchScratch* scratch, double* rows) {
   scratch->Reserve(LaneShots::MemoryFor(program) / sizeof(double) + 64);
   LaneShots shots(program, at, layout, scratch);
-  const int step = static_cast<int>(hn::Lanes(Tag()));
+  const int stride = static_cast<int>(hn::Lanes(Tag()));
   unsigned unsettled = 0;
-  for (int lane = 0; lane < kBatchLanes; lane += step) unsettled |= shots.Evaluate(data, lane, rows) << lane;
+  for (int lane = 0; lane < kBatchLanes; lane += stride) unsettled |= shots.Evaluate(data, lane, rows) << lane;
   return unsettled;
 }
 

@@ -13,9 +13,13 @@ std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
 
 bool IsStated(const EffectContext& context) { return context.shot->StatesApproachOf(context.joint()); }
 
+PressedBy By(const EffectSpec& spec) {
+  return spec.TextSetting("by", "approach") == "torque" ? PressedBy::kTorque : PressedBy::kApproach;
+}
+
 void Apply(const EffectContext& context, ShotTerms* terms) {
   const double sign = context.joint_sign();
-  if (context.spec->TextSetting("by", "approach") == "torque") {
+  if (By(*context.spec) == PressedBy::kTorque) {
     const double width = context.spec->NumberSetting("width_Nm", 0.0);
     terms->elastic.push_back({context.joint_slot(), context.first_parameter, sign * sign, ElasticLaw::kSign, width});
   } else if (IsStated(context)) {
@@ -25,7 +29,7 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
 }
 
 std::string Missing(const EffectContext& context) {
-  if (context.spec->TextSetting("by", "approach") == "torque" || IsStated(context)) return "";
+  if (By(*context.spec) == PressedBy::kTorque || IsStated(context)) return "";
   return "approach" + std::to_string(context.joint() + 1);
 }
 
@@ -44,6 +48,7 @@ const EffectDefinition& Backlash() {
     effect.settings[1].above = 0.0;
     effect.settings[1].only_with = "by=torque";
     effect.missing = Missing;
+    effect.pressed_by = By;
     effect.separate_by = "the same poses approached from both sides";
     effect.note = "Friction wind-up has the same signature.";
     effect.largest = 1.0;

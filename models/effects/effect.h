@@ -128,7 +128,7 @@ constexpr int kApproachNotStated = 2;
 struct ShotConditions {
   Eigen::VectorXd q;  // commanded, as in the file
   std::string station;
-  std::string load = "none";
+  std::string load = kNoLoad;
   bool has_time = false;
   double time = 0.0;          // s since the first row of all: one clock for the whole campaign
   double station_time = 0.0;  // s since the station's first row
@@ -187,6 +187,9 @@ enum class EffectNeeds { kNothing, kLoads, kCompliances, kNoCompliances };
 // latter two must be among the columns.
 enum class EffectDriver { kJoint, kTime, kTemperature };
 
+// What says which way an effect's joint is pressed: the rows' column approach, or the torque on it.
+enum class PressedBy { kNothing, kApproach, kTorque };
+
 // What Apply is given: the model's chain (with tilt slots), the targets by
 // index, and where this use's parameters start.
 struct EffectContext {
@@ -219,6 +222,7 @@ struct EffectDefinition {
   EffectDriver driven_by = EffectDriver::kJoint;
   // "" or the column that this shot lacks, e.g. "approach3"; null: none but what drives it.
   std::string (*missing)(const EffectContext& context) = nullptr;
+  PressedBy (*pressed_by)(const EffectSpec& spec) = nullptr;  // null: it asks for no such thing
   std::string separate_by = {};  // which data tell it from its rivals; {target} is replaced
   std::string note = {};         // what to bear in mind where it is named
   std::string sizes = {};        // where the typical sizes are from
@@ -230,6 +234,8 @@ struct EffectDefinition {
   bool is_learnt = false;
   bool on_prismatic = false;  // of kJoint: what it does to a joint that slides is defined
   double largest = 5.0;       // that machines show, in hold limits (QuantityTraits) of its parameters
+
+  PressedBy PressedByOf(const EffectSpec& spec) const { return pressed_by ? pressed_by(spec) : PressedBy::kNothing; }
 };
 
 // Silent Rx, Ry, Rz right after a joint (joint >= 0) or at the foot (-1).

@@ -4,7 +4,7 @@
 
 namespace sagitta {
 
-// Over a step dt with T = T0 + m t the solution is A = T - m tau + (A0 - T0 + m tau) exp(-dt / tau).
+// Over an interval dt with T = T0 + m t the solution is A = T - m tau + (A0 - T0 + m tau) exp(-dt / tau).
 std::vector<double> LaggedBehind(const std::vector<double>& time, const std::vector<double>& value, double tau) {
   std::vector<double> lagged;
   for (size_t i = 0; i < time.size(); ++i) {

@@ -29,7 +29,7 @@ std::map<std::string, LoadSpec> ReadLoads(const YamlValue& value) {
     load.point = map.FindTriple("point", Dimension::kLength);
     if (const auto frame = map.Find("frame")) load.frame = ReadWrenchFrame(*frame);
     map.Finish();
-    if (id == "none") entry.Fail("the load id 'none' means that there is no external load", "use another id");
+    if (id == kNoLoad) entry.Fail("the load id 'none' means that there is no external load", "use another id");
     loads[id] = load;
   }
   return loads;
@@ -42,7 +42,7 @@ std::map<std::string, MarkerSpec> ReadMarkers(const YamlValue& value) {
     MarkerSpec marker;
     marker.point = map.FindTriple("xyz", Dimension::kLength);
     marker.rotvec = map.FindTriple("rotvec", Dimension::kAngle);
-    if (const auto on = map.Find("on")) marker.on = on->Text();
+    if (const auto on = map.Find("on")) marker.on = MarkerPlace::Named(on->Text());
     if (const auto spring = map.Find("spring")) ReadChoice(*spring, &marker.spring.emplace());
     if (const auto sigma = map.Length("spring_sigma")) {
       if (!(*sigma > 0.0)) entry.Fail("spring_sigma must be above 0");

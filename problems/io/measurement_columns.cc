@@ -4,10 +4,10 @@
 #include <cctype>
 #include <charconv>
 #include <optional>
-#include <regex>
 #include <set>
 
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
 
 namespace sagitta {
 namespace {
@@ -44,11 +44,11 @@ bool IsOwnOutput(const std::string& name) {
 
 // A target, commanded or nominal point is not a measured one, whatever its name resembles. Joint values are commanded.
 bool IsOtherMeaning(const std::string& name) {
-  static const std::regex other(
+  static const std::regex other = MakePattern(
       "[xyz]_?(t|tgt|target|c|cmd|command|commanded|n|nom|nominal|ref|reference|set|setpoint|des|desired|goal|prog|"
       "programmed)(_(mm|m|um))?",
-      std::regex::icase);
-  return std::regex_match(name, other);
+      true);
+  return MatchPattern(name, other);
 }
 
 class ColumnFinder {

@@ -136,8 +136,8 @@ void ReadLoad(const RowReader& reader, const MeasurementColumns& columns, Measur
   }
   const bool loaded = !row->wrench.IsZero();
   // Without a load column the wrench alone tells the two states apart.
-  row->load = reader.Text(columns.load, columns.load < 0 && loaded ? "unnamed" : "none");
-  if (row->load == "none" && loaded) {
+  row->load = reader.Text(columns.load, columns.load < 0 && loaded ? "unnamed" : kNoLoad);
+  if (row->load == kNoLoad && loaded) {
     reader.Fail("load", "load 'none' has a wrench that is not 0", "name the load state, or set the wrench to 0");
   }
 }

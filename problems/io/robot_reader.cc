@@ -10,6 +10,7 @@
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -128,9 +129,9 @@ KinematicsKeys ReadKinematicsKeys(const YamlValue& value) {
 
 // Joints that the robot file states besides its URDF: the same ones; their limits come first.
 void TakeLimits(const YamlValue& value, const std::vector<Joint>& stated, Chain* chain) {
-  std::string names;
-  for (const Joint& joint : chain->joints) names += (names.empty() ? "" : ", ") + joint.name;
-  const std::string hint = "the URDF has " + names + "; joints: may be left out";
+  std::vector<std::string> names;
+  for (const Joint& joint : chain->joints) names.push_back(joint.name);
+  const std::string hint = "the URDF has " + Joined(names) + "; joints: may be left out";
   if (stated.size() != chain->joints.size()) value.Fail("these are not the joints of the URDF", hint);
   for (size_t j = 0; j < stated.size(); ++j) {
     Joint& joint = chain->joints[j];

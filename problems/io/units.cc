@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "models/constants.h"
+#include "problems/text.h"
 
 namespace sagitta {
 
@@ -26,10 +27,14 @@ const Unit& UnitNamed(const std::string& suffix) {
   throw std::logic_error("no unit is called '" + suffix + "'");
 }
 
+JointUnit UnitOf(const Joint& joint) {
+  return joint.type == JointType::kRevolute ? JointUnit{1.0 / kDegree, "deg"} : JointUnit{1e3, "mm"};
+}
+
 std::string NamesWithUnits(const std::string& stem, Dimension dimension) {
-  std::string names;
-  for (const Unit& unit : UnitsOf(dimension)) names += (names.empty() ? "" : ", ") + stem + "_" + unit.suffix;
-  return names;
+  std::vector<std::string> names;
+  for (const Unit& unit : UnitsOf(dimension)) names.push_back(stem + "_" + unit.suffix);
+  return Joined(names);
 }
 
 std::optional<double> ParseNumber(std::string_view text) {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "models/chain.h"
+
 namespace sagitta {
 
 // si = number * multiplier / divisor. Dividing by 1000 rounds better than
@@ -23,6 +25,13 @@ enum class Dimension { kLength, kSmallLength, kAngle };
 // The allowed ones, the usual one first.
 const std::vector<Unit>& UnitsOf(Dimension dimension);
 const Unit& UnitNamed(const std::string& suffix);
+
+// What people read a joint's values in: deg, or mm where it slides.
+struct JointUnit {
+  double factor;  // per SI unit
+  const char* name;
+};
+JointUnit UnitOf(const Joint& joint);
 
 // "a_mm, a_m"
 std::string NamesWithUnits(const std::string& stem, Dimension dimension);

@@ -40,12 +40,12 @@ std::vector<Isometry> Between(const Chain& own, const Chain& urdf, const std::st
     for (int j = 0; j < n; ++j) q[j] = 0.4 * trial * std::sin(1.0 + 2.0 * j);
     const std::vector<Isometry> here = FramesAt(own, q), there = FramesAt(urdf, q);
     for (int j = 0; j < n; ++j) {
-      const Isometry step = here[j].inverse() * there[j];
+      const Isometry motion = here[j].inverse() * there[j];
       if (trial == 0) {
-        between.push_back(step);
+        between.push_back(motion);
         continue;
       }
-      const Isometry moved = between[j].inverse() * step;
+      const Isometry moved = between[j].inverse() * motion;
       if (moved.translation().norm() < kElsewhere && Eigen::AngleAxisd(moved.linear()).angle() < kElsewhere) continue;
       throw InputError({file, 0, urdf.joints[j].name}, "the robot's joint moves otherwise than that of the URDF",
                        "the URDF has to be of this robot, with the same base, zeros and signs");

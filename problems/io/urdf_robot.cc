@@ -34,10 +34,6 @@ void AppendTilts(const std::string& joint, int own, Chain* chain) {
   }
 }
 
-Pose<double> Inverse(const Pose<double>& pose) {
-  return {pose.rotation.transpose(), -(pose.rotation.transpose() * pose.translation)};
-}
-
 class ChainBuilder {
  public:
   void Append(const UrdfJoint& joint) {

@@ -4,11 +4,11 @@
 
 #include <memory>
 #include <optional>
-#include <regex>
 #include <vector>
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/pattern.h"
 #include "problems/limits.h"
 
 namespace sagitta {
@@ -77,9 +77,9 @@ std::string Numbers(const Vector3<double>& v) {
 std::string WithAttribute(const std::string& tag, const std::string& name,
                           const std::optional<Vector3<double>>& value) {
   if (!value) return tag;
-  const std::regex attribute("(\\s" + name + "\\s*=\\s*)(\"[^\"]*\"|'[^']*')");
+  const std::regex attribute = MakePattern("(\\s" + name + "\\s*=\\s*)(\"[^\"]*\"|'[^']*')");
   const std::string quoted = "\"" + Numbers(*value) + "\"";
-  if (std::regex_search(tag, attribute)) return std::regex_replace(tag, attribute, "$1" + quoted);
+  if (SearchPattern(tag, attribute)) return ReplacePattern(tag, attribute, "$1" + quoted);
   const std::string element = "<origin";
   return element + " " + name + "=" + quoted + tag.substr(element.size());
 }
@@ -88,7 +88,7 @@ std::string EditedTag(const std::string& tag, const OriginEdit& edit) {
   return WithAttribute(WithAttribute(tag, "rpy", edit.rpy), "xyz", edit.xyz);
 }
 
-// A line break and the blanks of the joint's own line, one step deeper.
+// A line break and the blanks of the joint's own line, one level deeper.
 std::string IndentAfter(const std::string& text, const Span& joint) {
   const size_t line = text.rfind('\n', joint.begin);
   const size_t first = line == std::string::npos ? 0 : line + 1;

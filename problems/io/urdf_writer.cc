@@ -19,9 +19,6 @@ constexpr double kMostTurn = 10.0 * kDegree;
 Pose<double> operator*(const Pose<double>& a, const Pose<double>& b) {
   return {a.rotation * b.rotation, a * b.translation};
 }
-Pose<double> Inverse(const Pose<double>& pose) {
-  return {pose.rotation.transpose(), -(pose.rotation.transpose() * pose.translation)};
-}
 double TurnOf(const Matrix3<double>& rotation) { return Eigen::AngleAxisd(rotation).angle(); }
 
 // base_from_frame of every frame at joint values 0.
@@ -73,7 +70,7 @@ std::string LimitElement(const Joint& joint) {
 Pose<double> MovedOntoAxis(const Pose<double>& base_from_old, const Vector3<double>& axis, bool revolute,
                            const Vector3<double>& direction, const Vector3<double>& point) {
   const Vector3<double> old_direction = base_from_old.rotation * axis;
-  const Matrix3<double> turn = Eigen::Quaterniond::FromTwoVectors(old_direction, direction).toRotationMatrix();
+  const Matrix3<double> turn = RotationBetween(old_direction, direction);
   Pose<double> moved{turn * base_from_old.rotation, base_from_old.translation};
   if (revolute) {
     const Vector3<double> away = base_from_old.translation - point;

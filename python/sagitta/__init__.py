@@ -398,20 +398,20 @@ class Diagnosis(_WithJson):
         return Known(self._core.known())
 
     def to_dataframe(self):
-        """One row per parameter of each step."""
+        """One row per parameter of each effect that was found."""
         import pandas
         rows = []
-        for step in self.steps:
-            for parameter in step["parameters"]:
+        for effect in self.steps:
+            for parameter in effect["parameters"]:
                 low, high = parameter["ci95"]
-                rows.append({"effect": step["effect"], "target": step["target"], "parameter": parameter["name"],
+                rows.append({"effect": effect["effect"], "target": effect["target"], "parameter": parameter["name"],
                              "value": parameter["value"], "sigma": parameter["sigma"], "ci95_low": low,
-                             "ci95_high": high, "p_value": step["p_value"]})
+                             "ci95_high": high, "p_value": effect["p_value"]})
         return pandas.DataFrame(rows, columns=["effect", "target", "parameter", "value", "sigma", "ci95_low",
                                                "ci95_high", "p_value"])
 
     def __repr__(self):
-        return "<diagnosis: %s, %d steps>" % (self.verdict, len(self.steps))
+        return "<diagnosis: %s, %d effects>" % (self.verdict, len(self.steps))
 
 
 class Prediction:

@@ -74,6 +74,6 @@ int main() {
   experiment.validation.fraction = 0.3;
   const sagitta::Diagnosis diagnosis =
       sagitta::Diagnose(sagitta::MakeCalibrationProblem(robot, Readings(robot), experiment), {});
-  std::cout << sagitta::WordOf(diagnosis.verdict) << ", " << diagnosis.steps.size() << " step(s)\n";
-  return diagnosis.verdict == sagitta::DiagnosisVerdict::kExplained && diagnosis.steps.size() == 1 ? 0 : 1;
+  std::cout << sagitta::WordOf(diagnosis.verdict) << ", " << diagnosis.effects.size() << " effect(s)\n";
+  return diagnosis.verdict == sagitta::DiagnosisVerdict::kExplained && diagnosis.effects.size() == 1 ? 0 : 1;
 }

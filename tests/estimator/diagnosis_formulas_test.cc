@@ -16,7 +16,7 @@
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/posterior.h"
 #include "estimator/diagnosis/refit.h"
-#include "estimator/diagnosis/steps.h"
+#include "estimator/diagnosis/selected_effects.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -138,7 +138,7 @@ DiagnosedModel OffBy(const Distance& distance) {
   return model;
 }
 
-TEST(DiagnosisFormulas, UntouchedRowsSpeakAgainstAStepBeyondChance) {
+TEST(DiagnosisFormulas, UntouchedRowsSpeakAgainstAnEffectBeyondChance) {
   const DiagnosedModel before = OffBy([](int) { return 1e-3; });
   // All a little worse: the differences do not scatter. Or a little better.
   EXPECT_TRUE(MakesHoldoutWorse(before, OffBy([](int k) { return 1.01e-3 + 1e-6 * k; })));
@@ -167,7 +167,7 @@ TEST(DiagnosisFormulas, FarFromTheFloorIsATestOfSquares) {
   EXPECT_FALSE(IsFarFromFloor(model, false, 0.01));  // nothing states the noise
 }
 
-// What groups close adds up to what all steps close: by gap.cc, which goes by configurations.
+// What groups close adds up to what all effects close: by gap.cc, which goes by configurations.
 TEST(DiagnosisFormulas, SharesOfTheGapAddUp) {
   const DiagnosedModel baseline = FitFully(Moved(
                                                [](Eigen::VectorXd* q) {
@@ -179,11 +179,11 @@ TEST(DiagnosisFormulas, SharesOfTheGapAddUp) {
   EffectSpec gain;
   gain.effect = "encoder_gain";
   gain.target = Harmonic(1).target;
-  std::vector<DiagnosisStep> steps(2);
-  steps[0].candidate.spec = Harmonic(2);
-  steps[1].candidate.spec = gain;
-  const DiagnosedModel final = Extend(baseline, {steps[0].candidate, steps[1].candidate}, JointOptions());
-  const std::vector<StepGroup> groups = GroupSteps(steps, baseline, baseline, final, JointOptions());
+  std::vector<FoundEffect> effects(2);
+  effects[0].candidate.spec = Harmonic(2);
+  effects[1].candidate.spec = gain;
+  const DiagnosedModel final = Extend(baseline, {effects[0].candidate, effects[1].candidate}, JointOptions());
+  const std::vector<EffectGroup> groups = GroupEffects(effects, baseline, baseline, final, JointOptions());
   ASSERT_EQ(groups.size(), 2u);
   DiagnosedModel judged = final;  // with its predictions
   judged.estimate.predicted = baseline.estimate.predicted;
@@ -198,7 +198,7 @@ TEST(DiagnosisFormulas, SharesOfTheGapAddUp) {
   EXPECT_GT(std::abs(groups[1].share_of_gap), 0.05);
   EXPECT_NEAR(groups[0].share_of_gap + groups[1].share_of_gap, closed, 1e-9);
   // The first alone closes its own share.
-  DiagnosedModel first = Extend(baseline, {steps[0].candidate}, JointOptions());
+  DiagnosedModel first = Extend(baseline, {effects[0].candidate}, JointOptions());
   first.estimate.noise_floor = final.estimate.noise_floor;
   const double floor = std::pow(final.estimate.noise_floor, 2);
   const double before = std::pow(HoldoutRms(baseline), 2) - floor, after = std::pow(HoldoutRms(first), 2) - floor;
@@ -319,20 +319,20 @@ TEST(DiagnosisFormulas, AnotherPriorFlipsAVerdictNearItsGate) {
 }
 
 // Of the chi-square that a refit loses, and of the halves' values being one.
-TEST(DiagnosisFormulas, AStepsReductionAndHalves) {
+TEST(DiagnosisFormulas, AnEffectsReductionAndHalves) {
   const CalibrationProblem problem = Hidden();
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
-  ASSERT_EQ(diagnosis.steps.size(), 1u);
-  const DiagnosisStep& step = diagnosis.steps[0];
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  const FoundEffect& effect = diagnosis.effects[0];
   const double lost = diagnosis.baseline.estimate.chi2 - diagnosis.final.estimate.chi2;
   EXPECT_GT(lost, 20.0);
-  EXPECT_NEAR(step.reduction, lost, 0.01 * lost);
-  ASSERT_EQ(step.confirmation.halves.size(), 2u);
-  const HalfResult &first = step.confirmation.halves[0], &second = step.confirmation.halves[1];
+  EXPECT_NEAR(effect.reduction, lost, 0.01 * lost);
+  ASSERT_EQ(effect.confirmation.halves.size(), 2u);
+  const HalfResult &first = effect.confirmation.halves[0], &second = effect.confirmation.halves[1];
   ASSERT_EQ(first.values.size(), 2);
   const Eigen::Vector2d apart = first.values - second.values;
   const Eigen::Matrix2d covariance = first.covariance + second.covariance;
-  EXPECT_NEAR(step.confirmation.compatible_p, std::exp(-0.5 * apart.dot(covariance.inverse() * apart)), 1e-9);
+  EXPECT_NEAR(effect.confirmation.compatible_p, std::exp(-0.5 * apart.dot(covariance.inverse() * apart)), 1e-9);
 }
 
 // A family's mass is shared equally by its targets, a target's by its settings; the catalogue has 0.38 and what is

@@ -8,7 +8,7 @@
 #include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/diagnosed_model.h"
 #include "estimator/diagnosis/noise_check.h"
-#include "estimator/diagnosis/steps.h"
+#include "estimator/diagnosis/selected_effects.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/parallel.h"
 #include "problems/loads.h"

@@ -53,21 +53,21 @@ CalibrationProblem Hidden(std::uint64_t seed, const Deviation& deviation) {
 TEST(Diagnosis, NothingHiddenIsConsistent) {
   const Diagnosis diagnosis = Diagnose(Hidden(1, [](double) { return 0.0; }), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kConsistent);
-  EXPECT_TRUE(diagnosis.steps.empty());
+  EXPECT_TRUE(diagnosis.effects.empty());
 }
 
 TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
   const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
-  ASSERT_EQ(diagnosis.steps.size(), 1u);
-  EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
-  const std::vector<ParameterEstimate>& parameters = diagnosis.steps[0].parameters;
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
+  const std::vector<ParameterEstimate>& parameters = diagnosis.effects[0].parameters;
   ASSERT_EQ(parameters.size(), 2u);
   EXPECT_NEAR(parameters[0].value, 80e-6, 5 * parameters[0].sigma);
   EXPECT_NEAR(parameters[1].value, -50e-6, 5 * parameters[1].sigma);
   EXPECT_LT(diagnosis.gap.after, 0.3 * diagnosis.gap.before);
-  const Confirmation& confirmation = diagnosis.steps[0].confirmation;
+  const Confirmation& confirmation = diagnosis.effects[0].confirmation;
   ASSERT_EQ(confirmation.halves.size(), 2u);
   for (const HalfResult& half : confirmation.halves) {
     EXPECT_GT(half.probability, 0.5) << half.best;
@@ -76,7 +76,7 @@ TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
     EXPECT_NEAR(75e-6 * half.values[1], -50e-6, 5 * 75e-6 * std::sqrt(half.covariance(1, 1)));
   }
   EXPECT_GT(confirmation.compatible_p, 1e-4);
-  EXPECT_GT(diagnosis.steps[0].probability, 0.9);
+  EXPECT_GT(diagnosis.effects[0].probability, 0.9);
   double sum = diagnosis.posterior.nothing + diagnosis.posterior.noise;
   for (const ReportedSet& set : diagnosis.posterior.sets) sum += set.probability;
   EXPECT_GT(sum, 0.99);
@@ -88,8 +88,8 @@ TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
 TEST(Diagnosis, MeasuredAndSimulatedFollowTheDriver) {
   const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
   const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());
-  ASSERT_EQ(diagnosis.steps.size(), 1u);
-  const StepView& view = diagnosis.steps[0].view;
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  const EffectView& view = diagnosis.effects[0].view;
   EXPECT_EQ(view.driver, "A3");
   EXPECT_EQ(view.unit, "urad");
   ASSERT_GE(view.x.size(), 30u);
@@ -186,7 +186,7 @@ TEST(Diagnosis, WithoutHoldoutThereIsNoGapFigure) {
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
   EXPECT_TRUE(std::isnan(diagnosis.gap.closed));
   EXPECT_TRUE(std::isnan(diagnosis.gap.closed_ci95.low));
-  EXPECT_TRUE(std::isnan(diagnosis.steps.at(0).holdout_after));
+  EXPECT_TRUE(std::isnan(diagnosis.effects.at(0).holdout_after));
   EXPECT_TRUE(AnyStartsWith(diagnosis.cautions, "Nothing is held out"));
 }
 
@@ -195,7 +195,7 @@ TEST(Diagnosis, WrongStatedNoiseIsAFindingAndNoEffect) {
   for (Observation& observation : problem.mutable_data()->observations) observation.sigma *= 0.5;
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNoise);
-  EXPECT_TRUE(diagnosis.steps.empty());
+  EXPECT_TRUE(diagnosis.effects.empty());
   EXPECT_LT(diagnosis.noise.low, 2.0);
   EXPECT_GT(diagnosis.noise.high, 2.0);
 }
@@ -238,7 +238,7 @@ TEST(Diagnosis, DeviatingJointsAreNoEffect) {
     for (Observation& observation : open.mutable_data()->observations) observation.sigma.setZero();
     for (const CalibrationProblem* problem : std::vector<const CalibrationProblem*>{&stated, &open}) {
       const Diagnosis diagnosis = Diagnose(*problem, DiagnosisOptions());
-      EXPECT_TRUE(diagnosis.steps.empty());
+      EXPECT_TRUE(diagnosis.effects.empty());
       EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknown);
       EXPECT_FALSE(diagnosis.noise.is_told_from_pose);
       EXPECT_GT(diagnosis.noise.probability, 0.5);
@@ -280,8 +280,8 @@ TEST(Diagnosis, OpenSigmaFollowsWhatIsNamed) {
   }
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
-  ASSERT_EQ(diagnosis.steps.size(), 1u);
-  EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
   // 105 rows less about 35 unknowns tell sigma to 8 % and predict with up to sqrt(1.5) of it.
   EXPECT_NEAR(diagnosis.final.estimate.noise_floor, 1.2 * kSigma, 0.4 * kSigma);
 }
@@ -294,8 +294,8 @@ TEST(Diagnosis, AskedRepeatabilityLeavesEffectsTheirNames) {
   problem.mutable_experiment()->repeatability.angle.estimate = true;
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
-  ASSERT_EQ(diagnosis.steps.size(), 1u);
-  EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
 }
 
 TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
@@ -350,9 +350,9 @@ TEST(Diagnosis, NamedCauseHoldsBesideOneWithoutAName) {
   });
   const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kPartly);
-  ASSERT_FALSE(diagnosis.steps.empty());
-  EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), "effect/encoder_gain/A5");
-  for (const DiagnosisStep& step : diagnosis.steps) EXPECT_NE(step.candidate.spec.target, "A1");
+  ASSERT_FALSE(diagnosis.effects.empty());
+  EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), "effect/encoder_gain/A5");
+  for (const FoundEffect& effect : diagnosis.effects) EXPECT_NE(effect.candidate.spec.target, "A1");
 }
 
 }  // namespace

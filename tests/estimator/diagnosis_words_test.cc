@@ -16,15 +16,15 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-DiagnosisStep Step(const std::string& effect, const std::string& target, double probability) {
-  DiagnosisStep step;
-  step.candidate.spec = {effect, target, {}, {}};
-  if (effect == "joint_harmonic") step.candidate.spec.settings["order"] = "1";
-  step.probability = probability;
-  return step;
+FoundEffect Effect(const std::string& effect, const std::string& target, double probability) {
+  FoundEffect effect;
+  effect.candidate.spec = {effect, target, {}, {}};
+  if (effect == "joint_harmonic") effect.candidate.spec.settings["order"] = "1";
+  effect.probability = probability;
+  return effect;
 }
 
-// 41 steps of six effects on a robot whose gap is closed by 90 %.
+// 41 effects of six effects on a robot whose gap is closed by 90 %.
 Diagnosis Large() {
   Diagnosis d;
   d.verdict = DiagnosisVerdict::kPartly;
@@ -38,8 +38,8 @@ Diagnosis Large() {
   for (int k = 0; k < 41; ++k) {
     const size_t g = std::min<size_t>(k / 8, effects.size() - 1);
     if (g == d.groups.size()) d.groups.push_back({effects[g], {}, 0.5 / (1 << g)});
-    d.groups[g].steps.push_back(k);
-    d.steps.push_back(Step(effects[g], "A" + std::to_string(k % 6 + 1), 0.99 - 0.001 * k));
+    d.groups[g].effects.push_back(k);
+    d.effects.push_back(Effect(effects[g], "A" + std::to_string(k % 6 + 1), 0.99 - 0.001 * k));
   }
   d.gap.before = 2e-4;
   d.gap.after = 6e-5;
@@ -47,7 +47,7 @@ Diagnosis Large() {
   return d;
 }
 
-TEST(DiagnosisWords, AVerdictOfFortyOneStepsHasFiveLines) {
+TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
   const Diagnosis d = Large();
   const std::vector<std::string> lines = VerdictLines(d);
   ASSERT_EQ(lines.size(), 5u);
@@ -60,13 +60,13 @@ TEST(DiagnosisWords, AVerdictOfFortyOneStepsHasFiveLines) {
   EXPECT_LT(VerdictInWords(d).size(), 700u);
   const std::string text = DiagnosisToText(d);
   EXPECT_THAT(text, HasSubstr("Verdict: partly. Found 41 effects."));
-  EXPECT_THAT(text, HasSubstr("36 more steps: in report.html and diagnosis.json"));
+  EXPECT_THAT(text, HasSubstr("36 more effects: in report.html and diagnosis.json"));
 }
 
-TEST(DiagnosisWords, OneStepIsOneSentence) {
+TEST(DiagnosisWords, OneEffectIsOneSentence) {
   Diagnosis d = Large();
   d.verdict = DiagnosisVerdict::kExplained;
-  d.steps.resize(1);
+  d.effects.resize(1);
   d.groups = {{"joint_harmonic", {0}, 1.0}};
   EXPECT_EQ(VerdictLines(d).size(), 1u);
   EXPECT_THAT(VerdictInWords(d), AllOf(StartsWith("Found: "), HasSubstr("(joint_harmonic, A1, order 1), 99 %"),
@@ -77,7 +77,7 @@ TEST(DiagnosisWords, WithoutAHoldOutNoShareIsSaid) {
   Diagnosis d = Large();
   d.gap = GapReport();
   d.gap.closed = kNotKnown;
-  for (StepGroup& group : d.groups) group.share_of_gap = kNotKnown;
+  for (EffectGroup& group : d.groups) group.share_of_gap = kNotKnown;
   for (const std::string& line : VerdictLines(d)) EXPECT_EQ(line.find("of the gap"), std::string::npos) << line;
 }
 

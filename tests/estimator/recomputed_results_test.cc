@@ -10,7 +10,7 @@
 #include "estimator/agreement/agreement.h"
 #include "estimator/baselines/differencing.h"
 #include "estimator/baselines/full_pose.h"
-#include "estimator/baselines/paper_steps.h"
+#include "estimator/baselines/paper_stages.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/changes/changes.h"
 #include "estimator/diagnosis/gap.h"
@@ -218,17 +218,17 @@ TEST(RecomputedResults, HalvesAreComparedByHotelling) {
   EXPECT_EQ(found, 1);
 }
 
-// The published step 1 (paper 000, eq. 9) sets I + [r]x for the base's rotation, which is none; the marker by its
+// The published stage 1 (paper 000, eq. 9) sets I + [r]x for the base's rotation, which is none; the marker by its
 // transpose.
-TEST(RecomputedResults, TheLiteralStepIsLinearInTheRotation) {
+TEST(RecomputedResults, TheLiteralStageIsLinearInTheRotation) {
   test::Kr270Truth truth;
   truth.base_rotvec = {{0.2, -0.1, 0.3}, {-0.1, 0.25, -0.2}};
   const CalibrationProblem problem = test::Kr270Problem(test::Kr270Design(), truth, 3);
-  StepContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
+  StageContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
   context.noise = NoiseRoots(context.observations.size(), Matrix3<double>::Identity());
-  StepState state{problem.parameters, {}};
+  StageState state{problem.parameters, {}};
   for (int s = 0; s < 2; ++s) state.bases.push_back(state.parameters.BaseInStation(s));
-  ASSERT_TRUE(LiteralStepOne(context, &state));
+  ASSERT_TRUE(LiteralStageOne(context, &state));
   for (int s = 0; s < 2; ++s) {
     const Vector3<double> r = RotationVector(state.parameters.BaseInStation(s).rotation);
     ASSERT_GT(r.norm(), 0.2);

@@ -216,7 +216,7 @@ TEST(SpringTie, EndsWhereTheyCannotBeAreRefused) {
        "one lever only"},
       {"anchor before another joint",
        [](test::LoadedSetup* s) {
-         s->experiment.markers["L2"].on = "base";
+         s->experiment.markers["L2"].on = MarkerPlace::Named("base");
          s->experiment.markers["L2"].spring = SpringEnd::kAnchor;
        },
        "a joint moves between"},

@@ -1,5 +1,5 @@
 // An arm that grows late: points from the independent kinematics of tests/support, the arm's temperature from the law
-// of cooling in steps of a second, of which the thermometer's readings at the shots are all that the diagnosis sees.
+// of cooling every second, of which the thermometer's readings at the shots are all that the diagnosis sees.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,23 +54,23 @@ CalibrationProblem Warming(double lag, bool with_time = true) {
 
 struct Grown {
   DiagnosedModel model;
-  Candidate step;
+  Candidate effect;
   ParameterEstimate before, after;
   std::optional<ThermalLag> lag;
 };
 
 Grown FitGrowth(const CalibrationProblem& problem) {
   Grown grown;
-  grown.step.spec = {"thermal_growth", "robot", {}, {}};
-  grown.model = Extend(FitFully(problem, JointOptions()), {grown.step}, JointOptions());
+  grown.effect.spec = {"thermal_growth", "robot", {}, {}};
+  grown.model = Extend(FitFully(problem, JointOptions()), {grown.effect}, JointOptions());
   grown.model =
       JudgeFully(grown.model.problem, grown.model.estimate.parameters, grown.model.estimate.parameters, JointOptions());
   std::vector<ParameterEstimate> rows;
   for (const ParameterEstimate& row : grown.model.estimate.table) {
-    if (IsParameterOf(grown.step.spec, row.name)) rows.push_back(row);
+    if (IsParameterOf(grown.effect.spec, row.name)) rows.push_back(row);
   }
   grown.before = rows.at(0);
-  grown.lag = AllowForLag(grown.model, grown.step.spec, &rows);
+  grown.lag = AllowForLag(grown.model, grown.effect.spec, &rows);
   grown.after = rows.at(0);
   return grown;
 }
@@ -107,9 +107,9 @@ TEST(ThermalLag, WithoutTimeTheOrderOfTheShotsHasToDo) {
 
 TEST(ThermalLag, OnlyWhatTemperatureDrives) {
   Grown grown = FitGrowth(Warming(420.0));
-  grown.step.spec = {"encoder_gain", "A2", {}, {}};
+  grown.effect.spec = {"encoder_gain", "A2", {}, {}};
   std::vector<ParameterEstimate> rows = {grown.before};
-  EXPECT_FALSE(AllowForLag(grown.model, grown.step.spec, &rows));
+  EXPECT_FALSE(AllowForLag(grown.model, grown.effect.spec, &rows));
   EXPECT_EQ(rows[0].ci95.high, grown.before.ci95.high);
 }
 

@@ -74,7 +74,7 @@ TEST_F(ExperimentFileTest, ReadsTheScene) {
   EXPECT_TRUE(experiment.gravity_in_base);
   EXPECT_EQ(experiment.gravity, 9.81);
   EXPECT_EQ(*experiment.markers.at("M1").point, Vector3<double>(0.279, -0.016, -0.092));
-  EXPECT_EQ(experiment.markers.at("P1").on, "A2");
+  EXPECT_EQ(experiment.markers.at("P1").on.joint, "A2");
   EXPECT_FALSE(experiment.markers.at("P1").point.has_value());
   const StationSpec& station = experiment.stations.at("S1");
   EXPECT_EQ(*station.base_xyz, Vector3<double>(1e-3, 2e-3, 3e-3));

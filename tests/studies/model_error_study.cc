@@ -5,7 +5,7 @@
 // Every part is calibrated by itself, as `sagitta calibrate` does, and states its own intervals: the halves of a series
 // (UR5; UR10 A, B, C, D) above and below the median of each joint and of x, y, z; the UR10's series against each other.
 // Counted: geometric errors that both parts estimate and whose difference lies within the root of the sum of the
-// squared halves of the two intervals. A value tied to a held one counts by its unconditional interval.
+// squared halves of the two intervals. A value that depends on a held one counts by its unconditional interval.
 //
 // Each half also predicts the other one's points, as `sagitta predict` does: coordinates within 1.96 standard
 // deviations of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without.
@@ -103,9 +103,9 @@ Tally Compare(const Calibration& a, const Calibration& b) {
     const auto other = std::find_if(b.estimate.table.begin(), b.estimate.table.end(),
                                     [&](const auto& row) { return row.name == p.name; });
     if (other == b.estimate.table.end() || !p.free || !other->free) continue;
-    const bool is_tied = p.tied || other->tied;
-    const auto half = [is_tied](const ParameterEstimate& row) {
-      return HalfWidth(is_tied ? row.unconditional_ci95 : row.ci95);
+    const bool depends = p.conditional || other->conditional;
+    const auto half = [depends](const ParameterEstimate& row) {
+      return HalfWidth(depends ? row.unconditional_ci95 : row.ci95);
     };
     const double difference = std::abs(p.value - other->value);
     const size_t k = other - b.estimate.table.begin();

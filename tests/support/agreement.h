@@ -45,14 +45,14 @@ inline Estimate EstimatePart(CalibrationProblem problem, const ParameterSet& sta
 }
 
 // Parameters (by prefix of the name) that both know, on the same condition: those
-// tied to held ones count where both hold the same.
+// that depend on held ones count where both hold the same.
 inline void Compare(const Estimate& a, const Estimate& b, const std::string& prefix, Agreement* agreement) {
   bool same = a.held.coordinates == b.held.coordinates;
   for (const int i : a.held.coordinates) same = same && a.table[i].value == b.table[i].value;
   for (const int i : a.estimated) {
     const ParameterEstimate& p = a.table[i];
     const ParameterEstimate& q = b.table[i];
-    if (!q.free || (!same && (p.tied || q.tied)) || p.name.rfind(prefix, 0) != 0) continue;
+    if (!q.free || (!same && (p.conditional || q.conditional)) || p.name.rfind(prefix, 0) != 0) continue;
     const double variance = p.sigma * p.sigma + q.sigma * q.sigma;
     // Welch and Satterthwaite: degrees of freedom of a sum of two variances.
     const double weight = std::pow(p.sigma, 4) / p.dof + std::pow(q.sigma, 4) / q.dof;

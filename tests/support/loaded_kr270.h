@@ -255,7 +255,7 @@ inline LoadedSetup SetupFor(const LoadedTruth& truth) {
   setup.experiment.tool_mass = truth.tool_mass;
   setup.experiment.tool_com = truth.tool_com;
   for (const auto& [name, marker] : truth.link_markers) {
-    setup.experiment.markers[name].on = marker.first == 0 ? "A1" : "A2";
+    setup.experiment.markers[name].on = MarkerPlace::Named(marker.first == 0 ? "A1" : "A2");
   }
   return setup;
 }

@@ -1,4 +1,4 @@
-// What progress lines say: which step, and how long the rest will take.
+// What progress lines say: which phase, and how long the rest will take.
 #include "tools/progress.h"
 
 #include <gtest/gtest.h>
@@ -6,38 +6,38 @@
 namespace sagitta {
 namespace {
 
-TEST(ProgressMeter, SaysTheStepAndTheTimeLeft) {
+TEST(ProgressMeter, SaysThePhaseAndTheTimeLeft) {
   ProgressMeter meter({{"aligning", 1.0}, {"solving", 3.0}, {"comparing", 4.0}});
   EXPECT_EQ(meter.Line(0.0), "");
   meter.Say("aligning the robot", 0.0);
-  EXPECT_EQ(meter.Line(0.5), "step 1 of 3: aligning the robot ...");
+  EXPECT_EQ(meter.Line(0.5), "phase 1 of 3: aligning the robot ...");
   meter.Say("solving for 30 unknowns", 5.0);  // an eighth of all took 5 s: 40 s together
-  EXPECT_EQ(meter.Line(5.0), "step 2 of 3: solving for 30 unknowns (about 35 s left)");
-  EXPECT_EQ(meter.Line(30.0), "step 2 of 3: solving for 30 unknowns (about 10 s left)");
+  EXPECT_EQ(meter.Line(5.0), "phase 2 of 3: solving for 30 unknowns (about 35 s left)");
+  EXPECT_EQ(meter.Line(30.0), "phase 2 of 3: solving for 30 unknowns (about 10 s left)");
   EXPECT_EQ(meter.Line(60.0),
-            "step 2 of 3: solving for 30 unknowns (60 s so far)");  // longer than expected: nobody knows
-  meter.Say("comparing parts", 100.0);                              // half
-  EXPECT_EQ(meter.Line(100.0), "step 3 of 3: comparing parts (about 2 min left)");
+            "phase 2 of 3: solving for 30 unknowns (60 s so far)");  // longer than expected: nobody knows
+  meter.Say("comparing parts", 100.0);                               // half
+  EXPECT_EQ(meter.Line(100.0), "phase 3 of 3: comparing parts (about 2 min left)");
 }
 
-TEST(ProgressMeter, CountsWithinAStep) {
+TEST(ProgressMeter, CountsWithinAPhase) {
   ProgressMeter meter({{"aligning", 1.0}, {"bootstrap", 9.0}});
   meter.Say("aligning", 0.0);
   meter.Say("bootstrap: 400 of 900", 20.0);  // 1 + 4 of 10
-  EXPECT_EQ(meter.Line(20.0), "step 2 of 2: bootstrap: 400 of 900 (about 20 s left)");
+  EXPECT_EQ(meter.Line(20.0), "phase 2 of 2: bootstrap: 400 of 900 (about 20 s left)");
 }
 
-TEST(ProgressMeter, WhatBelongsToNoStepBelongsToThePresentOne) {
+TEST(ProgressMeter, WhatBelongsToNoPhaseBelongsToThePresentOne) {
   ProgressMeter meter({{"weighing", 1.0}, {"fitting", 1.0}});
   meter.Say("weighing 20 explanations", 0.0);
   meter.Say("once more with joints that deviate", 3.0);
-  EXPECT_EQ(meter.Line(3.0), "step 1 of 2: once more with joints that deviate (3 s so far)");
+  EXPECT_EQ(meter.Line(3.0), "phase 1 of 2: once more with joints that deviate (3 s so far)");
   meter.Say("fitting", 4.0);
-  meter.Say("weighing 20 explanations", 5.0);  // no step is taken back
-  EXPECT_EQ(meter.Line(6.0), "step 2 of 2: weighing 20 explanations (about 2 s left)");
+  meter.Say("weighing 20 explanations", 5.0);  // no phase is taken back
+  EXPECT_EQ(meter.Line(6.0), "phase 2 of 2: weighing 20 explanations (about 2 s left)");
 }
 
-TEST(ProgressMeter, WithoutStepsTheWordsStandAlone) {
+TEST(ProgressMeter, WithoutPhasesTheWordsStandAlone) {
   ProgressMeter meter({});
   meter.Say("[##..] 100 of 400 trials", 10.0);
   EXPECT_EQ(meter.Line(10.0), "[##..] 100 of 400 trials (about 30 s left)");

@@ -33,8 +33,8 @@ Picture ScatterPicture(const std::string& title, const std::string& x_label, con
       rows["series"].push_back(one.name);
     }
   }
-  const size_t step = std::max<size_t>(1, (x.size() + kTableRows - 1) / kTableRows);
-  for (size_t i = 0; i < x.size(); i += step) {
+  const size_t stride = std::max<size_t>(1, (x.size() + kTableRows - 1) / kTableRows);
+  for (size_t i = 0; i < x.size(); i += stride) {
     std::vector<std::string> cells = {Significant(x[i], 4)};
     for (const NamedSeries& one : series) cells.push_back(Significant(one.values[i], 4));
     picture.rows.push_back(cells);

@@ -20,9 +20,7 @@ std::string Micrometres(double metres) { return FormatNumber(std::round(metres *
 std::string NothingIsWritten() { return "\nNothing is written; --out=DIR keeps the results.\n"; }
 
 std::string ResultsIn(const std::string& folder, const std::vector<std::string>& files) {
-  std::string words = "Results in " + folder + ":";
-  for (const std::string& file : files) words += (&file == &files.front() ? " " : ", ") + file;
-  return words + "\n";
+  return "Results in " + folder + (files.empty() ? ":" : ": ") + Joined(files) + "\n";
 }
 
 std::string ComparisonInWords(const Changes& changes) {

@@ -23,8 +23,6 @@ std::string Probability(double p) {
   return p > 0.0 ? Significant(p, 2) : "below 1e-300";
 }
 
-std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
-
 std::string Labelled(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + ", " + ShownUnit(unit);
 }
@@ -32,32 +30,33 @@ std::string Labelled(const std::string& name, const std::string& unit) {
 Picture Waterfall(const Diagnosis& d) {
   std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
   int number = 0;
-  for (const DiagnosisStep& step : d.steps) {
-    stages.push_back({std::to_string(++number) + ": " + Title(d.final.problem->robot(), step.candidate.spec),
-                      1e3 * step.holdout_after});
+  for (const FoundEffect& effect : d.effects) {
+    stages.push_back({std::to_string(++number) + ": " + Title(d.final.problem->robot(), effect.candidate.spec),
+                      1e3 * effect.holdout_after});
   }
-  return WaterfallPicture("The gap, step by step", "hold-out RMS per coordinate, mm", stages,
+  return WaterfallPicture("The gap, effect by effect", "hold-out RMS per coordinate, mm", stages,
                           1e3 * d.final.estimate.noise_floor, "noise floor");
 }
 
-// Before: what the measurements ask for with the step taken out of the model, and what the step says. After: the rest.
-std::vector<Picture> StepPictures(const StepView& view) {
+// Before: what the measurements ask for with the effect taken out of the model, and what the effect says. After: the
+// rest.
+std::vector<Picture> EffectPictures(const EffectView& view) {
   std::vector<double> rest;
   for (size_t k = 0; k < view.x.size(); ++k) rest.push_back(view.measured[k] - view.simulated[k]);
   const std::string driver = Labelled(view.driver, view.driver_unit), what = Labelled(view.quantity, view.unit);
-  return {ScatterPicture("Before: one point per visit, what the measurements ask for and what the step says", driver,
-                         view.x, what, {{"measured", view.measured}, {"the step", view.simulated}}),
+  return {ScatterPicture("Before: one point per visit, what the measurements ask for and what the effect says", driver,
+                         view.x, what, {{"measured", view.measured}, {"the effect", view.simulated}}),
           ScatterPicture("After: what is left", driver, view.x, Labelled("the rest", view.unit), {{"the rest", rest}})};
 }
 
-// Of each step, that its name belongs to the set of causes; of what else might be there in its place.
+// Of each effect, that its name belongs to the set of causes; of what else might be there in its place.
 Picture Probabilities(const Diagnosis& d) {
   const Robot& robot = d.final.problem->robot();
   std::vector<Bar> bars;
-  for (size_t i = 0; i < d.steps.size(); ++i) {
+  for (size_t i = 0; i < d.effects.size(); ++i) {
     const std::string number = std::to_string(i + 1) + ": ";
-    bars.push_back({"", number + Title(robot, d.steps[i].candidate.spec), 100.0 * d.steps[i].probability});
-    for (const Alternative& alternative : d.steps[i].alternatives) {
+    bars.push_back({"", number + Title(robot, d.effects[i].candidate.spec), 100.0 * d.effects[i].probability});
+    for (const Alternative& alternative : d.effects[i].alternatives) {
       bars.push_back({"", number + "or " + Title(robot, alternative.spec), 100.0 * alternative.probability});
     }
   }
@@ -74,8 +73,8 @@ Section GapSection(const Diagnosis& d) {
   section.rows = {{"reduced chi-square of the fit", reduced(before), reduced(after), ""},
                   {"lack of fit, p", Probability(d.baseline_p), Probability(d.final_p), ""}};
   if (before.validation.observations == 0) {
-    section.paragraphs = {"Nothing is held out: what the steps do on other data is not known."};
-    if (!d.steps.empty()) section.pictures = {Probabilities(d)};
+    section.paragraphs = {"Nothing is held out: what the effects do on other data is not known."};
+    if (!d.effects.empty()) section.pictures = {Probabilities(d)};
     return section;
   }
   const auto add = [&section](const char* what, double was, double is) {
@@ -86,30 +85,30 @@ Section GapSection(const Diagnosis& d) {
   add("gap beyond the noise floor", d.gap.before, d.gap.after);
   section.paragraphs = {"Hold-out: configurations on which nothing was chosen or fitted. Noise floor " +
                         Millimetres(after.noise_floor) + " mm per coordinate" +
-                        (d.steps.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
+                        (d.effects.empty() ? "." : "; " + ClosedInWords(d.gap) + ".")};
   section.pictures = {Waterfall(d)};
-  if (!d.steps.empty()) section.pictures.push_back(Probabilities(d));
+  if (!d.effects.empty()) section.pictures.push_back(Probabilities(d));
   return section;
 }
 
-Section StepSection(const Robot& robot, const DiagnosisStep& step, size_t number) {
+Section EffectSection(const Robot& robot, const FoundEffect& effect, size_t number) {
   Section section;
-  section.title = "Step " + std::to_string(number) + ": " + Title(robot, step.candidate.spec);
+  section.title = "Effect " + std::to_string(number) + ": " + Title(robot, effect.candidate.spec);
   section.header = {"parameter", "value", "95 % from", "to", "unit", ""};
-  for (const ParameterEstimate& row : step.parameters) {
+  for (const ParameterEstimate& row : effect.parameters) {
     const QuantityTraits& traits = TraitsOf(row.quantity);
     section.rows.push_back({row.name.substr(row.name.rfind('/') + 1), Significant(row.value / traits.si_per_unit, 4),
                             Significant(row.ci95.low / traits.si_per_unit, 4),
                             Significant(row.ci95.high / traits.si_per_unit, 4), ShownUnit(traits.unit),
-                            IsTold(step, row) ? "" : "not told by these data"});
+                            IsTold(effect, row) ? "" : "not told by these data"});
   }
-  section.paragraphs = {StepInWords(robot, step), HalvesInWords(step.confirmation),
-                        "Physical bounds: " + PhysicalInWords(robot, step) + "."};
-  for (const Alternative& alternative : step.alternatives) {
+  section.paragraphs = {EffectInWords(robot, effect), HalvesInWords(effect.confirmation),
+                        "Physical bounds: " + PhysicalInWords(robot, effect) + "."};
+  for (const Alternative& alternative : effect.alternatives) {
     section.paragraphs.push_back("Or: " + AlternativeInWords(robot, alternative) +
                                  ". To separate them: " + SeparateBy(robot, alternative.spec) + ".");
   }
-  section.pictures = StepPictures(step.view);
+  section.pictures = EffectPictures(effect.view);
   return section;
 }
 
@@ -183,7 +182,7 @@ Picture GapMap(const Diagnosis& d, const std::vector<const JointGap*>& gaps) {
   nlohmann::ordered_json& rows = picture.data["rows"];
   for (const JointGap* gap : gaps) AddGapRow(*gap, &picture);
   for (const bool is_after : {false, true}) {
-    if (is_after && d.steps.empty()) continue;
+    if (is_after && d.effects.empty()) continue;
     GapColumns columns(d.final.problem->data().shots.size());
     for (const JointGap* gap : gaps) AddGap(*gap, is_after ? gap->after : gap->before, &columns);
     for (const auto& [name, values] : columns.columns) {
@@ -204,7 +203,7 @@ Section GapMapSection(const Diagnosis& d) {
       "Per shot, the deviation of one joint alone that would explain best what is measured and not predicted, over "
       "the joints' angles, the torques of the known loads, the direction of approach and the time, where these vary; "
       "beside the believed model" +
-      std::string(d.steps.empty() ? "." : " and beside the extended one.")};
+      std::string(d.effects.empty() ? "." : " and beside the extended one.")};
   std::vector<std::string> not_drawn;
   std::vector<const JointGap*> drawn;
   for (const JointGap& gap : d.gap_map) {
@@ -253,15 +252,15 @@ Section VerdictSection(const Diagnosis& d) {
   return section;
 }
 
-Section StepTable(const Diagnosis& d) {
+Section EffectTable(const Diagnosis& d) {
   Section section;
-  section.title = "All " + std::to_string(d.steps.size()) + " steps";
-  section.header = {"step", "named", "hold-out RMS, mm", "probability", "a machine shows that"};
-  for (size_t i = 0; i < d.steps.size(); ++i) {
-    const DiagnosisStep& step = d.steps[i];
-    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot(), step.candidate.spec),
-                            Millimetres(step.holdout_after), Fixed(100.0 * step.probability, 1) + " %",
-                            IsPlausible(d.final.problem->robot(), step) ? "yes" : "no: a description"});
+  section.title = "All " + std::to_string(d.effects.size()) + " effects";
+  section.header = {"effect", "named", "hold-out RMS, mm", "probability", "a machine shows that"};
+  for (size_t i = 0; i < d.effects.size(); ++i) {
+    const FoundEffect& effect = d.effects[i];
+    section.rows.push_back({std::to_string(i + 1), Title(d.final.problem->robot(), effect.candidate.spec),
+                            Millimetres(effect.holdout_after), Fixed(100.0 * effect.probability, 1) + " %",
+                            IsPlausible(d.final.problem->robot(), effect) ? "yes" : "no: a description"});
   }
   return section;
 }
@@ -274,12 +273,12 @@ std::string DiagnosisToHtml(const Diagnosis& d, const Calibration& extended, con
     section.folded = true;
     sections.push_back(std::move(section));
   };
-  if (d.steps.size() > 1) appendix(StepTable(d));
+  if (d.effects.size() > 1) appendix(EffectTable(d));
   if (d.verdict != DiagnosisVerdict::kConsistent) {
     appendix(WhereSection(d));
     appendix(GapMapSection(d));
   }
-  for (size_t i = 0; i < d.steps.size(); ++i) appendix(StepSection(d.final.problem->robot(), d.steps[i], i + 1));
+  for (size_t i = 0; i < d.effects.size(); ++i) appendix(EffectSection(d.final.problem->robot(), d.effects[i], i + 1));
   appendix(CandidateSection(d));
   for (Section& section : CalibrationPage(extended)) appendix(std::move(section));
   return SectionsToPage(sections, provenance);

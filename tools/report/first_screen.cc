@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "models/constants.h"
+#include "problems/text.h"
 #include "tools/report/histograms.h"
 #include "tools/report/remedies.h"
+#include "tools/report/summary.h"
 
 namespace sagitta {
 namespace {
@@ -13,19 +15,17 @@ namespace {
 constexpr size_t kShown = 10;           // suspect rows
 constexpr size_t kShownDirections = 3;  // of one remedy
 
-std::string Millimetres(double metres) { return Fixed(1e3 * metres, 3); }
-
 // In the words of ISO 9283:1998.
 std::string IsoInWords(const Trust& trust) {
   const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
   const PoseRepeatability& repeatability = trust.repeatability;
-  std::string words = "ISO 9283: pose accuracy AP " + Millimetres(accuracy.mean) + " mm in the mean, " +
-                      Millimetres(accuracy.largest) + " mm at most, of " + std::to_string(accuracy.poses) +
+  std::string words = "ISO 9283: pose accuracy AP " + Millimetres(accuracy.mean, 3) + " mm in the mean, " +
+                      Millimetres(accuracy.largest, 3) + " mm at most, of " + std::to_string(accuracy.poses) +
                       " poses that were not fitted; ";
   if (repeatability.poses == 0) return words + "pose repeatability RP: no pose was visited again.";
   const std::string fewest = std::to_string(repeatability.fewest), most = std::to_string(repeatability.most);
-  return words + "pose repeatability RP " + Millimetres(repeatability.mean) + " mm in the mean, " +
-         Millimetres(repeatability.largest) + " mm at most, of " + std::to_string(repeatability.poses) +
+  return words + "pose repeatability RP " + Millimetres(repeatability.mean, 3) + " mm in the mean, " +
+         Millimetres(repeatability.largest, 3) + " mm at most, of " + std::to_string(repeatability.poses) +
          " poses with " + fewest + (fewest == most ? "" : " to " + most) +
          " arrivals (the standard asks for 30), the instrument's noise included.";
 }
@@ -40,19 +40,18 @@ Section Unseen(const Trust& trust) {
   section.header = {"mm", "RMS", "P50", "P95", "max"};
   const auto add = [&](const std::string& name, const UnseenPoints& points) {
     if (points.points == 0) return;
-    section.rows.push_back({name, Millimetres(points.distance_rms), Millimetres(points.distance_p50),
-                            Millimetres(points.distance_p95), Millimetres(points.distance_max)});
+    section.rows.push_back({name, Millimetres(points.distance_rms, 3), Millimetres(points.distance_p50, 3),
+                            Millimetres(points.distance_p95, 3), Millimetres(points.distance_max, 3)});
   };
   add("before (nominal robot)", trust.nominal);
   add("after", quoted);
   if (is_holdout) add("after, cross-validation of the rest", trust.cross_validation.unseen);
-  std::string worst;
-  for (const FarPose& pose : quoted.worst)
-    worst += (worst.empty() ? "" : ", ") + pose.configuration + " " + Millimetres(pose.distance);
-  section.paragraphs = {"Worst poses: " + worst + " mm."};
+  std::vector<std::string> worst;
+  for (const FarPose& pose : quoted.worst) worst.push_back(pose.configuration + " " + Millimetres(pose.distance, 3));
+  section.paragraphs = {"Worst poses: " + Joined(worst) + " mm."};
   if (quoted.predicted_rms > 0.0) {
-    section.paragraphs.push_back("Coordinate RMS " + Millimetres(quoted.rms) + " mm, predicted " +
-                                 Millimetres(quoted.predicted_rms) + " mm (p = " + Significant(quoted.p_value, 2) +
+    section.paragraphs.push_back("Coordinate RMS " + Millimetres(quoted.rms, 3) + " mm, predicted " +
+                                 Millimetres(quoted.predicted_rms, 3) + " mm (p = " + Significant(quoted.p_value, 2) +
                                  ").");
   }
   section.paragraphs.push_back(IsoInWords(trust));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/constants.h"
+#include "problems/io/units.h"
 #include "tools/report/charts.h"
 #include "tools/report/remedies.h"
 #include "tools/report/report_html.h"
@@ -15,14 +16,6 @@ constexpr size_t kShownRows = 5;
 constexpr size_t kShownGroups = 8;
 constexpr size_t kShownLeverage = 8;
 constexpr size_t kShownNames = 8;
-
-struct JointUnit {
-  double factor;
-  const char* name;
-};
-JointUnit UnitOf(const Joint& joint) {
-  return joint.type == JointType::kRevolute ? JointUnit{1.0 / kDegree, "deg"} : JointUnit{1e3, "mm"};
-}
 
 std::string NoiseInWords(const Inspection& inspection) {
   if (!inspection.sigma_is_stated) return "No sigma is stated: that is taken as the noise in what follows.";

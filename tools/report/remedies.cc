@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "problems/text.h"
+
 namespace sagitta {
 
 std::vector<std::string> GroupedByRemedy(const std::vector<WordsAndRemedy>& sentences, size_t shown) {
@@ -15,8 +17,8 @@ std::vector<std::string> GroupedByRemedy(const std::vector<WordsAndRemedy>& sent
   std::vector<std::string> lines;
   for (const std::string& remedy : remedies) {
     const std::vector<std::string>& words = of_remedy[remedy];
-    std::string line = "- ";
-    for (size_t i = 0; i < std::min(shown, words.size()); ++i) line += (i == 0 ? "" : "; ") + words[i];
+    std::string line =
+        "- " + Joined({words.begin(), words.begin() + static_cast<long>(std::min(shown, words.size()))}, "; ");
     if (words.size() > shown) line += "; and " + std::to_string(words.size() - shown) + " more like these";
     lines.push_back(line + ". Remedy: " + remedy + ".");
   }

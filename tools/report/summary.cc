@@ -16,8 +16,6 @@ namespace {
 
 std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
-std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
-
 Section ResultSection(const CalibrationProblem& problem, const Estimate& estimate) {
   Section section;
   section.title = problem.robot().name.empty() ? "Calibration" : problem.robot().name;
@@ -151,7 +149,7 @@ int DecimalsFor(double size) {
 }
 
 // Estimated, but on the condition that a held parameter is where it was put.
-bool IsTied(const ParameterEstimate& row, const Identifiability& identifiability) {
+bool IsConditional(const ParameterEstimate& row, const Identifiability& identifiability) {
   for (const Direction& direction : identifiability.unidentifiable) {
     for (const auto& [name, value] : direction.components) {
       if (name == row.name && row.free) return true;
@@ -163,7 +161,7 @@ bool IsTied(const ParameterEstimate& row, const Identifiability& identifiability
 std::string StateOf(const ParameterEstimate& row, const Identifiability& identifiability) {
   if (!row.identifiable) return "not measured";
   if (!row.free) return "fixed";
-  if (IsTied(row, identifiability)) return "tied";
+  if (IsConditional(row, identifiability)) return "conditional";
   if (row.at_bound) return "at bound";
   return row.weak ? "weak" : "";
 }
@@ -226,8 +224,9 @@ Section ParameterSection(const CalibrationProblem& problem, const Estimate& esti
                         "robot fits best. calibrated: nominal + correction."};
   if (!estimate.identifiability.unidentifiable.empty()) {
     section.paragraphs.push_back(
-        "not measured: held where the data fit best; the value means nothing by itself. tied: moves together with one "
-        "that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does not).");
+        "not measured: held where the data fit best; the value means nothing by itself. conditional: moves "
+        "together with one that is not measured; its ± takes that one as exact (`unconditional` in estimate.json does "
+        "not).");
   }
   if (any_at_bound) {
     section.paragraphs.push_back(
@@ -313,6 +312,8 @@ std::string Wrapped(const std::string& paragraph) {
 }
 
 }  // namespace
+
+std::string Millimetres(double metres, int decimals) { return Fixed(1e3 * metres, decimals); }
 
 std::string ShownUnit(const std::string& unit) { return unit.rfind('u', 0) == 0 ? "µ" + unit.substr(1) : unit; }
 

@@ -24,6 +24,8 @@ struct Section {
 
 // model_error: factor by which it has widened the intervals of the estimate's table (Trust); 1: not at all.
 std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate, double model_error = 1.0);
+// A length in m as a number of mm.
+std::string Millimetres(double metres, int decimals = 4);
 // A unit of results as people write it: "urad" as "µrad".
 std::string ShownUnit(const std::string& unit);
 // As paper 002, Tables IV and XI.

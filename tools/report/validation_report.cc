@@ -25,8 +25,6 @@ UnseenPoints DistancesOf(const CalibrationProblem& problem, const Eigen::Matrix3
   return MeasureUnseen(problem, points, errors.leftCols(static_cast<Eigen::Index>(points.size())));
 }
 
-std::string InMillimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
-
 Section Head(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
   Section head;
   head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";

@@ -35,8 +35,8 @@ std::vector<Vector3<double>> ArmOf(const ForwardModel& model, const std::vector<
 Workspace::Workspace(const ForwardModel& model, const std::vector<double>& theta,
                      const std::vector<Configuration>& configurations)
     : arms_({{"names", Json::array()}, {"poses", Json::array()}, {"polylines", Json::array()}}) {
-  const size_t step = (configurations.size() + kMostArms - 1) / kMostArms;
-  for (size_t c = 0; c < configurations.size(); c += step) {
+  const size_t stride = (configurations.size() + kMostArms - 1) / kMostArms;
+  for (size_t c = 0; c < configurations.size(); c += stride) {
     Json polyline = Json::array();
     for (const Vector3<double>& point : ArmOf(model, theta, configurations[c].q)) {
       Include(point);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -13,6 +12,7 @@
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
+#include "problems/io/pattern.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
@@ -32,10 +32,10 @@ bool IsAngle(DhColumn column) {
 // "alpha_{i-1} [deg]": the name without its index. Indices one behind the joint's are Craig's.
 DhColumn ColumnOf(const std::string& header, bool* is_previous) {
   std::string name = NameWithoutUnit(header);
-  const std::regex previous(R"([_ ]*[\{\(]?[ij_ n]*-+ *1[\}\)]?$)");
-  const std::regex index(R"([_ ]*[\{\(]?(i|j|n)[\}\)]?$)");
-  *is_previous = std::regex_search(name, previous) && std::regex_replace(name, previous, "") != name;
-  name = std::regex_replace(name, previous, "");
+  const std::regex previous = MakePattern(R"([_ ]*[\{\(]?[ij_ n]*-+ *1[\}\)]?$)");
+  const std::regex index = MakePattern(R"([_ ]*[\{\(]?(i|j|n)[\}\)]?$)");
+  *is_previous = SearchPattern(name, previous) && ReplacePattern(name, previous, "") != name;
+  name = ReplacePattern(name, previous, "");
   static const std::map<std::string, DhColumn> kNames = {{"a", DhColumn::kA},
                                                          {"r", DhColumn::kA},
                                                          {"length", DhColumn::kA},
@@ -73,7 +73,7 @@ DhColumn ColumnOf(const std::string& header, bool* is_previous) {
                                                          {"upper", DhColumn::kMax},
                                                          {"qmax", DhColumn::kMax}};
   auto found = kNames.find(name);
-  if (found == kNames.end()) found = kNames.find(std::regex_replace(name, index, ""));
+  if (found == kNames.end()) found = kNames.find(ReplacePattern(name, index, ""));
   return found == kNames.end() ? DhColumn::kOther : found->second;
 }
 
@@ -259,11 +259,11 @@ class DhReader {
   }
 
   void ReadComments() {
-    static const std::regex kEntry(R"(^\s*(name|convention|coupling|flange)\s*:\s*(.*?)\s*$)");
+    static const std::regex kEntry = MakePattern(R"(^\s*(name|convention|coupling|flange)\s*:\s*(.*?)\s*$)");
     for (const std::string& line : table_.preamble) {
       std::smatch match;
       words_ += LowerCaseOf(line) + "\n";
-      if (line.size() > limits::kWordBytes || !std::regex_match(line, match, kEntry)) continue;
+      if (line.size() > limits::kWordBytes || !MatchPattern(line, &match, kEntry)) continue;
       if (match[1] == "name") name_ = match[2];
       if (match[1] == "coupling") ReadCoupling(match[2]);
       if (match[1] == "flange") ReadFlange(match[2]);
@@ -305,8 +305,8 @@ class DhReader {
   }
 
   void SetConvention() {
-    const bool modified = std::regex_search(words_, std::regex(R"(modified|\bmdh\b|moddh|craig|khalil|proximal)"));
-    const bool standard = std::regex_search(words_, std::regex(R"(standard|\bsdh\b|stddh|classic|distal|paul)"));
+    const bool modified = SearchPattern(words_, MakePattern(R"(modified|\bmdh\b|moddh|craig|khalil|proximal)"));
+    const bool standard = SearchPattern(words_, MakePattern(R"(standard|\bsdh\b|stddh|classic|distal|paul)"));
     if (options_.convention) {
       dh_.convention = *options_.convention;
     } else if (modified != standard) {

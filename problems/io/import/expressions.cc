@@ -1,9 +1,9 @@
 #include "problems/io/import/expressions.h"
 
 #include <cmath>
-#include <regex>
 
 #include "problems/io/import/text_table.h"
+#include "problems/io/pattern.h"
 #include "problems/limits.h"
 
 namespace sagitta {
@@ -38,9 +38,9 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
     text.erase(at);
   }
   for (const char* pi : {"π", "PI", "Pi"}) text = Replaced(text, pi, "pi");
-  static const std::regex kPi(R"(([+-]?)([0-9.,]*)pi(?:/([0-9.,]+))?)");
+  static const std::regex kPi = MakePattern(R"(([+-]?)([0-9.,]*)pi(?:/([0-9.,]+))?)");
   std::smatch match;
-  if (!std::regex_match(text, match, kPi)) {
+  if (!MatchPattern(text, &match, kPi)) {
     const std::optional<double> value = ParseLocalNumber(text, decimal_comma);
     if (!value) return std::nullopt;
     number.value = *value;
@@ -60,17 +60,17 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
 std::optional<JointExpression> ParseJointExpression(const std::string& typed, bool decimal_comma) {
   if (typed.size() > limits::kWordBytes) return std::nullopt;
   const std::string text = WithoutBlanks(Replaced(Replaced(typed, "θ", "theta"), "−", "-"));
-  static const std::regex kVariable(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]{1,6})\)?\}?([+-].+)?)",
-                                    std::regex::icase);
-  static const std::regex kConstantFirst(R"((.+[0-9i°])([+-])(?:q|th|theta)_?\(?([0-9]{1,6})\)?)", std::regex::icase);
+  static const std::regex kVariable =
+      MakePattern(R"(([+-]?)(?:q|t|th|theta|d|j)_?\{?\(?([0-9]{1,6})\)?\}?([+-].+)?)", true);
+  static const std::regex kConstantFirst = MakePattern(R"((.+[0-9i°])([+-])(?:q|th|theta)_?\(?([0-9]{1,6})\)?)", true);
   JointExpression expression;
   std::smatch match;
   std::string offset;
-  if (std::regex_match(text, match, kVariable)) {
+  if (MatchPattern(text, &match, kVariable)) {
     expression.sign = match[1].str() == "-" ? -1.0 : 1.0;
     expression.index = std::stoi(match[2].str());
     offset = match[3].str();
-  } else if (std::regex_match(text, match, kConstantFirst)) {
+  } else if (MatchPattern(text, &match, kConstantFirst)) {
     expression.sign = match[2].str() == "-" ? -1.0 : 1.0;
     expression.index = std::stoi(match[3].str());
     offset = match[1].str();

@@ -8,6 +8,7 @@
 #include "problems/input_error.h"
 #include "problems/io/import/column_meaning.h"
 #include "problems/io/import/mapped_columns.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -155,10 +156,10 @@ class Planner {
       Add(stem, unit, c, "joint " + joints_[j].name);
     }
     if (!missing.empty()) {
-      std::string list;
-      for (const std::string& stem : missing) list += (list.empty() ? "" : ", ") + stem;
-      Fail("", "no column is found for " + list + " of the robot's " + std::to_string(joints_.size()) + " joints",
-           kMapHint);
+      Fail(
+          "",
+          "no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) + " joints",
+          kMapHint);
     }
     if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are taken");
     for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
@@ -239,9 +240,7 @@ class Planner {
 
   void TakePoints() {
     if (!(IsMapped("x") && IsMapped("y") && IsMapped("z")) && !TakeMeasured() && !TakeTargetPlusDifference()) {
-      std::string names;
-      for (const std::string& header : table_.header) names += (names.empty() ? "" : ", ") + header;
-      Fail("", "no column says that it holds measured points (columns: " + names + ")", kMapHint);
+      Fail("", "no column says that it holds measured points (columns: " + Joined(table_.header) + ")", kMapHint);
     }
     std::vector<int> sigmas;
     for (int i = 0; i < 3; ++i) {

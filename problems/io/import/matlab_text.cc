@@ -6,7 +6,6 @@
 //   Tz(0.4) Rz(q1) Rx(-90) …                        elementary transforms (DHFactor's input, ETS)
 #include <algorithm>
 #include <cmath>
-#include <regex>
 #include <sstream>
 
 #include "models/constants.h"
@@ -15,24 +14,25 @@
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/import/robot_reading.h"
+#include "problems/io/pattern.h"
 
 namespace sagitta {
 namespace {
 
-const std::regex kMatrix(R"((dhparams\s*=|SerialLink\s*\(|Link\s*\()\s*\[([^\]]*)\])");
-const std::regex kTransform(R"(([TR])([xyz])\s*\(\s*([^()]*)\s*\))", std::regex::icase);
+const std::regex kMatrix = MakePattern(R"((dhparams\s*=|SerialLink\s*\(|Link\s*\()\s*\[([^\]]*)\])");
+const std::regex kTransform = MakePattern(R"(([TR])([xyz])\s*\(\s*([^()]*)\s*\))", true);
 
 std::string WithoutComments(const std::string& text) {
   std::istringstream lines(text);
   std::string kept;
   for (std::string line; std::getline(lines, line);) kept += line.substr(0, line.find('%')) + "\n";
-  return std::regex_replace(kept, std::regex(R"(\.\.\.\s*\n)"), " ");
+  return ReplacePattern(kept, MakePattern(R"(\.\.\.\s*\n)"), " ");
 }
 
 // Rows at ';' and line ends, cells at commas and blanks.
 std::vector<std::vector<std::string>> MatrixRows(const std::string& body) {
   std::vector<std::vector<std::string>> rows;
-  std::istringstream lines(std::regex_replace(body, std::regex(";"), "\n"));
+  std::istringstream lines(ReplacePattern(body, MakePattern(";"), "\n"));
   for (std::string line; std::getline(lines, line);) {
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream words(line);
@@ -50,7 +50,7 @@ class MatlabReader {
 
   RobotReading Read() {
     std::smatch match;
-    if (std::regex_search(text_, match, kMatrix)) return ReadTables();
+    if (SearchPattern(text_, &match, kMatrix)) return ReadTables();
     return ReadTransforms();
   }
 
@@ -71,9 +71,9 @@ class MatlabReader {
     DhTable table;
     std::vector<Joint> joints;
     bool system_toolbox = false;
-    for (std::sregex_iterator it(text_.begin(), text_.end(), kMatrix), end; it != end; ++it) {
-      system_toolbox = it->str(1).rfind("dhparams", 0) == 0;
-      for (const std::vector<std::string>& row : MatrixRows(it->str(2))) AddRow(row, system_toolbox, &table, &joints);
+    for (const std::smatch& match : AllMatches(text_.begin(), text_.end(), kMatrix)) {
+      system_toolbox = match.str(1).rfind("dhparams", 0) == 0;
+      for (const std::vector<std::string>& row : MatrixRows(match.str(2))) AddRow(row, system_toolbox, &table, &joints);
       if (system_toolbox) break;
     }
     if (table.links.empty()) Fail("the table has no rows", "");
@@ -110,8 +110,8 @@ class MatlabReader {
   }
 
   void SetConvention(bool system_toolbox, DhTable* table, RobotReading* reading) const {
-    const bool modified = std::regex_search(text_, std::regex(R"('mdh'|"mdh"|modified)"));
-    const bool standard = std::regex_search(text_, std::regex(R"('dh'|"dh"|standard)"));
+    const bool modified = SearchPattern(text_, MakePattern(R"('mdh'|"mdh"|modified)"));
+    const bool standard = SearchPattern(text_, MakePattern(R"('dh'|"dh"|standard)"));
     if (options_.convention) {
       table->convention = *options_.convention;
     } else if (modified || standard) {
@@ -130,9 +130,9 @@ class MatlabReader {
   // Degrees where a sign or a number beyond a full turn says so, rad where pi does.
   double DegreesPerUnit(RobotReading* reading) const {
     bool degrees = false, radians = false, any = false;
-    for (std::sregex_iterator it(text_.begin(), text_.end(), kTransform), end; it != end; ++it) {
-      const std::string letter = LowerCaseOf(it->str(1));
-      const auto number = letter == "r" ? ParseTypedNumber(it->str(3)) : std::nullopt;
+    for (const std::smatch& match : AllMatches(text_.begin(), text_.end(), kTransform)) {
+      const std::string letter = LowerCaseOf(match.str(1));
+      const auto number = letter == "r" ? ParseTypedNumber(match.str(3)) : std::nullopt;
       if (!number) continue;
       degrees |= number->is_degrees || std::abs(number->value) > 2.0 * M_PI + 1e-6;
       radians |= number->uses_pi;
@@ -148,16 +148,16 @@ class MatlabReader {
     reading.format = "elementary transforms, lengths in m";
     const double rad_per_unit = DegreesPerUnit(&reading);
     Chain chain;
-    for (std::sregex_iterator it(text_.begin(), text_.end(), kTransform), end; it != end; ++it) {
-      const bool turns = LowerCaseOf(it->str(1)) == "r";
-      const std::string name = it->str(1) + it->str(2) + "(" + it->str(3) + ")";
+    for (const std::smatch& match : AllMatches(text_.begin(), text_.end(), kTransform)) {
+      const bool turns = LowerCaseOf(match.str(1)) == "r";
+      const std::string name = match.str(1) + match.str(2) + "(" + match.str(3) + ")";
       ElementaryTransform transform;
       transform.motion = turns ? Motion::kRotation : Motion::kTranslation;
-      transform.axis = static_cast<Axis>(LowerCaseOf(it->str(2))[0] - 'x');
+      transform.axis = static_cast<Axis>(LowerCaseOf(match.str(2))[0] - 'x');
       const auto value = [&](const TypedNumber& n) { return turns && !n.uses_pi ? n.value * rad_per_unit : n.value; };
-      if (const auto number = ParseTypedNumber(it->str(3))) {
+      if (const auto number = ParseTypedNumber(match.str(3))) {
         transform.nominal = value(*number);
-      } else if (const auto joint = ParseJointExpression(it->str(3))) {
+      } else if (const auto joint = ParseJointExpression(match.str(3))) {
         transform.joint = chain.num_joints();
         transform.sign = joint->sign;
         transform.nominal = value(joint->offset);
@@ -169,7 +169,8 @@ class MatlabReader {
       if (!turns && std::abs(transform.nominal) > 10.0)
         Fail("'" + name + "' is longer than 10 m", "lengths in m are expected");
       // A name for every error: the default free set chooses among them.
-      transform.error = (turns ? "phi_" : "p_") + LowerCaseOf(it->str(2)) + std::to_string(chain.num_transforms() + 1);
+      transform.error =
+          (turns ? "phi_" : "p_") + LowerCaseOf(match.str(2)) + std::to_string(chain.num_transforms() + 1);
       chain.transforms.push_back(transform);
     }
     reading.robot.chain = chain;
@@ -187,8 +188,8 @@ class MatlabReader {
 
 bool LooksLikeMatlab(const std::string& text) {
   const std::string plain = WithoutComments(text);
-  if (std::regex_search(plain, kMatrix)) return true;
-  return std::distance(std::sregex_iterator(plain.begin(), plain.end(), kTransform), std::sregex_iterator()) > 1;
+  if (SearchPattern(plain, kMatrix)) return true;
+  return AllMatches(plain.begin(), plain.end(), kTransform).size() > 1;
 }
 
 RobotReading ReadMatlabText(const std::string& text, const std::string& path, const RobotReadOptions& options) {

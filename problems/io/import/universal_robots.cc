@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "models/dh_from_chain.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/import/robot_reading.h"
+#include "problems/io/pattern.h"
 #include "problems/io/robot_file.h"
 #include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
@@ -37,13 +37,14 @@ constexpr UrJoint kUrJoints[] = {{"shoulder", "shoulder_pan_joint"}, {"upper_arm
 using ConfLists = std::map<std::string, std::vector<double>>;
 
 ConfLists ReadConfLists(const std::string& text, const std::string& path) {
-  static const std::regex kList(R"(^\s*(delta_theta|delta_a|delta_d|delta_alpha|theta|a|d|alpha)\s*=\s*\[([^\]]*)\])");
+  static const std::regex kList =
+      MakePattern(R"(^\s*(delta_theta|delta_a|delta_d|delta_alpha|theta|a|d|alpha)\s*=\s*\[([^\]]*)\])");
   ConfLists lists;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     std::smatch match;
-    if (!std::regex_search(line, match, kList)) continue;
+    if (!SearchPattern(line, &match, kList)) continue;
     std::istringstream cells(match[2].str());
     std::vector<double>& list = lists[match[1]];
     for (std::string cell; std::getline(cells, cell, ',');) {
@@ -105,7 +106,7 @@ std::string Six(const Pose<double>& pose) {
 }  // namespace
 
 bool LooksLikeUrCalibration(const std::string& text) {
-  return std::regex_search(text, std::regex(R"((^|\n)kinematics:)")) && text.find("shoulder:") != std::string::npos &&
+  return SearchPattern(text, MakePattern(R"((^|\n)kinematics:)")) && text.find("shoulder:") != std::string::npos &&
          text.find("wrist_3:") != std::string::npos;
 }
 
@@ -137,8 +138,8 @@ RobotReading ReadUrCalibration(const std::string& text, const std::string& path)
 }
 
 bool LooksLikeUrConf(const std::string& text) {
-  return std::regex_search(text, std::regex(R"(\n\s*(delta_a|alpha)\s*=\s*\[)")) ||
-         std::regex_search(text, std::regex(R"(^\s*(delta_a|alpha)\s*=\s*\[)"));
+  return SearchPattern(text, MakePattern(R"(\n\s*(delta_a|alpha)\s*=\s*\[)")) ||
+         SearchPattern(text, MakePattern(R"(^\s*(delta_a|alpha)\s*=\s*\[)"));
 }
 
 RobotReading ReadUrConf(const std::string& text, const std::string& path, const RobotReadOptions& options) {
@@ -193,8 +194,8 @@ std::string RobotToUrConf(const Robot& robot, const DhTable& nominal, const std:
       continue;
     }
     std::smatch match;
-    const std::regex old_list("(^|\n)([ \t]*" + std::string(name) + "[ \t]*=[ \t]*)\\[[^\\]\n]*\\]");
-    if (!std::regex_search(text, match, old_list)) {
+    const std::regex old_list = MakePattern("(^|\n)([ \t]*" + std::string(name) + "[ \t]*=[ \t]*)\\[[^\\]\n]*\\]");
+    if (!SearchPattern(text, &match, old_list)) {
       throw InputError({kept_path, 0, name}, "the file has no such list",
                        "a calibration.conf of the same arm is expected");
     }
@@ -231,7 +232,7 @@ std::string RobotToUrCalibration(const Robot& robot) {
         throw refuse("the flange does not lie on the last axis");
       }
     } else {
-      link.rotation = Eigen::Quaterniond::FromTwoVectors(link.rotation.col(2), axis).toRotationMatrix() * link.rotation;
+      link.rotation = RotationBetween(link.rotation.col(2), axis) * link.rotation;
     }
     const Matrix3<double> back = parent.rotation.transpose();
     text += std::string("  ") + kUrJoints[j].link + ":\n" +

@@ -2,11 +2,11 @@
 // or J1 = 0.0 deg, .... Section /MN: which motion goes where, and PAYLOAD[n], which names what hangs on the flange; its
 // numbers are in the controller.
 #include <algorithm>
-#include <regex>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
 #include "problems/io/programs/program_text.h"
 
 namespace sagitta {
@@ -34,32 +34,32 @@ class FanucReader {
 };
 
 bool FanucReader::NumberOf(const std::string& name, size_t begin, size_t end, TextNumber* number) const {
-  const std::regex field("(?:^|[\\s,:])" + name + "\\s*=\\s*([-+0-9.eE]+)\\s*(MM|DEG)");
+  const std::regex field = MakePattern("(?:^|[\\s,:])" + name + "\\s*=\\s*([-+0-9.eE]+)\\s*(MM|DEG)");
   std::smatch match;
   const auto from = code_.begin() + static_cast<std::ptrdiff_t>(begin),
              to = code_.begin() + static_cast<std::ptrdiff_t>(end);
-  if (!std::regex_search(from, to, match, field)) return false;
+  if (!SearchPattern(from, to, &match, field)) return false;
   const size_t at = begin + static_cast<size_t>(match.position(1));
   return NumberAt(code_, {at, at + static_cast<size_t>(match.length(1))}, number);
 }
 
 std::string FanucReader::FrameNumber(const std::string& name, const char* zero, size_t begin, size_t end) const {
-  const std::regex field("\\b" + name + "\\s*:\\s*(\\d+)");
+  const std::regex field = MakePattern("\\b" + name + "\\s*:\\s*(\\d+)");
   std::smatch match;
   const std::string text = code_.substr(begin, end - begin);
-  if (!std::regex_search(text, match, field)) return "";
+  if (!SearchPattern(text, &match, field)) return "";
   return match[1] == "0" ? zero : name + match[1].str();
 }
 
 // F or N: wrist flipped (joint 5 above 0) or not; U or D: elbow up, as at the zero pose, or down; T or B: wrist in
 // front of joint 1 or behind it; turns of joints.
 void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* point) const {
-  static const std::regex field(
+  static const std::regex field = MakePattern(
       "CONFIG\\s*:\\s*'\\s*([NF])?\\s*,?\\s*(?:[LR]\\s*,?\\s*)?([UD])?\\s*,?\\s*([TB])?\\s*,\\s*(-?\\d+)\\s*,\\s*(-?"
       "\\d+)\\s*,\\s*(-?\\d+)\\s*'");
   const std::string text = code_.substr(begin, end - begin);
   std::smatch match;
-  if (!std::regex_search(text, match, field)) {
+  if (!SearchPattern(text, &match, field)) {
     point->branch.from_before = true;
     return;
   }
@@ -77,23 +77,24 @@ void FanucReader::ReadConfiguration(size_t begin, size_t end, ProgramPoint* poin
 // The first motion to each point, and what hangs on the flange then.
 void FanucReader::ReadMotions(size_t end) {
   // PAYLOAD[2], PAYLOAD[R[3]], P[4], P[GP1:4]
-  static const std::regex step("\\b(PAYLOAD|P)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])");
+  static const std::regex step =
+      MakePattern("\\b(PAYLOAD|P)\\s*\\[\\s*(?:GP1\\s*:\\s*)?(\\d+|[A-Z]+\\s*\\[[^\\]]*\\])");
   const auto stop = code_.begin() + static_cast<std::ptrdiff_t>(end);
   std::string load;
   std::set<size_t> used;
-  for (auto match = std::sregex_iterator(code_.begin(), stop, step); match != std::sregex_iterator(); ++match) {
-    const size_t line = code_.rfind('\n', static_cast<size_t>(match->position(0))) + 1;
+  for (const std::smatch& match : AllMatches(code_.begin(), stop, step)) {
+    const size_t line = code_.rfind('\n', static_cast<size_t>(match.position(0))) + 1;
     const size_t remark = code_.find_first_not_of(" \t0123456789:", line);
     if (code_[remark] == '!') continue;
-    if ((*match)[1] == "PAYLOAD") {
-      load = "PAYLOAD[" + (*match)[2].str() + "]";
+    if (match[1] == "PAYLOAD") {
+      load = "PAYLOAD[" + match[2].str() + "]";
       continue;
     }
-    const auto found = named_.find("P[" + (*match)[2].str() + "]");
+    const auto found = named_.find("P[" + match[2].str() + "]");
     if (found == named_.end()) continue;
     ProgramPoint& point = program_.points[found->second];
     const bool is_first = used.insert(found->second).second;
-    if (is_first) point.used_at = static_cast<size_t>(match->position(0));
+    if (is_first) point.used_at = static_cast<size_t>(match.position(0));
     UseLoad(load, is_first, &point);
   }
 }
@@ -133,15 +134,14 @@ void FanucReader::Read() {
   program_.notation = PoseNotation::kWprDegrees;
   const size_t section = code_.find("/POS");
   if (section == std::string::npos) return;
-  static const std::regex head("\\bP\\s*\\[\\s*(\\d+)[^\\]]*\\]\\s*(\\{)");
-  for (auto match = std::sregex_iterator(code_.begin() + static_cast<std::ptrdiff_t>(section), code_.end(), head);
-       match != std::sregex_iterator(); ++match) {
-    const size_t open = section + static_cast<size_t>(match->position(2));
+  static const std::regex head = MakePattern("\\bP\\s*\\[\\s*(\\d+)[^\\]]*\\]\\s*(\\{)");
+  for (const std::smatch& match : AllMatches(code_.begin() + static_cast<std::ptrdiff_t>(section), code_.end(), head)) {
+    const size_t open = section + static_cast<size_t>(match.position(2));
     const size_t end = code_.find('}', open);
     if (end == std::string::npos) {
-      throw InputError({program_.path, LineAt(code_, open), "P[" + (*match)[1].str() + "]"}, "the brace is not closed");
+      throw InputError({program_.path, LineAt(code_, open), "P[" + match[1].str() + "]"}, "the brace is not closed");
     }
-    ReadPosition("P[" + (*match)[1].str() + "]", open, end);
+    ReadPosition("P[" + match[1].str() + "]", open, end);
   }
   ReadMotions(section);
 }

@@ -3,11 +3,11 @@
 // ...}, J {...}} with the centre of mass in the flange and all that hangs there in it, is $LOAD; BAS sets it beside
 // $TOOL. What the program changes as it runs (LOAD_DATA[1].M = 5, a second LOAD_DATA[1] = {...}) is not stated.
 #include <limits>
-#include <regex>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
 #include "problems/io/programs/program_text.h"
 
 namespace sagitta {
@@ -178,11 +178,12 @@ void KrlReader::StateLoad(const std::string& name, size_t open) {
 
 // $LOAD = ..., LOAD_DATA[1] = {...}, DECL LOAD GRIPPER = {...}
 bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
-  static const std::regex set("^\\s*\\$LOAD\\s*=\\s*(\\S.*?)\\s*$");
-  static const std::regex data("^\\s*\\$?(LOAD_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
-  static const std::regex named("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?LOAD\\s+(\\w+)()\\s*=\\s*(\\{)");
+  static const std::regex set = MakePattern("^\\s*\\$LOAD\\s*=\\s*(\\S.*?)\\s*$");
+  static const std::regex data = MakePattern("^\\s*\\$?(LOAD_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
+  static const std::regex named =
+      MakePattern("^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?LOAD\\s+(\\w+)()\\s*=\\s*(\\{)");
   std::smatch match;
-  if (std::regex_search(line, match, set)) {
+  if (SearchPattern(line, &match, set)) {
     load_ = match[1];
     const size_t at = begin + static_cast<size_t>(match.position(1));
     if (load_[0] != '{') return true;
@@ -190,7 +191,7 @@ bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
     StateLoad(load_, at);
     return true;
   }
-  if (!std::regex_search(line, match, data) && !std::regex_search(line, match, named)) return false;
+  if (!SearchPattern(line, &match, data) && !SearchPattern(line, &match, named)) return false;
   const std::string number = match[2];
   StateLoad(match[1].str() + (number.empty() ? "" : "[" + number + "]"),
             begin + static_cast<size_t>(match.position(3)));
@@ -199,21 +200,21 @@ bool KrlReader::ReadLoad(const std::string& line, size_t begin) {
 
 // $TOOL = ..., $BASE = ..., BAS(#TOOL, 1), TOOL_DATA[1] = {...}
 void KrlReader::ReadScene(const std::string& line, size_t begin) {
-  static const std::regex set("^\\s*\\$(TOOL|BASE)\\s*=\\s*(\\S.*?)\\s*$");
-  static const std::regex bas("BAS\\s*\\(\\s*#(TOOL|BASE)\\s*,\\s*(\\d+)\\s*\\)");
-  static const std::regex data("^\\s*(TOOL_DATA|BASE_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
+  static const std::regex set = MakePattern("^\\s*\\$(TOOL|BASE)\\s*=\\s*(\\S.*?)\\s*$");
+  static const std::regex bas = MakePattern("BAS\\s*\\(\\s*#(TOOL|BASE)\\s*,\\s*(\\d+)\\s*\\)");
+  static const std::regex data = MakePattern("^\\s*(TOOL_DATA|BASE_DATA)\\s*\\[\\s*(\\d+)\\s*\\]\\s*=\\s*(\\{)");
   std::smatch match;
-  if (std::regex_search(line, match, set)) {
+  if (SearchPattern(line, &match, set)) {
     const size_t at = begin + static_cast<size_t>(match.position(2));
     const bool is_tool = match[1] == "TOOL";
     (is_tool ? tool_ : base_) =
         NameOf(match[2], at, is_tool ? kFlange : kWorld, is_tool ? &program_.tools : &program_.frames);
-  } else if (std::regex_search(line, match, bas)) {
+  } else if (SearchPattern(line, &match, bas)) {
     const bool is_tool = match[1] == "TOOL";
     const std::string null_name = is_tool ? kFlange : kWorld;
     (is_tool ? tool_ : base_) = match[2] == "0" ? null_name : match[1].str() + "_DATA[" + match[2].str() + "]";
     if (is_tool) load_ = match[2] == "0" ? "" : "LOAD_DATA[" + match[2].str() + "]";
-  } else if (std::regex_search(line, match, data)) {
+  } else if (SearchPattern(line, &match, data)) {
     std::map<std::string, Pose<double>> one;
     const std::string written = "{";
     const std::string name = NameOf(written, begin + static_cast<size_t>(match.position(3)), kFlange, &one);
@@ -226,11 +227,11 @@ void KrlReader::ReadScene(const std::string& line, size_t begin) {
 
 // Other values of what is stated: LOAD_DATA[1].M = 5, TOOL_DATA[2] = X, GRIPPER.CM.X = 10, $TOOL.Z = 3.
 bool KrlReader::ReadChange(const std::string& line, size_t begin) {
-  static const std::regex change(
+  static const std::regex change = MakePattern(
       "^\\s*(?:\\$(TOOL|BASE|LOAD)|\\$?(TOOL|BASE|LOAD)_DATA\\s*\\[\\s*(\\w+)\\s*\\]|(\\w+))\\s*((?:\\.\\s*\\w+\\s*)*)"
       "=\\s*(?=\\S)");
   std::smatch match;
-  if (!std::regex_search(line, match, change)) return false;
+  if (!SearchPattern(line, &match, change)) return false;
   const bool is_part = match.length(5) > 0;
   const bool is_literal = !is_part && code_[begin + static_cast<size_t>(match.length(0))] == '{';
   if (match[1].matched) {
@@ -297,16 +298,16 @@ void KrlReader::ReadMotion(const std::string& word, size_t begin, size_t end) {
 
 void KrlReader::ReadLine(size_t begin, size_t end) {
   const std::string line = code_.substr(begin, end - begin);
-  static const std::regex declaration(
+  static const std::regex declaration = MakePattern(
       "^\\s*(?:DECL\\s+)?(?:GLOBAL\\s+)?(?:CONST\\s+)?(?:(E6POS|POS|FRAME|E6AXIS|AXIS|FDAT)\\s+)?([A-Z_$][\\w$]*)\\s*="
       "\\s*\\{");
-  static const std::regex motion("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\s+(?=\\S)");
+  static const std::regex motion = MakePattern("^\\s*(S?(?:PTP|LIN|CIRC)(?:_REL)?|SPL)\\s+(?=\\S)");
   std::smatch match;
-  if (std::regex_search(line, match, motion)) {
+  if (SearchPattern(line, &match, motion)) {
     ReadMotion(match[1], begin + static_cast<size_t>(match.position(0) + match.length(0)), end);
   } else if (ReadChange(line, begin)) {
     return;
-  } else if (std::regex_search(line, match, declaration) && match[2].str()[0] != '$') {
+  } else if (SearchPattern(line, &match, declaration) && match[2].str()[0] != '$') {
     const size_t open = begin + static_cast<size_t>(match.position(0) + match.length(0)) - 1;
     if (match[1] == "FDAT") {
       ReadFrameData(match[2], open);

@@ -3,11 +3,11 @@
 // flange is the tool's load, its centre of mass in the flange, and that of the last GripLoad, its centre of mass in the
 // tool.
 #include <optional>
-#include <regex>
 #include <set>
 
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
 #include "problems/io/programs/program_text.h"
 
 namespace sagitta {
@@ -142,10 +142,10 @@ std::string RapidReader::LoadWith(const std::string& tool, const std::string& to
 
 // GripLoad piece1;
 void RapidReader::ReadGripLoad(size_t begin, size_t end) {
-  static const std::regex grip("\\bGRIPLOAD\\s+(\\w+)");
+  static const std::regex grip = MakePattern("\\bGRIPLOAD\\s+(\\w+)");
   const std::string statement = upper_.substr(begin, end - begin);
   std::smatch match;
-  if (std::regex_search(statement, match, grip)) gripped_ = match[1] == "LOAD0" ? "" : match[1].str();
+  if (SearchPattern(statement, &match, grip)) gripped_ = match[1] == "LOAD0" ? "" : match[1].str();
 }
 
 // [robhold, ufprog, ufmec, uframe, oframe]
@@ -163,18 +163,16 @@ void RapidReader::AddWorkObject(const std::string& name, size_t open) {
 }
 
 void RapidReader::ReadDeclarations() {
-  static const std::regex declaration(
-      "\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA|LOADDATA)\\s+(\\w+)\\s*(\\{[^}]*\\})?\\s*:=\\s*(\\[)");
-  for (auto match = std::sregex_iterator(upper_.begin(), upper_.end(), declaration); match != std::sregex_iterator();
-       ++match) {
-    const size_t open = static_cast<size_t>(match->position(4));
-    const std::string name =
-        code_.substr(static_cast<size_t>(match->position(2)), static_cast<size_t>(match->length(2)));
+  static const std::regex declaration =
+      MakePattern("\\b(ROBTARGET|JOINTTARGET|TOOLDATA|WOBJDATA|LOADDATA)\\s+(\\w+)\\s*(\\{[^}]*\\})?\\s*:=\\s*(\\[)");
+  for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), declaration)) {
+    const size_t open = static_cast<size_t>(match.position(4));
+    const std::string name = code_.substr(static_cast<size_t>(match.position(2)), static_cast<size_t>(match.length(2)));
     if (EndOfBracket(code_, open) == std::string::npos) {
       throw InputError({program_.path, LineAt(code_, open), name}, "the brackets of this value are not closed");
     }
-    const std::string type = (*match)[1];
-    if ((*match)[3].matched) {
+    const std::string type = match[1];
+    if (match[3].matched) {
       if (type[0] == 'T' || type[0] == 'W' || type[0] == 'L') continue;
       ProgramPoint array;
       array.name = name;
@@ -198,13 +196,12 @@ void RapidReader::ReadDeclarations() {
 
 // gun.tload.mass := 7; piece := other;   a word before the name is a type only in a declaration.
 void RapidReader::ReadChanges() {
-  static const std::regex change("(?:\\b(\\w+)\\s+)?\\b(\\w+)((?:\\s*\\.\\s*\\w+)*)\\s*:=");
+  static const std::regex change = MakePattern("(?:\\b(\\w+)\\s+)?\\b(\\w+)((?:\\s*\\.\\s*\\w+)*)\\s*:=");
   static const std::set<std::string> types = {"TOOLDATA", "WOBJDATA", "LOADDATA"};
-  for (auto match = std::sregex_iterator(upper_.begin(), upper_.end(), change); match != std::sregex_iterator();
-       ++match) {
-    const size_t at = static_cast<size_t>(match->position(2));
-    if (types.count((*match)[1]) > 0 || (at > 0 && upper_[at - 1] == '\\')) continue;
-    const std::string name = (*match)[2], part = (*match)[3];
+  for (const std::smatch& match : AllMatches(upper_.begin(), upper_.end(), change)) {
+    const size_t at = static_cast<size_t>(match.position(2));
+    if (types.count(match[1]) > 0 || (at > 0 && upper_[at - 1] == '\\')) continue;
+    const std::string name = match[2], part = match[3];
     if (payloads_.count(name) > 0) stated_payloads_.Change(name, &payloads_);
     if (tool_loads_.count(name) > 0 && part.find("TFRAME") == std::string::npos) {
       stated_tool_loads_.Change(name, &tool_loads_);
@@ -232,25 +229,26 @@ void RapidReader::Use(ProgramPoint* point, const std::string& tool, const std::s
 
 // MoveL p10, v1000, z50, tool1 \WObj := wobj1
 bool RapidReader::ReadStatement(size_t begin, size_t end) {
-  static const std::regex motion("^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|SEARCH)(\\w*))\\s+");
-  static const std::regex object("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)");
-  static const std::regex tool_at_end("^(\\w+)");
-  static const std::regex total_load("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
+  static const std::regex motion =
+      MakePattern("^(?:[^;]*\\b(?:THEN|ELSE|DO)\\b)?\\s*((?:MOVE|TRIGG|SEARCH)(\\w*))\\s+");
+  static const std::regex object = MakePattern("\\\\\\s*WOBJ\\s*:=\\s*(\\w+)");
+  static const std::regex tool_at_end = MakePattern("^(\\w+)");
+  static const std::regex total_load = MakePattern("\\\\\\s*TLOAD\\s*:=\\s*(\\w+)");
   const std::string statement = upper_.substr(begin, end - begin);
   std::smatch match;
-  if (!std::regex_search(statement, match, motion)) return false;
+  if (!SearchPattern(statement, &match, motion)) return false;
   const bool is_joints = match[2] == "ABSJ";
   std::smatch with_object;
-  const std::string frame_name = std::regex_search(statement, with_object, object) ? with_object[1].str() : "WOBJ0";
+  const std::string frame_name = SearchPattern(statement, &with_object, object) ? with_object[1].str() : "WOBJ0";
   const std::string frame = frame_name == "WOBJ0" ? kWorld : frame_name;
   const std::vector<TextRange> parts = PartsOf(code_, begin + static_cast<size_t>(match.length(0)), end);
   const std::string last = upper_.substr(parts.back().first, parts.back().second - parts.back().first);
   std::smatch tool_match;
-  std::string tool = std::regex_search(last, tool_match, tool_at_end) ? tool_match[1].str() : "";
+  std::string tool = SearchPattern(last, &tool_match, tool_at_end) ? tool_match[1].str() : "";
   if (tool == "TOOL0") tool = kFlange;
   std::smatch total;
   const std::string load =
-      LoadWith(tool, std::regex_search(statement, total, total_load) ? total[1].str() : std::string());
+      LoadWith(tool, SearchPattern(statement, &total, total_load) ? total[1].str() : std::string());
   for (const TextRange& part : parts) {
     const std::string text = upper_.substr(part.first, part.second - part.first);
     if (!text.empty() && text[0] == '[') {  // "[...] \NoEOffs" too; speeds and zones in numbers are no targets
@@ -261,7 +259,7 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
       continue;
     }
     std::smatch word;
-    if (!std::regex_search(text, word, tool_at_end)) continue;
+    if (!SearchPattern(text, &word, tool_at_end)) continue;
     const auto found = named_.find(word[1]);
     if (found != named_.end()) Use(&program_.points[found->second], tool, frame, load);
     if (word[1] == "OFFS" || word[1] == "RELTOOL") {
@@ -269,7 +267,7 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
                                (word[1] == "OFFS" ? "Offs" : "RelTool") +
                                " goes on from a corrected point and takes over its correction");
       for (const auto& [name, index] : named_) {
-        if (std::regex_search(text, std::regex("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame, load);
+        if (SearchPattern(text, MakePattern("\\b" + name + "\\b"))) Use(&program_.points[index], tool, frame, load);
       }
     }
   }

@@ -9,6 +9,7 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/programs/program_text.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -186,14 +187,6 @@ std::vector<double> Values(const RobotProgram& program, const ProgramPoint& poin
   return values;
 }
 
-std::string Written(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  std::string number = text;
-  if (number.find_first_not_of("-0.") == std::string::npos && number[0] == '-') number.erase(0, 1);  // no -0.0000
-  return number;
-}
-
 }  // namespace
 
 std::string WithCorrectedPoints(const RobotProgram& program, const std::vector<CorrectedPoint>& corrected) {
@@ -202,7 +195,7 @@ std::string WithCorrectedPoints(const RobotProgram& program, const std::vector<C
     const ProgramPoint& point = program.points[static_cast<size_t>(c.point)];
     const std::vector<double> values = Values(program, point, c);
     for (size_t i = 0; i < point.numbers.size(); ++i) {
-      edits.emplace_back(point.numbers[i], Written(values[i], Decimals(program, point, i)));
+      edits.emplace_back(point.numbers[i], Fixed(values[i], Decimals(program, point, i)));
     }
   }
   std::sort(edits.begin(), edits.end(), [](const auto& a, const auto& b) { return a.first.begin < b.first.begin; });

@@ -3,10 +3,10 @@
 // hangs on the flange, in m of the flange; without the list its centre of mass is the tool centre point. After
 // set_payload_mass or set_payload_cog, which change a part of it, the user states it.
 #include <optional>
-#include <regex>
 #include <set>
 
 #include "problems/input_error.h"
+#include "problems/io/pattern.h"
 #include "problems/io/programs/program_text.h"
 
 namespace sagitta {
@@ -62,20 +62,19 @@ int UrReader::AddLiteral(const std::string& name, size_t at) {
 
 // name = p[...]: a target once a motion uses it.
 void UrReader::ReadAssignments() {
-  static const std::regex assignment(
-      "(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*=[ \\t]*(p?\\[)");
-  for (auto match = std::sregex_iterator(code_.begin(), code_.end(), assignment); match != std::sregex_iterator();
-       ++match) {
-    const int index = AddLiteral((*match)[1], static_cast<size_t>(match->position(2)));
+  static const std::regex assignment =
+      MakePattern("(?:^|\\n)[ \\t]*(?:global[ \\t]+|local[ \\t]+)?([A-Za-z_]\\w*)[ \\t]*=[ \\t]*(p?\\[)");
+  for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), assignment)) {
+    const int index = AddLiteral(match[1], static_cast<size_t>(match.position(2)));
     if (index < 0) continue;
-    if (named_.count((*match)[1]) > 0) {
-      for (const int again : {index, named_[(*match)[1]]}) {
+    if (named_.count(match[1]) > 0) {
+      for (const int again : {index, named_[match[1]]}) {
         program_.points[static_cast<size_t>(again)].untouched = "the variable is set more than once";
       }
       continue;
     }
     program_.points.back().untouched = "no motion in this file goes to it";
-    named_[(*match)[1]] = index;
+    named_[match[1]] = index;
   }
 }
 
@@ -149,14 +148,14 @@ void UrReader::ReadTarget(const std::string& motion, TextRange argument, bool on
 }
 
 void UrReader::ReadCalls() {
-  static const std::regex call(
+  static const std::regex call = MakePattern(
       "\\b(movej|movel|movep|movec|servoj|set_tcp|set_payload|set_payload_mass|set_payload_cog|set_target_payload)"
       "\\s*(\\()");
-  static const std::regex inverse("^get_inverse_kin\\s*\\(");
-  for (auto match = std::sregex_iterator(code_.begin(), code_.end(), call); match != std::sregex_iterator(); ++match) {
-    const size_t open = static_cast<size_t>(match->position(2));
+  static const std::regex inverse = MakePattern("^get_inverse_kin\\s*\\(");
+  for (const std::smatch& match : AllMatches(code_.begin(), code_.end(), call)) {
+    const size_t open = static_cast<size_t>(match.position(2));
     const size_t end = EndOfBracket(code_, open);
-    const std::string motion = (*match)[1];
+    const std::string motion = match[1];
     if (end == std::string::npos) {
       throw InputError({program_.path, LineAt(code_, open), motion}, "the bracket of this call is not closed");
     }
@@ -172,7 +171,7 @@ void UrReader::ReadCalls() {
     for (size_t i = 0; i < parts.size() && i < (motion == "movec" ? 2U : 1U); ++i) {
       const std::string text = code_.substr(parts[i].first, parts[i].second - parts[i].first);
       std::smatch kinematics;
-      if (!std::regex_search(text, kinematics, inverse)) {
+      if (!SearchPattern(text, &kinematics, inverse)) {
         ReadTarget(motion, parts[i], false);
         continue;
       }

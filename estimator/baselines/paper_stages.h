@@ -1,4 +1,4 @@
-// The two steps of the papers as printed, for the baselines of two_step.h.
+// The two stages of the papers as printed, for the baselines of two_step.h.
 #pragma once
 
 #include <vector>
@@ -7,19 +7,19 @@
 
 namespace sagitta {
 
-// What the alternation carries from step to step. The literal base I + [r] is no
+// What the alternation carries from stage to stage. The literal base I + [r] is no
 // rotation, so it stands beside the parameters.
-struct StepState {
+struct StageState {
   ParameterSet parameters;
-  std::vector<Pose<double>> bases;  // base_in_station as the steps use it
+  std::vector<Pose<double>> bases;  // base_in_station as the stages use it
 };
 
-struct StepContext {
+struct StageContext {
   const CalibrationProblem& problem;
   std::vector<int> observations;
   NoiseRoots noise;
-  std::vector<int> base_and_markers;  // coordinates of step 1
-  std::vector<int> geometry;          // coordinates of step 2
+  std::vector<int> base_and_markers;  // coordinates of stage 1
+  std::vector<int> geometry;          // coordinates of stage 2
 
   const Observation& observation(size_t k) const { return problem.data().observations[observations[k]]; }
   const Shot& shot(size_t k) const { return problem.data().shots[observation(k).shot]; }
@@ -30,13 +30,13 @@ bool SolveScaled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::Vect
 
 // Eq. (9)-(16) about identity. False when singular or an equilibrium diverges, as
 // below.
-bool LiteralStepOne(const StepContext& context, StepState* state);
+bool LiteralStageOne(const StageContext& context, StageState* state);
 
 // The same equations on the points pulled back through the current base.
-bool RelinearisedStepOne(const StepContext& context, StepState* state);
+bool RelinearisedStageOne(const StageContext& context, StageState* state);
 
 // Eq. (17)-(20): linear in the geometric errors about their current values, with
-// base I + [r] and markers as step 1 left them.
-bool LiteralStepTwo(const StepContext& context, StepState* state);
+// base I + [r] and markers as stage 1 left them.
+bool LiteralStageTwo(const StageContext& context, StageState* state);
 
 }  // namespace sagitta

@@ -1,4 +1,4 @@
-#include "estimator/diagnosis/steps.h"
+#include "estimator/diagnosis/selected_effects.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -58,54 +58,54 @@ Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* co
 
 }  // namespace
 
-std::vector<SelectedEffect> StepsOf(const Evidence& evidence, const WeightedModel& model,
-                                    const DiagnosedModel& lacking) {
+std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const WeightedModel& model,
+                                              const DiagnosedModel& lacking) {
   const ExplanationList& list = evidence.list();
   const SetSearch search = evidence.SearchIn(model.view);
   const double whole = search.Evaluate(model.set.members, model.set.scales).log_weight;
-  std::vector<SelectedEffect> steps;
+  std::vector<SelectedEffect> effects;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
     const int member = model.set.members[k];
     if (list.IsUnnamed(member)) continue;
-    SelectedEffect step;
-    step.explanation = member;
-    step.candidate = list.candidates[list.candidate[member]];
-    if (IsGravityCompensator(step.candidate.spec)) {
-      step.candidate.spec = SeededSpring(evidence, model, member, lacking);
+    SelectedEffect effect;
+    effect.explanation = member;
+    effect.candidate = list.candidates[list.candidate[member]];
+    if (IsGravityCompensator(effect.candidate.spec)) {
+      effect.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
-    step.fit = FitOf(evidence, model, member);
-    step.candidate.poorly_determined = step.fit.poorly_determined;
-    step.candidate.loose = step.fit.loose;
+    effect.fit = FitOf(evidence, model, member);
+    effect.candidate.poorly_determined = effect.fit.poorly_determined;
+    effect.candidate.loose = effect.fit.loose;
     std::vector<int> others = model.set.members;
     std::vector<double> scales = model.set.scales;
     others.erase(others.begin() + static_cast<long>(k));
     scales.erase(scales.begin() + static_cast<long>(k));
-    step.loss = whole - search.Evaluate(others, scales).log_weight;
-    steps.push_back(std::move(step));
+    effect.loss = whole - search.Evaluate(others, scales).log_weight;
+    effects.push_back(std::move(effect));
   }
-  std::stable_sort(steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.loss > b.loss; });
-  return steps;
+  std::stable_sort(effects.begin(), effects.end(), [](const auto& a, const auto& b) { return a.loss > b.loss; });
+  return effects;
 }
 
-std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& step,
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& effect,
                                      const DiagnosedModel& lacking) {
   std::vector<int> shapes;
-  for (const NamedProbability& shape : ShapesInPlaceOf(evidence, model, step.explanation)) {
-    if (shape.explanation != step.explanation) shapes.push_back(shape.explanation);
+  for (const NamedProbability& shape : ShapesInPlaceOf(evidence, model, effect.explanation)) {
+    if (shape.explanation != effect.explanation) shapes.push_back(shape.explanation);
   }
   shapes.resize(std::min(shapes.size(), kMostSprings));
   std::vector<EffectSpec> springs;
   for (const int shape : shapes) {
     WeightedModel with = model;
-    std::replace(with.set.members.begin(), with.set.members.end(), step.explanation, shape);
+    std::replace(with.set.members.begin(), with.set.members.end(), effect.explanation, shape);
     springs.push_back(SeededSpring(evidence, with, shape, lacking));
   }
   return springs;
 }
 
-std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& steps) {
+std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects) {
   std::vector<Candidate> candidates;
-  for (const SelectedEffect& step : steps) candidates.push_back(step.candidate);
+  for (const SelectedEffect& effect : effects) candidates.push_back(effect.candidate);
   return candidates;
 }
 
@@ -116,15 +116,16 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
   return std::min(1.0, tests * p);
 }
 
-ParameterSet AlignedWith(const std::vector<SelectedEffect>& steps, const ParameterSet& extended,
+ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const ParameterSet& extended,
                          const ParameterSet& nominal) {
   ParameterSet aligned = extended;
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(aligned.num_coordinates());
   for (int i = 0; i < aligned.num_coordinates(); ++i) {
-    const std::string& name = aligned.coordinates()[i].name;
-    const bool is_shape = name.rfind("compensator/", 0) == 0 && name != "compensator/Kc";
-    const bool is_new = std::any_of(steps.begin(), steps.end(), [&](const SelectedEffect& step) {
-      return IsParameterOf(step.candidate.spec, name);
+    const Coordinate& coordinate = aligned.coordinates()[i];
+    const bool is_shape =
+        coordinate.kind == CoordinateKind::kCompensator && coordinate.compensator_part != CompensatorPart::kKc;
+    const bool is_new = std::any_of(effects.begin(), effects.end(), [&](const SelectedEffect& effect) {
+      return IsParameterOf(effect.candidate.spec, coordinate.name);
     });
     if (is_new && !is_shape) delta[i] = -aligned.Value(i);
   }
@@ -180,20 +181,20 @@ bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double si
                                           3.0 * static_cast<double>(held_out)) < 0.1 * significance;
 }
 
-std::vector<StepGroup> GroupSteps(const std::vector<DiagnosisStep>& steps, const DiagnosedModel& lacking,
-                                  const DiagnosedModel& baseline, const DiagnosedModel& final,
-                                  const JointOptions& joint) {
-  std::vector<StepGroup> groups;
-  for (size_t k = 0; k < steps.size(); ++k) {
-    const std::string& effect = steps[k].candidate.spec.effect;
+std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, const DiagnosedModel& lacking,
+                                      const DiagnosedModel& baseline, const DiagnosedModel& final,
+                                      const JointOptions& joint) {
+  std::vector<EffectGroup> groups;
+  for (size_t k = 0; k < effects.size(); ++k) {
+    const std::string& effect = effects[k].candidate.spec.effect;
     auto own =
-        std::find_if(groups.begin(), groups.end(), [&](const StepGroup& group) { return group.effect == effect; });
+        std::find_if(groups.begin(), groups.end(), [&](const EffectGroup& group) { return group.effect == effect; });
     if (own == groups.end() && groups.size() == kMostGroups) {
       own = groups.end() - 1;
       own->effect = "others";
     }
-    if (own == groups.end()) own = groups.insert(groups.end(), StepGroup{effect, {}, kNotKnown});
-    own->steps.push_back(static_cast<int>(k));
+    if (own == groups.end()) own = groups.insert(groups.end(), EffectGroup{effect, {}, kNotKnown});
+    own->effects.push_back(static_cast<int>(k));
   }
   if (baseline.estimate.validation.observations == 0) return groups;
   std::vector<int> counts;
@@ -206,7 +207,7 @@ std::vector<StepGroup> GroupSteps(const std::vector<DiagnosisStep>& steps, const
   double last = all;
   std::vector<Candidate> added;
   for (size_t g = 0; g < groups.size() && all > 0.0; ++g) {
-    for (const int k : groups[g].steps) added.push_back(steps[static_cast<size_t>(k)].candidate);
+    for (const int k : groups[g].effects) added.push_back(effects[static_cast<size_t>(k)].candidate);
     const DiagnosedModel here = g + 1 == groups.size() ? final : Extend(lacking, added, joint);
     if (!IsUsable(here.estimate.status)) continue;
     const double now = beyond_floor(here);

@@ -1,5 +1,5 @@
-// What is asked of a step of the most probable set, from the same normal equations: what else would take its place, and
-// is it named and estimated alike on two disjoint halves of the data?
+// What is asked of an effect of the most probable set, from the same normal equations: what else would take its place,
+// and is it named and estimated alike on two disjoint halves of the data?
 #pragma once
 
 #include <vector>
@@ -11,16 +11,16 @@ namespace sagitta {
 struct Alternative {
   EffectSpec spec;
   double probability = 0.0;  // over all sets
-  double overlap = 0.0;      // share of the step's chi-square reduction that it reproduces
+  double overlap = 0.0;      // share of the effect's chi-square reduction that it reproduces
 };
 
-// Probability of each name in the step's place, given the others of the set: most probable first, the step's own
+// Probability of each name in the effect's place, given the others of the set: most probable first, the effect's own
 // included, unnamed ones too.
 std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
 // Explanations of the member's own name in its place, best first; `probability` is a log weight.
 std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
 
-// Those of the catalogue with a probability of kWorthListing or more in the step's place.
+// Those of the catalogue with a probability of kWorthListing or more in the effect's place.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
                                           const WeightedModel& model, int member,
                                           const std::vector<NamedProbability>& in_place);
@@ -39,7 +39,7 @@ struct MemberFit {
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model);
 MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member);
 
-// The step's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the
+// The effect's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the
 // others given; and what the half says of its parameters, in typical sizes.
 struct HalfResult {
   double probability = 0.0;
@@ -48,7 +48,7 @@ struct HalfResult {
   Eigen::MatrixXd covariance;
 };
 
-// Do two halves of the poses say the same of a step?
+// Do two halves of the poses say the same of an effect?
 struct Confirmation {
   std::vector<HalfResult> halves;
   double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare

@@ -1,4 +1,4 @@
-#include "estimator/diagnosis/step_view.h"
+#include "estimator/diagnosis/effect_view.h"
 
 #include <algorithm>
 #include <map>
@@ -35,8 +35,9 @@ Eigen::VectorXd Contribution(const DiagnosedModel& with, const EffectSpec& spec,
   const bool spring = IsGravityCompensator(spec);
   Eigen::VectorXd contribution = Eigen::VectorXd::Zero(here.num_rows());
   for (int c = 0; c < here.num_columns(); ++c) {
-    const std::string& name = with.estimate.parameters.coordinates()[here.columns[c]].name;
-    if (!IsParameterOf(spec, name) || (spring && name != "compensator/Kc")) continue;
+    const Coordinate& coordinate = with.estimate.parameters.coordinates()[here.columns[c]];
+    if (!IsParameterOf(spec, coordinate.name)) continue;
+    if (spring && coordinate.compensator_part != CompensatorPart::kKc) continue;
     contribution += here.jacobian.col(c) * with.estimate.parameters.Value(here.columns[c]);
   }
   return contribution;
@@ -48,12 +49,12 @@ struct VisitSums {
 
 }  // namespace
 
-StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
+EffectView ViewEffect(const DiagnosedModel& with, const EffectSpec& spec) {
   const CalibrationProblem& problem = *with.problem;
   const Linearization here = LinearizeEstimate(problem, with.estimate.parameters);
   const Eigen::VectorXd contribution = Contribution(with, spec, here);
   const Driver driver = DriverOf(problem, spec);
-  StepView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
+  EffectView view{driver.name, driver.unit, "share of what was found", "", {}, {}, {}};
   Eigen::VectorXd along = contribution;
   const int joint = problem.robot().chain.FindJoint(spec.target);
   if (joint >= 0) {
@@ -62,7 +63,7 @@ StepView ViewStep(const DiagnosedModel& with, const EffectSpec& spec) {
     view.quantity = "deviation of " + spec.target;
     view.unit = turns ? "urad" : "um";
   }
-  // Residuals are predicted - measured: without the step they would be lower by its contribution.
+  // Residuals are predicted - measured: without the effect they would be lower by its contribution.
   std::map<int, VisitSums> visits;
   for (size_t k = 0; k < here.observations.size(); ++k) {
     const int s = problem.data().observations[here.observations[k]].shot;

@@ -1,4 +1,4 @@
-#include "estimator/diagnosis/step_checks.h"
+#include "estimator/diagnosis/effect_checks.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -19,7 +19,7 @@ constexpr double kPoorlyDetermined = 0.2;
 // Of the same: above, the prior stays in the refit. Below, a tenth of its width, it would move a value of three typical
 // sizes by less than a third of its standard deviation, and is left out.
 constexpr double kPriorMatters = 0.01;
-constexpr double kTakesItsPlace = 0.5;  // of what the step explains
+constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
 WeightedSet Without(const Evidence& evidence, const WeightedModel& model, int member) {
@@ -110,7 +110,7 @@ std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const We
   return shapes;
 }
 
-// With c = A a the step's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
+// With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
 std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
                                           const WeightedModel& model, int member,
                                           const std::vector<NamedProbability>& in_place) {
@@ -166,7 +166,7 @@ MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member
   const Eigen::MatrixXd precision =
       information + Eigen::MatrixXd::Identity(information.rows(), information.cols()) / variance;
   const Eigen::VectorXd left =
-      precision.llt().solve(Eigen::MatrixXd::Identity(precision.rows(), precision.cols())).diagonal();
+      precision.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(precision.rows(), precision.cols()))).diagonal();
   for (long c = 0; c < left.size(); ++c) {
     const std::string& name = evidence.columns().Name(own.columns[static_cast<size_t>(c)]);
     if (left[c] > kPoorlyDetermined * variance) fit.poorly_determined.push_back(name);
@@ -225,7 +225,8 @@ Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int m
   confirmation.compatible_p = std::numeric_limits<double>::quiet_NaN();
   if (confirmation.halves.size() < 2) return confirmation;
   const Eigen::VectorXd apart = confirmation.halves[0].values - confirmation.halves[1].values;
-  const Eigen::LLT<Eigen::MatrixXd> joint(confirmation.halves[0].covariance + confirmation.halves[1].covariance);
+  const Eigen::LLT<Eigen::MatrixXd> joint(
+      Eigen::MatrixXd(confirmation.halves[0].covariance + confirmation.halves[1].covariance));
   if (joint.info() == Eigen::Success) {
     confirmation.compatible_p = ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
   }

@@ -1,4 +1,4 @@
-// From the most probable set to steps: effects in order of strength, refitted, and judged on untouched rows.
+// From the most probable set to effects: effects in order of strength, refitted, and judged on untouched rows.
 #pragma once
 
 #include <vector>
@@ -17,12 +17,12 @@ struct SelectedEffect {
 
 // The catalogue's effects of the set, strongest first; a compensator starts from the spring of its shape that the data
 // ask for.
-std::vector<SelectedEffect> StepsOf(const Evidence& evidence, const WeightedModel& model,
-                                    const DiagnosedModel& lacking);
-// Springs of the next most probable shapes in a step's place, best first.
-std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& step,
+std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const WeightedModel& model,
+                                              const DiagnosedModel& lacking);
+// Springs of the next most probable shapes in an effect's place, best first.
+std::vector<EffectSpec> OtherSprings(const Evidence& evidence, const WeightedModel& model, const SelectedEffect& effect,
                                      const DiagnosedModel& lacking);
-std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& steps);
+std::vector<Candidate> CandidatesOf(const std::vector<SelectedEffect>& effects);
 
 // P of a reduction by chance, the best of so many tests: chi-square in the noise that is stated; F in units of the
 // scatter that is left (chi-square per degree of freedom, dof of them) where that is more, or where none is stated.
@@ -30,11 +30,11 @@ double CorrectedP(double reduction, int parameters, double scatter, int dof, boo
 
 // What the extended model was before anything was fitted: the aligned nominal robot, effects neutral. A spring without
 // rate does nothing, whatever its shape.
-ParameterSet AlignedWith(const std::vector<SelectedEffect>& steps, const ParameterSet& extended,
+ParameterSet AlignedWith(const std::vector<SelectedEffect>& effects, const ParameterSet& extended,
                          const ParameterSet& nominal);
 bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
 
-// P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against a step.
+// P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against an effect.
 double WaldP(const EffectSpec& spec, const Estimate& estimate);
 
 // Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
@@ -43,8 +43,8 @@ bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after
 // Whether untouched rows scatter more than noise and parameters explain, beyond chance at this level.
 bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance);
 
-std::vector<StepGroup> GroupSteps(const std::vector<DiagnosisStep>& steps, const DiagnosedModel& lacking,
-                                  const DiagnosedModel& baseline, const DiagnosedModel& final,
-                                  const JointOptions& joint);
+std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, const DiagnosedModel& lacking,
+                                      const DiagnosedModel& baseline, const DiagnosedModel& final,
+                                      const JointOptions& joint);
 
 }  // namespace sagitta

@@ -1,4 +1,4 @@
-#include "estimator/baselines/paper_steps.h"
+#include "estimator/baselines/paper_stages.h"
 
 #include <Eigen/QR>
 
@@ -7,7 +7,7 @@ namespace {
 
 // T_robot(q, theta, Pi) of every listed observation: p_robot, R_robot of eq. (13),
 // deflections theta at the current base. False when an equilibrium diverges.
-bool RobotPoses(const StepContext& context, const ParameterSet& parameters, std::vector<Pose<double>>* poses) {
+bool RobotPoses(const StageContext& context, const ParameterSet& parameters, std::vector<Pose<double>>* poses) {
   const std::vector<double> theta = parameters.ModelValues();
   int evaluated = -1;
   for (size_t k = 0; k < context.observations.size(); ++k) {
@@ -26,13 +26,13 @@ bool RobotPoses(const StepContext& context, const ParameterSet& parameters, std:
 }
 
 // The unknowns of eq. (15): p_base and r_base per station, u_tool per marker.
-struct StepOneSolution {
+struct StageOneSolution {
   std::vector<Vector3<double>> p_base, r_base, u_tool;
 };
 
 // Eq. (12) and (16), whitened, solved as eq. (15), on the points as measured or
 // pulled back through the current base.
-bool SolveStepOne(const StepContext& context, const StepState& state, bool pull_back, StepOneSolution* solution) {
+bool SolveStageOne(const StageContext& context, const StageState& state, bool pull_back, StageOneSolution* solution) {
   const int stations = state.parameters.num_stations();
   const int markers = state.parameters.num_markers();
   std::vector<Pose<double>> robot;
@@ -62,8 +62,8 @@ bool SolveStepOne(const StepContext& context, const StepState& state, bool pull_
 }
 
 // p_tool = R_base^T u_tool, after eq. (16); the mean over stations, by rows.
-void SetMarkers(const StepContext& context, const StepOneSolution& solution,
-                const std::vector<Matrix3<double>>& rotations, StepState* state) {
+void SetMarkers(const StageContext& context, const StageOneSolution& solution,
+                const std::vector<Matrix3<double>>& rotations, StageState* state) {
   const int markers = state->parameters.num_markers();
   std::vector<Vector3<double>> sum(markers, Vector3<double>::Zero());
   std::vector<int> rows(markers, 0);
@@ -89,9 +89,9 @@ bool SolveScaled(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::Vect
   return x->allFinite();
 }
 
-bool LiteralStepOne(const StepContext& context, StepState* state) {
-  StepOneSolution solution;
-  if (!SolveStepOne(context, *state, false, &solution)) return false;
+bool LiteralStageOne(const StageContext& context, StageState* state) {
+  StageOneSolution solution;
+  if (!SolveStageOne(context, *state, false, &solution)) return false;
   std::vector<Matrix3<double>> rotations;
   for (size_t s = 0; s < solution.r_base.size(); ++s) {
     rotations.push_back(Skew(solution.r_base[s]) + Matrix3<double>::Identity());  // Eq. (9)
@@ -102,9 +102,9 @@ bool LiteralStepOne(const StepContext& context, StepState* state) {
   return true;
 }
 
-bool RelinearisedStepOne(const StepContext& context, StepState* state) {
-  StepOneSolution solution;
-  if (!SolveStepOne(context, *state, true, &solution)) return false;
+bool RelinearisedStageOne(const StageContext& context, StageState* state) {
+  StageOneSolution solution;
+  if (!SolveStageOne(context, *state, true, &solution)) return false;
   std::vector<Matrix3<double>> rotations;
   for (size_t s = 0; s < solution.r_base.size(); ++s) {
     rotations.push_back(RotationFromVector(solution.r_base[s]));
@@ -116,7 +116,7 @@ bool RelinearisedStepOne(const StepContext& context, StepState* state) {
   return true;
 }
 
-bool LiteralStepTwo(const StepContext& context, StepState* state) {
+bool LiteralStageTwo(const StageContext& context, StageState* state) {
   if (context.geometry.empty()) return true;
   const CalibrationProblem& problem = context.problem;
   const std::vector<double> theta = state->parameters.ModelValues();

@@ -1,0 +1,21 @@
+#include "estimator/results/json_numbers.h"
+
+#include <cmath>
+
+#include "problems/io/units.h"
+
+namespace sagitta {
+
+using Json = nlohmann::ordered_json;
+
+Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json Millimetres(double metres) {
+  return std::isfinite(metres) ? Json(ToUnit(metres, UnitNamed("mm"))) : Json(nullptr);
+}
+
+Json Millimetres(const Vector3<double>& metres) {
+  return Json::array({Millimetres(metres.x()), Millimetres(metres.y()), Millimetres(metres.z())});
+}
+
+}  // namespace sagitta
