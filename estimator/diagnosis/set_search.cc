@@ -12,6 +12,9 @@ constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr double kWorthExploring = 4.0;
 constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
+// Explanations at once: the prior has 0.3^20 = 3e-11 for more. Data that ask for more of them, which those of a large
+// enough campaign always do, show what the catalogue does not hold, and a sum of so many is no explanation.
+constexpr size_t kMostMembers = 20;
 constexpr size_t kAveragedTogether = 3;  // members: 5^3 combinations; of more, each beside the best of the others
 constexpr double kUnsettled = 1e-3;      // of the probability: a tenth of what is reported
 constexpr size_t kFewMoves = 8;          // of as many members the inverse costs less anew
@@ -289,7 +292,7 @@ WeightedSet SetSearch::Settled(const WeightedSet& set, const Members* conditione
 }
 
 void SetSearch::Expand(const WeightedSet& given) {
-  if (!expanded_.emplace(given.members, true).second) return;
+  if (!expanded_.emplace(given.members, true).second || given.members.size() >= kMostMembers) return;
   std::vector<double> scales;
   const std::vector<double> weights = AdditionsTo(given, SweepOf(given), &scales);
   const double most = std::max(BestWeight(), *std::max_element(weights.begin(), weights.end()));

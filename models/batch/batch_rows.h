@@ -2,7 +2,7 @@
 //
 // The same mathematics as ForwardModel::Predict, arranged for many shots at once:
 //
-//   equilibrium   Newton on u = f(u) until the step is below 1e-8; the step that is left moves the points to first
+//   equilibrium   Newton on u = f(u) until the step is below 1e-10; the step that is left moves the points to first
 //                 order, so that they are exact to its square
 //   columns       everything that moves a slot by d f bends the arm by the twist H d f,  H = Xi (I - F_u)^-1, Xi the
 //                 slots' twists; a column is the twist of the flange per unit of its parameter,

@@ -23,7 +23,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sagitta {
 namespace HWY_NAMESPACE {
 
-constexpr double kSettled = 1e-8;     // rad or m: what is left then is added to first order, 1e-16
+constexpr double kSettled = 1e-10;    // rad or m: what is left is added to first order; derivatives keep as much
 constexpr double kFoldedLanes = 0.5;  // rad or m: the reference looks closer
 constexpr int kMostNewtonSteps = 8;
 

@@ -143,11 +143,11 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
   OnEveryInstructionSet(check);
 }
 
-// Points are exact to the square of the Newton step that is left, 1e-8, derivatives to that step. How much of it is
+// Points are exact to the square of the Newton step that is left, 1e-10, derivatives to that step. How much of it is
 // left depends on how many shots a register holds: all of its lanes go on until the last has settled. Of a stiff arm
 // the first step leaves nothing.
 void ExpectBatchIsTheModel(const BatchCase& setup, int seed) {
-  ExpectBatchIsTheModel(setup, seed, 1.0, 1e-6);
+  ExpectBatchIsTheModel(setup, seed, 1.0, 1e-8);
   ExpectBatchIsTheModel(setup, seed, 1e-4, 3e-12);
 }
 
