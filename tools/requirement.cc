@@ -2,6 +2,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "tools/command_line.h"
 
@@ -14,24 +15,20 @@ using Json = nlohmann::ordered_json;
   throw InputError({"", 0, "--require"}, what, hint);
 }
 
-std::string Trimmed(const std::string& text) {
-  const size_t first = text.find_first_not_of(' ');
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
 Requirement ParseRequirement(const std::string& text) {
   const std::string example = "for example --require='validation.distance_rms_mm<0.3'";
   const size_t begin = text.find_first_of("<>=");
   if (begin == std::string::npos) Fail("'" + text + "' compares nothing", example);
   const size_t end = text.find_first_not_of("<>=", begin);
   Requirement requirement;
-  requirement.text = Trimmed(text);
-  requirement.path = Trimmed(text.substr(0, begin));
+  requirement.text = std::string(Trimmed(text, " "));
+  requirement.path = std::string(Trimmed(text.substr(0, begin), " "));
   requirement.comparison = text.substr(begin, end == std::string::npos ? end : end - begin);
   const std::string& c = requirement.comparison;
   if (c != "<" && c != "<=" && c != ">" && c != ">=" && c != "==")
     Fail("'" + c + "' compares nothing", "use < <= > >= ==");
-  const std::optional<double> bound = ParseNumber(end == std::string::npos ? "" : Trimmed(text.substr(end)));
+  const std::optional<double> bound =
+      ParseNumber(end == std::string::npos ? "" : std::string(Trimmed(text.substr(end), " ")));
   if (requirement.path.empty() || !bound) Fail("'" + text + "' is no requirement", example);
   requirement.bound = *bound;
   return requirement;

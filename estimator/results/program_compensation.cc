@@ -11,6 +11,7 @@
 #include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
 
@@ -19,10 +20,7 @@ namespace {
 
 constexpr const char* kDefault = "default";
 
-std::string WithoutBlanks(const std::string& text) {
-  const size_t first = text.find_first_not_of(" \t\n");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
-}
+std::string WithoutBlanks(const std::string& text) { return std::string(Trimmed(text)); }
 
 // A frame or tool by its name in the file.
 class Scene {

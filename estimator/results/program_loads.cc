@@ -3,6 +3,7 @@
 #include "estimator/report/results_load_words.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/text.h"
 
@@ -103,10 +104,7 @@ std::vector<std::pair<std::string, std::vector<double>>> NamedNumbers(const std:
                                                                       size_t count, const std::string& hint) {
   std::vector<std::pair<std::string, std::vector<double>>> named;
   if (text.empty()) return named;
-  const auto trimmed = [](const std::string& part) {
-    const size_t first = part.find_first_not_of(" \t\n");
-    return first == std::string::npos ? "" : part.substr(first, part.find_last_not_of(" \t\n") - first + 1);
-  };
+  const auto trimmed = [](const std::string& part) { return std::string(Trimmed(part)); };
   for (const std::string& entry : SplitText(text, ';')) {
     const size_t equals = entry.rfind('=');
     const std::string name = trimmed(entry.substr(0, equals));

@@ -7,18 +7,13 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
+#include "problems/io/trimmed.h"
 #include "problems/limits.h"
 
 namespace sagitta {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view Trimmed(std::string_view text) {
-  const size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 struct Line {
   std::string_view text;
@@ -33,7 +28,7 @@ class LineReader {
   bool Next(Line* line) {
     while (!rest_.empty()) {
       const size_t end = rest_.find('\n');
-      const std::string_view text = Trimmed(rest_.substr(0, end));
+      const std::string_view text = Trimmed(rest_.substr(0, end), kBlanks);
       rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
       ++number_;
       if (text.empty() || text.front() == '#') continue;
@@ -64,7 +59,7 @@ bool TakeQuotedCell(std::string_view* rest, std::string* cell) {
   if (i >= rest->size()) return false;
   const size_t comma = rest->find(',', i);
   const std::string_view after = rest->substr(i + 1, comma == std::string_view::npos ? comma : comma - i - 1);
-  if (!Trimmed(after).empty()) return false;
+  if (!Trimmed(after, kBlanks).empty()) return false;
   *rest = comma == std::string_view::npos ? std::string_view() : rest->substr(comma);
   return true;
 }
@@ -121,7 +116,7 @@ void ForEachCell(const std::string& path, const Line& line, std::string* quoted,
       cell = *quoted;
     } else {
       const size_t comma = rest.find(',');
-      cell = Trimmed(rest.substr(0, comma));
+      cell = Trimmed(rest.substr(0, comma), kBlanks);
       rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma);
     }
     if (!cell.empty() && cell.front() == '\'') {
@@ -147,7 +142,7 @@ void ForEachPlainCell(std::string_view line, const Take& take) {
     while (last != end && *last != ',') ++last;
     const std::string_view cell(first, static_cast<size_t>(last - first));
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    take(!cell.empty() && (is_blank(cell.front()) || is_blank(cell.back())) ? Trimmed(cell) : cell);
+    take(!cell.empty() && (is_blank(cell.front()) || is_blank(cell.back())) ? Trimmed(cell, kBlanks) : cell);
     if (last == end) return;
     first = last + 1;
   }

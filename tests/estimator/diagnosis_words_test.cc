@@ -16,15 +16,15 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-FoundEffect Effect(const std::string& effect, const std::string& target, double probability) {
-  FoundEffect effect;
-  effect.candidate.spec = {effect, target, {}, {}};
-  if (effect == "joint_harmonic") effect.candidate.spec.settings["order"] = "1";
-  effect.probability = probability;
-  return effect;
+FoundEffect Found(const std::string& effect, const std::string& target, double probability) {
+  FoundEffect found;
+  found.candidate.spec = {effect, target, {}, {}};
+  if (effect == "joint_harmonic") found.candidate.spec.settings["order"] = "1";
+  found.probability = probability;
+  return found;
 }
 
-// 41 effects of six effects on a robot whose gap is closed by 90 %.
+// 41 uses of six effects on a robot whose gap is closed by 90 %.
 Diagnosis Large() {
   Diagnosis d;
   d.verdict = DiagnosisVerdict::kPartly;
@@ -39,7 +39,7 @@ Diagnosis Large() {
     const size_t g = std::min<size_t>(k / 8, effects.size() - 1);
     if (g == d.groups.size()) d.groups.push_back({effects[g], {}, 0.5 / (1 << g)});
     d.groups[g].effects.push_back(k);
-    d.effects.push_back(Effect(effects[g], "A" + std::to_string(k % 6 + 1), 0.99 - 0.001 * k));
+    d.effects.push_back(Found(effects[g], "A" + std::to_string(k % 6 + 1), 0.99 - 0.001 * k));
   }
   d.gap.before = 2e-4;
   d.gap.after = 6e-5;

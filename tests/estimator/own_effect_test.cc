@@ -108,8 +108,8 @@ TEST(OwnEffect, IsFoundByScreeningAndNamed) {
   ASSERT_FALSE(diagnosis.candidates.empty());
   EXPECT_EQ(diagnosis.candidates[0].spec.Path(), kPath);
   EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kExplained);
-  ASSERT_EQ(diagnosis.steps.size(), 1u);
-  EXPECT_EQ(diagnosis.steps[0].candidate.spec.Path(), kPath);
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_EQ(diagnosis.effects[0].candidate.spec.Path(), kPath);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "problems/io/trimmed.h"
+
 namespace sagitta {
 namespace {
 
@@ -25,28 +27,24 @@ bool MayFollowAName(const std::string& word) {
   return word != "c" && word != "n" && word != "grad" && word != "sec" && word != "s" && word != "°c";
 }
 
-std::string Trimmed(const std::string& text) {
-  const size_t first = text.find_first_not_of(" \t_");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t_") - first + 1);
-}
+std::string WithoutBars(const std::string& text) { return std::string(Trimmed(text, " \t_")); }
 
 // {name as written, unit}; the unit "" where none is stated.
 std::pair<std::string, std::string> Separated(const std::string& header) {
-  const std::string text = Trimmed(header), lower = LowerCaseOf(text);  // of equal length
+  const std::string text = WithoutBars(header), lower = LowerCaseOf(text);  // of equal length
   for (const auto& [open, close] : {std::pair<char, char>('[', ']'), {'(', ')'}}) {
     const size_t first = lower.rfind(open), last = lower.rfind(close);
     if (first == std::string::npos || last == std::string::npos || last < first) continue;
-    const auto found = UnitWords().find(Trimmed(lower.substr(first + 1, last - first - 1)));
-    if (found != UnitWords().end()) return {Trimmed(text.substr(0, first) + text.substr(last + 1)), found->second};
+    const auto found = UnitWords().find(WithoutBars(lower.substr(first + 1, last - first - 1)));
+    if (found != UnitWords().end()) return {WithoutBars(text.substr(0, first) + text.substr(last + 1)), found->second};
   }
   for (const char* mark : {"_", " ", "/", "."}) {
     const size_t at = lower.rfind(mark);
     if (at == std::string::npos || at == 0) continue;
     const std::string last = lower.substr(at + 1);
     const auto found = UnitWords().find(last);
-    if (found != UnitWords().end() && MayFollowAName(last)) return {Trimmed(text.substr(0, at)), found->second};
-    if ((last == "s" || last == "n") && *mark == '_') return {Trimmed(text.substr(0, at)), last == "s" ? "s" : "N"};
+    if (found != UnitWords().end() && MayFollowAName(last)) return {WithoutBars(text.substr(0, at)), found->second};
+    if ((last == "s" || last == "n") && *mark == '_') return {WithoutBars(text.substr(0, at)), last == "s" ? "s" : "N"};
   }
   return {text, ""};
 }

@@ -7,6 +7,7 @@
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
+#include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
 
@@ -14,12 +15,6 @@ namespace sagitta {
 namespace {
 
 constexpr char kBlanks[] = " \t\r";
-
-std::string Trimmed(const std::string& text) {
-  const size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 struct Line {
   int number = 0;
@@ -37,7 +32,7 @@ std::vector<Line> LinesOf(const std::string& text) {
     // Trailing tabs are empty cells: only leading blanks of the line go.
     Line line{number, text.substr(at, end - at)};
     at = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
-    if (Trimmed(line.text).empty()) continue;
+    if (Trimmed(line.text, kBlanks).empty()) continue;
     const size_t first = line.text.find_first_not_of(" ");
     if (line.text[first] == '#' || line.text[first] == '%') {
       line.is_comment = true;
@@ -83,7 +78,7 @@ std::vector<std::string> Split(const std::string& text, char separator) {
       cells.back() += c;
     }
   }
-  for (std::string& cell : cells) cell = Trimmed(cell);
+  for (std::string& cell : cells) cell = std::string(Trimmed(cell, kBlanks));
   if (separator == '|' && cells.size() > 2 && cells.front().empty()) cells.erase(cells.begin());
   return cells;
 }

@@ -17,6 +17,7 @@
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/pattern.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/io/urdf_robot.h"
 #include "problems/io/yaml_reader.h"
@@ -48,8 +49,7 @@ ConfLists ReadConfLists(const std::string& text, const std::string& path) {
     std::istringstream cells(match[2].str());
     std::vector<double>& list = lists[match[1]];
     for (std::string cell; std::getline(cells, cell, ',');) {
-      cell.erase(0, cell.find_first_not_of(" \t"));
-      cell.erase(cell.find_last_not_of(" \t\r") + 1);
+      cell = std::string(Trimmed(cell));
       const std::optional<double> value = ParseNumber(cell);
       if (!value) throw InputError({path, number, match[1]}, "'" + cell + "' is no number");
       list.push_back(*value);
