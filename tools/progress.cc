@@ -8,6 +8,8 @@
 #include <regex>
 #include <utility>
 
+#include "problems/interruption.h"
+
 namespace sagitta {
 namespace {
 
@@ -45,6 +47,7 @@ double ProgressMeter::ShareDone(double of_step) const {
 
 void ProgressMeter::Say(const std::string& what, double seconds) {
   const auto first = steps_.begin() + std::max(0, step_);
+  const int before = step_;
   const auto own =
       std::find_if(first, steps_.end(), [&](const ProgressStep& step) { return what.rfind(step.begins, 0) == 0; });
   if (own != steps_.end()) step_ = static_cast<int>(own - steps_.begin());
@@ -52,7 +55,7 @@ void ProgressMeter::Say(const std::string& what, double seconds) {
   const double share = ShareIn(what);
   const double done = ShareDone(share);
   // Within a step that does not say how far it is, what was expected at its beginning stands.
-  if ((own != steps_.end() || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
+  if ((step_ != before || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
 }
 
 std::string ProgressMeter::Line(double seconds) const {
@@ -64,7 +67,7 @@ std::string ProgressMeter::Line(double seconds) const {
   return seconds >= kWorthSaying ? line + " (" + InWords(seconds) + " so far)" : line + " ...";
 }
 
-Progress::Progress(bool quiet, std::vector<ProgressStep> steps) : meter_(std::move(steps)) {
+Progress::Progress(bool quiet, std::vector<ProgressStep> steps) : quiet_(quiet), meter_(std::move(steps)) {
   if (!quiet) printer_ = std::thread(&Progress::PrintUntilDone, this);
 }
 
@@ -75,6 +78,8 @@ Progress::~Progress() {
   }
   ended_.notify_all();
   if (printer_.joinable()) printer_.join();
+  const std::string line = meter_.Line(Seconds());
+  if (IsInterrupted() && !quiet_ && !line.empty()) std::cerr << "sagitta: it was at " << line << "\n";
 }
 
 double Progress::Seconds() const {
@@ -82,6 +87,7 @@ double Progress::Seconds() const {
 }
 
 void Progress::Say(const std::string& what) {
+  CheckInterruption();
   const std::lock_guard<std::mutex> lock(mutex_);
   meter_.Say(what, Seconds());
   has_news_ = true;
@@ -100,6 +106,17 @@ void Progress::PrintUntilDone() {
       has_news_ = false;
     }
     wait = std::chrono::milliseconds(500);
+  }
+}
+
+void SayingWhatWasFound(const std::function<void()>& work, const std::function<std::string()>& found) {
+  try {
+    work();
+    CheckInterruption();
+  } catch (const Interruption&) {
+    const std::string words = found();
+    std::cerr << (words.empty() ? "sagitta: nothing was found so far\n" : "sagitta: found so far:\n" + words);
+    throw;
   }
 }
 
