@@ -133,7 +133,7 @@ def test_predict_and_compensate_say_how_far_they_are():
 def test_compare_says_which_methods_are_done():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        ended = interrupt_when(['literal'], ['compare', *many_readings(folder), '--sigma_mm=0.1',
+        ended = interrupt_when(['iteration'], ['compare', *many_readings(folder), '--sigma_mm=0.1',
                                              '--methods=joint,two-step-literal', f'--out={folder / "out"}'])
         assert ended is not None
         said = ended[1]

@@ -13,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kTooEarly = 0.05;    // share of the work: what it took says little of the rest
+constexpr double kTooEarly = 0.05;    // share of the work: what it took says little of the rest, unless it is counted
 constexpr double kWorthSaying = 2.0;  // s
 constexpr double kSilence = 10.0;     // s, after which the same is said again
 
@@ -55,7 +55,8 @@ void ProgressMeter::Say(const std::string& what, double seconds) {
   const double share = ShareIn(what);
   const double done = ShareDone(share);
   // Within a step that does not say how far it is, what was expected at its beginning stands.
-  if ((step_ != before || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
+  if ((step_ != before || share > 0.0) && (done >= kTooEarly || (share > 0.0 && seconds >= kWorthSaying)))
+    expected_ = seconds / done;
 }
 
 std::string ProgressMeter::Line(double seconds) const {
