@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "estimator/least_squares/interruption.h"
+#include "problems/interruption.h"
 
 namespace sagitta::python {
 

@@ -1,6 +1,7 @@
 """Ctrl-C: what works for long ends at once, writes nothing, and says what was found so far."""
 import json
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -119,8 +120,8 @@ def test_predict_and_compensate_say_how_far_they_are():
         run('calibrate', PUBLISHED / 'experiment.yaml', f'--out={folder / "truth"}', '--quiet')
         estimate = folder / 'truth' / 'estimate.json'
         for command, words, rows in (
-                ('predict', 'step 2 of 3: predicting', many_rows(folder, 'config,marker,station', 'C%d,P1,S1')),
-                ('compensate', 'step 1 of 2: correcting', None)):
+                ('predict', 'phase 2 of 3: predicting', many_rows(folder, 'config,marker,station', 'C%d,P1,S1')),
+                ('compensate', 'phase 1 of 2: correcting', None)):
             rows = rows or many_rows(folder, 'target', 'T%d')
             out = folder / f'{command}.csv'
             ended = interrupt_when([words], [command, estimate, rows, f'--out={out}'])
@@ -129,7 +130,71 @@ def test_predict_and_compensate_say_how_far_they_are():
             assert not out.exists() and len(left_in(folder)) == 2, left_in(folder)
 
 
+def test_compare_says_which_methods_are_done():
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        ended = interrupt_when(['iteration'], ['compare', *many_readings(folder), '--sigma_mm=0.1',
+                                             '--methods=joint,two-step-literal', f'--out={folder / "out"}'])
+        assert ended is not None
+        said = ended[1]
+        assert 'found so far' in said and 'Methods on the same data' in said and '  joint ' in said, said
+        assert 'it was at phase 3 of 3' in said and 'interrupted; no result is written' in said, said
+        assert left_in(folder / 'out') == []
+
+
+def many_readings(folder):
+    """Thousands of rows of the published robot: each step of a method is long enough to be seen."""
+    rows = [row for row in (PUBLISHED / 'geometric.csv').read_text().splitlines() if not row.startswith('#')]
+    config, repeats = rows[0].split(',').index('config'), 150
+    lines = [rows[0]]
+    for k in range(repeats):
+        for row in rows[1:]:
+            cells = row.split(',')
+            cells[config] += f'_{k}'
+            lines.append(','.join(cells))
+    (folder / 'rows.csv').write_text('\n'.join(lines) + '\n')
+    return PUBLISHED / 'robot.yaml', folder / 'rows.csv'
+
+
+def test_plan_says_what_was_found_so_far():
+    with tempfile.TemporaryDirectory() as name:
+        out = pathlib.Path(name) / 'out'
+        for words in ('moving', 'accuracy of'):
+            ended = interrupt_when([words], ['plan', PUBLISHED / 'experiment.yaml', '--poses=60', '--pool=8000',
+                                             '--sigma_mm=0.1', f'--out={out}'])
+            assert ended is not None
+            assert 'found so far:\n  60 poses: ' in ended[1] and ' left)' in ended[1], ended[1]
+            assert 'interrupted; no result is written' in ended[1], ended[1]
+            assert not out.exists() and 'Written' not in ended[0]
+
+
+def test_coverage_keeps_its_trials_and_says_so():
+    with tempfile.TemporaryDirectory() as name:
+        out = pathlib.Path(name) / 'out'
+        ended = interrupt_when(['trials: '], ['coverage', PUBLISHED / 'experiment.yaml', '--trials=100000',
+                                              f'--out={out}'])
+        assert ended is not None
+        said = re.search(r'(\d+) of 100000 trials are done; their 95 % intervals held ([\d.]+) %', ended[1])
+        assert said and int(said[1]) > 0 and 80.0 < float(said[2]) <= 100.0, ended[1]
+        assert 'the same command goes on' in ended[1] and 'phase 2 of 2: trials: ' in ended[1], ended[1]
+        assert left_in(out) == ['coverage.state.jsonl']
+
+
+def test_reproduce_says_which_tables_are_done():
+    with tempfile.TemporaryDirectory() as name:
+        out = pathlib.Path(name) / 'out'
+        ended = interrupt_when([' trials'], ['reproduce', '--trials=20000', f'--out={out}'])
+        assert ended is not None
+        assert 'found so far' in ended[1] and '002-V ' in ended[1] and '002-VII ' not in ended[1], ended[1]
+        assert 'computing 002-VI: ' in ended[1] and 'interrupted; no result is written' in ended[1], ended[1]
+        assert not out.exists()
+
+
 if __name__ == '__main__':
+    test_compare_says_which_methods_are_done()
+    test_plan_says_what_was_found_so_far()
+    test_coverage_keeps_its_trials_and_says_so()
+    test_reproduce_says_which_tables_are_done()
     test_calibrate_writes_nothing()
     test_predict_and_compensate_say_how_far_they_are()
     test_diagnose_says_what_was_found_so_far()

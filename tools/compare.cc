@@ -127,11 +127,14 @@ int RunCompare(const CommandLine& line) {
                 << "\n";
       return kNumericalFailure;
     }
-    for (const Method method : methods) {
-      progress.Say("running " + WordOf(method));
-      results.push_back(
-          RunMethod(resolved.problem, method, joint, [&progress](const std::string& what) { progress.Say(what); }));
-    }
+    const auto run = [&] {
+      for (const Method method : methods) {
+        progress.Say("running " + WordOf(method));
+        results.push_back(
+            RunMethod(resolved.problem, method, joint, [&progress](const std::string& what) { progress.Say(what); }));
+      }
+    };
+    SayingWhatWasFound(run, [&] { return results.empty() ? "" : SectionsToText({Table(results)}); });
   }
   std::cout << SectionsToText({Table(results)});
   if (FLAGS_out.empty()) {

@@ -7,11 +7,11 @@
 #include <map>
 #include <optional>
 
-#include "estimator/least_squares/interruption.h"
 #include "estimator/results/compensation_csv.h"
 #include "estimator/results/program_compensation.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/output_files.h"
 #include "problems/io/target_file.h"
 #include "tools/commands.h"
@@ -89,8 +89,13 @@ int RunProgram(const CommandLine& line) {
     scene.turn_joints =
         TurnJointsFrom(NumbersOfFlag("turn_joints", FLAGS_turn_joints), known.robot.num_joints(), "--turn_joints");
   }
-  const CompensatedProgram result =
-      CompensateProgram(known, ReadRobotProgram(FLAGS_program, known.robot.num_joints()), scene, FLAGS_threads);
+  const RobotProgram program = ReadRobotProgram(FLAGS_program, known.robot.num_joints());
+  Progress progress(FLAGS_quiet, {{"correcting", 1.0}});
+  const std::string all = " of " + std::to_string(program.points.size());
+  progress.Say("correcting points: 0" + all);
+  const CompensatedProgram result = CompensateProgram(known, program, scene, FLAGS_threads, [&](size_t done) {
+    if (done % 256 == 0) progress.Say("correcting points: " + std::to_string(done) + all);
+  });
   const bool any = std::any_of(result.results.begin(), result.results.end(),
                                [](const ProgramPointResult& point) { return point.untouched.empty(); });
   if (table_out && !result.solved.empty()) table_out->Write(CompensationToCsv(result.targets, result.solved));

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <iostream>
 
@@ -35,7 +34,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kLevel = 0.95;
-constexpr int kBar = 30;
 
 void CheckFlags() {
   if (FLAGS_trials < 1 || FLAGS_trials > limits::kTrials) {
@@ -65,13 +63,6 @@ Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& proble
   return identity;
 }
 
-std::string BarOf(int done, int trials, double seconds_per_trial) {
-  std::string bar = "[";
-  for (int i = 0; i < kBar; ++i) bar += i < kBar * static_cast<long>(done) / trials ? '#' : '.';
-  return bar + "] " + std::to_string(done) + "/" + std::to_string(trials) + " trials, seed " +
-         std::to_string(FLAGS_seed) + ", " + Fixed(seconds_per_trial * (trials - done), 0) + " s left";
-}
-
 void RunTrials(const CoverageStudy& study, const CalibrationProblem& problem, CoverageState* state,
                Progress* progress) {
   std::vector<int> missing;
@@ -79,14 +70,11 @@ void RunTrials(const CoverageStudy& study, const CalibrationProblem& problem, Co
     if (state->trials().count(i) == 0) missing.push_back(i);
   }
   std::vector<CalibrationProblem> own(std::min<size_t>(FLAGS_threads, std::max<size_t>(1, missing.size())), problem);
-  const auto start = std::chrono::steady_clock::now();
-  const int before = FLAGS_trials - static_cast<int>(missing.size());
+  const std::string all = " of " + std::to_string(missing.size()), seed = ", seed " + std::to_string(FLAGS_seed);
   std::atomic<int> done{0};
   ParallelFor(static_cast<int>(missing.size()), FLAGS_threads, [&](int i, int worker) {
     state->Add(study.Run(missing[i], &own[worker]));
-    const int now = ++done;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    progress->Say(BarOf(before + now, FLAGS_trials, seconds / now));
+    progress->Say("trials: " + std::to_string(++done) + all + seed);
   });
 }
 
@@ -96,6 +84,15 @@ std::vector<CoverageTrial> FirstTrials(const CoverageState& state) {
     if (number < FLAGS_trials) trials.push_back(trial);
   }
   return trials;
+}
+
+std::string FoundInTrials(const CoverageStudy& study, const std::vector<CoverageTrial>& trials) {
+  int covered = 0, of = 0;
+  for (const CoverageRow& row : study.Summarise(trials)) {
+    covered += row.covered;
+    of += row.trials;
+  }
+  return of == 0 ? "" : TrialsAreKept(static_cast<int>(trials.size()), FLAGS_trials, covered / (1.0 * of), FLAGS_out);
 }
 
 Json RowToJson(const CoverageRow& row) {
@@ -176,7 +173,8 @@ int RunCoverage(const CommandLine& line) {
   CheckIntervalsFit(problem, method);
   const std::string obstacle = MethodObstacle(problem, method);
   if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
-  Progress progress(FLAGS_quiet);
+  // Shares as measured on 250 rows of a UR10 and 2000 trials.
+  Progress progress(FLAGS_quiet, {{"aligning", 0.01}, {"trials", 1.0}});
   JointOptions options;
   options.num_threads = FLAGS_threads;
   options.progress = [&progress](const std::string& what) { progress.Say(what); };
@@ -188,7 +186,8 @@ int RunCoverage(const CommandLine& line) {
   }
   const CoverageStudy study(resolved.problem, truth, method, FLAGS_seed);
   CoverageState state(FLAGS_out, IdentityOf(inputs, problem), study.coordinates().size());
-  RunTrials(study, problem, &state, &progress);
+  SayingWhatWasFound([&] { RunTrials(study, problem, &state, &progress); },
+                     [&] { return FoundInTrials(study, FirstTrials(state)); });
   const std::vector<CoverageTrial> trials = FirstTrials(state);
   const std::vector<CoverageRow> rows = study.Summarise(trials);
   const Json json = ResultToJson(line.text, inputs, problem, trials, rows);

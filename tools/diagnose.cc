@@ -74,10 +74,9 @@ void CautionOfSimulation(const SimulationBaseline& baseline, Diagnosis* diagnosi
 
 // What an interrupted run knows.
 std::string InWords(const Robot& robot, const FoundSoFar& found) {
-  if (found.empty()) return "sagitta: nothing was found so far\n";
-  std::string words = "sagitta: found so far, not confirmed yet:\n";
+  std::string words;
   for (const auto& [spec, probability] : found)
-    words += "  " + Title(robot, spec) + ", " + Significant(100.0 * probability, 3) + " %\n";
+    words += "  " + Title(robot, spec) + ", " + Significant(100.0 * probability, 3) + " %, not confirmed yet\n";
   return words;
 }
 
@@ -156,13 +155,8 @@ int RunDiagnose(const CommandLine& line) {
     options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
     options.found = [&found](const FoundSoFar& now) { found = now; };
-    try {
-      diagnosis = Diagnose(problem, options);
-      CheckInterruption();
-    } catch (const Interruption&) {
-      std::cerr << InWords(problem.robot(), found);
-      throw;
-    }
+    SayingWhatWasFound([&] { diagnosis = Diagnose(problem, options); },
+                       [&] { return InWords(problem.robot(), found); });
   }
   if (!IsUsable(diagnosis.status)) {
     std::cerr << "sagitta: no diagnosis: the believed model does not fit: " << StatusName(diagnosis.status) << ": "

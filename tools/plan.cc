@@ -55,11 +55,31 @@ void CheckFlags() {
   if (IsGiven("sigma_mm")) CheckSigmaFlag(false);
 }
 
+std::string LineOf(const PosesAndAccuracy& point) {
+  return "  " + std::to_string(point.poses) + " poses: " + Significant(1e3 * point.position_rms, 3) + " mm\n";
+}
+
+Plan PlanWithProgress(const ExperimentInputs& inputs, PlanRequest request) {
+  // Shares as measured on the KR270 with 5000 candidates; how many numbers an accuracy needs is not known before.
+  std::vector<ProgressPhase> phases;
+  if (request.poses > 0) phases = {{"drawing", 1.0}, {"best", 8.0}, {"moving", 8.0}, {"accuracy", 6.0}};
+  Progress progress(FLAGS_quiet, phases);
+  request.progress = [&progress](const std::string& what) { progress.Say(what); };
+  std::string found;
+  request.found = [&found](const PosesAndAccuracy& point) { found += LineOf(point); };
+  Plan plan;
+  SayingWhatWasFound(
+      [&] {
+        progress.Say("drawing poses that can be measured");
+        plan = MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
+      },
+      [&] { return found; });
+  return plan;
+}
+
 void Summarise(const Plan& plan) {
   std::cout << PlanInWords(plan);
-  for (const PosesAndAccuracy& point : plan.curve) {
-    std::cout << "  " << point.poses << " poses: " << Significant(1e3 * point.position_rms, 3) << " mm\n";
-  }
+  for (const PosesAndAccuracy& point : plan.curve) std::cout << LineOf(point);
   for (const std::string& words : plan.words) std::cout << words << "\n";
 }
 
@@ -98,9 +118,7 @@ int RunPlan(const CommandLine& line) {
     TakeModelError(ReadTextFile(FLAGS_model_error), FLAGS_model_error, &request);
   }
   request.move = FLAGS_move;
-  Progress progress(FLAGS_quiet);
-  request.progress = [&progress](const std::string& what) { progress.Say(what); };
-  const Plan plan = MakePlan(inputs.robot, inputs.data, inputs.experiment, request);
+  const Plan plan = PlanWithProgress(inputs, request);
   nlohmann::ordered_json json = PlanToJson(plan);
   json["version"] = SAGITTA_VERSION;
   json["command"] = line.text;

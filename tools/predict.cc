@@ -5,8 +5,8 @@
 #include <iostream>
 #include <optional>
 
-#include "estimator/least_squares/interruption.h"
 #include "estimator/sagitta.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"

@@ -7,12 +7,13 @@
 #include <iostream>
 #include <utility>
 
+#include "problems/interruption.h"
 #include "problems/io/pattern.h"
 
 namespace sagitta {
 namespace {
 
-constexpr double kTooEarly = 0.05;    // share of the work: what it took says little of the rest
+constexpr double kTooEarly = 0.05;    // share of the work: what it took says little of the rest, unless it is counted
 constexpr double kWorthSaying = 2.0;  // s
 constexpr double kSilence = 10.0;     // s, after which the same is said again
 
@@ -46,6 +47,7 @@ double ProgressMeter::ShareDone(double of_phase) const {
 
 void ProgressMeter::Say(const std::string& what, double seconds) {
   const auto first = phases_.begin() + std::max(0, phase_);
+  const int before = phase_;
   const auto own =
       std::find_if(first, phases_.end(), [&](const ProgressPhase& phase) { return what.rfind(phase.begins, 0) == 0; });
   if (own != phases_.end()) phase_ = static_cast<int>(own - phases_.begin());
@@ -53,7 +55,8 @@ void ProgressMeter::Say(const std::string& what, double seconds) {
   const double share = ShareIn(what);
   const double done = ShareDone(share);
   // Within a phase that does not say how far it is, what was expected at its beginning stands.
-  if ((own != phases_.end() || share > 0.0) && done >= kTooEarly) expected_ = seconds / done;
+  if ((phase_ != before || share > 0.0) && (done >= kTooEarly || (share > 0.0 && seconds >= kWorthSaying)))
+    expected_ = seconds / done;
 }
 
 std::string ProgressMeter::Line(double seconds) const {
@@ -66,7 +69,7 @@ std::string ProgressMeter::Line(double seconds) const {
   return seconds >= kWorthSaying ? line + " (" + InWords(seconds) + " so far)" : line + " ...";
 }
 
-Progress::Progress(bool quiet, std::vector<ProgressPhase> phases) : meter_(std::move(phases)) {
+Progress::Progress(bool quiet, std::vector<ProgressPhase> phases) : quiet_(quiet), meter_(std::move(phases)) {
   if (!quiet) printer_ = std::thread(&Progress::PrintUntilDone, this);
 }
 
@@ -77,6 +80,8 @@ Progress::~Progress() {
   }
   ended_.notify_all();
   if (printer_.joinable()) printer_.join();
+  const std::string line = meter_.Line(Seconds());
+  if (IsInterrupted() && !quiet_ && !line.empty()) std::cerr << "sagitta: it was at " << line << "\n";
 }
 
 double Progress::Seconds() const {
@@ -84,6 +89,7 @@ double Progress::Seconds() const {
 }
 
 void Progress::Say(const std::string& what) {
+  CheckInterruption();
   const std::lock_guard<std::mutex> lock(mutex_);
   meter_.Say(what, Seconds());
   has_news_ = true;
@@ -102,6 +108,17 @@ void Progress::PrintUntilDone() {
       has_news_ = false;
     }
     wait = std::chrono::milliseconds(500);
+  }
+}
+
+void SayingWhatWasFound(const std::function<void()>& work, const std::function<std::string()>& found) {
+  try {
+    work();
+    CheckInterruption();
+  } catch (const Interruption&) {
+    const std::string words = found();
+    std::cerr << (words.empty() ? "sagitta: nothing was found so far\n" : "sagitta: found so far:\n" + words);
+    throw;
   }
 }
 

@@ -1,9 +1,11 @@
 // Progress lines on stderr, twice a second at most: from the start on a terminal, elsewhere only when the work takes
-// longer than a second. They say which phase of how many it is, and about how long the rest will take.
+// longer than a second. They say which phase of how many it is, and about how long the rest will take. Work that
+// reports its progress is interrupted there, and how far it was is said.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -44,12 +46,14 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  // Throws Interruption where the work of this thread was interrupted.
   void Say(const std::string& what);
 
  private:
   double Seconds() const;
   void PrintUntilDone();
 
+  const bool quiet_;
   bool done_ = false, has_news_ = false;
   ProgressMeter meter_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -57,5 +61,9 @@ class Progress {
   std::condition_variable ended_;
   std::thread printer_;
 };
+
+// Runs `work`; where it is interrupted, says on stderr what `found` knows so far (lines, or nothing), and lets the
+// interruption go on.
+void SayingWhatWasFound(const std::function<void()>& work, const std::function<std::string()>& found);
 
 }  // namespace sagitta

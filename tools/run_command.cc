@@ -11,9 +11,9 @@
 #include <iostream>
 #include <new>
 
-#include "estimator/least_squares/interruption.h"
 #include "problems/failure.h"
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "tools/terminal.h"
 

@@ -13,6 +13,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/baselines_words.h"
+#include "problems/interruption.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -149,6 +150,7 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
   std::vector<double> norms;
   Stop(Status::kNoConvergence, "stopped after " + std::to_string(options.max_iterations) + " iterations", &estimate);
   for (int i = 0; i < options.max_iterations; ++i) {
+    CheckInterruption();
     const ParameterSet before = state.parameters;
     const StepOutcome outcome = Iterate(options.variant, context, &state);
     if (outcome != StepOutcome::kTaken) return Stop(StatusOf(outcome), StepOutcomeInWords(outcome), &estimate);

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/least_squares/interruption.h"
 #include "estimator/least_squares/parallel.h"
 #include "estimator/report/compensation_words.h"
 #include "estimator/statistics/distributions.h"
 #include "models/constants.h"
 #include "models/dense_algebra.h"
+#include "problems/interruption.h"
 #include "problems/text.h"
 
 namespace sagitta {

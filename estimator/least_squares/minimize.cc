@@ -12,8 +12,8 @@
 #include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/constrained_blocks.h"
 #include "estimator/least_squares/gauss_newton.h"
-#include "estimator/least_squares/interruption.h"
 #include "estimator/least_squares/structure.h"
+#include "problems/interruption.h"
 
 namespace sagitta {
 namespace {

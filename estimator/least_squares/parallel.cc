@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "estimator/least_squares/interruption.h"
+#include "problems/interruption.h"
 
 namespace sagitta {
 

@@ -9,6 +9,8 @@
 #include <random>
 #include <thread>
 
+#include "problems/interruption.h"
+
 namespace sagitta {
 namespace {
 
@@ -95,6 +97,7 @@ class Multiplicative {
     double power = least_power_, before = kInfinity;
     Eigen::VectorXd last;
     for (int k = 0; k < max_iterations; ++k, ++design->iterations) {
+      CheckInterruption();
       Evaluate(design);
       const double mean = design->weights.dot(design->gain);
       const double gap = poses_ * (design->gain.maxCoeff() - mean);
@@ -247,6 +250,7 @@ ExactDesign Exchanged(const CandidateSet& set, const Eigen::MatrixXd& known, con
     design.cost = criterion.Cost(design.covariance);
     bool changed = false;
     for (int& pick : design.picks) {
+      CheckInterruption();
       const Eigen::MatrixXd without = Updated(design.covariance, set.of(pick), -1.0);
       double cost = 0.0;
       const int next = adder.Best(without, barred, &cost);

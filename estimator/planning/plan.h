@@ -25,6 +25,12 @@
 
 namespace sagitta {
 
+// Of poses where they were drawn or found, not moved one by one: a quick plan of that many.
+struct PosesAndAccuracy {
+  int poses = 0;
+  double position_rms = 0.0;  // m
+};
+
 struct PlanRequest {
   int poses = 0;          // 0: as many as `accuracy` needs
   double accuracy = 0.0;  // m, RMS distance at the test points
@@ -43,6 +49,7 @@ struct PlanRequest {
   int starts = 3;
   std::uint64_t seed = 1;
   std::function<void(const std::string&)> progress = {};
+  std::function<void(const PosesAndAccuracy&)> found = {};  // each plan as it is found, before its poses move
 };
 
 // What a parameter is expected to be known to.
@@ -51,12 +58,6 @@ struct PlannedParameter {
   Quantity quantity = Quantity::kLength;
   double sigma = 0.0;        // SI, expected
   bool identifiable = true;  // false: expected worse than its hold limit
-};
-
-// Of poses where they were drawn or found, not moved one by one: a quick plan of that many.
-struct PosesAndAccuracy {
-  int poses = 0;
-  double position_rms = 0.0;  // m
 };
 
 // Poses to measure, with what they are expected to bring.

@@ -11,6 +11,7 @@
 #include "models/effects/catalogue.h"
 #include "problems/excitation.h"
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -139,6 +140,7 @@ class Drawing {
     const long most = feasible == nullptr ? count : std::max(20000L, static_cast<long>(kTriesPerPose) * count);
     int found = 0;
     for (long tried = 0; tried < most && found < count; ++tried) {
+      CheckInterruption();
       const PoseSequence::Drawn pose = poses.Next();
       bool any = false;
       for (size_t way = 0; way < patterns_.configurations.size(); ++way) {

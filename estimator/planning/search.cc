@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -177,6 +178,7 @@ void PlanSearch::MovePoses(FoundPlan* found) {
   for (int round = 0; round < kRounds; ++round) {
     const double before = found->cost;
     for (size_t k = 0; k < rows.size(); ++k) {
+      CheckInterruption();
       const Eigen::MatrixXd without = Updated(found->covariance, rows[k], -1.0);
       const CostBeside beside(criterion_, without);
       PlannedPose pose = found->poses[k];
@@ -216,6 +218,7 @@ FoundPlan PlanSearch::At(int poses) {
   found.covariance = exact.covariance;
   found.cost = exact.cost;
   for (const int pick : found.picks) found.poses.push_back(candidates_[pick]);
+  if (request_.found) request_.found({poses, Rms(found.covariance)});
   if (may_move()) {
     if (request_.progress) request_.progress("moving " + std::to_string(poses) + " poses");
     MovePoses(&found);
@@ -243,6 +246,7 @@ double PlanSearch::Quick(int poses) {
   quick_weights_ = design.weights;
   const ExactDesign exact = SolveExact(set, numbers_->known, criterion_, poses, design, options);
   curve_.push_back({poses, Rms(exact.covariance)});
+  if (request_.found) request_.found(curve_.back());
   return curve_.back().position_rms;
 }
 

@@ -216,7 +216,7 @@ void CheckProgramLoad(const KnownRobot& known, const std::string& load, const st
 }
 
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
-                                     int threads) {
+                                     int threads, const std::function<void(size_t done)>& progress) {
   if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
   const Chain nominal = NominalChain(known);
   CompensatedProgram result;
@@ -233,7 +233,7 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   result.targets = TargetsFromTable(table.Take(), known.robot, known.base_in_station.begin()->first);
   KnownRobot loaded = known;
   loaded.loading = loads.loading;
-  result.solved = Compensate(MakeCompensationInput(loaded, result.targets), result.targets.rows, threads);
+  result.solved = Compensate(MakeCompensationInput(loaded, result.targets), result.targets.rows, threads, progress);
   std::vector<CorrectedPoint> corrected;
   for (size_t row = 0; row < result.solved.size(); ++row) {
     const CompensatedTarget& target = result.solved[row];

@@ -1,6 +1,7 @@
 // `sagitta compensate --program`: a robot program with its points corrected, and what became of each of them.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -52,9 +53,10 @@ struct CompensatedProgram {
   std::string text;  // the corrected program
 };
 
-// Throws InputError where a frame or tool is stated neither by the file nor by `scene`, naming all of them.
+// Throws InputError where a frame or tool is stated neither by the file nor by `scene`, naming all of them. progress
+// hears now and then how many points are done.
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
-                                     int threads);
+                                     int threads, const std::function<void(size_t done)>& progress = {});
 
 std::string SummaryOf(const CompensatedProgram& result);
 

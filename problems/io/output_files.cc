@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 
 namespace sagitta {
@@ -284,7 +285,10 @@ OutputFile::OutputFile(const std::string& path) : path_(path), folders_(fs::path
   Temporaries(opened.value(), folder).Probe(kOfOneFile, fs::path(path).filename().string());
 }
 
-void OutputFile::Write(const std::string& text) const { WriteTextFile(path_, text); }
+void OutputFile::Write(const std::string& text) const {
+  CheckInterruption();
+  WriteTextFile(path_, text);
+}
 
 OutputFolder::OutputFolder(const std::string& path, const std::vector<std::string>& names)
     : path_(path.empty() ? throw InputError({"", 0, "out"}, "the output folder has no name") : path), folders_(path) {
@@ -312,6 +316,7 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::Write(const std::vector<NamedText>& files) const {
+  CheckInterruption();
   if (files.size() == 1) return CommitOne(descriptor_, path_, files[0].first, files[0].second);
   const DeferredSignals deferred;
   Temporaries results(descriptor_, path_);

@@ -34,6 +34,7 @@ class NewFolders {
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
+  // Throws Interruption where the work was interrupted; then the file is as it was.
   void Write(const std::string& text) const;
 
  private:
@@ -51,7 +52,7 @@ class OutputFolder {
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   const std::string& path() const { return path_; }
-  // All files or none.
+  // All files or none; none, and an Interruption, where the work was interrupted.
   void Write(const std::vector<NamedText>& files) const;
 
  private:

@@ -10,12 +10,14 @@
 #include <sys/user.h>
 #include <sys/wait.h>
 
+#include <atomic>
 #include <csignal>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <set>
 
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/limits.h"
 #include "tests/problems/file_test_support.h"
@@ -42,6 +44,17 @@ TEST_F(OutputFilesTest, ASetIsWrittenAndNothingElse) {
   WriteSet("2");
   EXPECT_EQ(Names("out"), (std::set<std::string>{"a", "b", "c"}));
   EXPECT_EQ(ReadTextFile(Path("out/b")), "2");
+}
+
+TEST_F(OutputFilesTest, WhatWasInterruptedIsNotWritten) {
+  std::atomic<bool> stop{false};
+  const Interruptible scope(&stop);
+  WriteSet("1");
+  stop = true;
+  EXPECT_THROW(WriteSet("2"), Interruption);
+  EXPECT_THROW(OutputFile(Path("out/a")).Write("2"), Interruption);
+  EXPECT_EQ(ReadTextFile(Path("out/a")), "1");
+  EXPECT_EQ(Names("out"), (std::set<std::string>{"a", "b", "c"}));
 }
 
 TEST_F(OutputFilesTest, FoldersThatStayEmptyAreTakenAway) {

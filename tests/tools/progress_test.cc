@@ -27,6 +27,21 @@ TEST(ProgressMeter, CountsWithinAPhase) {
   EXPECT_EQ(meter.Line(20.0), "phase 2 of 2: bootstrap: 400 of 900 (about 20 s left)");
 }
 
+TEST(ProgressMeter, WhatIsCountedIsExpectedFromItsFirstSeconds) {
+  ProgressMeter meter({{"aligning", 1.0}, {"trials", 99.0}});
+  meter.Say("aligning", 0.0);
+  meter.Say("trials: 10 of 990", 4.0);  // 1 + 1 of 100
+  EXPECT_EQ(meter.Line(4.0), "phase 2 of 2: trials: 10 of 990 (about 3 min left)");
+}
+
+TEST(ProgressMeter, APhaseThatIsSaidAgainDoesNotTakeLonger) {
+  ProgressMeter meter({{"best", 1.0}, {"accuracy", 1.0}});
+  meter.Say("best 40 poses", 0.0);
+  meter.Say("accuracy of 20 poses", 10.0);
+  meter.Say("accuracy of 28 poses", 15.0);
+  EXPECT_EQ(meter.Line(15.0), "phase 2 of 2: accuracy of 28 poses (about 5 s left)");
+}
+
 TEST(ProgressMeter, WhatBelongsToNoPhaseBelongsToThePresentOne) {
   ProgressMeter meter({{"weighing", 1.0}, {"fitting", 1.0}});
   meter.Say("weighing 20 explanations", 0.0);

@@ -115,6 +115,12 @@ std::string LearntFunctionsInFile() {
          "# they name no cause, and are zero beyond the measured ranges.\n";
 }
 
+std::string TrialsAreKept(int done, int trials, double covered, const std::string& folder) {
+  return "  " + std::to_string(done) + " of " + std::to_string(trials) +
+         " trials are done; their 95 % intervals held " + Fixed(100.0 * covered, 1) + " % of the true values. " +
+         folder + "/coverage.state.jsonl keeps them: the same command goes on from there.\n";
+}
+
 std::string PlainAndExact() { return "the table has no beta: it is plain, and exact"; }
 
 std::string WithoutBeta(double rms, double largest, double largest_length_change) {

@@ -14,6 +14,9 @@ namespace sagitta {
 std::string NothingIsWritten();
 std::string ResultsIn(const std::string& folder, const std::vector<std::string>& files);
 
+// What an interrupted run of so many trials knows; covered: share.
+std::string TrialsAreKept(int done, int trials, double covered, const std::string& folder);
+
 // How far two estimates are apart, and what else may have changed.
 std::string ComparisonInWords(const Changes& changes);
 

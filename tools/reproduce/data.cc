@@ -77,6 +77,7 @@ const std::vector<MethodStudy>& Reproduction::weights(bool with_joint1) {
   WeightStudyOptions study;
   study.trials = options_.trials;
   study.seed = options_.seed;
+  study.progress = options_.progress;
   if (with_joint1) study.bias = run.joint1_deflection;
   studies = StudyWeights(run.off_axis, run.truth, KnownWeightMethods(), study);
   return studies;

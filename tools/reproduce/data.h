@@ -1,6 +1,7 @@
 // The published tables as shipped, and the simulations that several of them share.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -60,6 +61,7 @@ struct ElasticRun {
 struct ReproduceOptions {
   int trials = 300;
   unsigned long long seed = 1;
+  std::function<void(const std::string&)> progress = {};  // within a table
 };
 
 // Owns what tables ask for; each simulation runs once, when first asked.
@@ -71,6 +73,8 @@ class Reproduction {
   const PublishedData& published() const { return published_; }
   const nlohmann::json& table(const std::string& id) const { return published_.tables.at(id); }
   const ReproduceOptions& options() const { return options_; }
+  // Hears how far long work within a table is.
+  void Listen(std::function<void(const std::string&)> progress) { options_.progress = std::move(progress); }
 
   const GeometricRun& geometric();
   const ElasticRun& elastic();

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "estimator/noise/residual_noise.h"
+#include "problems/interruption.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
@@ -204,6 +205,8 @@ std::vector<MethodStudy> StudyWeights(const WeightDesign& design, const Eigen::V
   std::vector<Tally> tallies(methods.size(), Tally(static_cast<int>(truth.size())));
   NormalNumbers normal(options.seed);
   for (int trial = 0; trial < options.trials; ++trial) {
+    CheckInterruption();
+    if (options.progress) options.progress(std::to_string(trial) + " of " + std::to_string(options.trials) + " trials");
     Eigen::VectorXd measured = exact;
     for (int i = 0; i < measured.size(); ++i) measured[i] += design.sigma[i] * normal();
     const Eigen::VectorXd ols = FitToTheEnd(design, measured, PlainFromResiduals()).sigma;

@@ -17,6 +17,7 @@
 // they hold the truth one time in fourteen.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,7 @@ struct WeightStudyOptions {
   int trials = 500;
   unsigned long long seed = 1;
   Eigen::VectorXd bias;  // m per row, what the model lacks; empty: nothing
+  std::function<void(const std::string&)> progress = {};
 };
 
 struct MethodStudy {

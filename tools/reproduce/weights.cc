@@ -118,6 +118,7 @@ void AddLambda(Reproduction* reproduction, ReproducedTable* table) {
   WeightStudyOptions options;
   options.trials = reproduction->options().trials;
   options.seed = reproduction->options().seed;
+  options.progress = reproduction->options().progress;
   options.bias = run.joint1_deflection;
   std::vector<WeightMethod> methods;
   for (const double lambda : {0.5, 1.0, 2.0}) {

@@ -1,4 +1,4 @@
-#include "estimator/least_squares/interruption.h"
+#include "problems/interruption.h"
 
 namespace sagitta {
 namespace {

@@ -1,5 +1,5 @@
 // Ends long work early, at the wish of somebody on another thread: who holds the flag raises it, and what iterates
-// throws at its next step.
+// throws at its next step. What was interrupted writes nothing: output files ask too.
 //
 //   std::atomic<bool> stop{false};      // raised by another thread
 //   const Interruptible scope(&stop);   // on the thread that works; ParallelFor hands it on to its helpers
