@@ -12,9 +12,10 @@
 #include "tools/report/remedies.h"
 
 namespace sagitta {
-namespace {
 
 std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+namespace {
 
 std::string Millimetres(double metres) { return Fixed(1e3 * metres, 4); }
 
