@@ -34,7 +34,7 @@ BARE = {'', 'name', 'joint', 'joints', 'config', 'configuration', 'count', 'poin
 # Dimensionless or textual columns of CSV files.
 BARE_COLUMNS = {'config', 'marker', 'station', 'load', 'visit', 'repeat', 'group', 'file', 'line', 'set', 'target',
                 'outcome', 'status', 'method', 'order', 'iterations', 'message', 'kind', 'reachable', 'solution',
-                'row', 'of', 'leverage', 'state', 'weight', 'whitened', 'outlier', 'validation', 'cluster', 'branch', 'shot', 'reason'}
+                'row', 'of', 'smallest_singular_value', 'leverage', 'state', 'weight', 'whitened', 'outlier', 'validation', 'cluster', 'branch', 'shot', 'reason'}
 
 
 def unit_of(name):
@@ -113,6 +113,34 @@ def numbers_in(value):
         yield float(value)
 
 
+# Of files: counts, shares, probabilities, ratios.
+BARE_KEYS = {'condition', 'prediction_p_value', 'p_value', 'a_posteriori', 'seconds', 'scale', 'instrument_factor', 'factor',
+             'excess', 'm_per_s2', 'level', 'reduced_chi2', 'chi2', 'cost', 'share', 'inflation', 'sandwich_over_model',
+             'share_sandwich', 'share_model', 'share_of_excess', 'significance', 'probability', 'unnamed', 'nothing',
+             'noise_wrong', 'further', 'catalogue', 'model_error', 'noise', 'travel_share', 'rate_predicted',
+             'rate_measured', 'max_deviation_sigma', 'leverage', 'largest', 'lack_of_fit_p', 'gap_closed',
+             'gap_closed_ci95', 'efficiency', 'bound', 'score', 'log_evidence', 'O1', 'O2', 'O3', 'O4', 'O5',
+             'share_of_gap', 'between_parts', 'overlap', 'compatible_p', 'chi2_reduction', 'reduced_chi2_after',
+             'slopes', 'sigma_over_limit', 'criterion', 'cost_per_pose'}
+# The 95 % interval of the factor beside it; eigenvalues of mean outer products of unit vectors.
+BARE_PATHS = {('noise', 'ci95'), ('orientation', 'most'), ('orientation', 'least')}
+
+
+def keys_without_unit(value, path=(), has_unit=False):
+    """Paths of numbers with a fraction whose name ends with no unit and which stand beside no key 'unit' or 'units'."""
+    if isinstance(value, dict):
+        has_unit = has_unit or 'unit' in value or 'units' in value
+        for key, each in value.items():
+            yield from keys_without_unit(each, (*path, key), has_unit)
+    elif isinstance(value, list):
+        for each in value:
+            yield from keys_without_unit(each, path, has_unit)
+    elif isinstance(value, float) and not has_unit:
+        named = any(re.search(r'_(mm2?|um|deg|mrad|urad|s|Nm|N|kg|degC|K|m_per_s2|percent)$', key) for key in path)
+        if not named and path[-1] not in BARE_KEYS and path[-2:] not in BARE_PATHS and 'correlation' not in path and 'direction' not in path:
+            yield '.'.join(path)
+
+
 def run(*words):
     return subprocess.run([PROGRAM, *map(str, words)], check=True, capture_output=True, text=True).stdout
 
@@ -149,6 +177,17 @@ class Units(unittest.TestCase):
         cls.said['many'] = run('calibrate', robot, home / 'rows.csv', '--sigma_mm=0.05', '--holdout=0.3',
                                '--out=%s' % (home / 'many'), '--quiet')
         run('predict', home / 'many/estimate.json', home / 'poses.csv', '--out=%s' % (home / 'predicted.csv'), '--quiet')
+        (home / 'targets.csv').write_text('\n'.join(
+            ['target,' + ','.join('q%d_deg' % (j + 1) for j in range(6))] +
+            ['T%d,%s' % (k, line.split(',', 3)[3]) for k, line in enumerate(lines[1:21])]) + '\n')
+        run('compensate', home / 'many/estimate.json', home / 'targets.csv', '--out=%s' % (home / 'corrected.csv'),
+            '--quiet')
+        run('compare', robot, home / 'rows.csv', '--sigma_mm=0.05', '--methods=joint,two-step',
+            '--out=%s' % (home / 'compare'), '--quiet')
+        run('coverage', experiment, '--trials=20', '--out=%s' % (home / 'coverage'), '--quiet')
+        run('validate', home / 'many/estimate.json', home / 'rows.csv', '--out=%s' % (home / 'validate'), '--quiet')
+        run('changed', home / 'many/estimate.json', home / 'calibrate/estimate.json', '--out=%s' % (home / 'changed'),
+            '--quiet')
         cls.pages = {name: Page((home / name / 'report.html').read_text()) for name in cls.said}
 
     @classmethod
@@ -196,6 +235,15 @@ class Units(unittest.TestCase):
                     wanted = unit_of(row[0]) if row and '/' in row[0] else None
                     if wanted and at < len(row):
                         self.assertEqual(row[at], wanted, (name, row))
+
+    def test_numbers_in_result_files_say_their_unit(self):
+        files = sorted(self.home.rglob('*.json'))
+        for name in ('estimate', 'diagnosis', 'plan', 'inspect', 'comparison', 'coverage', 'validation', 'changed'):
+            self.assertIn(name + '.json', [file.name for file in files])
+        for file in files:
+            unsaid_keys = set(keys_without_unit(json.loads(file.read_text())))
+            with self.subTest(file=str(file.relative_to(self.home))):
+                self.assertEqual(unsaid_keys, set())
 
     def test_columns_of_tables_in_files_end_with_their_unit(self):
         files = sorted(self.home.rglob('*.csv'))

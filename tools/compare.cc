@@ -98,6 +98,10 @@ Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
   json["inputs"] = Json::array();
   for (const InputFile& input : inputs.files)
     json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
+  json["units"] = Json::object();  // of parameters and sigmas of every method
+  for (const MethodResult& result : results) {
+    for (const ParameterEstimate& row : result.estimate.table) json["units"][row.name] = TraitsOf(row.quantity).unit;
+  }
   json["methods"] = Json::array();
   for (const MethodResult& result : results) json["methods"].push_back(MethodToJson(result));
   return json;

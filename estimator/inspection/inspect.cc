@@ -165,6 +165,11 @@ void FillNoise(const LinearState& state, Inspection* inspection) {
   double sum = 0.0;
   for (const Matrix3<double>& root : noise) sum += root.squaredNorm();
   inspection->sigma_is_stated = state.problem.sigma_is_stated();
+  const Matrix3<double> equal = std::sqrt(sum / (3.0 * noise.size())) * Matrix3<double>::Identity();
+  inspection->sigma_differs =
+      inspection->sigma_is_stated && std::any_of(noise.begin(), noise.end(), [&](const auto& root) {
+        return !(root * root.transpose()).isApprox(equal * equal.transpose(), 1e-6);
+      });
   inspection->stated_rms = inspection->sigma_is_stated ? std::sqrt(sum / (3.0 * noise.size())) : 0.0;
   inspection->scale = state.scale;
   if (state.all.valid) inspection->linear_rms = LinearRms(state, noise);

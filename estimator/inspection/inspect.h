@@ -40,6 +40,7 @@ struct Inspection {
   double stated_rms = 0.0;   // m per coordinate: the stated sigmas; 0: none
   double scale = 1.0;        // of the stated sigmas, or of 1 mm, in everything below
   bool sigma_is_stated = false;
+  bool sigma_differs = false;  // stated ones, between rows or axes: they weigh
   int unknowns = 0;
   Identifiability identifiability;
   std::vector<ParameterEstimate> parameters;  // asked for: expected sigma, identifiable, weak

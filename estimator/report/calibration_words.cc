@@ -31,7 +31,8 @@ std::string StoppedBefore(double steps, const std::string& because) {
 }
 
 std::string ConvergedWithHeld(size_t held) {
-  return std::to_string(held) + " parameter(s) held: the data cannot tell them";
+  return std::to_string(held) + (held == 1 ? " parameter is" : " parameters are") + " held: the data cannot tell " +
+         (held == 1 ? "it" : "them");
 }
 
 std::string Converged() { return "the remaining Gauss-Newton step is below 1e-5 standard deviations"; }

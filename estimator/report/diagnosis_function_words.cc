@@ -37,7 +37,8 @@ std::string MovesWithGravity(const std::string& what) { return what + " moves wi
 std::string ChangesItsSeat(const std::string& what) { return what + " changes its seat between visits"; }
 
 std::string WaveInWords(const std::string& size, int per_turn, const std::string& driver) {
-  return "a wave of " + size + " that repeats " + std::to_string(per_turn) + " time(s) per turn of " + driver;
+  return "a wave of " + size + " that repeats " + (per_turn == 1 ? "once" : std::to_string(per_turn) + " times") +
+         " per turn of " + driver;
 }
 
 std::string ExponentialInWords(const std::string& size, const std::string& fades_with) {

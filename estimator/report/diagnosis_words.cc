@@ -98,7 +98,8 @@ std::string Percent(double probability) {
 // Of the squared gap on untouched rows: groups share what is closed of it.
 std::string ShareOfGap(const Diagnosis& d, double share) {
   const double closed = std::isnan(d.gap.closed) ? 1.0 : d.gap.closed;
-  return std::isfinite(share) && closed > 0.0 ? Significant(100.0 * share * closed, 2) + " % of the gap" : "";
+  const std::string whole = std::isnan(d.gap.closed) ? " % of what is explained" : " % of the gap";
+  return std::isfinite(share) && closed > 0.0 ? Significant(100.0 * share * closed, 2) + whole : "";
 }
 
 double LeastProbability(const Diagnosis& d, const EffectGroup& group) {
@@ -273,7 +274,7 @@ std::string UnexplainedInWords(const Diagnosis& d) {
 std::string LearntInWords(const Diagnosis& d) {
   const size_t count = d.learnt->functions.size();
   return "With " + std::to_string(count) + (count == 1 ? " smooth function" : " smooth functions") +
-         " learnt from the rows (" + kLearntFile + ") the " + HoldoutInWords(d.learnt->model.estimate) + "; " +
+         " learnt from the rows (" + kLearntFile + "): " + HoldoutInWords(d.learnt->model.estimate) + "; " +
          ClosedInWords(d.learnt->gap) + ". They describe and name no cause; beyond the measured ranges they are zero.";
 }
 
@@ -330,7 +331,7 @@ std::string PhysicalInWords(const Robot& robot, const FoundEffect& effect) {
 }
 
 std::string ClosedInWords(const GapReport& gap) {
-  if (std::isnan(gap.closed)) return "how much of it is closed is not known without a stated noise";
+  if (std::isnan(gap.closed)) return "which share of the gap that is is not known without a stated noise";
   const std::string words = "closed " + Significant(100 * gap.closed, 3) + " % of the squared gap";
   if (std::isnan(gap.closed_ci95.low)) return words;
   return words + " (95 %: " + Significant(100 * gap.closed_ci95.low, 3) + " to " +

@@ -18,7 +18,9 @@ std::string BootstrapRefused(int failed, int replicates) {
 
 std::string ProfileInWords(int open_ends) {
   std::string words = "profile likelihood of every parameter";
-  if (open_ends > 0) words += "; " + std::to_string(open_ends) + " end(s) do not close (marked open)";
+  if (open_ends > 0)
+    words +=
+        "; " + std::to_string(open_ends) + (open_ends == 1 ? " end does" : " ends do") + " not close (marked open)";
   return words;
 }
 

@@ -138,5 +138,30 @@ TEST_F(OneBadRowTest, ALengthThatIsCorrectedByATenthIsSaid) {
   EXPECT_FALSE(Holds(Read("out/estimate.json"), warning));
 }
 
+// A joint counted the other way and a zero 90 deg off, by every command that estimates.
+TEST_F(OneBadRowTest, ARobotThatCannotHaveMadeTheReadingsIsRefusedByEveryCommand) {
+  const auto with = [&](double factor, double offset) {
+    return Spoilt([&](Rows* rows) {
+      const int joint = Column(*rows, "q2_deg");
+      for (size_t i = 1; i < rows->size(); ++i) {
+        std::string& cell = (*rows)[i][joint];
+        cell = std::to_string(factor * std::stod(cell) + offset);
+      }
+    });
+  };
+  const std::map<std::string, std::pair<double, double>> wrong = {{"joint A2 counted the other way", {-1.0, 0.0}},
+                                                                  {"joint A2 with its zero -90 deg", {1.0, 90.0}}};
+  for (const auto& [cure, change] : wrong) {
+    const std::string data = with(change.first, change.second);
+    for (const std::string command : {"calibrate", "diagnose", "coverage", "compare"}) {
+      const Outcome outcome = Run({command, Published("kr270/robot.yaml"), data, "--out=" + Path("out")});
+      EXPECT_EQ(outcome.status, 2) << command << ": " << outcome.out;
+      EXPECT_TRUE(Holds(outcome.err, "cannot have made these readings") && Holds(outcome.err, cure))
+          << command << ": " << outcome.err;
+      EXPECT_FALSE(Exists("out"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sagitta::test

@@ -21,14 +21,19 @@ std::string NoiseInWords(const Inspection& inspection) {
   if (!inspection.sigma_is_stated) return "No sigma is stated: that is taken as the noise in what follows.";
   std::string words = "The stated sigmas are " + Fixed(1e3 * inspection.stated_rms, 4) + " mm RMS";
   if (inspection.scale < 1.05) return words + ".";
-  return words + "; what follows takes them " + Significant(inspection.scale, 3) + " times as large.";
+  words += "; what follows takes them " + Significant(inspection.scale, 3) + " times as large";
+  if (!inspection.sigma_differs) return words + ".";
+  return words +
+         ". Where the arm scatters by more than these, 'sagitta calibrate' weighs by both: its figure before may be "
+         "another.";
 }
 
 std::string MisfitInWords(const Inspection& inspection) {
   const double misfit = inspection.aligned.distance_rms;
   if (!std::isfinite(misfit))
     return "The nominal robot finds no equilibrium under its loads: nothing can be predicted.";
-  return "The nominal robot, base and markers fitted, misses by " + Fixed(1e3 * misfit, 3) +
+  const std::string how = inspection.sigma_differs ? " fitted with the rows' sigmas as weights" : " fitted";
+  return "The nominal robot, base and markers" + how + ", misses by " + Fixed(1e3 * misfit, 3) +
          " mm (RMS of distances); a linear fit of all unknowns would leave " +
          Fixed(1e3 * std::sqrt(3.0) * inspection.linear_rms, 3) + " mm. " + NoiseInWords(inspection);
 }
@@ -37,12 +42,13 @@ Section Overview(const CalibrationProblem& problem, const Inspection& inspection
   const auto count = [&](Severity severity) { return std::to_string(inspection.Count(severity)); };
   Section section;
   section.title = (problem.robot().name.empty() ? "Robot" : problem.robot().name) + ": the data before any estimate";
-  section.paragraphs = {std::to_string(problem.data().NumRows()) + " observations of " +
-                            std::to_string(problem.data().configurations.size()) + " configurations, " +
-                            std::to_string(problem.data().stations.size()) + " station(s), " +
-                            std::to_string(problem.data().markers.size()) + " marker(s).",
-                        "Findings: " + count(Severity::kSerious) + " serious, " + count(Severity::kWarning) +
-                            " warnings, " + count(Severity::kNote) + " notes.",
+  section.paragraphs = {Plural(static_cast<int>(problem.data().NumRows()), "observation") + " of " +
+                            Plural(static_cast<int>(problem.data().configurations.size()), "configuration") + ", " +
+                            Plural(static_cast<int>(problem.data().stations.size()), "station") + ", " +
+                            Plural(static_cast<int>(problem.data().markers.size()), "marker") + ".",
+                        "Findings: " + count(Severity::kSerious) + " serious, " +
+                            Plural(inspection.Count(Severity::kWarning), "warning") + ", " +
+                            Plural(inspection.Count(Severity::kNote), "note") + ".",
                         MisfitInWords(inspection)};
   return section;
 }

@@ -12,9 +12,10 @@
 #include "tools/report/remedies.h"
 
 namespace sagitta {
-namespace {
 
 std::string Plural(int n, const std::string& noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+namespace {
 
 Section ResultSection(const CalibrationProblem& problem, const Estimate& estimate) {
   Section section;

@@ -31,6 +31,9 @@ std::string ShownUnit(const std::string& unit);
 // As paper 002, Tables IV and XI.
 Section ResidualSection(const std::string& title, const ResidualSize& before, const ResidualSize& after);
 
+// "1 station", "2 stations".
+std::string Plural(int n, const std::string& noun);
+
 std::string SectionsToText(const std::vector<Section>& sections);
 
 }  // namespace sagitta
