@@ -96,7 +96,7 @@ def test_calibrate_writes_nothing():
         out = folder / 'out'
         ended = interrupt_when(['bootstrap'], ['calibrate', folder / 'long.yaml', f'--out={out}'])
         assert ended is not None
-        assert 'step ' in ended[1], ended[1]
+        assert 'phase ' in ended[1], ended[1]
         assert 'interrupted; no result is written' in ended[1], ended[1]
         assert left_in(out) == []
 

@@ -31,6 +31,7 @@ struct PosesAndAccuracy {
   double position_rms = 0.0;  // m
 };
 
+// What a plan is asked for, what may be chosen, and what reports its progress.
 struct PlanRequest {
   int poses = 0;          // 0: as many as `accuracy` needs
   double accuracy = 0.0;  // m, RMS distance at the test points
