@@ -35,6 +35,8 @@ double WelchDof(double a, double dof_a, double b, double dof_b) {
   return weight > 0.0 ? (a + b) * (a + b) / weight : std::numeric_limits<double>::infinity();
 }
 
+// d' (C_a + C_b)^-1 d, solved in correlations because units differ: chi2_m where the noise is stated, F(m, nu) where it
+// was estimated from the residuals.
 double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich, const Differences& found) {
   const auto m = static_cast<double>(found.value.size());
   const Eigen::VectorXd scale = found.covariance.diagonal().cwiseSqrt();
@@ -200,6 +202,7 @@ RepeatFit TestRepeats(const Whole& whole) {
     group.squares += error.dot(weight * error);
   }
   double within = 0.0;
+  // sum e'We - (sum We)' (sum W)^-1 (sum We): scatter of repeats about their weighted mean.
   for (const auto& [key, group] : groups) within += group.squares - group.sum.dot(group.weight.inverse() * group.sum);
   RepeatFit fit;
   const int rows = whole.num_rows(), means = 3 * static_cast<int>(groups.size());

@@ -8,6 +8,7 @@ PartMoments::PartMoments(int coordinates)
       times_(Eigen::VectorXd::Zero(coordinates)) {}
 
 void PartMoments::Add(const PartDifference& difference) {
+  // d d' - C_a - C_b, of which the mean is 2 T.
   const Eigen::MatrixXd beyond = difference.value * difference.value.transpose() - difference.covariance;
   const std::vector<int>& at = difference.columns;
   each_(at, at) += beyond;

@@ -85,6 +85,7 @@ RobustCovariance SandwichOf(const Whole& whole, const std::vector<int>& observat
   std::vector<int> clusters;
   for (const int k : observations) clusters.push_back(whole.clusters[k]);
   Linearization at_its_optimum = Rows(whole.rows, observations, fit.columns);
+  // r + J d: where the part alone would end, to first order.
   at_its_optimum.residual += at_its_optimum.jacobian * fit.solution.step;
   return SandwichCovariance(at_its_optimum, clusters);
 }

@@ -79,6 +79,7 @@ double RotationMisfit(const std::vector<TargetRotation>& readings) {
     Matrix3<double>& sum = sums.emplace(reading.marker, Matrix3<double>::Zero()).first->second;
     sum += reading.station_from_frame.transpose() * reading.station_from_target;
   }
+  // The rotation that is nearest to the sum is the least-squares mean (Moakher 2002).
   for (auto& [marker, sum] : sums) sum = NearestRotation(sum);
   double squares = 0.0;
   for (const TargetRotation& reading : readings) {

@@ -22,6 +22,7 @@ bool SpansAPlane(const Eigen::Matrix3Xd& points) {
 Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<double>& reference) {
   Eigen::MatrixXd columns(3 * points.cols(), 6);
   for (int i = 0; i < points.cols(); ++i) {
+    // d p = d t + d w x (p - reference) = d t - [p - reference]x d w.
     columns.block<3, 3>(3 * i, 0).setIdentity();
     columns.block<3, 3>(3 * i, 3) = -Skew<double>(points.col(i) - reference);
   }
@@ -30,6 +31,7 @@ Eigen::MatrixXd RigidColumns(const Eigen::Matrix3Xd& points, const Vector3<doubl
 
 Vector6 RegisterPose(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets, const Eigen::VectorXd& sigmas,
                      const Vector3<double>& reference) {
+  // Closed form for equal sigmas; then Gauss-Newton with the weights 1 / sigma^2.
   Pose<double> pose = RegisterRigid(points, targets);
   for (int round = 0; sigmas.minCoeff() < sigmas.maxCoeff() && round < kWeightedRounds; ++round) {
     const Eigen::Matrix3Xd moved = (pose.rotation * points).colwise() + pose.translation;

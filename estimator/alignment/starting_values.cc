@@ -78,6 +78,7 @@ void AverageMarkers(const std::vector<FramedObservation>& framed, ParameterSet* 
     const Pose<double> base_in_station = parameters->BaseInStation(f.station);
     const Vector3<double> in_base =
         base_in_station.rotation.transpose() * (f.reading.point - base_in_station.translation);
+    // m = R_frame' (R_base' (p - t_base) - t_frame), averaged over the readings: least squares for equal noise.
     sum[f.marker] += f.base_from_frame.rotation.transpose() * (in_base - f.base_from_frame.translation);
     ++count[f.marker];
   }
@@ -172,6 +173,7 @@ NormalEquations EquationsOf(const CalibrationProblem& problem, const std::vector
 }  // namespace
 
 Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
+  // R = U diag(1, 1, det UV') V' maximises tr(R'M) over all rotations (Kabsch 1976, Umeyama 1991).
   const Eigen::JacobiSVD<Matrix3<double>> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3<double> flip = Matrix3<double>::Identity();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
@@ -181,6 +183,7 @@ Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
 Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets) {
   const Vector3<double> point_mean = points.rowwise().mean();
   const Vector3<double> target_mean = targets.rowwise().mean();
+  // min sum |R p + t - q|^2: R next to sum (q - q_mean)(p - p_mean)', t = q_mean - R p_mean.
   const Matrix3<double> correlation = (targets.colwise() - target_mean) * (points.colwise() - point_mean).transpose();
   Pose<double> pose;
   pose.rotation = NearestRotation(correlation);

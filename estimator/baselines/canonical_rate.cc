@@ -31,6 +31,7 @@ Eigen::MatrixXd ColumnsOf(const Linearization& linearization, const ParameterSet
 
 Eigen::VectorXd CanonicalCorrelations(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (a.cols() == 0 || b.cols() == 0) return {};
+  // Cosines of the principal angles between both column spaces: singular values of Q_a' Q_b (Björck and Golub 1973).
   const Eigen::MatrixXd product = OrthonormalBasis(a).transpose() * OrthonormalBasis(b);
   if (product.size() == 0) return {};
   return Eigen::JacobiSVD<Eigen::MatrixXd>(product).singularValues();
@@ -39,6 +40,7 @@ Eigen::VectorXd CanonicalCorrelations(const Eigen::MatrixXd& a, const Eigen::Mat
 double PredictTwoStepRate(const Linearization& linearization, const ParameterSet& parameters) {
   const Eigen::VectorXd cosines =
       CanonicalCorrelations(ColumnsOf(linearization, parameters, false), ColumnsOf(linearization, parameters, true));
+  // Alternating projections between two spaces shrink the error by cos^2 of the smallest angle a round.
   return cosines.size() == 0 ? 0.0 : cosines[0] * cosines[0];
 }
 

@@ -51,6 +51,7 @@ void AddDifferences(const std::vector<int>& unloaded, const std::vector<int>& lo
     Terms mean;
     double sum = 0.0;
     for (int i = 0; i < count; ++i) {
+      // Mean of the unloaded ones with weights 1 / sigma^2, which has the least variance.
       const double weight = 1.0 / noise[unloaded[i]].row(axis).squaredNorm();
       mean.emplace_back(3 * (first + i) + axis, -weight);
       sum += weight;
@@ -115,6 +116,8 @@ Linearization LinearizeDifferences(const DifferenceContext& context, const Param
   for (const VisitDifferences& visit : context.visits) {
     const int n = static_cast<int>(visit.difference.rows());
     const Eigen::MatrixXd d = visit.difference * visit.roots;  // of whitened rows
+    // cov(D S r) = D S S' D' + D S L L' S' D': differences that share an unloaded mean are correlated. Deviations of
+    // the visit cancel to first order, in D S L.
     const Eigen::MatrixXd spread = d * points.latent(visit.rows, Eigen::all);
     const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(d * d.transpose() + spread * spread.transpose()));
     const Eigen::VectorXd residual = d * Eigen::VectorXd(points.residual(visit.rows));

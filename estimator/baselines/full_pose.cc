@@ -149,11 +149,14 @@ void EvaluateShot(const Context& context, int s, const ParameterSet& parameters,
   const Pose<double> flange_in_station = RegisterRigid(MarkerPoints(context, shot, parameters), predicted);
   const Vector3<double> reference = flange_in_station * context.options.reference_in_flange;
   const Eigen::MatrixXd rigid = RigidColumns(predicted, reference);
+  // d p_i = d t + d w x (p_i - reference): six columns per shot, hence the covariance of the measured pose C = (R'S^-2
+  // R)^-1.
   const Eigen::MatrixXd whitened = sigmas.cwiseInverse().asDiagonal() * rigid;
   const Eigen::MatrixXd information = whitened.transpose() * whitened;  // C^-1, propagated
   Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(information).matrixU();
   if (!context.options.propagated_covariance) {
     const double w = context.options.weight;
+    // As printed: one weight for positions and one for rotations, whatever the markers say.
     root = (Vector6() << 1, 1, 1, w, w, w).finished().asDiagonal().toDenseMatrix() / sigmas.mean();
   }
   // The markers move rigidly with every unknown: marker rows = rigid * pose rows.

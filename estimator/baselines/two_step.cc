@@ -125,6 +125,7 @@ double MeasureRate(const std::vector<double>& steps, const std::vector<double>& 
   int last = static_cast<int>(steps.size()) - 1;
   while (last >= 0 && steps[last] < kRateFloor) --last;
   if (last < kRateWindow) return std::numeric_limits<double>::quiet_NaN();
+  // (n_k / n_k-6)^(1/6).
   return std::pow(norms[last] / norms[last - kRateWindow], 1.0 / kRateWindow);
 }
 
@@ -167,6 +168,7 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
                        " standard deviations");
     }
     const bool rounding = i >= kStandstill && step < kRoundOff && step >= result->steps[i - kStandstill];
+    // A step s that shrinks by the rate q leaves s q / (1 - q) still to go: stop where that is below the tolerance.
     const double rate = i == 0 ? 0.5 : std::min(step / std::max(1e-300, result->steps[i - 1]), 0.999);
     if (rounding || step < options.tolerance * (1.0 - rate)) {
       return Stop(Status::kConverged, "the alternation stands still", &estimate);

@@ -32,6 +32,7 @@ ParameterSet ReleaseHeld(const CalibrationProblem& problem, const ParameterSet& 
     if (IsRotation(released.blocks()[coordinate.block].kind)) continue;
     coordinate.held = false;
     if (coordinate.prior_sigma > 0.0) continue;
+    // s / P in whitened rows: the prior of the header.
     const double weight = std::max(noise_scale / PhysicalRange(coordinate), kLeastWeight * ColumnNorm(here, i));
     coordinate.prior_sigma = 1.0 / weight;
     coordinate.prior_value = ReferenceOf(problem, aligned, i);

@@ -38,6 +38,7 @@ void Report(const JointOptions& options, const std::string& what) {
 double ResidualScale(const Linearization& rows, int equations) {
   const LinearSolution solution = SolveLinearization(rows);
   const double dof = equations - rows.num_columns();
+  // sqrt(r'r / (equations - columns)): 1 where the noise is as stated.
   return dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
 }
 
@@ -130,6 +131,7 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Fitt
     is_pinned[c] = true;
     const double to_bound = parameters.coordinates()[here.columns[c]].lower - parameters.Value(here.columns[c]);
     delta[c] = std::min(0.0, to_bound);
+    // r + J_p d_p: what the free columns are left with once the pinned ones have moved onto their bounds.
     inside.residual += delta[c] * here.jacobian.col(c);
   }
   std::vector<int> kept;

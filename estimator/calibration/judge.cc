@@ -59,6 +59,8 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   estimate->chi2 = sum;
   const double dof = estimate->dof;
   if (dof <= 0) return;
+  // chi-square / dof against F(dof, nu): nu the degrees of freedom of the stated noise, infinite unless it was read off
+  // repeats.
   sigma.a_posteriori = std::sqrt(sum / dof);
   sigma.p_value = FSurvival(sum / dof, dof, SigmaDof(problem.repeat_scatter));
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment().significance;
@@ -148,9 +150,11 @@ class RowJudge {
       const auto row = 3 * static_cast<Eigen::Index>(i);
       const Matrix3<double>& own = estimate.noise[k];
       const Matrix3<double> weight = weights[i].inverse() * own;
+      // tr(W J C_n J' W) / 3, C_n = (J'W^2 J)^-1: the mean over the three axes of a reading's hat matrix.
       estimate.leverage[k] = (weight * RowBlock(by_normal, row, 3)).squaredNorm() / 3.0;
       const Eigen::MatrixXd latent = RowBlock(piece.latent, row, 3);  // in units of the instrument's noise
       const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
+      // A root of S (1 + L L') S', what one reading scatters by: instrument and joints.
       estimate.scatter[k] = own * Matrix3<double>(relative.llt().matrixL());
       const Observation& observation = problem_.data().observations[k];
       if (observation.excluded || !problem_.data().IsValidation(observation) || !observation.is_point()) continue;
@@ -302,6 +306,7 @@ void WarnOfBounds(const Linearization& fit, double scale, Estimate* estimate) {
   const LinearSolution free = SolveLinearization(fit);
   if (!free.full_rank) return;
   for (const int c : resting) {
+    // d_c / sigma_c of the unbounded step: how far below the bound the data would go.
     const double below = -free.step[c] / (scale * std::sqrt(free.covariance(c, c)));
     if (below < kFarBelow) continue;
     estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[fit.columns[c]].name, below));

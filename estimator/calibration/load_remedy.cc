@@ -74,6 +74,7 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
   AppendPriors(estimate.parameters, &here);
   const int n = static_cast<int>(estimate.estimated.size());
   const Eigen::VectorXd column = here.jacobian.col(n);
+  // w = C J'J_k and i0 = |J_k - J w|^2: the part of column k that no estimated column can take over.
   background.follow = background.covariance * (here.jacobian.leftCols(n).transpose() * column);
   background.information = std::max(0.0, (column - here.jacobian.leftCols(n) * background.follow).squaredNorm());
   return background;
@@ -123,6 +124,7 @@ double Information(const std::vector<const Candidate*>& chosen, const Background
     row += size;
   }
   noise += others * background.covariance * others.transpose();
+  // i0 + b~' (1 + A C A' + L L')^-1 b~ of the header, the rows of all pulls together.
   return background.information + held.dot(noise.llt().solve(held));
 }
 

@@ -111,6 +111,7 @@ double UpdateSpread(const Estimate& estimate, Loop* loop, NoiseRoots* roots) {
   loop->problem.weight_roots = ResidualWeights(experiment, loop->spread);
   double change = before.empty() ? 1.0 : 0.0;
   for (size_t i = 0; i < before.size(); ++i) {
+    // |ln(s / s before)|: relative, whichever way.
     const Vector3<double> ratio = loop->spread[i].diagonal().cwiseQuotient(before[i].diagonal());
     change = std::max(change, ratio.array().log().abs().maxCoeff());
   }
@@ -126,6 +127,7 @@ double UpdateWeights(const Estimate& estimate, const NoiseRoots& roots, Loop* lo
   NoiseRoots noise;
   for (const int i : observations) noise.push_back(roots[i]);
   PointCheck check = CheckPoints(problem, estimate.parameters, noise, loop->weights, loop->report.robust_scale);
+  // Median of u^2 / expected over that of chi2_3, times the scale that u was divided by.
   *scale = loop->report.robust_scale * RobustScale(check);
   // Where components are estimated they set the scale; where sigmas are stated it only grows.
   if (loop->stated && !EstimatesComponents(problem.experiment())) *scale = std::max(1.0, *scale);

@@ -278,6 +278,7 @@ Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, 
     const auto p = static_cast<long>(i);
     if (!(u.covariance(p, p) > 0.0)) continue;
     const double range = PhysicalRange(problem.parameters.coordinates()[coordinate]);
+    // Regression of all on the one that the other estimate assumed: C_:p / C_pp times how far it may be off.
     parts.push_back(range * (estimated * (u.covariance.col(p) / u.covariance(p, p))));
   }
   long width = 0;

@@ -69,6 +69,8 @@ double Search::LogPosterior(const Set& set) {
   if (!is_new) return entry->second;
   if (set.empty()) return entry->second = std::log(prior_.nothing);
   const Solved solved = Solve(set);
+  // Changes x ~ N(0, D^2) seen by y = J x + N(0, 1):  ln p(y | set) = 1/2 b'(1 + G)^-1 b - 1/2 ln|1 + G| + const, G = D
+  // J'J D, b = D J'y.
   const double log_det = 2.0 * solved.factor.matrixLLT().diagonal().array().log().sum();
   const double gain = solved.scaled_gradient.dot(solved.factor.solve(solved.scaled_gradient));
   const double each = std::log(1.0 / (static_cast<double>(groups_.size()) * kNumChangeScales));

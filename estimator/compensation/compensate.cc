@@ -192,6 +192,8 @@ double Radius95(const Matrix3<double>& covariance) {
   const double trace = covariance.trace(), of_square = (covariance * covariance).trace();
   if (!std::isfinite(trace)) return std::numeric_limits<double>::quiet_NaN();
   if (!(trace > 0.0)) return 0.0;
+  // |x|^2 of a Gaussian vector with covariance C is c chi2_nu in mean and variance, c = tr C^2 / tr C, nu = (tr C)^2 /
+  // tr C^2 (Satterthwaite 1946).
   return std::sqrt(of_square / trace * ChiSquareQuantile(0.95, trace * trace / of_square));
 }
 

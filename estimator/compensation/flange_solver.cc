@@ -94,6 +94,7 @@ class Newton {
     for (int i = 0; i < s.size(); ++i) {
       if (s[i] <= kRankShare * s[0]) continue;
       const auto direction = svd.matrixV().col(i);
+      // (J'J + damping)^-1 J'e, direction by direction: s / (s^2 + damping).
       step += s[i] / (s[i] * s[i] + damping) * along[i] * direction;
       home -= direction.dot(home) * direction;
     }

@@ -69,6 +69,7 @@ Eigen::VectorXd Sigmas(const Setup& setup, const Refit& refit, const std::vector
   const Linearization& fit = refit.linearization;
   if (!setup.by_configurations) {
     const double dof = std::max(1, refit.equations - fit.num_columns());
+    // sigma*_c = |row c of W|, W W' = (J'J)^-1.
     return (setup.is_scaled ? std::sqrt(refit.chi2 / dof) : 1.0) * refit.left.root.rowwise().norm();
   }
   Eigen::MatrixXd scores = ScoresOf(setup, refit, weights);
@@ -152,6 +153,8 @@ void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Ei
                 Estimate* estimate) {
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {
     const double sigma = Widening(setup, estimate->interval_dof[c]) * plain_sigma[c];
+    // t* = (theta* - theta_hat) / sigma*; interval [theta_hat - q_0.975 sigma, theta_hat - q_0.025 sigma], q quantiles
+    // of t*: the tails change sides (bootstrap-t, Efron and Tibshirani 1993, section 12.5).
     std::vector<double> t;
     for (const Replicate& replicate : used) {
       t.push_back(replicate.sigma[c] > 0.0 ? replicate.shift[c] / replicate.sigma[c] : 0.0);

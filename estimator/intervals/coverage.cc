@@ -50,7 +50,10 @@ CoverageStudy::CoverageStudy(const CalibrationProblem& problem, const Estimate& 
     AppendPriors(truth.parameters, &best);
   }
   const double scale = truth.sigma.stated ? noise_scale_ : truth.sigma.estimated / kFallbackSigma;
+  // Cramér and Rao: no unbiased estimate scatters by less than (J'J)^-1, J whitened by the true noise.
   cramer_rao_ = scale * SolveLinearization(best).covariance.diagonal().cwiseSqrt();
+  // -(J'J)^-1 J'r: the error of the estimate to first order in the noise. What a trial has beyond it is the model's
+  // curvature.
   linear_ = root * (root.transpose() * fit.jacobian.transpose());
 }
 

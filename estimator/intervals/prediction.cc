@@ -51,6 +51,7 @@ std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem
     const Eigen::MatrixXd j = RowBlock(estimated, 3 * k, 3);
     const Eigen::MatrixXd h = RowBlock(held, 3 * k, 3);
     const Eigen::MatrixXd l = RowBlock(all.latent, 3 * k, 3);
+    // J C J', K S K' and L L' of the header, m^2.
     result[k].parameters = j * uncertainty.covariance * j.transpose();
     result[k].held = h * uncertainty.second_moment * h.transpose();
     result[k].arm = noise_scale * noise_scale * (l * l.transpose());

@@ -36,6 +36,7 @@ class ProfileSide {
         scale_(scale),
         last_(estimate.parameters) {
     slope_ = Eigen::VectorXd::Zero(estimate.parameters.num_coordinates());
+    // d theta_i / d theta_c along the profile of a quadratic: C_ic / C_cc.
     const Eigen::VectorXd along = estimate.model_covariance.col(column) / estimate.model_covariance(column, column);
     for (int c = 0; c < along.size(); ++c) slope_[estimate.estimated[c]] = sign * along[c];
   }
@@ -53,6 +54,8 @@ class ProfileSide {
     if (distance != at_) slope_ = TangentDifference(refit.parameters, last_) / (distance - at_);
     last_ = refit.parameters;
     at_ = distance;
+    // z = sign sqrt((chi2(theta) - chi2_min) / s^2): normal or Student, straight where the model is linear (Bates and
+    // Watts 1988, chapter 6).
     const double gained = (refit.chi2 - chi2_) / (scale_ * scale_);
     return gained < 0.0 ? -std::sqrt(-gained) : std::sqrt(gained);
   }

@@ -11,6 +11,7 @@
 namespace sagitta {
 
 std::uint64_t SeedOf(std::uint64_t seed, std::uint64_t i) {
+  // SplitMix64 (Steele, Lea and Flood 2014): neighbouring numbers i give unrelated seeds.
   std::uint64_t z = seed * 0xD1342543DE82EF95ULL + (i + 1) * 0x9E3779B97F4A7C15ULL;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
@@ -44,6 +45,7 @@ ParameterSet DrawTruth(const ParameterSet& truth, std::uint64_t seed) {
       moved.SetMarkerPoint(markers[i / 3], drawn.MarkerPoint(markers[i / 3]) + kStep * Vector3<double>::Unit(i % 3));
       slopes.col(i) = (SpringTieMisfit(moved) - misfit) / kStep;
     }
+    // The least move of the two markers whose tie reads `off`: three equations, six coordinates (minimum norm).
     const Eigen::Matrix<double, 6, 1> step = slopes.completeOrthogonalDecomposition().solve(off - misfit);
     for (int m = 0; m < 2; ++m) {
       drawn.SetMarkerPoint(markers[m], drawn.MarkerPoint(markers[m]) + step.segment<3>(3 * m));

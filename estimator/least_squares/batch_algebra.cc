@@ -158,6 +158,8 @@ HWY_INLINE void SymmetricTimes(const double* matrix, std::size_t n, const double
   }
 }
 
+// s = J'A r with A = (1 - H)^-1/2 = 1 + 1/2 H + 3/8 H^2 + 5/16 H^3 + .., H = J M J': each term is one product by J', M
+// and J of the term before. r is moved by the fit's step first.
 unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double* work, double* scores) {
   const Tag d;
   unsigned too_long = 0;
@@ -205,6 +207,7 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
   return too_long;
 }
 
+// h = tr(J M J') = |J W|^2; W is upper triangular: its columns a .. a + kGramBlock end with row a + kGramBlock.
 void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* leverages) {
   const Tag d;
   const std::size_t n = clusters.columns;
@@ -226,7 +229,7 @@ void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* 
   }
 }
 
-// One column by the factor, from the first row on; kRows of them in registers, or any number (0).
+// Forward substitution, y_r = (c_r - sum_k<r F_rk y_k) / F_rr; kRows of them in registers, or any number (0).
 template <int kRows>
 void SolveColumn(int num_rows, const double* factor, std::size_t step, double* column) {
   const Tag d;
@@ -247,7 +250,7 @@ void SolveColumn(int num_rows, const double* factor, std::size_t step, double* c
   }
 }
 
-// The factor row by row, its diagonal as inverse; then all columns.
+// C = 1 + L L' = F F' (Cholesky, row by row; the diagonal is kept as its inverse); then F^-1 of all columns but L.
 void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
   const Tag d;
   const std::size_t step = hn::Lanes(d);
@@ -268,7 +271,6 @@ void MarginaliseRows(int num_rows, int columns, int latent, int count, double* r
         for (int i = 0; i < k; ++i) {
           sum = hn::NegMulAdd(hn::Load(d, entry(r, i) + lane), hn::Load(d, entry(k, i) + lane), sum);
         }
-        // The diagonal is kept as its inverse.
         const V value =
             r == k ? hn::Div(hn::Set(d, 1.0), hn::Sqrt(sum)) : hn::Mul(sum, hn::Load(d, entry(k, k) + lane));
         hn::Store(value, d, entry(r, k) + lane);

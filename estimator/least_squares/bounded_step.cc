@@ -11,6 +11,8 @@ namespace {
 bool SolveActive(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, const std::vector<int>& active,
                  BoundedStep* step) {
   const Eigen::MatrixXd reduced = normal(active, active);
+  // N_aa d_a = -(g + N_ap d_p): a active, p on their bounds. Solved in columns of unit norm, S^-1 N S^-1, so that
+  // Cholesky loses digits to what depends on each other and not to units.
   const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt();
   if (!(scale.size() == 0 || scale.minCoeff() > 0.0)) return false;
   const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * reduced * scale.cwiseInverse().asDiagonal();
@@ -21,6 +23,7 @@ bool SolveActive(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient,
   const Eigen::VectorXd right = -(gradient + normal * pinned)(active);
   step->delta(active) = scale.cwiseInverse().cwiseProduct(factor.solve(right.cwiseQuotient(scale)));
   const auto n = static_cast<int>(active.size());
+  // U'U = S^-1 N S^-1, hence N^-1 = W W' with W = S^-1 U^-1.
   const Eigen::MatrixXd inverse = factor.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
   step->root.setZero(normal.rows(), n);
   step->root(active, Eigen::all) = scale.cwiseInverse().asDiagonal() * inverse;
@@ -31,6 +34,8 @@ constexpr double kReleases = 1e-9;  // of the gradient's own size: round-off doe
 
 // The pinned column whose cost falls most if it leaves its bound; -1: none does.
 int WorstPinned(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, const BoundedStep& step) {
+  // Karush, Kuhn and Tucker: at the minimum the cost rises from a lower bound into the interior, (g + N d)_c >= 0.
+  // Divided by the norm of the column, so that metres and radians compare.
   const Eigen::VectorXd slope = gradient + normal * step.delta;
   int worst = -1;
   double gain = 0.0;
@@ -55,6 +60,7 @@ BoundedStep SolveBounded(const Linearization& here, const ParameterSet& paramete
   step.delta.setZero(n);
   std::vector<int> active(n);
   for (int c = 0; c < n; ++c) active[c] = c;
+  // Each release may cost a pinning again; more of them than columns would be a cycle.
   int releases = n;
   while (true) {
     if (!SolveActive(normal, gradient, active, &step)) return step;
@@ -73,6 +79,7 @@ BoundedStep SolveBounded(const Linearization& here, const ParameterSet& paramete
     }
     active = inside;
   }
+  // |d_c| / sigma_c, sigma_c^2 = (W W')_cc; on a bound sigma_c is that of the column alone, 1 / |J_c|.
   for (const int c : active) step.size = std::max(step.size, std::abs(step.delta[c]) / step.root.row(c).norm());
   for (const int c : step.pinned) step.size = std::max(step.size, std::abs(step.delta[c]) * std::sqrt(normal(c, c)));
   step.valid = std::isfinite(step.size);

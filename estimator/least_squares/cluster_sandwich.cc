@@ -137,6 +137,8 @@ void ClusterSandwich::AddLanes(const std::vector<int>& clusters, const std::vect
 }
 
 void ClusterSandwich::Draw(int cluster, double leverage, const RowMajorMatrix& rows) {
+  // sum_g h_g = tr H = p: about kSampled clusters are drawn. Each stands for 1 / probability of them, which leaves
+  // every sum over clusters unbiased (Horvitz and Thompson 1952).
   const double expected = clusters_ <= kSampled ? 1.0 : kSampled * leverage / std::max(1, columns_);
   if (Chance(cluster) >= expected) return;
   sample_.push_back({cluster, 1.0 / std::min(1.0, expected), rows});
@@ -227,6 +229,8 @@ RobustCovariance ClusterSandwich::Result(int which, const Eigen::MatrixXd& prior
     for (Eigen::Index k = i; k < n; ++k) scores(i, k) = scores(k, i) = fit.products.At(columns[i], columns[k]);
   }
   const Eigen::MatrixXd& inverse_normal = fit.given.solution.covariance;
+  // C = M (sum s_g s_g') M + (M P')(M P')', M = (J'J)^-1: rows of priors P keep the variance 1 that they are whitened
+  // to.
   const Eigen::MatrixXd sampled = inverse_normal * scores * inverse_normal;
   RobustCovariance result;
   result.clusters = fit.clusters;
@@ -238,6 +242,7 @@ RobustCovariance ClusterSandwich::Result(int which, const Eigen::MatrixXd& prior
   const Eigen::VectorXd dof = DegreesOf(fit);
   result.dof.resize(n);
   for (Eigen::Index c = 0; c < n; ++c) {
+    // A prior is exact: only the sampled part scatters, nu = 2 C^2 / var(C) = nu_sampled / share^2.
     const double share = sampled(c, c) / std::max(1e-300, result.covariance(c, c));
     result.dof[c] = dof[c] / std::max(1e-12, share * share);
   }

@@ -49,6 +49,7 @@ class CondensedCost : public ceres::CostFunction {
     Eigen::Map<Eigen::VectorXd> residual(residuals, n + 1);
     if (jacobians == nullptr) {
       const NormalSums sums = equations_.Sum(here, {}, {}, /*with_priors=*/false);
+      // Ceres compares |residual|^2 alone: one row holds its root.
       residual.setZero();
       if (sums.valid) residual[n] = std::sqrt(sums.squared_residual() + SquaredPriors(here));
       return sums.valid;

@@ -16,6 +16,7 @@ bool Falls(const Linearization& there, double cost) {
   return there.valid && there.residual.squaredNorm() <= cost * (1.0 + kNoGain) + kNoGain;
 }
 
+// |r|^2 - |r + J d|^2: by how much chi-square falls where the model is linear.
 double Promised(const Linearization& here, const BoundedStep& step) {
   return here.residual.squaredNorm() - (here.residual + here.jacobian * step.delta).squaredNorm();
 }
@@ -56,6 +57,7 @@ GaussNewtonResult GaussNewton(const RowsAt& rows_at, const std::vector<int>& col
   result.outcome = StepOutcome::kTaken;
   for (double damping = 0.0; result.outcome == StepOutcome::kTaken && result.steps < options.max_steps;) {
     result.left = SolveBounded(result.fitted.rows, result.parameters);
+    // sqrt(chi-square / rows): steps are measured in standard deviations of the noise seen, whatever was stated.
     const double noise = std::sqrt(result.cost() / std::max(1, result.fitted.equations));
     if (result.left.valid && result.left.size < options.tolerance * std::max(options.least_noise, noise)) {
       result.converged = true;

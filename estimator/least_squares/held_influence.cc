@@ -39,15 +39,17 @@ HeldInfluence FindHeldInfluence(const Linearization& both, const ParameterSet& p
   own.jacobian = both.jacobian.leftCols(estimated);
   const Eigen::MatrixXd jacobian = both.jacobian.rightCols(n);
   const Eigen::MatrixXd root = SolveLinearization(own).covariance_root;
+  // G = -M J_e' J_h with M = W W'.
   held.slopes = -root * (root.transpose() * (own.jacobian.transpose() * jacobian));
   const Eigen::MatrixXd remaining = jacobian + own.jacobian * held.slopes;  // what no estimated one can imitate
   Eigen::VectorXd range(n);
   for (int i = 0; i < n; ++i) range[i] = PhysicalRange(parameters.coordinates()[held.coordinates[i]]);
-  // In units of the ranges, so that the inverse is well scaled.
+  // I = P^-1 + remaining' remaining / scale^2, in units of the ranges: P = 1, and the inverse is well scaled.
   const Eigen::MatrixXd scaled = remaining * range.asDiagonal() / noise_scale;
   const Eigen::MatrixXd information = Eigen::MatrixXd::Identity(n, n) + scaled.transpose() * scaled;
   const Eigen::LLT<Eigen::MatrixXd> factor(information);
   const Eigen::VectorXd pull = factor.solve(Eigen::VectorXd(-scaled.transpose() * both.residual / noise_scale));
+  // S = I^-1 + m m'.
   const Eigen::MatrixXd moment = factor.solve(Eigen::MatrixXd::Identity(n, n)) + pull * pull.transpose();
   held.second_moment = range.asDiagonal() * moment * range.asDiagonal();
   return held;

@@ -131,6 +131,7 @@ Unidentifiable FindUnidentifiable(const Linearization& linearization, const Para
   const Eigen::MatrixXd reduced = null_space * pivot_rows.inverse();
   for (size_t k = 0; k < lost.size(); ++k) {
     const Eigen::VectorXd column = reduced.col(k).normalized();
+    // |J x| = |S V'x| (scaled columns): along x the standard deviation is sigma / |J x|.
     const double information = (svd.singular_values.asDiagonal() * (svd.v.transpose() * column)).norm();
     const bool zero = information <= kNumericallyZero * svd.singular_values[0];
     const double standard_deviation = zero ? std::numeric_limits<double>::infinity() : sigma / information;

@@ -151,6 +151,8 @@ Linearization LinearizeByModel(const CalibrationProblem& problem, const Paramete
       [&](size_t k, const PointPrediction& prediction) {
         const Observation& observation = problem.data().observations[observations[k]];
         const Shot& shot = problem.data().shots[observation.shot];
+        // r = S^-1 m(p), m = predicted - measured;  d r = S^-1 (dm/dp) (dp/dx) dx. dm/dp is 1 for a point, for a
+        // rotation the inverse left Jacobian of the rotation vector m (models/reading.h).
         const Matrix3<double> root_inverse = noise[k].inverse();
         const Vector3<double> misfit = -MeasuredMinusPredicted(observation.reading(), prediction.point);
         result.residual.segment<3>(3 * k) = root_inverse * misfit;
@@ -171,6 +173,7 @@ Linearization LinearizeByModel(const CalibrationProblem& problem, const Paramete
           rows.col(active.columns[i]) = whitener * prediction.d_theta.col(i);
         }
         for (int i = 0; i < latent.size(); ++i) {
+          // L: what one standard deviation of the joint moves.
           result.latent.block<3, 1>(3 * k, i) =
               latent.sigmas[i] * (whitener * prediction.d_latent.col(latent.joints[i]));
         }
@@ -296,6 +299,8 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
     return solution;
   }
   if (AreMany(linearization)) return SolveLinearization(Condense(SumRows(linearization)));
+  // J = Q R S, S the norms of the columns: the rank of R does not depend on units. d = -S^-1 R^-1 (Q'r)_1..n, W = S^-1
+  // R^-1, and what no step explains is |(Q'r)_n+1..|^2.
   Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);

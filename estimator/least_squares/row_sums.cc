@@ -124,6 +124,7 @@ Linearization Condense(const NormalSums& sums) {
   rows.jacobian.topRows(n) = permuted * (factor.transpositionsP() * Eigen::MatrixXd::Identity(n, n));
   rows.jacobian.topRows(n) = rows.jacobian.topRows(n) * scale.asDiagonal();
   rows.residual.head(n) = c;
+  // What no step explains: r'r - r'J (J'J)^-1 J'r.
   rows.residual[n] = std::sqrt(std::max(0.0, sums.squared_residual() - c.squaredNorm()));
   return rows;
 }
@@ -132,7 +133,8 @@ bool AreMany(double rows, double columns) { return rows * columns > kFewEntries 
 
 Eigen::MatrixXd RootOf(const Eigen::MatrixXd& covariance) {
   if (covariance.size() == 0) return covariance;
-  // Of the correlations: units differ by 20 orders of magnitude.
+  // C = D K D, K = V diag(l) V': R = D V diag(sqrt l). Of the correlations K, because units differ by 20 orders of
+  // magnitude.
   const Eigen::VectorXd size = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::MatrixXd correlation = size.cwiseInverse().asDiagonal() * covariance * size.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);

@@ -84,6 +84,7 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
       const auto own = static_cast<Eigen::Index>(clusters[i].size());
       const auto own_b = b.middleRows(first[i - g], own);
       h.push_back(own_b * own_b.transpose());
+      // A_g b_g = b_g + (A_g - 1) b_g, and the score is (A_g b_g)' r_g.
       unshrunk.middleRows(first[i - g], own) += Unshrinking(h.back()) * own_b;
       scores.col(static_cast<Eigen::Index>(i)) =
           unshrunk.middleRows(first[i - g], own).transpose() * linearization.residual(clusters[i]);
@@ -100,6 +101,7 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
   result.covariance = sampled * sampled.transpose() + stated * stated.transpose();
   const Eigen::VectorXd dof = satterthwaite.Degrees();
   for (int c = 0; c < n; ++c) {
+    // A prior is exact: only the sampled part scatters, nu = 2 C^2 / var(C) = nu_sampled / share^2.
     const double share = sampled.row(c).squaredNorm() / std::max(1e-300, result.covariance(c, c));
     result.dof[c] = dof[c] / std::max(1e-12, share * share);
   }

@@ -82,6 +82,7 @@ Eigen::MatrixXd Unshrinking(const Eigen::MatrixXd& h) {
     }
     return sum;
   }
+  // (1 - l)^-1/2 - 1 of every eigenvalue l; -1 takes its direction out of A.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
   Eigen::VectorXd gain(h.rows());
   for (int i = 0; i < gain.size(); ++i) {
@@ -92,9 +93,12 @@ Eigen::MatrixXd Unshrinking(const Eigen::MatrixXd& h) {
 }
 
 void Satterthwaite::Add(const Eigen::MatrixXd& b, const Eigen::MatrixXd& h, const Eigen::MatrixXd& a, double weight) {
+  // |a_g|^2 and |w_g|^2 = a_g' H a_g of every column.
   const Eigen::ArrayXd squares = a.colwise().squaredNorm().transpose().array();
   const Eigen::ArrayXd products = (h * a).cwiseProduct(a).colwise().sum().transpose().array();
   trace_ += weight * (squares - products);
+  // tr(P^2) = sum_g |a_g|^2 (|a_g|^2 - 2 |w_g|^2) + sum_gh (w_g . w_h)^2: the first sum here, the second, |sum_g w_g
+  // w_g'|^2, at the end.
   of_square_ += weight * squares * (squares - 2.0 * products);
   clusters_.emplace_back(b, weight == 1.0 ? a : Eigen::MatrixXd(std::sqrt(weight) * a));
 }

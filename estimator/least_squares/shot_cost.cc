@@ -81,6 +81,7 @@ bool ShotCost::Evaluate(double const* const* parameters, double* residuals, doub
   };
   for (int m = 0; m < num_markers; ++m) {
     const PointPrediction& prediction = predictions[m];
+    // d r / d x = S^-1 (dm/dp) (dp/dx), as in linearization.cc.
     const Matrix3<double> whiten = markers_[m].whitener * MisfitByPrediction(markers_[m].kind, misfits[m]);
     const auto write = [&](int block, int size, const auto& derivative) {
       if (jacobians[block] != nullptr) {

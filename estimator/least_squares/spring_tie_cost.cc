@@ -72,6 +72,7 @@ SpringTieCost MakeCost(const ParameterSet& parameters, const IsEstimated& estima
   }
   if (functor->rows.empty()) return cost;
   const int size = static_cast<int>(functor->rows.size());
+  // W = F^-1 with F F' = C, lower triangular: residual i mixes misfits 0 .. i.
   const Eigen::MatrixXd covariance = tie.covariance(functor->rows, functor->rows);
   functor->whitening = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(size, size));
   cost.function = std::make_unique<ceres::DynamicAutoDiffCostFunction<SpringTieFunctor, kStride>>(functor.release());

@@ -116,6 +116,7 @@ VarianceComponent ComponentOf(const RestrictedLikelihood& reml, const RemlFit& f
   component.value = std::sqrt(fit.variances[i]);
   component.low = component.high = component.value;
   if (!component.estimated) return component;
+  // sd(sigma) = sd(sigma^2) / (2 sigma).
   if (component.value > 0.0) component.sigma = std::sqrt(fit.covariance(i, i)) / (2.0 * component.value);
   reml.ProfileInterval(fit, choice.estimate_instrument, choice.groups, i, &component.low, &component.high);
   return component;
@@ -164,6 +165,7 @@ double FindComponents(const CalibrationProblem& problem, const ParameterSet& par
         }
       }
       const RemlFit separate_fit = reml.Maximise(choice->estimate_instrument, separate);
+      // Schwarz (1978): a component earns its place where 2 ln L grows by more than ln(dof).
       choice->gain = common_fit.deviance - separate_fit.deviance;
       choice->penalty = more * std::log(static_cast<double>(std::max(2, reml.dof())));
       if (choice->gain > choice->penalty) {

@@ -67,6 +67,7 @@ NoiseRoots SpreadOfResiduals(const CalibrationProblem& problem, const Estimate& 
     const Vector3<double> meters = noise[k] * here.residual.segment<3>(3 * k);
     for (int a = 0; a < 3; ++a) {
       const int i = 3 * k + a;
+      // h_ii = j_i (J'J)^-1 j_i': of the variance of a row the fit leaves 1 - h_ii.
       const double leverage =
           columns.empty() ? 0.0 : here.jacobian.row(i).dot(solution.covariance * here.jacobian.row(i).transpose());
       residual[i] = meters[a];

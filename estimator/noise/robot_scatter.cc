@@ -90,6 +90,7 @@ RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate&
     Matrix3<double> root = problem.SqrtCovariance(static_cast<int>(i));
     if (problem.data().observations[i].is_point() && IsStated(root)) {
       const Matrix3<double> covariance = root * root.transpose() + variance * Matrix3<double>::Identity();
+      // Scaled to the mean variance that was stated: weights change, the unit of chi-square does not.
       root = std::sqrt(stated / both) * Matrix3<double>(covariance.llt().matrixL());
     }
     scatter.roots.push_back(root);

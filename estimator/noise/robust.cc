@@ -84,8 +84,12 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
                                     .solve(Eigen::MatrixXd(latent.transpose()));
   for (size_t i = 0; i < points.size(); ++i) {
     const int k = points[i];
+    // Leaving point i out (Sherman, Morrison and Woodbury): with e = (V^-1 r)_i and K = (V^-1)_ii, what the others
+    // predict misses the reading by K^-1 e, with the covariance K^-1; its own variance 1 / w counts there, 1 when it is
+    // judged.
     const double own = variance[3 * i];
     check->distance[k] = rest.segment<3>(3 * i).norm();
+    // tr cov(u) / 3 = 1 - tr(L_i (1 + L'L)^-1 L_i') / 3 with all weights 1.
     check->expected[k] = 1.0 - (latent.middleRows<3>(3 * i) * plain.middleCols<3>(3 * i)).trace() / 3.0;
     const Eigen::MatrixXd row = weighted.middleRows<3>(3 * i);
     const Matrix3<double> precision = Matrix3<double>::Identity() / own - row * inverse * row.transpose();
@@ -149,6 +153,8 @@ double LossInflation(LossKind loss, const PointCheck& check, const std::vector<b
   double score = 0.0, slope = 0.0, squares = 0.0, count = 0.0;
   for (size_t k = 0; k < check.distance.size(); ++k) {
     const double r = check.distance[k], w = LossWeight(loss, r);
+    // psi = w r; per axis psi^2 / 3, and the mean slope over three axes, (psi' + 2 psi / r) / 3: one along the
+    // residual, two across it.
     score += w * w * r * r / 3.0;
     slope += (LossDerivative(loss, r) + 2.0 * w) / 3.0;
     if (!kept[k]) continue;

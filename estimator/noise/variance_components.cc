@@ -86,6 +86,8 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   rest_product_ = Eigen::VectorXd::Zero(columns_);
   for (const auto& [visit, indices] : RowsByVisit(reference, observations)) {
     const Eigen::MatrixXd deviation = all.latent(indices, Eigen::all);
+    // L = Q [R; 0]: V = a 1 + L v L' is block diagonal in the rotated rows Q'r, Q'J, and a 1 alone below R. Those rows
+    // are summed once, whatever the variances.
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(deviation);
     const Eigen::MatrixXd jacobian = qr.householderQ().transpose() * Eigen::MatrixXd(all.jacobian(indices, Eigen::all));
     const Eigen::VectorXd residual = qr.householderQ().transpose() * Eigen::VectorXd(all.residual(indices));
@@ -136,6 +138,7 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
     square += visit.residual.dot(f.residual);
     factored.push_back(std::move(f));
   }
+  // N = J'V^-1 J, x = N^-1 J'V^-1 r:  r'P r = r'V^-1 r - x'J'V^-1 r,  ln|N| = 2 sum ln diag chol(N).
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
   const Eigen::VectorXd x = root.solve(product);
   result.chi2 = square - product.dot(x);
@@ -148,6 +151,7 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   result.derivative.assign(n, Eigen::MatrixXd::Zero(columns_, columns_));
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(columns_, n);  // J'V^-1 V_i e
   Eigen::MatrixXd info = Eigen::MatrixXd::Zero(n, n);         // (V_i e)'V^-1 (V_k e)
+  // Rows that no deviation touches: V = a, V_0 = 1, e = (r - J x) / a.
   const Eigen::VectorXd rest_pull = rest_product_ - rest_normal_ * x;
   const double rest_left = rest_square_ - 2.0 * rest_product_.dot(x) + x.dot(rest_normal_ * x);
   result.gradient[0] += rest_rows_ / a - rest_left / (a * a);
@@ -174,6 +178,8 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   for (int i = 0; i < n; ++i) {
     result.gradient[i] -= result.inverse.cwiseProduct(result.derivative[i]).sum();
   }
+  // y'P V_i P V_k P y with e = P y:  (V_i e)'V^-1 (V_k e) - (V_i e)'V^-1 J N^-1 J'V^-1 (V_k e). Average information:
+  // the mean of observed and expected information (Gilmour, Thompson and Cullis 1995).
   result.hessian = info - pull.transpose() * result.inverse * pull;
   return result;
 }
@@ -211,6 +217,7 @@ bool RestrictedLikelihood::Minimise(const std::vector<bool>& is_free, const std:
       }
       if (promised < kConverged) return true;
       const double there = Evaluate(trial, groups, false).deviance;
+      // Armijo: at least a ten-thousandth of what the slope promises.
       if (!(there < here.deviance - 1e-4 * promised)) continue;
       *variances = trial;
       moved = true;
@@ -306,6 +313,7 @@ void RestrictedLikelihood::ProfileInterval(const RemlFit& fit, bool estimate_ins
     return std::sqrt(std::max(0.0, Evaluate(variances, groups, false).deviance - fit.deviance)) - reach;
   };
   const double center = std::sqrt(optimum[i]);
+  // sd(sigma) = sd(sigma^2) / (2 sigma).
   const double spread = center > 0.0 ? std::sqrt(fit.covariance(i, i)) / (unit * unit) / (2.0 * center) : 0.0;
   const double guess = spread > 0.0 ? 2.5 * spread : std::max(0.2 * center, 0.05);
   double inside = center, outside = std::max(0.0, center - guess);
@@ -349,6 +357,7 @@ Eigen::VectorXd RestrictedLikelihood::Satterthwaite(const RemlFit& fit,
   }
   Eigen::VectorXd dof(columns_);
   for (int c = 0; c < columns_; ++c) {
+    // nu = 2 C^2 / var(C), var(C) = g' cov(v) g with g = dC/dv (Satterthwaite 1946).
     const double spread = slopes.row(c).dot(covariance * slopes.row(c).transpose());
     const double value = here.inverse(c, c);
     dof[c] = spread > 0.0 ? 2.0 * value * value / spread : std::numeric_limits<double>::infinity();

@@ -59,6 +59,7 @@ double Criterion::CostOfBlock(const Eigen::MatrixXd& block) const {
       return block.trace();
     case CriterionKind::kD:
     case CriterionKind::kO1:
+      // ln det C_SS = 2 sum ln diag chol(C_SS); least where the ellipsoid of what is of interest is smallest.
       return 2.0 * block.llt().matrixLLT().diagonal().array().log().sum();
     case CriterionKind::kDiscriminate: {
       const std::vector<double> apart = Apart(block);
@@ -144,6 +145,7 @@ double Criterion::Efficiency(double cost, double best) const {
 }
 
 Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block) {
+  // Singular values of the identification Jacobian: 1 / sqrt(eigenvalues of C_SS).
   const Eigen::ArrayXd s = EigenvaluesOf(block).array().rsqrt();
   const double least = s.minCoeff(), largest = s.maxCoeff();
   Eigen::Matrix<double, 5, 1> indices;

@@ -9,11 +9,10 @@
 //                          identification Jacobian that is left for S: s = eigenvalues of C_SS, to the power -1/2
 //                          O1 = (s1 .. sL)^(1/L), O2 = s_min/s_max, O3 = s_min, O4 = s_min^2/s_max, O5 = 1/sum(1/s)
 //   T   - mean_k I(D_k)    of rival effects k: the information (statistics/mutual_information.h), in nat, of readings
-//   on
-//                          whether it is k or one of the others, D_k = tr(T_k C_kk^-1 T_k) for parameters of size T_k:
-//                          the noncentrality by which data of k contradict the others, base, markers, robot and the
-//                          others refitted (Atkinson and Fedorov, Biometrika 62, 1975). I is concave and grows, D_k is
-//                          concave in M: so is T's information.
+//                          on whether it is k or one of the others, D_k = tr(T_k C_kk^-1 T_k) for parameters of size
+//                          T_k: the noncentrality by which data of k contradict the others, base, markers, robot and
+//                          the others refitted (Atkinson and Fedorov, Biometrika 62, 1975). I is concave and grows, D_k
+//                          is concave in M: so is T's information.
 //
 // Parameters are scaled to columns of unit root mean square over the candidates, so that D apart they have one unit.
 #pragma once

@@ -54,6 +54,7 @@ Eigen::MatrixXd InformationOf(const CandidateSet& set, const Eigen::MatrixXd& kn
     Eigen::MatrixXd weighted;
     for (int i = from; i < to; i += kAtOnce) {
       const int end = std::min(to, i + kAtOnce);
+      // M = known + sum_i n_i A_i'A_i, by products of many candidates at a time.
       weighted = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]).transpose();
       for (int k = i; k < end; ++k) {
         weighted.middleCols(set.first[k] - set.first[i], set.count(k)) *= std::sqrt(amounts[k]);
@@ -70,6 +71,7 @@ void AddGains(const CandidateSet& set, const Eigen::MatrixXd& slope, int from, i
   for (int i = from; i < to; i += kAtOnce) {
     const int end = std::min(to, i + kAtOnce);
     const auto rows = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]);
+    // d_i = tr(A_i slope A_i'): by how much the cost falls per pose spent on candidate i.
     const Eigen::VectorXd of_rows = (rows * slope).cwiseProduct(rows).rowwise().sum();
     for (int k = i; k < end; ++k) {
       (*gains)[k] = std::max(0.0, of_rows.segment(set.first[k] - set.first[i], set.count(k)).sum());
@@ -100,6 +102,8 @@ class Multiplicative {
       CheckInterruption();
       Evaluate(design);
       const double mean = design->weights.dot(design->gain);
+      // The cost is convex in the weights: no design of as many poses costs less than cost - poses (max d - mean d)
+      // (Kiefer and Wolfowitz 1960).
       const double gap = poses_ * (design->gain.maxCoeff() - mean);
       if (gap <= tolerance * ScaleOf(criterion_, design->cost) || !(mean > 0.0)) return true;
       if (design->cost > before && power > least_power_) {  // too far
@@ -111,6 +115,7 @@ class Multiplicative {
       }
       before = design->cost;
       last = design->weights;
+      // w_i <- w_i (d_i / mean d)^power.
       design->weights = last.cwiseProduct((design->gain / last.dot(design->gain)).array().pow(power).matrix());
       design->weights /= design->weights.sum();
     }

@@ -48,6 +48,8 @@ double FieldAmplitude(const PlanScene& scene, const std::vector<int>& columns, c
   std::vector<bool> rest(of_field);
   rest.flip();
   TakeUp(rest, &rows);
+  // Mean square of a coordinate, m^2, that a field of 1 rad moves after everything else has been fitted to it: the
+  // amplitude makes it the stated RMS.
   const double left = rows.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, rows.rows()));  // m^2
   constexpr double kNothing = 1e-6;  // m per rad: shorter arms there are not
   return left > kNothing * kNothing ? rms / std::sqrt(left) : 0.0;

@@ -66,6 +66,7 @@ void ScaleColumns(const CalibrationProblem& problem, int candidates, PlanNumbers
   Eigen::VectorXd held(n);  // 1 / hold limit
   for (int i = 0; i < n; ++i) {
     const double limit = problem.parameters.coordinates()[numbers->columns[i]].hold_limit;
+    // Columns of unit mean square over the candidates, or in units of the hold limit where no candidate moves anything.
     const double norm = numbers->set.rows.col(i).norm() / std::sqrt(static_cast<double>(candidates));
     numbers->scale[i] = norm * limit > 1e-6 ? 1.0 / norm : limit;
     numbers->set.rows.col(i) *= numbers->scale[i];
@@ -100,6 +101,7 @@ Eigen::MatrixXd PlanNumbers::ByNoiseAlone(const Eigen::MatrixXd& covariance) con
   if (!has_field()) return covariance;
   std::vector<int> rest, field;
   for (size_t i = 0; i < columns.size(); ++i) (of_field[i] ? field : rest).push_back(static_cast<int>(i));
+  // With the field known C_rr - C_rf C_ff^-1 C_fr is left: what noise alone does.
   const Eigen::MatrixXd cross = covariance(rest, field);
   Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
   alone(rest, rest) =

@@ -94,6 +94,8 @@ PoseSequence::PoseSequence(std::vector<JointRange> ranges, std::uint64_t seed) :
 }
 
 double PoseSequence::Share(int dimension) const {
+  // Halton sequence with a random shift modulo 1 (Cranley and Patterson 1976): even in all joints, another for each
+  // seed.
   const double turned = RadicalInverse(drawn_, Prime(dimension)) + shift_[dimension];
   return turned - std::floor(turned);
 }

@@ -17,6 +17,7 @@ Eigen::VectorXd RangesOf(const std::vector<Eigen::VectorXd>& q) {
   return (high - low).cwiseMax(1e-12);
 }
 
+// All joints start and stop together: the time is that of the one with the largest share of its range to go.
 double Way(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& ranges) {
   return (a - b).cwiseAbs().cwiseQuotient(ranges).maxCoeff();
 }
@@ -58,6 +59,7 @@ class Route {
     bool better = false;
     for (int i = 0; i < n; ++i) {
       for (int k = i + 1; k < n; ++k) {
+        // 2-opt: turning the piece i..k round changes its two ends only.
         const double now = Link(i - 1, i) + Link(k, k + 1);
         const double then = (i > 0 ? Link(i - 1, k) : 0.0) + (k + 1 < n ? Link(i, k + 1) : 0.0);
         if (then >= now - 1e-12) continue;

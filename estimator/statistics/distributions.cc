@@ -57,6 +57,7 @@ double StudentQuantile(double p, double dof) { return quantile(Student(dof), p);
 double BetaQuantile(double p, double a, double b) { return quantile(Beta(a, b), p); }
 
 double KolmogorovSurvival(double d, double n) {
+  // P(D > d) = 2 sum_k (-1)^(k-1) exp(-2 k^2 x^2), x = (sqrt n + 0.12 + 0.11 / sqrt n) d (Stephens 1970).
   const double root = std::sqrt(n);
   const double x = (root + 0.12 + 0.11 / root) * d;
   if (x < 0.2) return 1.0;  // the series needs more terms than it is worth
@@ -69,6 +70,7 @@ double BinomialSurvival(int k, int n, double p) { return k <= 0 ? 1.0 : cdf(comp
 
 BinomialInterval ClopperPearson(int successes, int trials, double level) {
   const double tail = 0.5 * (1.0 - level);
+  // Beta quantiles: no p outside gives these successes with more than the tail (Clopper and Pearson 1934).
   return {Binomial::find_lower_bound_on_p(trials, successes, tail),
           Binomial::find_upper_bound_on_p(trials, successes, tail)};
 }

@@ -50,6 +50,7 @@ double ExpectedProbability(const Eigen::VectorXd& probabilities, const Eigen::Ma
 }
 
 TwoApart InformationOfTwo(double apart) {
+  // With equal priors: I = ln 2 - E ln(1 + odds), odds = exp(-D/2 + sqrt(D) z) of the wrong one over the right one.
   const double d = std::max(0.0, apart), root = std::sqrt(d);
   const auto wrong_to_right = [&](double z) { return std::exp(-0.5 * d + root * z); };
   TwoApart two;

@@ -51,6 +51,7 @@ double Repeatability(const Arrivals& arrivals) {
   for (const auto& [visit, position] : arrivals) {
     squares += std::pow((position.value() - barycentre).norm() - sum / n, 2);
   }
+  // ISO 9283: RP = mean l + 3 S_l, l the distance of an arrival from the barycentre.
   return sum / n + 3.0 * std::sqrt(squares / (n - 1.0));
 }
 

@@ -69,6 +69,7 @@ PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root) {
 void ComparePrediction(const PredictedSquares& predicted, const Estimate& estimate, UnseenPoints* unseen) {
   if (unseen->points == 0 || !(predicted.trace > 0.0) || !std::isfinite(predicted.trace)) return;
   unseen->predicted_rms = std::sqrt(predicted.trace / (3.0 * unseen->points));
+  // sum e^2 is about tr V / nu chi2_nu, nu = (tr V)^2 / tr V^2 (Satterthwaite 1946).
   const double freedom = predicted.trace * predicted.trace / predicted.trace_of_square;
   const double ratio = 3.0 * unseen->points * unseen->rms * unseen->rms / predicted.trace;
   const bool noise_is_estimated = !estimate.sigma.stated || estimate.sigma.scaled;
