@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "estimator/agreement/agreement.h"
 #include "estimator/baselines/compare_methods.h"

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "estimator/calibration/load_remedy.h"

@@ -1,9 +1,9 @@
 // The rows of `sagitta predict`: input columns, points, and what their uncertainty is made of.
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -22,14 +22,14 @@ std::vector<AddedColumn> NumberColumns(const std::vector<std::string>& names, co
 // instrument: root of one measurement's covariance, m; NaN: not known.
 Eigen::VectorXd Shares(const PredictionCovariance& point, const Matrix3<double>& instrument) {
   const Matrix3<double> mean = 1e6 * point.mean();
-  const Eigen::SelfAdjointEigenSolver<Matrix3<double>> ellipsoid(mean);
+  const PrincipalAxes ellipsoid = PrincipalAxesOf(mean);
   Eigen::VectorXd shares(34);
   shares.head<3>() = mean.diagonal().cwiseMax(0.0).cwiseSqrt();
   shares[3] = std::sqrt(std::max(0.0, mean.trace()));
   shares.segment<3>(4) << mean(0, 1), mean(0, 2), mean(1, 2);
   for (int i = 0; i < 3; ++i) {  // largest first
-    shares[7 + 4 * i] = std::sqrt(std::max(0.0, ellipsoid.eigenvalues()[2 - i]));
-    shares.segment<3>(8 + 4 * i) = ellipsoid.eigenvectors().col(2 - i);
+    shares[7 + 4 * i] = std::sqrt(std::max(0.0, ellipsoid.values[2 - i]));
+    shares.segment<3>(8 + 4 * i) = ellipsoid.axes.col(2 - i);
   }
   shares.segment<3>(19) = 1e3 * point.held.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Matrix3<double> arm = 1e6 * point.arm, noise = 1e6 * instrument * instrument.transpose();

@@ -1,5 +1,7 @@
 #include "models/geometry.h"
 
+#include "models/constants.h"
+
 namespace sagitta {
 
 Vector3<double> RotationVector(const Eigen::Quaterniond& rotation) {
@@ -39,8 +41,14 @@ Matrix3<double> RotationFromRpy(const Vector3<double>& rpy) {
       .toRotationMatrix();
 }
 
+// R = I + [v]x + [v]x^2 / (1 + a . b), v = a x b (Rodrigues with the sine in v).
 Matrix3<double> RotationBetween(const Vector3<double>& from, const Vector3<double>& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  const Vector3<double> a = from.normalized(), b = to.normalized();
+  const double cosine = a.dot(b);
+  // Opposite to rounding: half a turn about any axis across.
+  if (1.0 + cosine < 1e-12) return RotationFromVector<double>(kPi * a.unitOrthogonal());
+  const Matrix3<double> skew = Skew<double>(a.cross(b));
+  return Matrix3<double>::Identity() + skew + skew * skew / (1.0 + cosine);
 }
 
 Pose<double> Inverse(const Pose<double>& pose) {

@@ -1,5 +1,6 @@
 // sagitta changed: what changed between two estimates of one robot.
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "estimator/changes/changes.h"
 #include "problems/input_error.h"

@@ -4,6 +4,7 @@
 #include <gflags/gflags.h>
 
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/plan_json.h"

@@ -1,5 +1,7 @@
 #include "tools/requirement.h"
 
+#include <nlohmann/json.hpp>
+
 #include "problems/input_error.h"
 #include "problems/io/files.h"
 #include "problems/io/trimmed.h"

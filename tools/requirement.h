@@ -1,7 +1,7 @@
 // --require='validation.distance_rms_mm<0.3,fit.rms_mm<0.1': paths in a result JSON.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -30,11 +30,6 @@ struct Differences : PartDifference {
   int freedom = 0;  // of the test's denominator; 0: not tested
 };
 
-double WelchDof(double a, double dof_a, double b, double dof_b) {
-  const double weight = a * a / dof_a + b * b / dof_b;
-  return weight > 0.0 ? (a + b) * (a + b) / weight : std::numeric_limits<double>::infinity();
-}
-
 // d' (C_a + C_b)^-1 d, solved in correlations because units differ: chi2_m where the noise is stated, F(m, nu) where it
 // was estimated from the residuals.
 double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich, const Differences& found) {

@@ -7,6 +7,7 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/least_squares/linearization.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {

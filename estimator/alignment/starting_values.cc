@@ -1,6 +1,5 @@
 #include "estimator/alignment/starting_values.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 #include <random>
@@ -9,6 +8,7 @@
 #include "estimator/least_squares/condensed_cost.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -171,14 +171,6 @@ NormalEquations EquationsOf(const CalibrationProblem& problem, const std::vector
 }
 
 }  // namespace
-
-Matrix3<double> NearestRotation(const Matrix3<double>& matrix) {
-  // R = U diag(1, 1, det UV') V' maximises tr(R'M) over all rotations (Kabsch 1976, Umeyama 1991).
-  const Eigen::JacobiSVD<Matrix3<double>> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3<double> flip = Matrix3<double>::Identity();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
-  return svd.matrixU() * flip * svd.matrixV().transpose();
-}
 
 Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets) {
   const Vector3<double> point_mean = points.rowwise().mean();

@@ -27,9 +27,6 @@ struct StartingValueOptions {
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
                           const StartingValueOptions& options, ParameterSet* parameters);
 
-// The rotation R that maximises tr(R' M), nearest to M in the sense of Frobenius.
-Matrix3<double> NearestRotation(const Matrix3<double>& matrix);
-
 // The pose that maps `points` best onto `targets` (3 x N, least squares, no
 // scale, no reflection).
 Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& targets);

@@ -10,8 +10,10 @@
 #include "estimator/alignment/pose_registration.h"
 #include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/baselines_words.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -160,9 +162,11 @@ void EvaluateShot(const Context& context, int s, const ParameterSet& parameters,
     root = (Vector6() << 1, 1, 1, w, w, w).finished().asDiagonal().toDenseMatrix() / sigmas.mean();
   }
   // The markers move rigidly with every unknown: marker rows = rigid * pose rows.
-  equations->jacobian.middleRows(6 * s, 6) = root * rigid.householderQr().solve(jacobian);
+  const Eigen::MatrixXd of_pose = rigid.householderQr().solve(jacobian);
+  equations->jacobian.middleRows(6 * s, 6) = root * of_pose;
   equations->residual.segment<6>(6 * s) = root * RegisterPose(predicted, measured, sigmas, reference);
-  equations->noise.middleCols(6 * s, 6) = root * information.inverse() * root.transpose();
+  const Eigen::MatrixXd spread = root * InverseOfPositive(information);
+  equations->noise.middleCols(6 * s, 6) = spread * root.transpose();
 }
 
 PoseEquations Evaluate(const Context& context, const ParameterSet& parameters, const std::vector<int>& coordinates,
@@ -186,9 +190,11 @@ Eigen::MatrixXd Sandwich(const PoseEquations& equations, const Eigen::MatrixXd& 
   Eigen::MatrixXd middle = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   for (int s = 0; s < equations.noise.cols() / 6; ++s) {
     const Eigen::MatrixXd rows = equations.jacobian.middleRows(6 * s, 6);
-    middle += rows.transpose() * equations.noise.middleCols(6 * s, 6) * rows;
+    const Eigen::MatrixXd weighed = equations.noise.middleCols(6 * s, 6) * rows;
+    middle += rows.transpose() * weighed;
   }
-  return inverse * middle * inverse;
+  const Eigen::MatrixXd half = inverse * middle;
+  return half * inverse;
 }
 
 // Base and geometry move by the step, the markers rigidly: their shape stays.
@@ -207,9 +213,7 @@ void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, 
 
 // This method's own standard deviations in place of the joint ones.
 void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
-  double scale = 1.0;
-  if (!estimate->sigma.stated) scale = estimate->sigma.estimated / kFallbackSigma;
-  if (estimate->sigma.scaled) scale = estimate->sigma.a_posteriori;
+  const double scale = NoiseScale(estimate->sigma);
   estimate->covariance = scale * scale * covariance;
   estimate->intervals = IntervalReport();
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {
@@ -242,7 +246,8 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
       break;
     }
     const Eigen::MatrixXd of_unknowns = Sandwich(equations, solution.covariance);
-    covariance = map * of_unknowns * map.transpose();
+    const Eigen::MatrixXd half = map * of_unknowns;
+    covariance = half * map.transpose();
     const Eigen::ArrayXd sigmas = of_unknowns.diagonal().array().sqrt();
     const double size = (solution.step.array().abs() / sigmas).maxCoeff();
     if (!std::isfinite(size)) break;

@@ -19,6 +19,7 @@
 #include "estimator/noise/weighting.h"
 #include "estimator/report/calibration_words.h"
 #include "estimator/statistics/distributions.h"
+#include "models/matrix_functions.h"
 #include "models/row_block.h"
 #include "problems/loads.h"
 
@@ -66,12 +67,6 @@ void JudgeNoise(const CalibrationProblem& problem, const FittedRows& fitted, Est
   sigma.scaled = sigma.a_posteriori > 1.0 && sigma.p_value < problem.experiment().significance;
 }
 
-// Multiplies covariance at the whitening sigmas into one at the true noise.
-double CovarianceScale(const SigmaReport& sigma) {
-  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
-  return sigma.scaled ? sigma.a_posteriori : 1.0;
-}
-
 // The mean over its axes of the diagonal of J C J' V^-1, where V = I + L L' has the joints' deviations that the rows of
 // one visit share; C = (J' V^-1 J)^-1.
 void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece& piece, const Eigen::MatrixXd& jacobian,
@@ -87,8 +82,10 @@ void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece&
   }
   for (const auto& [visit, rows] : rows_of) {
     const Eigen::MatrixXd own = jacobian(rows, Eigen::all), latent = piece.latent(rows, Eigen::all);
-    const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + latent * latent.transpose();
-    const Eigen::VectorXd diagonal = (own * inverse_normal).cwiseProduct(v.llt().solve(own)).rowwise().sum();
+    const Eigen::MatrixXd shared = latent * latent.transpose(), half = own * inverse_normal;
+    const Eigen::MatrixXd v = Eigen::MatrixXd::Identity(latent.rows(), latent.rows()) + shared;
+    const Eigen::MatrixXd weighed = v.llt().solve(own);
+    const Eigen::VectorXd diagonal = half.cwiseProduct(weighed).rowwise().sum();
     for (size_t i = 0; i < rows.size(); ++i) {
       (*leverage)[piece.positions[rows[i] / 3]] += diagonal[static_cast<Eigen::Index>(i)] / 3.0;
     }
@@ -155,7 +152,7 @@ class RowJudge {
       const Eigen::MatrixXd latent = RowBlock(piece.latent, row, 3);  // in units of the instrument's noise
       const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
       // A root of S (1 + L L') S', what one reading scatters by: instrument and joints.
-      estimate.scatter[k] = own * Matrix3<double>(relative.llt().matrixL());
+      estimate.scatter[k] = own * LowerRoot(relative);
       const Observation& observation = problem_.data().observations[k];
       if (observation.excluded || !problem_.data().IsValidation(observation) || !observation.is_point()) continue;
       // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
@@ -335,7 +332,7 @@ void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
   }
   estimate->cost = 0.5 * fit.residual.squaredNorm();
   JudgeNoise(problem, problem.weight_roots.empty() ? fitted : fitted_by(noise), estimate);
-  const double scale = CovarianceScale(estimate->sigma);
+  const double scale = NoiseScale(estimate->sigma);
   Eigen::MatrixXd normal_root;
   if (!JudgeCovariance(problem, fit, scale, &normal_root, estimate)) {
     estimate->status = Status::kSingular;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/calibration_words.h"
 #include "problems/loads.h"
@@ -19,11 +20,6 @@ constexpr int kPulls = 3;
 constexpr int kHeadings = 8;
 constexpr size_t kMostConfigurations = 60;  // tried
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double NoiseScale(const SigmaReport& sigma) {
-  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
-  return sigma.scaled ? sigma.a_posteriori : 1.0;
-}
 
 // Where and how the data's loads act: the first loaded shot's own wrench.
 AppliedWrench LoadAtHand(const CalibrationProblem& problem) {

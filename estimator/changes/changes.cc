@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "estimator/changes/sparse_search.h"
 #include "estimator/report/changes_words.h"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "estimator/least_squares/held_influence.h"
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/report/changes_words.h"
 #include "models/constants.h"
 #include "models/dense_algebra.h"
@@ -259,16 +260,11 @@ Eigen::MatrixXd EstimateComparison::SpreadOf(const CalibrationProblem& problem, 
   const Linearization all = AllColumns(problem, rows_);
   const ParameterUncertainty& u = known.uncertainty;
   const Eigen::MatrixXd estimated = Columns(u.estimated, problem, all);
-  const auto root = [](const Eigen::MatrixXd& covariance) -> Eigen::MatrixXd {
-    const Eigen::VectorXd size = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-    const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * covariance * size.cwiseInverse().asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-    return size.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  };
   std::vector<Eigen::MatrixXd> parts;
-  if (!u.estimated.empty()) parts.push_back(estimated * root(u.covariance));
+  if (!u.estimated.empty()) parts.push_back(estimated * RootOf(u.covariance));
   if (!u.held.empty()) {
-    parts.push_back((Columns(u.held, problem, all) + estimated * u.slopes) * root(u.second_moment));
+    const Eigen::MatrixXd followed = estimated * u.slopes, held = Columns(u.held, problem, all) + followed;
+    parts.push_back(held * RootOf(u.second_moment));
   }
   // What only this one estimated, the other assumed; what the other's parameters would have done moves along.
   for (size_t i = 0; i < u.estimated.size(); ++i) {
@@ -297,7 +293,8 @@ void EstimateComparison::FactorCovariance() {
     }
   }
   const Eigen::MatrixXd a = SpreadOf(problems_[0], old_, new_), b = SpreadOf(problems_[1], new_, old_);
-  Eigen::MatrixXd covariance = a * a.transpose() + b * b.transpose();
+  Eigen::MatrixXd covariance = a * a.transpose();
+  covariance += b * b.transpose();
   covariance.diagonal().array() += kFloor * kFloor;
   whitener_ = Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL();
   for (const auto& [one, other] : {std::pair(&old_, &new_), std::pair(&new_, &old_)}) {
@@ -334,7 +331,7 @@ EstimateComparison::Linear EstimateComparison::Linearise() const {
   for (size_t g = 0; g < groups_.size(); ++g) {
     const ChangeGroup& group = groups_[g];
     auto columns = linear.columns.middleCols(first, group.size());
-    columns = all.jacobian * group.coordinates;
+    columns.noalias() = all.jacobian * group.coordinates;
     if (group.joint >= 0)
       columns.col(0) += group.joint_size * ZeroColumn(problems_[0].model().chain(), all, group.joint);
     applied.segment(first, group.size()) = applied_[g];
@@ -345,8 +342,8 @@ EstimateComparison::Linear EstimateComparison::Linearise() const {
   }
   linear.difference = Difference() + linear.columns * applied;
   const auto lower = whitener_.triangularView<Eigen::Lower>();
-  linear.difference = lower.solve(linear.difference).eval();
-  linear.columns = lower.solve(linear.columns).eval();
+  lower.solveInPlace(linear.difference);
+  lower.solveInPlace(linear.columns);
   return linear;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "models/dense_algebra.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -71,7 +72,7 @@ double Search::LogPosterior(const Set& set) {
   const Solved solved = Solve(set);
   // Changes x ~ N(0, D^2) seen by y = J x + N(0, 1):  ln p(y | set) = 1/2 b'(1 + G)^-1 b - 1/2 ln|1 + G| + const, G = D
   // J'J D, b = D J'y.
-  const double log_det = 2.0 * solved.factor.matrixLLT().diagonal().array().log().sum();
+  const double log_det = LogDeterminant(solved.factor);
   const double gain = solved.scaled_gradient.dot(solved.factor.solve(solved.scaled_gradient));
   const double each = std::log(1.0 / (static_cast<double>(groups_.size()) * kNumChangeScales));
   const auto size = static_cast<double>(set.size());
@@ -155,9 +156,8 @@ SparsePosterior Search::Run() {
   for (auto& [group, scale] : most) scale = kNumChangeScales - 1;
   const Solved solved = Solve(most);
   const Eigen::VectorXd mean = solved.scale.cwiseProduct(solved.factor.solve(solved.scaled_gradient));
-  const Eigen::MatrixXd covariance = solved.scale.asDiagonal() *
-                                     solved.factor.solve(Eigen::MatrixXd::Identity(mean.size(), mean.size())) *
-                                     solved.scale.asDiagonal();
+  const Eigen::MatrixXd inverse = solved.factor.solve(Eigen::MatrixXd::Identity(mean.size(), mean.size()).eval());
+  const Eigen::MatrixXd covariance = solved.scale.asDiagonal() * inverse * solved.scale.asDiagonal();
   long first = 0;
   for (const auto& [group, scale] : most) {
     const auto n = static_cast<long>(groups_[group].size());

@@ -16,26 +16,9 @@
 namespace sagitta {
 namespace {
 
-// Starts of the nominal inverse kinematics where a row states no joint values: the middle of the limits, then points of
-// the R-sequence (Roberts 2018: multiples of powers of the generalised golden ratio, mod 1). Newton reaches a solution
+// Starts of the nominal inverse kinematics where a row states no joint values (SpreadStart). Newton reaches a solution
 // from about every third start of a six-joint arm, so that all of them fail on a reachable pose once in 10^8.
 constexpr int kStarts = 48;
-
-Eigen::VectorXd StartNumber(const Chain& chain, int k) {
-  const int n = chain.num_joints();
-  double ratio = 2.0;  // root of x^(n+1) = x + 1
-  for (int i = 0; i < 60; ++i) ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
-  Eigen::VectorXd start(n);
-  for (int j = 0; j < n; ++j) {
-    const Joint& joint = chain.joints[j];
-    const double half = joint.type == JointType::kRevolute ? kPi : CharacteristicLength(chain);
-    const double low = joint.min.value_or(-half), high = joint.max.value_or(half);
-    double share = 0.5 + k * std::pow(ratio, -(j + 1));
-    share -= std::floor(share);
-    start[j] = low + share * (high - low);
-  }
-  return start;
-}
 
 // Columns of the estimate's parameters that act on the arm: index into names, index of the model's parameter.
 struct ActiveParameters {
@@ -106,7 +89,8 @@ FlangeSolution Compensator::Nominal(const Target& target, const Eigen::VectorXd&
   std::vector<Eigen::VectorXd> starts;
   if (target.q) starts.push_back(*target.q);
   if (!target.q && previous.size() > 0) starts.push_back(previous);
-  for (int k = 0; !target.q && k < kStarts; ++k) starts.push_back(StartNumber(input_.nominal, k));
+  for (int k = 0; !target.q && k < kStarts; ++k)
+    starts.push_back(SpreadStart(input_.nominal, k, /*within_a_turn=*/false));
   FlangeSolution best;
   double least = std::numeric_limits<double>::infinity();
   for (const Eigen::VectorXd& start : starts) {

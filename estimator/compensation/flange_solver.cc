@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
 
@@ -225,6 +227,26 @@ Eigen::Matrix<double, 6, 1> PoseDifference(const Pose<double>& target, const Pos
   difference.head<3>() = target.translation - at.translation;
   difference.tail<3>() = RotationVector(Eigen::Quaterniond(target.rotation * at.rotation.transpose()));
   return difference;
+}
+
+// The R-sequence (Roberts 2018): multiples of powers of 1 / ratio modulo 1, ratio the root of x^(n+1) = x + 1, which is
+// the golden one for n = 1.
+Eigen::VectorXd SpreadStart(const Chain& chain, int k, bool within_a_turn) {
+  const int n = chain.num_joints();
+  double ratio = 2.0;
+  for (int i = 0; i < 60; ++i) ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
+  Eigen::VectorXd start(n);
+  for (int j = 0; j < n; ++j) {
+    const Joint& joint = chain.joints[static_cast<size_t>(j)];
+    const bool is_revolute = joint.type == JointType::kRevolute;
+    const double half = is_revolute ? kPi : CharacteristicLength(chain);
+    double low = joint.min.value_or(-half), high = joint.max.value_or(half);
+    if (is_revolute && within_a_turn) low = std::max(low, -kPi), high = std::min(high, kPi);
+    double share = 0.5 + k * std::pow(ratio, -(j + 1));
+    share -= std::floor(share);
+    start[j] = low + share * (high - low);
+  }
+  return start;
 }
 
 FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const Pose<double>& target,

@@ -72,6 +72,11 @@ Eigen::Matrix<double, 6, 1> PoseDifference(const Pose<double>& target, const Pos
 
 using FlangeFunction = std::function<bool(const Eigen::VectorXd& q, FlangeState* state)>;
 
+// Joint values number k = 0, 1, .. to start from: the middle of the limits, then points that fill the joint space
+// evenly. A joint without limits ranges over a turn or the characteristic length to either side of zero, half of it
+// each; within_a_turn: one with limits over no more than that turn.
+Eigen::VectorXd SpreadStart(const Chain& chain, int k, bool within_a_turn);
+
 // From `start`, which also is what a redundant arm stays near. within_limits: joints stop at their limits.
 FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const Pose<double>& target,
                            const Eigen::VectorXd& start, bool within_limits);

@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-// Newton from points spread over the joints' ranges (the R-sequence of compensate.cc). From about one start in three it
+// Newton from points spread over the joints' ranges (SpreadStart). From about one start in three it
 // reaches a solution; of at most eight (sixteen) branches each then is missed once in 10^4 (10^2) after 240.
 constexpr int kStarts = 240;
 constexpr double kSame = 1e-5;    // rad or m, between two solutions
@@ -95,24 +95,6 @@ class ArmShape {
   bool has_wrist_ = false;
   Vector3<double> forward_;
 };
-
-Eigen::VectorXd StartNumber(const Chain& chain, int k) {
-  const int n = chain.num_joints();
-  double ratio = 2.0;
-  for (int i = 0; i < 60; ++i) ratio = std::pow(1.0 + ratio, 1.0 / (n + 1));
-  Eigen::VectorXd start(n);
-  for (int j = 0; j < n; ++j) {
-    const Joint& joint = chain.joints[static_cast<size_t>(j)];
-    const bool turns = joint.type == JointType::kRevolute;
-    const double half = turns ? kPi : CharacteristicLength(chain);
-    const double low = std::max(joint.min.value_or(-half), turns ? -kPi : joint.min.value_or(-half));
-    const double high = std::min(joint.max.value_or(half), turns ? kPi : joint.max.value_or(half));
-    double share = 0.5 + k * std::pow(ratio, -(j + 1));
-    share -= std::floor(share);
-    start[j] = low + share * (high - low);
-  }
-  return start;
-}
 
 bool IsWithin(const Joint& joint, double value) {
   return value >= joint.min.value_or(-1e300) - 1e-9 && value <= joint.max.value_or(1e300) + 1e-9;
@@ -204,7 +186,8 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
   std::vector<Eigen::VectorXd> found;
   bool reached = false;
   for (int k = 0; k < kStarts; ++k) {
-    const FlangeSolution solution = SolveFlange(nominal, arm, flange_in_base, StartNumber(nominal, k), false);
+    const FlangeSolution solution =
+        SolveFlange(nominal, arm, flange_in_base, SpreadStart(nominal, k, /*within_a_turn=*/true), false);
     if (!IsOnTarget(solution)) continue;
     reached = true;
     for (const StatedBranch& one : branches) {

@@ -17,4 +17,8 @@ void FillTable(const CalibrationProblem& problem, Estimate* estimate);
 // Whether the interval's arms are alike, so that one figure says both.
 bool IsEven(const ParameterEstimate& row);
 
+// The noise that the estimate goes by over the one that rows were whitened with: covariances are multiplied by its
+// square.
+double NoiseScale(const SigmaReport& sigma);
+
 }  // namespace sagitta

@@ -98,8 +98,10 @@ std::vector<ConfigurationLeverage> FindLeverage(const LinearState& state) {
   const int n = state.estimated.num_columns();
   if (n == 0) return leverage;
   const Eigen::VectorXd scale = state.estimated.jacobian.colwise().norm().cwiseMax(1e-300);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(state.estimated.jacobian * scale.cwiseInverse().asDiagonal());
-  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(state.estimated.num_rows(), n);
+  const Eigen::MatrixXd scaled = state.estimated.jacobian * scale.cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(state.estimated.num_rows(), n);
+  const Eigen::MatrixXd q = qr.householderQ() * identity;
   std::map<int, std::vector<int>> rows;
   for (size_t k = 0; k < state.estimated.observations.size(); ++k) {
     const Observation& observation = state.problem.data().observations[state.estimated.observations[k]];

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "models/kinematics.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -41,11 +42,11 @@ OrientationVariety VarietyOf(const CalibrationProblem& problem, const std::map<i
   for (const Matrix3<double>& rotation : rotations) mean += rotation / rotations.size();
   for (const Matrix3<double>& rotation : rotations)
     scatter += (rotation - mean).transpose() * (rotation - mean) / rotations.size();
-  const Eigen::SelfAdjointEigenSolver<Matrix3<double>> eigen(scatter);
+  const PrincipalAxes own = PrincipalAxesOf(scatter);
   OrientationVariety variety;
-  variety.least = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
-  variety.most = std::sqrt(std::max(0.0, eigen.eigenvalues()[2]));
-  variety.still = eigen.eigenvectors().col(0);
+  variety.least = std::sqrt(std::max(0.0, own.values[0]));
+  variety.most = std::sqrt(std::max(0.0, own.values[2]));
+  variety.still = own.axes.col(0);
   return variety;
 }
 

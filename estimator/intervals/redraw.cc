@@ -1,11 +1,10 @@
 #include "estimator/intervals/redraw.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <numeric>
 
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/spring_tie_cost.h"
+#include "models/matrix_functions.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
@@ -35,18 +34,20 @@ ParameterSet DrawTruth(const ParameterSet& truth, std::uint64_t seed) {
   NormalNumbers normal(seed);
   Eigen::Vector3d off;
   for (double& number : off) number = normal();
-  off = tie.covariance.llt().matrixL() * off;
+  off = LowerRoot(tie.covariance) * off;
   const int markers[2] = {tie.lever_marker, tie.anchor_marker};
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::Vector3d misfit = SpringTieMisfit(drawn);
-    Eigen::Matrix<double, 3, 6> slopes;
+    Eigen::MatrixXd slopes(3, 6);
     for (int i = 0; i < 6; ++i) {
       ParameterSet moved = drawn;
       moved.SetMarkerPoint(markers[i / 3], drawn.MarkerPoint(markers[i / 3]) + kStep * Vector3<double>::Unit(i % 3));
       slopes.col(i) = (SpringTieMisfit(moved) - misfit) / kStep;
     }
     // The least move of the two markers whose tie reads `off`: three equations, six coordinates (minimum norm).
-    const Eigen::Matrix<double, 6, 1> step = slopes.completeOrthogonalDecomposition().solve(off - misfit);
+    const Eigen::VectorXd gap = off - misfit;
+    const Eigen::MatrixXd squares = slopes * slopes.transpose();
+    const Eigen::VectorXd step = slopes.transpose() * squares.llt().solve(gap).eval();
     for (int m = 0; m < 2; ++m) {
       drawn.SetMarkerPoint(markers[m], drawn.MarkerPoint(markers[m]) + step.segment<3>(3 * m));
     }

@@ -9,6 +9,7 @@
 #include "estimator/least_squares/row_batches.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/spring_tie_cost.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -75,10 +76,11 @@ void Marginalise(const CalibrationProblem& problem, Linearization* linearization
     const Eigen::MatrixXd l = linearization->latent(rows, Eigen::all);
     const Eigen::MatrixXd c = Eigen::MatrixXd::Identity(l.rows(), l.rows()) + l * l.transpose();
     const Eigen::LLT<Eigen::MatrixXd> root(c);
-    const Eigen::VectorXd residual = root.matrixL().solve(Eigen::VectorXd(linearization->residual(rows)));
-    const Eigen::MatrixXd jacobian = root.matrixL().solve(Eigen::MatrixXd(linearization->jacobian(rows, Eigen::all)));
-    linearization->residual(rows) = residual;
-    linearization->jacobian(rows, Eigen::all) = jacobian;
+    Eigen::MatrixXd own(l.rows(), linearization->num_columns() + 1);
+    own << linearization->jacobian(rows, Eigen::all), linearization->residual(rows);
+    root.matrixL().solveInPlace(own);
+    linearization->residual(rows) = own.rightCols<1>();
+    linearization->jacobian(rows, Eigen::all) = own.leftCols(linearization->num_columns());
   }
 }
 
@@ -310,7 +312,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
   const double smallest = n > 0 ? svd.singularValues()[n - 1] : 0.0;
   solution.condition = smallest > 0.0 ? largest / smallest : std::numeric_limits<double>::infinity();
   solution.full_rank = n == 0 || smallest > 1e-12 * largest;
-  const Eigen::VectorXd rotated = qr.householderQ().transpose() * linearization.residual;
+  const Eigen::VectorXd rotated = TransposedQ(qr, linearization.residual);
   solution.residual_norm_squared = rotated.tail(linearization.num_rows() - n).squaredNorm();
   if (!solution.full_rank) return solution;
   const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));

@@ -1,11 +1,10 @@
 #include "estimator/noise/robot_scatter.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "estimator/least_squares/linearization.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -25,11 +24,11 @@ AlongAxes Residuals(const CalibrationProblem& problem, const Estimate& estimate)
   AlongAxes along;
   for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
     const Matrix3<double> root = problem.SqrtCovariance(i);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(root * root.transpose()));
+    const PrincipalAxes own = PrincipalAxesOf(root * root.transpose());
     const Eigen::Vector3d residual = problem.data().observations[i].point_in_station - estimate.predicted.col(i);
-    const Eigen::Vector3d turned = axes.eigenvectors().transpose() * residual;
+    const Eigen::Vector3d turned = own.axes.transpose() * residual;
     for (int axis = 0; axis < 3; ++axis) {
-      along.variance.push_back(std::max(0.0, axes.eigenvalues()[axis]));
+      along.variance.push_back(std::max(0.0, own.values[axis]));
       along.square.push_back(turned[axis] * turned[axis]);
     }
   }
@@ -69,8 +68,7 @@ bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate
   for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
     const Matrix3<double> root = problem.SqrtCovariance(i);
     if (!IsStated(root)) return false;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(root * root.transpose()));
-    const Eigen::Array3d weights = axes.eigenvalues().array().inverse();
+    const Eigen::Array3d weights = PrincipalAxesOf(root * root.transpose()).values.array().inverse();
     sum += weights.sum();
     squares += weights.square().sum();
     count += 3.0;
@@ -91,7 +89,7 @@ RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate&
     if (problem.data().observations[i].is_point() && IsStated(root)) {
       const Matrix3<double> covariance = root * root.transpose() + variance * Matrix3<double>::Identity();
       // Scaled to the mean variance that was stated: weights change, the unit of chi-square does not.
-      root = std::sqrt(stated / both) * Matrix3<double>(covariance.llt().matrixL());
+      root = std::sqrt(stated / both) * LowerRoot(covariance);
     }
     scatter.roots.push_back(root);
   }

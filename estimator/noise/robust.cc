@@ -1,7 +1,5 @@
 #include "estimator/noise/robust.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,6 +7,7 @@
 #include "estimator/alignment/starting_values.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
+#include "models/matrix_functions.h"
 #include "models/row_block.h"
 
 namespace sagitta {
@@ -76,12 +75,12 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
   // delta = (I + L'WL)^-1 L'W r;  V^-1 = W - W L (I + L'WL)^-1 L'W
   const Eigen::MatrixXd weighted = variance.cwiseInverse().asDiagonal() * latent;
   const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(m, m) + latent.transpose() * weighted;
-  const Eigen::MatrixXd inverse = inner.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(m, m)));
-  const Eigen::VectorXd rest = residual - latent * (inverse * (weighted.transpose() * residual));
-  const Eigen::MatrixXd plain = (Eigen::MatrixXd::Identity(m, m) + latent.transpose() * latent)
-                                    .eval()
-                                    .llt()
-                                    .solve(Eigen::MatrixXd(latent.transpose()));
+  const Eigen::MatrixXd inverse = InverseOfPositive(inner);
+  const Eigen::VectorXd pull = weighted.transpose() * residual, deviation = inverse * pull;
+  const Eigen::VectorXd rest = residual - latent * deviation;
+  // (I + L'L)^-1 L', without weights.
+  const Eigen::MatrixXd squares = latent.transpose() * latent;
+  const Eigen::MatrixXd plain = InverseOfPositive(Eigen::MatrixXd::Identity(m, m) + squares) * latent.transpose();
   for (size_t i = 0; i < points.size(); ++i) {
     const int k = points[i];
     // Leaving point i out (Sherman, Morrison and Woodbury): with e = (V^-1 r)_i and K = (V^-1)_ii, what the others
@@ -96,7 +95,7 @@ void CheckVisit(const Linearization& raw, const std::vector<double>& weights, do
     const Matrix3<double> spread = precision.inverse();
     const Vector3<double> error = spread * (rest.segment<3>(3 * i) / own);
     const Matrix3<double> predictive = spread + (1.0 - own) * Matrix3<double>::Identity();
-    check->leave_one_out[k] = error.dot(predictive.ldlt().solve(error));
+    check->leave_one_out[k] = error.dot(predictive.inverse() * error);
     check->error.col(k) = scale * error;
   }
 }

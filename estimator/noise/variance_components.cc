@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "estimator/statistics/distributions.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -89,8 +90,11 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
     // L = Q [R; 0]: V = a 1 + L v L' is block diagonal in the rotated rows Q'r, Q'J, and a 1 alone below R. Those rows
     // are summed once, whatever the variances.
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(deviation);
-    const Eigen::MatrixXd jacobian = qr.householderQ().transpose() * Eigen::MatrixXd(all.jacobian(indices, Eigen::all));
-    const Eigen::VectorXd residual = qr.householderQ().transpose() * Eigen::VectorXd(all.residual(indices));
+    Eigen::MatrixXd own(deviation.rows(), columns_ + 1);
+    own << all.jacobian(indices, Eigen::all), all.residual(indices);
+    own = TransposedQ(qr, std::move(own));
+    const Eigen::MatrixXd jacobian = own.leftCols(columns_);
+    const Eigen::VectorXd residual = own.col(columns_);
     const int touched = static_cast<int>(std::min(deviation.rows(), deviation.cols()));
     const int rest = static_cast<int>(deviation.rows()) - touched;
     const Eigen::MatrixXd upper = qr.matrixQR().topRows(touched).triangularView<Eigen::Upper>();
@@ -125,14 +129,15 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
     Eigen::MatrixXd v = a * Eigen::MatrixXd::Identity(rows, rows);
     for (size_t g = 0; g < groups.size(); ++g) {
       for (const int j : groups[g].joints) {
-        v += variances[g + 1] * visit.deviation.col(j) * visit.deviation.col(j).transpose();
+        const Eigen::VectorXd moved = visit.deviation.col(j);
+        v.noalias() += (variances[g + 1] * moved) * moved.transpose();
       }
     }
     Factored f;
     f.root.compute(v);
     f.jacobian = f.root.solve(visit.jacobian);
     f.residual = f.root.solve(visit.residual);
-    result.deviance += 2.0 * Eigen::MatrixXd(f.root.matrixL()).diagonal().array().log().sum();
+    result.deviance += LogDeterminant(f.root);
     normal += visit.jacobian.transpose() * f.jacobian;
     product += f.jacobian.transpose() * visit.residual;
     square += visit.residual.dot(f.residual);
@@ -142,8 +147,8 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
   const Eigen::VectorXd x = root.solve(product);
   result.chi2 = square - product.dot(x);
-  result.deviance += 2.0 * Eigen::MatrixXd(root.matrixL()).diagonal().array().log().sum() + result.chi2;
-  result.inverse = root.solve(Eigen::MatrixXd::Identity(columns_, columns_));
+  result.deviance += LogDeterminant(root) + result.chi2;
+  result.inverse = InverseOfPositive(normal);
   if (!with_derivatives) return result;
 
   // dD/dv_i = tr(V^-1 V_i) - tr(N^-1 J'V^-1 V_i V^-1 J) - e'V_i e,   e = P r.
@@ -152,8 +157,8 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(columns_, n);  // J'V^-1 V_i e
   Eigen::MatrixXd info = Eigen::MatrixXd::Zero(n, n);         // (V_i e)'V^-1 (V_k e)
   // Rows that no deviation touches: V = a, V_0 = 1, e = (r - J x) / a.
-  const Eigen::VectorXd rest_pull = rest_product_ - rest_normal_ * x;
-  const double rest_left = rest_square_ - 2.0 * rest_product_.dot(x) + x.dot(rest_normal_ * x);
+  const Eigen::VectorXd rest_fitted = rest_normal_ * x, rest_pull = rest_product_ - rest_fitted;
+  const double rest_left = rest_square_ - 2.0 * rest_product_.dot(x) + x.dot(rest_fitted);
   result.gradient[0] += rest_rows_ / a - rest_left / (a * a);
   result.derivative[0] += rest_normal_ / (a * a);
   pull.col(0) += rest_pull / (a * a);
@@ -168,19 +173,22 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
       Eigen::MatrixXd factor = Eigen::MatrixXd::Identity(rows, rows);  // V_i = factor factor'
       if (i > 0) factor = visit.deviation(Eigen::all, groups[i - 1].joints);
       const Eigen::MatrixXd seen = factor.transpose() * f.jacobian;
-      result.gradient[i] += f.root.matrixL().solve(factor).squaredNorm() - (factor.transpose() * e).squaredNorm();
+      const Eigen::VectorXd along = factor.transpose() * e;
+      result.gradient[i] += f.root.matrixL().solve(factor).squaredNorm() - along.squaredNorm();
       result.derivative[i] += seen.transpose() * seen;
-      moved.col(i) = factor * (factor.transpose() * e);
+      moved.col(i) = factor * along;
     }
     pull += f.jacobian.transpose() * moved;
-    info += moved.transpose() * f.root.solve(moved);
+    const Eigen::MatrixXd weighed = f.root.solve(moved);  // V^-1 V_i e
+    info += moved.transpose() * weighed;
   }
   for (int i = 0; i < n; ++i) {
     result.gradient[i] -= result.inverse.cwiseProduct(result.derivative[i]).sum();
   }
   // y'P V_i P V_k P y with e = P y:  (V_i e)'V^-1 (V_k e) - (V_i e)'V^-1 J N^-1 J'V^-1 (V_k e). Average information:
   // the mean of observed and expected information (Gilmour, Thompson and Cullis 1995).
-  result.hessian = info - pull.transpose() * result.inverse * pull;
+  const Eigen::MatrixXd refitted = result.inverse * pull;
+  result.hessian = info - pull.transpose() * refitted;
   return result;
 }
 
@@ -284,8 +292,7 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
   if (inner.empty()) return fit;
   // D = -2 ln L: its second derivatives are twice the information.
   const Eigen::MatrixXd info = 0.5 * here.hessian(inner, inner);
-  const Eigen::MatrixXd inverse =
-      info.ldlt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(inner.size(), inner.size())));
+  const Eigen::MatrixXd inverse = info.ldlt().solve(Eigen::MatrixXd::Identity(inner.size(), inner.size()).eval());
   const auto unit = [](int i) { return i == 0 ? 1.0 : kReference * kReference; };
   for (size_t r = 0; r < inner.size(); ++r) {
     for (size_t c = 0; c < inner.size(); ++c) {
@@ -353,12 +360,14 @@ Eigen::VectorXd RestrictedLikelihood::Satterthwaite(const RemlFit& fit,
   // d C_cc / d v_i = (C J'V^-1 V_i V^-1 J C)_cc
   Eigen::MatrixXd slopes(columns_, n);
   for (int i = 0; i < n; ++i) {
-    slopes.col(i) = (here.inverse * here.derivative[i] * here.inverse).diagonal();
+    const Eigen::MatrixXd moved = here.inverse * here.derivative[i];
+    slopes.col(i) = moved.cwiseProduct(here.inverse).rowwise().sum();  // C is symmetric
   }
   Eigen::VectorXd dof(columns_);
   for (int c = 0; c < columns_; ++c) {
     // nu = 2 C^2 / var(C), var(C) = g' cov(v) g with g = dC/dv (Satterthwaite 1946).
-    const double spread = slopes.row(c).dot(covariance * slopes.row(c).transpose());
+    const Eigen::VectorXd slope = slopes.row(c);
+    const double spread = slope.dot(covariance * slope);
     const double value = here.inverse(c, c);
     dof[c] = spread > 0.0 ? 2.0 * value * value / spread : std::numeric_limits<double>::infinity();
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "estimator/statistics/mutual_information.h"
+#include "models/matrix_functions.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
@@ -60,7 +61,7 @@ double Criterion::CostOfBlock(const Eigen::MatrixXd& block) const {
     case CriterionKind::kD:
     case CriterionKind::kO1:
       // ln det C_SS = 2 sum ln diag chol(C_SS); least where the ellipsoid of what is of interest is smallest.
-      return 2.0 * block.llt().matrixLLT().diagonal().array().log().sum();
+      return LogDeterminant(block.llt());
     case CriterionKind::kDiscriminate: {
       const std::vector<double> apart = Apart(block);
       double information = 0.0;
@@ -87,8 +88,8 @@ std::vector<double> Criterion::Apart(const Eigen::MatrixXd& block) const {
   std::vector<double> apart;
   for (const std::vector<int>& places : PlacesOfRivals(rival_of)) {
     const Eigen::MatrixXd own = block(places, places);
-    const Eigen::MatrixXd sizes = size(places).asDiagonal();
-    apart.push_back((sizes * own.llt().solve(sizes)).trace());
+    const Eigen::VectorXd sizes = size(places);
+    apart.push_back(sizes.cwiseAbs2().dot(InverseOfPositive(own).diagonal()));  // T is diagonal
   }
   return apart;
 }
@@ -109,23 +110,31 @@ bool Criterion::HasCertificate() const {
 
 // With S = C_SS^-1 (the Schur complement of M) dS = V' dM V, V = C_:S S; hence -d f(S) = tr(V (-f') V' dM).
 Eigen::MatrixXd Criterion::Slope(const Eigen::MatrixXd& covariance) const {
-  if (kind == CriterionKind::kI) return covariance * weight * covariance;
+  if (kind == CriterionKind::kI) {
+    const Eigen::MatrixXd half = covariance * weight;
+    return half * covariance;
+  }
   const Eigen::MatrixXd tall = covariance(Eigen::all, interest);
   const Eigen::MatrixXd block = covariance(interest, interest);
   if (kind == CriterionKind::kA) return tall * tall.transpose();
   if (kind == CriterionKind::kO5) {  // -f' = 1/2 S^-3/2
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
-    return 0.5 * tall * solver.operatorInverseSqrt() * tall.transpose();
+    const Eigen::MatrixXd half = tall * solver.operatorInverseSqrt();
+    return half * (0.5 * tall.transpose());
   }
-  if (kind != CriterionKind::kDiscriminate) return tall * block.llt().solve(tall.transpose());
+  if (kind != CriterionKind::kDiscriminate) {
+    const Eigen::MatrixXd across = tall.transpose(), solved = block.llt().solve(across);
+    return tall * solved;
+  }
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
   const std::vector<std::vector<int>> rivals = PlacesOfRivals(rival_of);
   const std::vector<double> apart = Apart(block);
   for (size_t k = 0; k < rivals.size(); ++k) {
     const Eigen::MatrixXd own = block(rivals[k], rivals[k]);
-    const Eigen::MatrixXd sized =
-        tall(Eigen::all, rivals[k]) * own.llt().solve(Eigen::MatrixXd(size(rivals[k]).asDiagonal()));
-    slope += InformationOfTwo(apart[k]).slope / static_cast<double>(rivals.size()) * sized * sized.transpose();
+    const Eigen::MatrixXd of_rival = tall(Eigen::all, rivals[k]);
+    const double worth = InformationOfTwo(apart[k]).slope / static_cast<double>(rivals.size());
+    const Eigen::MatrixXd sized = std::sqrt(worth) * (of_rival * InverseOfPositive(own)) * size(rivals[k]).asDiagonal();
+    slope += sized * sized.transpose();
   }
   return slope;
 }

@@ -9,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "models/matrix_functions.h"
 #include "problems/interruption.h"
 
 namespace sagitta {
@@ -20,10 +21,6 @@ constexpr int kJoining = 100;        // of more, so many join at a time
 
 bool IsLogarithm(const Criterion& criterion) {
   return criterion.kind == CriterionKind::kD || criterion.kind == CriterionKind::kO1;
-}
-
-Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& information) {
-  return information.llt().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(information.rows(), information.cols())));
 }
 
 // Two halves at once where that is worth a thread. The halves are the same on every machine, and so is their sum.
@@ -72,7 +69,8 @@ void AddGains(const CandidateSet& set, const Eigen::MatrixXd& slope, int from, i
     const int end = std::min(to, i + kAtOnce);
     const auto rows = set.rows.middleRows(set.first[i], set.first[end] - set.first[i]);
     // d_i = tr(A_i slope A_i'): by how much the cost falls per pose spent on candidate i.
-    const Eigen::VectorXd of_rows = (rows * slope).cwiseProduct(rows).rowwise().sum();
+    const Eigen::MatrixXd sloped = rows * slope;
+    const Eigen::VectorXd of_rows = sloped.cwiseProduct(rows).rowwise().sum();
     for (int k = i; k < end; ++k) {
       (*gains)[k] = std::max(0.0, of_rows.segment(set.first[k] - set.first[i], set.count(k)).sum());
     }
@@ -125,7 +123,7 @@ class Multiplicative {
 
  private:
   void Evaluate(ApproximateDesign* design) const {
-    const Eigen::MatrixXd covariance = InverseOf(InformationOf(set_, known_, poses_ * design->weights));
+    const Eigen::MatrixXd covariance = InverseOfPositive(InformationOf(set_, known_, poses_ * design->weights));
     design->cost = criterion_.Cost(covariance);
     design->slope = criterion_.Slope(covariance);
     design->gain = GainsOf(set_, design->slope);
@@ -215,7 +213,7 @@ class Adder {
 std::vector<int> Greedy(const CandidateSet& set, const Eigen::MatrixXd& known, const Adder& adder, int poses,
                         const ApproximateDesign& approximate, bool repeats) {
   constexpr double kShare = 0.1;  // of one pose: fades against the poses taken
-  Eigen::MatrixXd c = InverseOf(InformationOf(set, known, kShare * approximate.weights));
+  Eigen::MatrixXd c = InverseOfPositive(InformationOf(set, known, kShare * approximate.weights));
   std::vector<bool> barred(set.size(), false);
   std::vector<int> picks;
   for (int k = 0; k < poses; ++k) {
@@ -308,15 +306,16 @@ Eigen::VectorXd GainsOf(const CandidateSet& set, const Eigen::MatrixXd& slope) {
 Eigen::MatrixXd CovarianceOf(const CandidateSet& set, const Eigen::MatrixXd& known, const std::vector<int>& picks) {
   Eigen::MatrixXd information = known;
   for (const int i : picks) information += set.of(i).transpose() * set.of(i);
-  return InverseOf(information);
+  return InverseOfPositive(information);
 }
 
 // C -/+ C A' (I +/- A C A')^-1 A C.
 Eigen::MatrixXd Updated(const Eigen::MatrixXd& c, const Eigen::MatrixXd& a, double sign) {
   const Eigen::MatrixXd ac = a * c;
-  const Eigen::MatrixXd k = Eigen::MatrixXd::Identity(a.rows(), a.rows()) + sign * (ac * a.transpose());
-  const Eigen::MatrixXd updated = c - sign * (ac.transpose() * k.ldlt().solve(ac));
-  return 0.5 * (updated + updated.transpose());
+  const Eigen::MatrixXd aca = ac * a.transpose();
+  const Eigen::MatrixXd k = Eigen::MatrixXd::Identity(a.rows(), a.rows()) + sign * aca;
+  const Eigen::MatrixXd solved = k.ldlt().solve(ac), change = ac.transpose() * solved;
+  return c - 0.5 * sign * (change + change.transpose());
 }
 
 CostBeside::CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covariance)
@@ -328,7 +327,10 @@ CostBeside::CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covari
   if (criterion.kind == CriterionKind::kI) middle_ = c_ * criterion.weight * c_;
   const Eigen::MatrixXd tall = c_(Eigen::all, columns_);
   if (criterion.kind == CriterionKind::kA) middle_ = tall * tall.transpose();
-  if (IsLogarithm(criterion)) middle_ = c_ - tall * block_.llt().solve(tall.transpose());
+  if (IsLogarithm(criterion)) {
+    const Eigen::MatrixXd across = tall.transpose(), known = block_.llt().solve(across);
+    middle_ = c_ - tall * known;
+  }
 }
 
 // With K = I + A C A': of I and A the loss tr(K^-1 A middle A'). Of D ln det C'_SS = ln det C_SS - ln det K
@@ -336,17 +338,16 @@ CostBeside::CostBeside(const Criterion& criterion, const Eigen::MatrixXd& covari
 double CostBeside::With(const Eigen::MatrixXd& rows) const {
   const Eigen::MatrixXd ac = rows * c_;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(rows.rows(), rows.rows());
-  const Eigen::LLT<Eigen::MatrixXd> root(one + ac * rows.transpose());
+  const Eigen::MatrixXd aca = ac * rows.transpose();
+  const Eigen::LLT<Eigen::MatrixXd> root(one + aca);
   if (middle_.size() == 0) {
-    const Eigen::MatrixXd part = root.matrixL().solve(Eigen::MatrixXd(ac(Eigen::all, columns_)));
+    Eigen::MatrixXd part = ac(Eigen::all, columns_);
+    root.matrixL().solveInPlace(part);
     return criterion_.CostOfBlock(block_ - part.transpose() * part);
   }
-  const Eigen::MatrixXd inner = rows * middle_ * rows.transpose();
+  const Eigen::MatrixXd half = rows * middle_, inner = half * rows.transpose();
   if (!IsLogarithm(criterion_)) return now_ - root.solve(inner).trace();
-  const auto log_det = [](const Eigen::LLT<Eigen::MatrixXd>& of) {
-    return 2.0 * of.matrixLLT().diagonal().array().log().sum();
-  };
-  return now_ - log_det(root) + log_det((one + inner).eval().llt());
+  return now_ - LogDeterminant(root) + LogDeterminant((one + inner).eval().llt());
 }
 
 std::vector<int> Foremost(const Eigen::VectorXd& values, int most) {

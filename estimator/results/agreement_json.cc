@@ -1,5 +1,7 @@
 #include "estimator/results/agreement_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace sagitta {
 namespace {
 

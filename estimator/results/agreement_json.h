@@ -1,7 +1,7 @@
 // What estimate.json says of the agreement between parts of the data.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "estimator/estimate/agreement_report.h"
 

@@ -1,7 +1,7 @@
 // diagnosis.json (sagitta/diagnosis/1, FORMATS section 6).
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "estimator/diagnosis/diagnose.h"

@@ -1,6 +1,7 @@
 #include "estimator/results/estimate_json.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "estimator/results/agreement_json.h"
 #include "estimator/results/intervals_json.h"

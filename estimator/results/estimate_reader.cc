@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "estimator/least_squares/linearization.h"
@@ -176,10 +177,12 @@ class EstimateReader {
     const Eigen::VectorXd sizes = own.eigenvalues().cwiseMax(1e-12 * own.eigenvalues().maxCoeff()).cwiseSqrt();
     const Eigen::MatrixXd root = own.eigenvectors() * sizes.asDiagonal();
     const Eigen::MatrixXd inverse = sizes.cwiseInverse().asDiagonal() * own.eigenvectors().transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> beyond(
-        Eigen::MatrixXd(inverse * ratios * inverse.transpose()));
-    const Eigen::MatrixXd spread = root * beyond.eigenvectors();
-    return spread * (1.0 + beyond.eigenvalues().array()).max(square).matrix().asDiagonal() * spread.transpose();
+    const Eigen::MatrixXd half = inverse * ratios, whitened = half * inverse.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> beyond(whitened);
+    const Eigen::VectorXd sizes_beyond = (1.0 + beyond.eigenvalues().array()).max(square).sqrt();
+    Eigen::MatrixXd spread = root * beyond.eigenvectors();
+    spread *= sizes_beyond.asDiagonal();
+    return spread * spread.transpose();
   }
 
   const JsonValue& root_;

@@ -1,6 +1,7 @@
 #include "estimator/results/inspection_json.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "estimator/results/torques_json.h"
 #include "models/constants.h"

@@ -1,7 +1,7 @@
 // inspect.json (sagitta/inspection/1).
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "estimator/inspection/inspect.h"
 #include "estimator/results/estimate_json.h"

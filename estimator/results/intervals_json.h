@@ -2,7 +2,7 @@
 // about, and what held parameters leave open.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "estimator/estimate/estimate.h"
 #include "estimator/intervals/prediction.h"

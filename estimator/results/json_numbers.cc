@@ -1,6 +1,7 @@
 #include "estimator/results/json_numbers.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "problems/io/units.h"
 

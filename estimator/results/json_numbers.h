@@ -1,7 +1,7 @@
 // Numbers of result files.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "models/geometry.h"
 

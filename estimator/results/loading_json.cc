@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "estimator/results/json_numbers.h"
 #include "problems/io/units.h"

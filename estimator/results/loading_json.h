@@ -2,7 +2,7 @@
 // tool of the experiment that was estimated, and drift and growth mean the same in other rows.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "problems/experiment.h"
 #include "problems/io/json_reader.h"

@@ -1,6 +1,7 @@
 #include "estimator/results/noise_json.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "estimator/results/json_numbers.h"
 

@@ -1,7 +1,7 @@
 // The key `noise` of estimate.json: variance components, spreads, outliers.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"

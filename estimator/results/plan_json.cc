@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "estimator/results/json_numbers.h"
 #include "estimator/statistics/distributions.h"

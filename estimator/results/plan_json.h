@@ -1,7 +1,7 @@
 // plan.json (sagitta/plan/1) and plan.csv: what a plan says, and the poses as a measurement file without readings.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "estimator/planning/plan.h"

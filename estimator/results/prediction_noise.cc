@@ -1,6 +1,7 @@
 #include "estimator/results/prediction_noise.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace sagitta {
 namespace {

@@ -2,7 +2,7 @@
 // show. Whatever the noise model was, it is written as something that gives a covariance at any point.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 #include "estimator/estimate/estimate.h"

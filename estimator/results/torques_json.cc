@@ -1,5 +1,7 @@
 #include "estimator/results/torques_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace sagitta {
 
 nlohmann::ordered_json TorquesToJson(const CalibrationProblem& problem, const TorqueComparison& comparison) {

@@ -1,7 +1,7 @@
 // The block `torques`: measured joint torques against the modelled ones.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "estimator/inspection/torque_lint.h"
 

@@ -1,6 +1,7 @@
 #include "estimator/results/trust_json.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace sagitta {
 namespace {

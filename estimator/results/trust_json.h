@@ -1,7 +1,7 @@
 // verdict, cross_validation, suspects and the two intervals of each parameter in estimate.json (FORMATS section 4).
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "estimator/validation/trust.h"
 

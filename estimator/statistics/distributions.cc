@@ -54,6 +54,11 @@ double NormalQuantile(double p) { return quantile(Normal(), p); }
 
 double StudentQuantile(double p, double dof) { return quantile(Student(dof), p); }
 
+double WelchDof(double a, double dof_a, double b, double dof_b) {
+  const double weight = a * a / dof_a + b * b / dof_b;
+  return weight > 0.0 ? (a + b) * (a + b) / weight : std::numeric_limits<double>::infinity();
+}
+
 double BetaQuantile(double p, double a, double b) { return quantile(Beta(a, b), p); }
 
 double KolmogorovSurvival(double d, double n) {

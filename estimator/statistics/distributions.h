@@ -15,6 +15,9 @@ double FQuantile(double p, double m, double n);
 double NormalQuantile(double p);
 // t with P(T_dof <= t) = p; the normal quantile for infinite dof.
 double StudentQuantile(double p, double dof);
+// Degrees of freedom of the variance a + b, each known with its own: (a + b)^2 / (a^2 / dof_a + b^2 / dof_b) (Welch
+// 1947, Satterthwaite 1946).
+double WelchDof(double a, double dof_a, double b, double dof_b);
 // P(largest distance between an empirical distribution of n numbers and the true one > d), Kolmogorov's series with
 // Stephens' correction for finite n; two samples: n = n1 n2 / (n1 + n2).
 double KolmogorovSurvival(double d, double n);

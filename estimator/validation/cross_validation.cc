@@ -7,6 +7,7 @@
 
 #include "estimator/calibration/held_rest.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/held_influence.h"
 #include "estimator/least_squares/identifiability.h"
 #include "estimator/least_squares/linearization.h"
@@ -98,11 +99,6 @@ Eigen::MatrixXd Leave(const Eigen::MatrixXd& left, const Eigen::VectorXd& scale,
   return root;
 }
 
-double NoiseOf(const SigmaReport& sigma) {
-  if (!sigma.stated) return sigma.estimated / kFallbackSigma;
-  return sigma.scaled ? sigma.a_posteriori : 1.0;
-}
-
 }  // namespace
 
 std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) {
@@ -156,7 +152,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   std::vector<Eigen::MatrixXd> of_fits;
   for (Fold& fold : folds) {
     Eigen::MatrixXd left = sums - fold.total;
-    fold.loses = AddRest(problem, estimate, columns, NoiseOf(estimate.sigma), &left);
+    fold.loses = AddRest(problem, estimate, columns, NoiseScale(estimate.sigma), &left);
     of_fits.push_back(Leave(left, scale, &fold));
   }
 
@@ -199,7 +195,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   }
   PredictedSquares predicted;
   for (int f = 0; f < count; ++f) {
-    const PredictedSquares own = folds[f].predicted.Squares(NoiseOf(estimate.sigma) * of_fits[f]);
+    const PredictedSquares own = folds[f].predicted.Squares(NoiseScale(estimate.sigma) * of_fits[f]);
     predicted.trace += own.trace;
     predicted.trace_of_square += own.trace_of_square;
   }

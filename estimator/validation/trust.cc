@@ -60,14 +60,12 @@ struct Widening {
 };
 
 // s^2 + t^2 in place of s^2, t^2 = `between` with `draws` degrees of freedom, s^2 = `noise` with `dof`; Student's t
-// with
-//   (s^2 + t^2)^2 / (s^4 / dof + t^4 / draws)      (Welch 1947, Satterthwaite 1946)
+// with the degrees of freedom of the sum.
 Widening BetweenPartsWiden(double noise, double dof, double between, double draws) {
   if (!(between > 0.0 && noise > 0.0 && draws > 0.0)) return {};
-  const double ratio = between / noise;
-  const double together = (1.0 + ratio) * (1.0 + ratio) / (1.0 / dof + ratio * ratio / draws);
+  const double together = WelchDof(noise, dof, between, draws);
   Widening widening;
-  widening.sigma = std::sqrt(1.0 + ratio);
+  widening.sigma = std::sqrt(1.0 + between / noise);
   widening.interval = widening.sigma * StudentQuantile(0.975, together) / StudentQuantile(0.975, dof);
   return widening;
 }

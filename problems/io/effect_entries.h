@@ -3,7 +3,7 @@
 //   {effect: joint_harmonic, joint: A3, order: 1, cos_urad: 210, sin_urad: 0}
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

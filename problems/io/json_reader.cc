@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "problems/input_error.h"
@@ -89,6 +90,10 @@ Json ParseJson(const std::string& text, const std::string& file) {
 void JsonValue::Fail(const std::string& what, const std::string& hint) const {
   throw InputError({file_, 0, path_}, what, hint);
 }
+
+bool JsonValue::IsNull() const { return json_->is_null(); }
+
+bool JsonValue::IsMap() const { return json_->is_object(); }
 
 std::optional<JsonValue> JsonValue::Find(const std::string& key) const {
   if (!json_->is_object()) Fail("a map is expected, this is " + KindOf(*json_));

@@ -1,7 +1,7 @@
 // The one reader of JSON: strict, with limits, and typed access whose errors name file and key.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,8 +24,8 @@ class JsonValue {
 
   [[noreturn]] void Fail(const std::string& what, const std::string& hint = "") const;
 
-  bool IsNull() const { return json_->is_null(); }
-  bool IsMap() const { return json_->is_object(); }
+  bool IsNull() const;
+  bool IsMap() const;
   const Json& json() const { return *json_; }
   const std::string& path() const { return path_; }
 

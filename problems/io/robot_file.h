@@ -1,7 +1,7 @@
 // Robot files (sagitta/robot/1, FORMATS section 1).
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cctype>
+#include <nlohmann/json.hpp>
 
 #include "problems/io/effect_entries.h"
 #include "problems/io/files.h"

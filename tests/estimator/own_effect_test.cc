@@ -3,6 +3,8 @@
 // read and written, estimated, and found by the diagnosis where it is hidden.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "estimator/diagnosis/diagnose.h"
 #include "problems/input_error.h"
 #include "problems/io/effect_entries.h"

@@ -1,6 +1,8 @@
 // The strict reader of JSON: what it refuses, with file and key.
 #include "problems/io/json_reader.h"
 
+#include <nlohmann/json.hpp>
+
 #include "tests/problems/file_test_support.h"
 
 namespace sagitta {

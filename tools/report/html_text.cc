@@ -1,5 +1,7 @@
 #include "tools/report/html_text.h"
 
+#include <nlohmann/json.hpp>
+
 #include "problems/io/text_checks.h"
 
 namespace sagitta {

@@ -1,7 +1,7 @@
 // Texts, tables and JSON as they stand safely in a page.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
