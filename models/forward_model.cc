@@ -207,6 +207,8 @@ void ForwardModel::AddTerms(const std::vector<double>& memory, ShotInput* shot) 
 
 bool ForwardModel::IsElastic(const ShotInput& shot) const {
   if (!shot.terms.sags.empty()) return true;
+  const auto acts_unloaded = [](const ElasticTerm& term) { return term.law == ElasticLaw::kBump; };
+  if (std::any_of(shot.terms.elastic.begin(), shot.terms.elastic.end(), acts_unloaded)) return true;
   const bool is_loaded = !shot.wrenches.empty() || !shot.terms.wrenches.empty() || !shot.terms.torques.empty();
   return !shot.terms.elastic.empty() && (is_loaded || compensator_);
 }

@@ -14,8 +14,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kHarmonicOrders = 6;        // scanned with few configurations
-constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
+constexpr int kHarmonicOrders = 6;  // scanned with few configurations
 constexpr int kConfigurationsPerOrder = 20;
 
 bool AnyLoad(const CalibrationProblem& problem) {
@@ -57,14 +56,6 @@ std::vector<std::string> Targets(const EffectDefinition& definition, const Calib
       break;
   }
   return targets;
-}
-
-// As many orders as the configurations can resolve.
-int ResolvedOrders(const CalibrationProblem& problem) {
-  const auto& configurations = problem.data().configurations;
-  const auto fitted = std::count_if(configurations.begin(), configurations.end(),
-                                    [](const Configuration& c) { return !c.is_validation; });
-  return std::min(kMostHarmonicOrders, std::max(kHarmonicOrders, static_cast<int>(fitted) / kConfigurationsPerOrder));
 }
 
 std::vector<std::string> Choices(const SettingDefinition& setting, const std::string& target,
@@ -239,6 +230,13 @@ void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& d
 }
 
 }  // namespace
+
+int ResolvedOrders(const CalibrationProblem& problem) {
+  const auto& configurations = problem.data().configurations;
+  const auto fitted = std::count_if(configurations.begin(), configurations.end(),
+                                    [](const Configuration& c) { return !c.is_validation; });
+  return std::min(kMostHarmonicOrders, std::max(kHarmonicOrders, static_cast<int>(fitted) / kConfigurationsPerOrder));
+}
 
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates) {
   std::vector<EffectSpec> specs;

@@ -35,6 +35,10 @@ struct CandidateList {
 // Their specs, in their order.
 std::vector<EffectSpec> SpecsOf(const std::vector<Candidate>& candidates);
 
+// Orders of a harmonic that are scanned: as many as the configurations can resolve; a gear has more.
+constexpr int kMostHarmonicOrders = 130;  // a strain wave gear has about 100
+int ResolvedOrders(const CalibrationProblem& problem);
+
 // `estimated`: values of the believed model; what acts through a compliance of zero there cannot be tested.
 CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterSet& estimated);
 

@@ -44,22 +44,14 @@ std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most) {
   return places;
 }
 
-// (u . v)^d is the sum over i + j + k = d of d! / (i! j! k!) (u_x v_x)^i (u_y v_y)^j (u_z v_z)^k.
-Eigen::MatrixXd OfDirection(const Eigen::MatrixXd& directions, int degree) {
-  std::vector<Eigen::VectorXd> columns;
-  const auto power = [&](int axis, int n) { return directions.col(axis).array().pow(n); };
-  for (int d = 1; d <= degree; ++d) {
-    for (int i = d; i >= 0; --i) {
-      for (int j = d - i; j >= 0; --j) {
-        const int k = d - i - j;
-        const double ways = std::tgamma(d + 1) / (std::tgamma(i + 1) * std::tgamma(j + 1) * std::tgamma(k + 1));
-        columns.push_back(std::sqrt(ways / degree) * (power(0, i) * power(1, j) * power(2, k)).matrix());
-      }
+Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {
+  Eigen::MatrixXd products(one.rows(), one.cols() * other.cols());
+  for (long i = 0; i < one.cols(); ++i) {
+    for (long k = 0; k < other.cols(); ++k) {
+      products.col(i * other.cols() + k) = one.col(i).cwiseProduct(other.col(k));
     }
   }
-  Eigen::MatrixXd functions(directions.rows(), static_cast<long>(columns.size()));
-  for (size_t c = 0; c < columns.size(); ++c) functions.col(static_cast<long>(c)) = columns[c];
-  return functions;
+  return products;
 }
 
 Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {

@@ -17,9 +17,8 @@ Eigen::MatrixXd Jumps(const Eigen::VectorXd& x, const std::vector<double>& place
 // Middles between distinct values, at most so many.
 std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most);
 
-// Of a unit vector, one per row: all products of up to `degree` of its components, with weights that make a random
-// function one of the angle between two directions: kernel (c + ... + c^degree) / degree, c its cosine.
-Eigen::MatrixXd OfDirection(const Eigen::MatrixXd& directions, int degree);
+// Every column of the one times every column of the other.
+Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other);
 // One in each of so many stretches of equally many distinct values, in ascending order; fewer where there are fewer.
 Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most);
 

@@ -130,20 +130,17 @@ Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const Parame
   return torques;
 }
 
-Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterSet& parameters) {
-  const int flange = problem.model().chain().FlangeFrame();
-  const std::vector<double> theta = parameters.ModelValues();
-  Eigen::MatrixXd down = Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs().size()), 3);
+Vector3<double> DownInBase(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  Vector3<double> sum = Vector3<double>::Zero();
   for (size_t s = 0; s < problem.shot_inputs().size(); ++s) {
-    const ShotInput& shot = problem.shot_inputs()[s];
-    const Matrix3<double> rotation = parameters.BaseInStation(problem.data().shots[s].station).rotation;
-    const Equilibrium equilibrium = problem.model().Equilibrate(shot, theta.data(), rotation);
-    if (!equilibrium.converged) continue;
-    Vector3<double> in_base = shot.conditions.gravity.normalized();
-    if (shot.conditions.gravity_frame == WrenchFrame::kMeasurement) in_base = rotation.transpose() * in_base;
-    down.row(static_cast<long>(s)) = equilibrium.state.frames[flange].rotation.transpose() * in_base;
+    const ShotConditions& shot = problem.shot_inputs()[s].conditions;
+    Vector3<double> down = shot.gravity.normalized();
+    if (shot.gravity_frame == WrenchFrame::kMeasurement) {
+      down = parameters.BaseInStation(problem.data().shots[s].station).rotation.transpose() * down;
+    }
+    sum += down;
   }
-  return down;
+  return sum.normalized();
 }
 
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques) {

@@ -51,8 +51,8 @@ Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterS
                              const std::vector<int>* shots = nullptr);
 // The same of a weight of 1 N at the flange, shots x joints, m: what gravity makes of the arm's posture.
 Eigen::MatrixXd TorquesPerWeight(const CalibrationProblem& problem, const ParameterSet& parameters);
-// Unit vector of gravity in the flange frame, shots x 3, at the equilibrium of these parameters.
-Eigen::MatrixXd DownInFlange(const CalibrationProblem& problem, const ParameterSet& parameters);
+// Unit vector of gravity in the base frame, as the stations say together.
+Vector3<double> DownInBase(const CalibrationProblem& problem, const ParameterSet& parameters);
 Driver TorqueOf(const CalibrationProblem& problem, int joint, const Eigen::MatrixXd& joint_torques);
 
 }  // namespace sagitta

@@ -71,6 +71,8 @@ double TypicalSizeOf(const Source& source, const Chain& chain) {
       return kTypicalMovement;
     case Source::Kind::kStationTurn:
       return kTypicalStationTurn;
+    case Source::Kind::kStationScale:
+      return kTypicalScale;
     case Source::Kind::kPlate:
       return source.axis < 3 ? kTypicalMovement : kTypicalPlateTurn;
     case Source::Kind::kLink:
@@ -83,7 +85,8 @@ const char* UnitOf(const Source& source, const Chain& chain) {
   const bool is_turn = source.kind == Source::Kind::kStationTurn ||
                        (source.kind == Source::Kind::kPlate && source.axis >= 3) ||
                        (source.kind == Source::Kind::kJoint && chain.joints[source.owner].type == JointType::kRevolute);
-  return is_turn ? "urad" : source.kind == Source::Kind::kLink ? "ppm" : "um";
+  const bool is_share = source.kind == Source::Kind::kLink || source.kind == Source::Kind::kStationScale;
+  return is_turn ? "urad" : is_share ? "ppm" : "um";
 }
 
 std::vector<int> MarkersOnFlange(const CalibrationProblem& problem) {
@@ -245,6 +248,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
   std::vector<std::pair<int, double>> moved;
   switch (source.kind) {
     case Source::Kind::kJoint:
+    case Source::Kind::kStationScale:
       break;
     case Source::Kind::kStation:
       moved.emplace_back(all.station_translation(source.owner).first_coordinate + source.axis, size);
@@ -275,6 +279,18 @@ Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& so
     return TypicalSizeOf(source, extended_.robot().chain) * block.here.latent.col(source.owner);
   }
   Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
+  if (source.kind == Source::Kind::kStationScale) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Source along{Source::Kind::kStation, source.owner, axis};
+      Eigen::VectorXd moved = SourceRows(block, along) / TypicalSizeOf(along, extended_.robot().chain);
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        const Vector3<double>& point = extended_.data().observations[block.observations[o]].point_in_station;
+        moved.segment<3>(static_cast<long>(3 * o)) *= kTypicalScale * (point.allFinite() ? point[axis] : 0.0);
+      }
+      rows += moved;
+    }
+    return rows;
+  }
   for (const auto& [coordinate, size] : MovedBy(source)) {
     const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate);
     rows += size * block.here.jacobian.col(at - linearized_.begin());
@@ -366,6 +382,24 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
     sums.log_det += Whiten(block, scatter, &rows);
     AddProducts(rows, &sums.products);
     sums.rows += block.here.num_rows();
+  }
+  return sums;
+}
+
+EvidenceColumns::AlongJoints EvidenceColumns::SumAlongJoints() const {
+  const Measurements& data = extended_.data();
+  const Eigen::MatrixXd none =
+      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), extended_.robot().num_joints());
+  AlongJoints sums{none, none};
+  Block scratch;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
+      const auto moved = block.here.latent.middleRows(top, 3);
+      sums.square.row(shot) += moved.colwise().squaredNorm();
+      sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * moved;
+    }
   }
   return sums;
 }

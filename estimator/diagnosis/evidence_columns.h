@@ -19,16 +19,17 @@ namespace sagitta {
 
 struct Source {
   enum class Kind {
-    kJoint,        // a joint deviates
-    kStation,      // the readings of a station move along an axis
-    kStationTurn,  // the base turns in a station about an axis
-    kMarker,       // a marker moves along an axis of its frame
-    kPlate,        // all markers on the flange move along an axis (0 to 2), turn about an axis of the flange (3 to 5)
-    kLink          // the lengths between a joint and the next grow
+    kJoint,         // a joint deviates
+    kStation,       // the readings of a station move along an axis
+    kStationTurn,   // the base turns in a station about an axis
+    kStationScale,  // the readings of a station grow
+    kMarker,        // a marker moves along an axis of its frame
+    kPlate,         // all markers on the flange move along an axis (0 to 2), turn about an axis of the flange (3 to 5)
+    kLink           // the lengths between a joint and the next grow
   };
   Kind kind = Kind::kJoint;
   int owner = 0;  // index of the joint, station or marker; of a link that of the joint before it, -1: the base
-  int axis = 0;   // of all but joints and links
+  int axis = 0;   // of all but joints, links and scales
 };
 
 // SI, and what it is millionths of, in words: urad, um or ppm.
@@ -100,6 +101,13 @@ class EvidenceColumns {
   RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
               const std::vector<int>& poses = {}) const;
   BesideBelieved Project(const RowSums& sums) const;
+
+  // Of a unit deviation of each joint in each shot, over the fitted rows: its square, and its product with the residual
+  // (shots x joints); noise as stated, nothing eliminated.
+  struct AlongJoints {
+    Eigen::MatrixXd square, residual;
+  };
+  AlongJoints SumAlongJoints() const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
   // Rows [believed, columns] of one pose that need not be fitted, whitened; and products of the fitted rows with

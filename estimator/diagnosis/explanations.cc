@@ -53,7 +53,7 @@ void SetShares(const PriorMasses& prior, ExplanationList* list) {
       const PlaceInPrior& place = list->place[k];
       const Family& family = families[place.family];
       const double among = static_cast<double>(family.settings.size()) * family.settings.at(place.target);
-      list->math[k].share = mass * (family.weights > 0.0 ? place.weight / family.weights : 1.0 / among);
+      list->math[k].share = mass * place.listed * (family.weights > 0.0 ? place.weight / family.weights : 1.0 / among);
     }
   }
 }
@@ -167,7 +167,7 @@ class ListBuilder {
       const std::string name = unnamed.family + "/" + unnamed.function.acts_on + "/" + unnamed.function.words;
       list_.functions.push_back(std::move(unnamed.function));
       const int function = static_cast<int>(list_.functions.size()) - 1;
-      Append(std::move(unnamed.group), -1, function, {}, {unnamed.family, name}, name);
+      Append(std::move(unnamed.group), -1, function, {}, {unnamed.family, name, 0.0, unnamed.listed}, name);
     }
   }
 

@@ -19,6 +19,7 @@ namespace sagitta {
 struct PlaceInPrior {
   std::string family, target;
   double weight = 0.0;  // in its family; 0 in all of them: equal
+  double listed = 1.0;  // share of its family that is in the list
 };
 
 // Everything that may be missing, with its share of the prior; lists of equal length.

@@ -5,82 +5,11 @@
 
 #include "estimator/diagnosis/selected_effects.h"
 #include "models/effects/catalogue.h"
-#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
 constexpr size_t kMostFunctions = 12;  // each costs a refit
-constexpr int kFewestKnots = 4;        // a sag: fewer columns than that are waves or a jump,
-constexpr int kFineKnots = 25;         // which these follow
-constexpr int kDigits = 7;             // of a range
-
-const char* EffectOf(Source::Kind kind) {
-  switch (kind) {
-    case Source::Kind::kJoint:
-      return "learnt_deviation";
-    case Source::Kind::kStation:
-    case Source::Kind::kStationTurn:
-      return "learnt_station_motion";
-    case Source::Kind::kMarker:
-      return "learnt_marker_motion";
-    case Source::Kind::kLink:
-      return "learnt_growth";
-    case Source::Kind::kPlate:
-      break;
-  }
-  return "";  // nothing of the kind is defined
-}
-
-// As a setting `by` names it; "" where none does.
-const char* SettingOf(DriverKind kind) {
-  switch (kind) {
-    case DriverKind::kAngle:
-    case DriverKind::kTravel:
-      return "q";
-    case DriverKind::kTorque:
-      return "torque_Nm";
-    case DriverKind::kTime:
-      return "time_s";
-    case DriverKind::kTemperature:
-      return "temperature_K";
-    case DriverKind::kOther:
-      break;
-  }
-  return "";
-}
-
-// Of two angles together.
-std::optional<EffectSpec> PairSpec(const UnnamedFunction& what, const Chain& chain) {
-  if (what.sources[0].kind != Source::Kind::kJoint || what.depends_on.size() != 2) return std::nullopt;
-  for (const std::string& joint : {what.acts_on, what.depends_on[0], what.depends_on[1]}) {
-    if (chain.joints[chain.FindJoint(joint)].type != JointType::kRevolute) return std::nullopt;
-  }
-  return EffectSpec{
-      "learnt_pair_deviation", what.acts_on, {{"driver", what.depends_on[0]}, {"with", what.depends_on[1]}}, {}};
-}
-
-// The same function as an effect; nothing where there is none that follows it.
-std::optional<EffectSpec> SpecOf(const ExplanationList& list, int explanation, const CalibrationProblem& problem) {
-  const UnnamedFunction& what = list.functions[list.unnamed[explanation]];
-  const std::string by = SettingOf(what.driver.kind);
-  if (by.empty()) return PairSpec(what, problem.robot().chain);
-  const EffectDefinition* definition = FindEffect(EffectOf(what.sources[0].kind));
-  if (definition == nullptr) return std::nullopt;
-  const std::vector<std::string>& known = definition->settings[0].choices;
-  if (std::find(known.begin(), known.end(), by) == known.end()) return std::nullopt;
-  const std::string target = definition->target == EffectTarget::kRobot ? "robot" : what.acts_on;
-  EffectSpec spec{definition->name, target, {{"by", by}}, {}};
-  const bool is_joint = what.driver.kind == DriverKind::kAngle || what.driver.kind == DriverKind::kTravel;
-  if (is_joint) spec.settings["driver"] = what.driver.name;
-  const Eigen::VectorXd seen = what.driver.of_shot(FittedShots(problem));
-  const double low = seen.minCoeff(), high = seen.maxCoeff();
-  const int count = static_cast<int>(list.math[explanation].group.size() / static_cast<long>(what.sources.size()));
-  spec.settings["from"] = Significant(low, kDigits);
-  spec.settings["to"] = Significant(high, kDigits);
-  spec.settings["knots"] = std::to_string(count >= kFewestKnots ? count : kFineKnots);
-  return spec;
-}
 
 Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) {
   Candidate candidate{spec};
@@ -91,6 +20,18 @@ Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) 
   return candidate;
 }
 
+// A spring's shape is a narrow valley, and flat beside smooth functions: it stays where it was found.
+DiagnosedModel WithSpringsAsTheyAre(const DiagnosedModel& model) {
+  DiagnosedModel held = model;
+  held.problem = std::make_shared<CalibrationProblem>(*model.problem);
+  for (int i = 0; i < held.problem->parameters.num_coordinates(); ++i) {
+    Coordinate& coordinate = held.problem->parameters.coordinate(i);
+    const bool is_spring = coordinate.kind == CoordinateKind::kCompensator;
+    if (is_spring && coordinate.compensator_part != CompensatorPart::kKc) coordinate.free = false;
+  }
+  return held;
+}
+
 class Learner {
  public:
   Learner(const Evidence& evidence, const WeightedModel& leading, const DiagnosedModel& final,
@@ -98,8 +39,8 @@ class Learner {
       : evidence_(evidence),
         search_(evidence.SearchIn(leading.view)),
         set_(leading.set),
-        final_(final),
-        with_(final),
+        final_(WithSpringsAsTheyAre(final)),
+        with_(final_),
         joint_(joint) {}
 
   std::optional<LearntModel> Run(const DiagnosedModel& baseline) {
@@ -122,15 +63,17 @@ class Learner {
  private:
   // Adds it to the model unless that does untouched rows harm, or the model has it. False: it is not taken.
   bool Take(int explanation, double scale) {
-    const std::optional<EffectSpec> spec = SpecOf(evidence_.list(), explanation, *final_.problem);
-    if (!spec || Has(*spec)) return false;
-    added_.push_back(CandidateOf(*spec, final_.problem->robot(), scale));
+    const size_t before = added_.size();
+    for (const EffectSpec& spec : evidence_.list().functions[evidence_.list().unnamed[explanation]].effects) {
+      if (!Has(spec)) added_.push_back(CandidateOf(spec, final_.problem->robot(), scale));
+    }
+    if (added_.size() == before) return false;
     DiagnosedModel with = Extend(final_, added_, joint_);
     if (IsUsable(with.estimate.status) && !MakesHoldoutWorse(with_, with)) {
       with_ = std::move(with);
       return true;
     }
-    added_.pop_back();
+    added_.resize(before);
     return false;
   }
 
@@ -172,7 +115,7 @@ class Learner {
   const Evidence& evidence_;
   const SetSearch search_;
   WeightedSet set_;
-  const DiagnosedModel& final_;
+  DiagnosedModel final_;
   DiagnosedModel with_;
   JointOptions joint_;
   std::vector<Candidate> added_;

@@ -19,13 +19,16 @@ struct UnnamedFunction {
   std::string words;
   std::vector<Source> sources;  // each with the same functions
   Driver driver;                // of one driver; else empty
+  // The same function as effects of the model, without values; empty where time is not stated and it goes by visits.
+  std::vector<EffectSpec> effects;
 };
 
 // One of them with its columns.
 struct UnnamedGroup {
   ColumnGroup group;
   UnnamedFunction function;
-  std::string family;  // that shares a part of the prior
+  std::string family;   // that shares a part of the prior
+  double listed = 1.0;  // of the family: the others say less of these rows and are left out
 };
 
 // Adds their columns.

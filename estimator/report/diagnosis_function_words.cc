@@ -12,12 +12,26 @@ std::string DeviatesWithBoth(const std::string& joint, const std::string& one, c
   return "a deviation of " + joint + " that depends on " + one + " and " + other + " together";
 }
 
+std::string DeviatesOver(const std::string& joint, const std::string& one, const std::string& other) {
+  return "a deviation of " + joint + " that goes over " + one + " and " + other;
+}
+
+std::string RepeatsPerTurn(const std::string& joint, int times) {
+  return "a deviation of " + joint + " that repeats " + std::to_string(times) + " times per turn";
+}
+
 std::string JointsFollowPose() { return "a deviation of the joints that follows the pose"; }
+
+std::string EachJointDeviatesWithTime() { return "each joint deviates with time"; }
 
 std::string StationMoves(const std::string& station) { return "station " + station + " moves with time"; }
 
 std::string BaseTurnsInStation(const std::string& station) {
   return "the base turns in station " + station + " with time";
+}
+
+std::string StationGrows(const std::string& station) {
+  return "the scale of station " + station + " changes with time";
 }
 
 std::string StationMovesAlong(const std::string& station, char axis) {

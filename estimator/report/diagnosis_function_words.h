@@ -8,9 +8,13 @@ namespace sagitta {
 // `driver` is a joint, "time", "temperature" or "the torque on it".
 std::string DeviatesWith(const std::string& joint, const std::string& driver);
 std::string DeviatesWithBoth(const std::string& joint, const std::string& one, const std::string& other);
+std::string DeviatesOver(const std::string& joint, const std::string& one, const std::string& other);
+std::string RepeatsPerTurn(const std::string& joint, int times);
 std::string JointsFollowPose();
+std::string EachJointDeviatesWithTime();
 std::string StationMoves(const std::string& station);
 std::string BaseTurnsInStation(const std::string& station);
+std::string StationGrows(const std::string& station);
 std::string StationMovesAlong(const std::string& station, char axis);
 std::string StationIsDistorted(const std::string& station);
 std::string MarkerMovesWith(const std::string& marker, const std::string& driver);

@@ -37,9 +37,11 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &StationRefraction(),
       &LearntDeviation(),
       &LearntPairDeviation(),
+      &LearntSurfaceDeviation(),
       &LearntGrowth(),
       &LearntStationMotion(),
       &LearntMarkerMotion(),
+      &LearntStationField(),
   };
   return catalogue;
 }

@@ -36,12 +36,14 @@ const EffectDefinition& LoadCom();
 const EffectDefinition& Hysteresis();
 const EffectDefinition& MarkerAcceptance();
 const EffectDefinition& StationRefraction();
-// What has no name (learnt_deviation.cc).
+// What has no name (learnt_deviation.cc, learnt_by_two.cc).
 const EffectDefinition& LearntDeviation();
 const EffectDefinition& LearntPairDeviation();
+const EffectDefinition& LearntSurfaceDeviation();
 const EffectDefinition& LearntGrowth();
 const EffectDefinition& LearntStationMotion();
 const EffectDefinition& LearntMarkerMotion();
+const EffectDefinition& LearntStationField();
 
 // EffectDefinition::separate_by of several effects.
 constexpr char kSeparateByRange[] =

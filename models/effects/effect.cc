@@ -35,7 +35,9 @@ bool SettingDefinition::MeansSomethingFor(const EffectSpec& spec) const {
   const size_t equals = only_with.find('=');
   if (equals == std::string::npos) return true;
   const auto found = spec.settings.find(only_with.substr(0, equals));
-  return found != spec.settings.end() && found->second == only_with.substr(equals + 1);
+  if (found == spec.settings.end()) return false;
+  const std::string values = "|" + only_with.substr(equals + 1) + "|";
+  return values.find("|" + found->second + "|") != std::string::npos;
 }
 
 // A joint's slots stand right after its transform, the foot's at the very start.

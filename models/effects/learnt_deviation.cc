@@ -1,13 +1,14 @@
-// Deviations that have no name, as smooth functions of what drives them (bump.h): of a joint, of a station's readings,
-// of a marker, of the lengths of the links; and of a joint by two angles together. The diagnosis fits them to what no
-// effect of the catalogue explains. They describe what was measured, and say nothing beyond the driver's range: there
-// they fade to zero.
+// Deviations that have no name, as smooth functions of what drives them (bump.h, pose_functions.h): of a joint, of a
+// station's readings, of a marker, of the lengths of the links; of readings over the station's field. The diagnosis
+// fits them to what no effect of the catalogue explains. They describe what was measured, and say nothing beyond the
+// driver's range: there they fade to zero.
 #include "models/effects/learnt_deviation.h"
 
 #include <cmath>
 
 #include "models/effects/bump.h"
 #include "models/effects/catalogue.h"
+#include "models/effects/pose_functions.h"
 
 namespace sagitta {
 
@@ -21,15 +22,23 @@ std::vector<std::vector<int>> LengthsByLink(const Chain& chain) {
   return links;
 }
 
+EffectDefinition Empirical(EffectDefinition effect) {
+  effect.is_learnt = true;
+  effect.note = "It describes what was measured and is no cause; beyond its range it is zero.";
+  effect.separate_by = "nothing: it is whatever has no name; a cause that is known takes its place";
+  effect.sizes = "as a periodic joint error, and as what moves a station or a marker";
+  return effect;
+}
+
 namespace {
 
-constexpr char kSeparateByKnowing[] = "nothing: it is whatever has no name; a cause that is known takes its place";
-constexpr char kDescribes[] = "It describes what was measured and is no cause; beyond its range it is zero.";
-
-// Number of weights along one axis; what a file states is checked to be 2 or more.
-int KnotCount(const EffectSpec& spec) { return spec.IntegerSetting("knots", 2); }
-
 bool IsBy(const EffectSpec& spec, const char* driver) { return spec.TextSetting("by", "time_s") == driver; }
+
+// Number of weights along one axis; what a file states is checked to be 2 knots or more.
+int WeightCount(const EffectSpec& spec) {
+  return IsBy(spec, "gravity") ? NumDirectionFunctions(spec.IntegerSetting("degree", 1))
+                               : spec.IntegerSetting("knots", 2);
+}
 
 bool DrivesByLength(const Robot& robot, const EffectSpec& spec) {
   const int joint = robot.chain.FindJoint(spec.TextSetting("driver", ""));
@@ -39,7 +48,7 @@ bool DrivesByLength(const Robot& robot, const EffectSpec& spec) {
 // In SI: what files state in deg or mm, N m or N, s, K.
 Knots KnotsOf(const Robot& robot, const EffectSpec& spec) {
   const double unit = !IsBy(spec, "q") ? 1.0 : DrivesByLength(robot, spec) ? 1e-3 : kDegree;
-  return {unit * spec.NumberSetting("from", 0.0), unit * spec.NumberSetting("to", 1.0), KnotCount(spec)};
+  return {unit * spec.NumberSetting("from", 0.0), unit * spec.NumberSetting("to", 1.0), WeightCount(spec)};
 }
 
 double DriverValue(const EffectContext& context) {
@@ -57,7 +66,7 @@ std::string Missing(const EffectContext& context) {
 
 void AppendWeights(const EffectSpec& spec, const std::string& prefix, Quantity quantity, double typical,
                    std::vector<EffectParameter>* weights) {
-  for (int k = 1; k <= KnotCount(spec); ++k) weights->push_back({prefix + std::to_string(k), quantity, typical});
+  for (int k = 1; k <= WeightCount(spec); ++k) weights->push_back({prefix + std::to_string(k), quantity, typical});
 }
 
 std::vector<EffectParameter> JointWeights(const Robot& robot, const EffectSpec& spec) {
@@ -75,10 +84,41 @@ std::vector<EffectParameter> PointWeights(const Robot&, const EffectSpec& spec) 
   return weights;
 }
 
-std::vector<EffectParameter> StationWeights(const Robot& robot, const EffectSpec& spec) {
-  std::vector<EffectParameter> weights = PointWeights(robot, spec);
-  for (const char* axis : {"rx", "ry", "rz"}) {
-    AppendWeights(spec, axis, Quantity::kSmallAngle, kTypicalStationTurn, &weights);
+constexpr int kScale = 6;
+
+// What of a station moves: along x, y, z (0 to 2), about them (3 to 5), or its scale changes.
+std::vector<int> StationAxes(const EffectSpec& spec) {
+  const std::string moves = spec.TextSetting("moves", "all");
+  if (moves == "scale") return {kScale};
+  if (moves == "point") return {0, 1, 2};
+  if (moves == "turn") return {3, 4, 5};
+  if (moves != "all") return {moves[0] - 'x'};
+  return {0, 1, 2, 3, 4, 5};
+}
+
+std::vector<EffectParameter> StationWeights(const Robot&, const EffectSpec& spec) {
+  std::vector<EffectParameter> weights;
+  for (const int axis : StationAxes(spec)) {
+    if (axis == kScale) {
+      AppendWeights(spec, "s", Quantity::kRatio, kTypicalScale, &weights);
+      continue;
+    }
+    const std::string name(1, "xyz"[axis % 3]);
+    if (axis < 3) {
+      AppendWeights(spec, name, Quantity::kShift, kTypicalMovement, &weights);
+    } else {
+      AppendWeights(spec, "r" + name, Quantity::kSmallAngle, kTypicalStationTurn, &weights);
+    }
+  }
+  return weights;
+}
+
+std::vector<EffectParameter> FieldWeights(const Robot&, const EffectSpec&) {
+  std::vector<EffectParameter> weights;
+  for (const char* axis : {"x", "y", "z"}) {
+    for (int k = 1; k <= kNumFieldFunctions; ++k) {
+      weights.push_back({axis + std::to_string(k), Quantity::kShift, kTypicalMovement});
+    }
   }
   return weights;
 }
@@ -90,14 +130,6 @@ std::vector<EffectParameter> GrowthWeights(const Robot& robot, const EffectSpec&
   for (size_t link = 0; link < links.size(); ++link) {
     if (links[link].empty()) continue;
     AppendWeights(spec, "g" + std::to_string(link) + "_", Quantity::kRatio, kTypicalGrowth, &weights);
-  }
-  return weights;
-}
-
-std::vector<EffectParameter> PairWeights(const Robot&, const EffectSpec&) {
-  std::vector<EffectParameter> weights;
-  for (const char* name : {"cos_sum", "sin_sum", "cos_difference", "sin_difference"}) {
-    weights.push_back({name, Quantity::kSmallAngle, kTypicalTurn});
   }
   return weights;
 }
@@ -115,38 +147,44 @@ void DeviateJoint(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-// Encoder side: cos_sum cos(q_a + q_b) + sin_sum sin(q_a + q_b) + the same of q_a - q_b.
-void DeviateByPair(const EffectContext& context, ShotTerms* terms) {
-  const auto angle = [&](const char* joint) {
-    return context.shot->q[context.chain().FindJoint(context.spec->TextSetting(joint, ""))];
-  };
-  const double a = angle("driver"), b = angle("with"), sign = context.joint_sign();
-  int parameter = context.first_parameter;
-  for (const double phase : {a + b, a - b}) {
-    terms->slots.push_back({context.joint_slot(), parameter++, sign * std::cos(phase)});
-    terms->slots.push_back({context.joint_slot(), parameter++, sign * std::sin(phase)});
+// Of the shot: bumps over its driver, or functions of where down is in the flange.
+Eigen::VectorXd FunctionsOf(const EffectContext& context) {
+  const EffectSpec& spec = *context.spec;
+  if (IsBy(spec, "gravity")) {
+    const Vector3<double> down(spec.NumberSetting("down_x", 0.0), spec.NumberSetting("down_y", 0.0),
+                               spec.NumberSetting("down_z", -1.0));
+    return DirectionFunctions(DownInFlange(context.chain(), context.shot->q, down), spec.IntegerSetting("degree", 1));
   }
+  const Knots knots = KnotsOf(*context.robot, spec);
+  Eigen::VectorXd functions(knots.count);
+  for (int k = 0; k < knots.count; ++k) functions[k] = knots.Value(k, DriverValue(context));
+  return functions;
 }
 
-// Calls with each weight's parameter, axis and bump.
+// Calls with each weight's parameter, axis and function.
 template <typename Use>
-void ForEachAxis(const EffectContext& context, int axes, const Use& use) {
-  const Knots knots = KnotsOf(*context.robot, *context.spec);
-  for (int axis = 0; axis < axes; ++axis) {
-    for (int k = 0; k < knots.count; ++k) {
-      use(context.first_parameter + axis * knots.count + k, axis, knots.Value(k, DriverValue(context)));
-    }
+void ForEachAxis(const EffectContext& context, const std::vector<int>& axes, const Eigen::VectorXd& functions,
+                 const Use& use) {
+  int parameter = context.first_parameter;
+  for (const int axis : axes) {
+    for (const double function : functions) use(parameter++, axis, function);
   }
 }
 
 void MoveStation(const EffectContext& context, ShotTerms* terms) {
   if (context.shot->station != context.spec->target) return;
-  ForEachAxis(context, 6, [&](int parameter, int axis, double bump) {
+  const EffectSpec& spec = *context.spec;
+  const Vector3<double> centre =
+      1e-3 * Vector3<double>(spec.NumberSetting("about_x_mm", 0.0), spec.NumberSetting("about_y_mm", 0.0),
+                             spec.NumberSetting("about_z_mm", 0.0));
+  ForEachAxis(context, StationAxes(spec), FunctionsOf(context), [&](int parameter, int axis, double bump) {
     const Vector3<double> along = bump * Vector3<double>::Unit(axis % 3);
-    if (axis < 3) {
+    if (axis == kScale) {
+      terms->station.push_back({parameter, bump * Matrix3<double>::Identity(), Vector3<double>::Zero()});
+    } else if (axis < 3) {
       terms->station.push_back({parameter, Matrix3<double>::Zero(), along});
     } else {
-      terms->station.push_back({parameter, Skew(along), Vector3<double>::Zero()});
+      terms->station.push_back({parameter, Skew(along), -along.cross(centre)});
     }
   });
 }
@@ -154,10 +192,23 @@ void MoveStation(const EffectContext& context, ShotTerms* terms) {
 void MoveMarker(const EffectContext& context, ShotTerms* terms) {
   for (size_t m = 0; m < context.markers->size(); ++m) {
     if ((*context.markers)[m] != context.spec->target) continue;
-    ForEachAxis(context, 3, [&](int parameter, int axis, double bump) {
-      terms->markers.push_back({static_cast<int>(m), parameter, bump * Vector3<double>::Unit(axis)});
+    ForEachAxis(context, {0, 1, 2}, FunctionsOf(context), [&](int parameter, int axis, double function) {
+      terms->markers.push_back({static_cast<int>(m), parameter, function * Vector3<double>::Unit(axis)});
     });
   }
+}
+
+// By where the nominal flange is in the base frame, from a middle and in units of a spread.
+void DistortField(const EffectContext& context, ShotTerms* terms) {
+  const EffectSpec& spec = *context.spec;
+  if (context.shot->station != spec.target) return;
+  const Vector3<double> middle(spec.NumberSetting("x_mm", 0.0), spec.NumberSetting("y_mm", 0.0),
+                               spec.NumberSetting("z_mm", 0.0));
+  const Vector3<double> off = 1e3 * FlangePlace(context.chain(), context.shot->q) - middle;
+  const Eigen::VectorXd functions = FieldFunctions(off / spec.NumberSetting("spread_mm", 1e3));
+  ForEachAxis(context, {0, 1, 2}, functions, [&](int parameter, int axis, double function) {
+    terms->station.push_back({parameter, Matrix3<double>::Zero(), function * Vector3<double>::Unit(axis)});
+  });
 }
 
 void GrowLinks(const EffectContext& context, ShotTerms* terms) {
@@ -177,19 +228,34 @@ void GrowLinks(const EffectContext& context, ShotTerms* terms) {
 // `drivers`: the first is the usual one.
 EffectDefinition Learnt(EffectDefinition effect, const std::vector<std::string>& drivers) {
   using Kind = SettingDefinition::Kind;
+  const std::string along_a_line = "by=q|torque_Nm|time_s|temperature_K";
   SettingDefinition driver{"driver", Kind::kJoint, "", {}};
   driver.only_with = "by=q";
-  SettingDefinition knots{"knots", Kind::kInteger, "", {}};
-  knots.least = 2;
+  SettingDefinition from{"from", Kind::kNumber, "", {}};
+  from.only_with = along_a_line;
   SettingDefinition to{"to", Kind::kNumber, "", {}};
   to.greater_than = "from";
-  effect.settings = {{"by", Kind::kChoice, "", drivers}, driver, {"from", Kind::kNumber, "", {}}, to, knots};
+  to.only_with = along_a_line;
+  SettingDefinition knots{"knots", Kind::kInteger, "", {}};
+  knots.least = 2;
+  knots.only_with = along_a_line;
+  effect.settings = {{"by", Kind::kChoice, "", drivers}, driver, from, to, knots};
   effect.missing = Missing;
-  effect.is_learnt = true;
-  effect.note = kDescribes;
-  effect.separate_by = kSeparateByKnowing;
-  effect.sizes = "as a periodic joint error, and as what moves a station or a marker";
-  return effect;
+  return Empirical(std::move(effect));
+}
+
+// Which way is down: of the base frame, any length.
+void AddGravity(EffectDefinition* effect) {
+  using Kind = SettingDefinition::Kind;
+  effect->settings[0].choices.push_back("gravity");
+  for (const char* name : {"down_x", "down_y", "down_z"}) {
+    SettingDefinition down{name, Kind::kNumber, "", {}};
+    down.only_with = "by=gravity";
+    effect->settings.push_back(down);
+  }
+  SettingDefinition degree{"degree", Kind::kInteger, "", {}};
+  degree.only_with = "by=gravity";
+  effect->settings.push_back(degree);
 }
 
 }  // namespace
@@ -208,25 +274,6 @@ const EffectDefinition& LearntDeviation() {
   return definition;
 }
 
-const EffectDefinition& LearntPairDeviation() {
-  static const EffectDefinition definition = [] {
-    EffectDefinition effect{"learnt_pair_deviation",
-                            "learnt deviation of a joint by two",
-                            "waves of two angles together",
-                            EffectTarget::kJoint,
-                            PairWeights,
-                            DeviateByPair};
-    effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}},
-                       {"with", SettingDefinition::Kind::kJoint, "", {}}};
-    effect.is_learnt = true;
-    effect.note = kDescribes;
-    effect.separate_by = kSeparateByKnowing;
-    effect.sizes = "as a periodic joint error";
-    return effect;
-  }();
-  return definition;
-}
-
 const EffectDefinition& LearntGrowth() {
   static const EffectDefinition definition =
       Learnt({"learnt_growth", "learnt growth of the links", "smooth function of its driver", EffectTarget::kRobot,
@@ -236,18 +283,48 @@ const EffectDefinition& LearntGrowth() {
 }
 
 const EffectDefinition& LearntStationMotion() {
-  static const EffectDefinition definition =
-      Learnt({"learnt_station_motion", "learnt motion of a station", "smooth function of its driver",
-              EffectTarget::kStation, StationWeights, MoveStation},
-             {"time_s", "temperature_K"});
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect =
+        Learnt({"learnt_station_motion", "learnt motion of a station", "smooth function of its driver",
+                EffectTarget::kStation, StationWeights, MoveStation},
+               {"time_s", "temperature_K"});
+    SettingDefinition moves{
+        "moves", SettingDefinition::Kind::kChoice, "all", {"all", "point", "turn", "x", "y", "z", "scale"}};
+    moves.silent = true;
+    effect.settings.push_back(moves);
+    for (const char* name : {"about_x_mm", "about_y_mm", "about_z_mm"}) {
+      SettingDefinition about{name, SettingDefinition::Kind::kNumber, "0", {}};
+      about.silent = true;
+      about.only_with = "moves=turn";
+      effect.settings.push_back(about);
+    }
+    return effect;
+  }();
+  return definition;
+}
+
+const EffectDefinition& LearntStationField() {
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect =
+        Empirical({"learnt_station_field", "learnt distortion of a station's field",
+                   "function of place to second order", EffectTarget::kStation, FieldWeights, DistortField});
+    for (const char* name : {"x_mm", "y_mm", "z_mm", "spread_mm"}) {
+      effect.settings.push_back({name, SettingDefinition::Kind::kNumber, "", {}});
+    }
+    effect.settings.back().above = 0.0;
+    return effect;
+  }();
   return definition;
 }
 
 const EffectDefinition& LearntMarkerMotion() {
-  static const EffectDefinition definition =
-      Learnt({"learnt_marker_motion", "learnt motion of a marker", "smooth function of its driver",
-              EffectTarget::kMarker, PointWeights, MoveMarker},
-             {"time_s", "q", "temperature_K"});
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect = Learnt({"learnt_marker_motion", "learnt motion of a marker",
+                                      "smooth function of its driver", EffectTarget::kMarker, PointWeights, MoveMarker},
+                                     {"time_s", "q", "temperature_K"});
+    AddGravity(&effect);
+    return effect;
+  }();
   return definition;
 }
 

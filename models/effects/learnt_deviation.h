@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "models/chain.h"
+#include "models/effects/effect.h"
 
 namespace sagitta {
 
@@ -13,10 +14,14 @@ constexpr double kTypicalTurn = 75e-6;         // rad
 constexpr double kTypicalTravel = 50e-6;       // m, of a joint that slides
 constexpr double kTypicalMovement = 30e-6;     // m
 constexpr double kTypicalStationTurn = 15e-6;  // rad: what that makes at 2 m
+constexpr double kTypicalScale = 10e-6;        // of a station's readings: 10 K or 35 hPa of wrong air (Ciddor 1996)
 constexpr double kTypicalPlateTurn = 150e-6;   // rad: what that makes at 0.2 m
 constexpr double kTypicalGrowth = 50e-6;       // of a link's length: 5 K of steel or 2 K of aluminium
 
 // Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j.
 std::vector<std::vector<int>> LengthsByLink(const Chain& chain);
+
+// What all learnt effects say of themselves.
+EffectDefinition Empirical(EffectDefinition effect);
 
 }  // namespace sagitta

@@ -3,10 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <map>
+#include <numeric>
+#include <set>
 
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/evidence_columns.h"
+#include "estimator/diagnosis/unnamed_functions.h"
 #include "models/effects/learnt_deviation.h"
+#include "models/effects/pose_functions.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -24,6 +30,30 @@ CalibrationProblem Problem() {
   Robot robot;
   robot.chain = test::Kr270Chain();
   return MakeCalibrationProblem(robot, data, Experiment());
+}
+
+// The same arm with loads, over an hour in which it warms up.
+CalibrationProblem Campaign() {
+  test::Kr270Design design;
+  design.configurations = 40;
+  design.stations = 1;
+  design.sigma = kSigma;
+  Measurements data = test::DesignMeasurements(design);
+  for (size_t s = 0; s < data.shots.size(); ++s) {
+    Shot& shot = data.shots[s];
+    shot.has_time = shot.has_temperature = true;
+    shot.time = 100.0 * static_cast<double>(s);
+    shot.temperature = 20.0 + 5.0 * std::sin(0.05 * static_cast<double>(s));
+    if (s % 2 == 0) continue;
+    shot.load = "heavy";
+    shot.wrench.force = {0.0, 0.0, -2000.0};
+  }
+  test::MeasureKr270(test::Kr270Truth(), kSigma, 300, &data);
+  Robot robot;
+  robot.chain = test::Kr270Chain();
+  Experiment experiment;
+  experiment.load_point = Vector3<double>(0.2, 0.1, -0.1);
+  return MakeCalibrationProblem(robot, data, experiment);
 }
 
 // Parameters near the truth, where lever arms are those of a robot.
@@ -93,14 +123,61 @@ TEST(UnnamedSources, TheBaseTurnsInItsStation) {
 }
 
 // Random functions of a direction: covariance (c + c^2 + c^3) / 3 between two of cosine c.
-TEST(DriverFunctions, OfADirectionDependOnTheAngleAlone) {
-  Eigen::MatrixXd directions(2, 3);
-  directions << 0.6, 0.0, 0.8, 0.0, -0.6, 0.8;
+TEST(PoseFunctions, OfADirectionDependOnTheAngleAlone) {
+  const Eigen::VectorXd one = DirectionFunctions({0.6, 0.0, 0.8}, 3), other = DirectionFunctions({0.0, -0.6, 0.8}, 3);
   const double c = 0.64;
-  const Eigen::MatrixXd functions = OfDirection(directions, 3);
-  EXPECT_EQ(functions.cols(), 3 + 6 + 10);
-  EXPECT_NEAR(functions.row(0).dot(functions.row(1)), (c + c * c + c * c * c) / 3.0, 1e-12);
-  EXPECT_NEAR(functions.row(0).squaredNorm(), 1.0, 1e-12);
+  EXPECT_EQ(one.size(), 3 + 6 + 10);
+  EXPECT_EQ(NumDirectionFunctions(3), 3 + 6 + 10);
+  EXPECT_NEAR(one.dot(other), (c + c * c + c * c * c) / 3.0, 1e-12);
+  EXPECT_NEAR(one.squaredNorm(), 1.0, 1e-12);
+}
+
+// The share of the square of `functions` that no combination of `columns` makes.
+double LeftBy(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& functions) {
+  const Eigen::MatrixXd fitted = columns * columns.completeOrthogonalDecomposition().solve(functions);
+  return (functions - fitted).squaredNorm() / functions.squaredNorm();
+}
+
+// Whatever without a name may win can be added to the model: its effects make the same rows, but for the edge of a
+// jump, waves between knots, and the product of two angles, which the waves of both follow in part.
+TEST(UnnamedFunctions, AreEffectsOfTheModel) {
+  const CalibrationProblem problem = Campaign();
+  ParameterSet parameters = problem.parameters;  // as measured: a scale is of measured points there, of predicted here
+  parameters.SetBaseInStation(0, Pose<double>());
+  for (int m = 0; m < parameters.num_markers(); ++m) parameters.SetMarkerPoint(m, test::Kr270Truth().tools[m]);
+  const std::vector<int> all = problem.CalibrationObservations();
+  const JointScatter scatter = StatedScatter(problem);
+  EvidenceColumns columns(problem, parameters, {});
+  const std::vector<UnnamedGroup> groups = ListUnnamed(problem, parameters, &columns);
+  std::vector<Candidate> candidates;
+  std::map<std::string, int> number;
+  for (const UnnamedGroup& group : groups) {
+    EXPECT_FALSE(group.function.effects.empty()) << group.function.words;
+    for (const EffectSpec& effect : group.function.effects) {
+      if (number.emplace(effect.Path(), static_cast<int>(candidates.size())).second) candidates.push_back({effect});
+    }
+  }
+  const EvidenceColumns effects(problem, parameters, candidates);
+  const auto rows = [&](const EvidenceColumns& of) -> Eigen::MatrixXd {
+    std::vector<int> every(static_cast<size_t>(of.num_columns()));
+    std::iota(every.begin(), every.end(), 0);
+    return of.RowsAt(all, scatter, every).rightCols(of.num_columns());
+  };
+  const Eigen::MatrixXd found = rows(columns), learnt = rows(effects);
+  std::set<std::string> families;
+  for (const UnnamedGroup& group : groups) {
+    families.insert(group.family);
+    std::vector<int> own;
+    for (const EffectSpec& effect : group.function.effects) {
+      const std::vector<int>& of = effects.ColumnsOf(number.at(effect.Path()));
+      own.insert(own.end(), of.begin(), of.end());
+    }
+    const double left = LeftBy(learnt(Eigen::all, own), found(Eigen::all, group.group.columns) * group.group.mixing);
+    const bool is_sharp =
+        group.function.kind == "step" || group.function.depends_on == std::vector<std::string>{"visits"};
+    EXPECT_LT(left, is_sharp ? 0.3 : 2e-3) << group.function.words;
+  }
+  EXPECT_GE(families.size(), 13u);
 }
 
 TEST(DriverFunctions, StretchesShareTheVisitsEvenly) {

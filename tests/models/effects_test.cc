@@ -45,9 +45,11 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "station_refraction",
                                              "learnt_deviation",
                                              "learnt_pair_deviation",
+                                             "learnt_surface_deviation",
                                              "learnt_growth",
                                              "learnt_station_motion",
-                                             "learnt_marker_motion"};
+                                             "learnt_marker_motion",
+                                             "learnt_station_field"};
   EXPECT_EQ(EffectNames(), expected);
 }
 

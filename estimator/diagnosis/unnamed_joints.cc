@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/diagnosis/candidates.h"
+#include "estimator/diagnosis/driver_functions.h"
+#include "estimator/diagnosis/unnamed_list.h"
+#include "estimator/report/diagnosis_function_words.h"
+
+namespace sagitta {
+namespace {
+
+constexpr int kOrders = 6;      // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr int kPlaces = 24;     // of a jump along a joint's angle
+constexpr int kRipples = 6;     // of each joint, of all orders beyond the catalogue's that it may have
+constexpr int kNeighbours = 2;  // joints that a hose or a table of corrections goes over lie that close
+
+class JointFunctions : public UnnamedList {
+ public:
+  JointFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
+      : UnnamedList(problem, columns), parameters_(parameters) {}
+
+  void Add() {
+    AddJointFunctions();
+    AddAllJoints();
+    AddRipple();
+    AddPairs();
+    AddSurfaces();
+  }
+
+ private:
+  // A joint deviates with a driver.
+  void AddJointFunctions() {
+    const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
+                                    [](const ShotInput& shot) { return !shot.wrenches.empty(); });
+    const Eigen::MatrixXd torques = loaded ? JointTorques(problem_, parameters_) : Eigen::MatrixXd();
+    std::vector<std::pair<Driver, std::string>> common = {{TimeOf(problem_), "time"},
+                                                          {TemperatureOf(problem_), "temperature"}};
+    for (int j = 0; j < joints(); ++j) {
+      const Source source{Source::Kind::kJoint, j, 0};
+      for (int k = 0; k < joints(); ++k) {
+        GroupedFunctions functions;
+        const Eigen::VectorXd q = OfShots(problem_, [k](const ShotConditions& shot) { return shot.q[k]; });
+        if (!Smooth(q, "smooth", &functions)) continue;
+        if (k == j) AppendBumps(q, "smooth", kFineBumps, &functions);
+        if (k == j) functions.Append(Jumps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1, Fine());
+        if (k != j && IsRevolute(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2, Fine());
+        const Driver angle = AngleOf(problem_, k);
+        AddFunctions(functions,
+                     {"",
+                      JointName(j),
+                      {JointName(k)},
+                      DeviatesWith(JointName(j), JointName(k)),
+                      {source},
+                      angle,
+                      {Over(angle, "learnt_deviation", JointName(j))}},
+                     k == j ? "own angle" : "other angle");
+      }
+      std::vector<std::pair<Driver, std::string>> drivers = common;
+      if (loaded) drivers.push_back({TorqueOf(problem_, j, torques), "torque"});
+      for (const auto& [driver, family] : drivers) {
+        GroupedFunctions functions;
+        if (!Smooth(driver.of_shot, driver.kind == DriverKind::kTime ? "time" : "smooth", &functions)) continue;
+        const bool is_torque = driver.kind == DriverKind::kTorque;
+        AddFunctions(functions,
+                     {"",
+                      JointName(j),
+                      {is_torque ? JointName(j) : family},
+                      DeviatesWith(JointName(j), is_torque ? "the torque on it" : family),
+                      {source},
+                      driver,
+                      {Over(driver, "learnt_deviation", JointName(j))}},
+                     family);
+      }
+    }
+  }
+
+  // The heat of the drives: each joint deviates in its own way.
+  void AddAllJoints() {
+    const Driver time = TimeOf(problem_);
+    GroupedFunctions functions;
+    if (joints() < 2 || !Smooth(time.of_shot, "time", &functions)) return;
+    UnnamedFunction what{"", "joints", {"time"}, EachJointDeviatesWithTime(), {}, time, {}};
+    for (int j = 0; j < joints(); ++j) {
+      what.sources.push_back({Source::Kind::kJoint, j, 0});
+      what.effects.push_back(Over(time, "learnt_deviation", JointName(j)));
+    }
+    AddFunctions(functions, what, "joints in time");
+  }
+
+  // Teeth beyond the orders of the catalogue: of many, those that the rows say most of, each joint by itself and
+  // nothing else considered (they are as good as orthogonal to whatever is smooth). The prior counts them all.
+  void AddRipple() {
+    const EvidenceColumns::AlongJoints sums = columns_->SumAlongJoints();
+    const int first = ResolvedOrders(problem_) + 1, orders = kMostHarmonicOrders + 1 - first;
+    for (int j = 0; j < joints(); ++j) {
+      if (!IsRevolute(problem_, j) || orders < kRipples) continue;
+      const Eigen::ArrayXd q = OfShots(problem_, [j](const ShotConditions& shot) { return shot.q[j]; });
+      std::vector<std::pair<double, int>> reductions;
+      for (int n = first; n <= kMostHarmonicOrders; ++n) {
+        double reduction = 0.0;
+        for (const Eigen::ArrayXd& wave : {Eigen::ArrayXd((n * q).cos()), Eigen::ArrayXd((n * q).sin())}) {
+          const double along = (wave * sums.residual.col(j).array()).sum();
+          const double square = (wave.square() * sums.square.col(j).array()).sum();
+          reduction += square > 0.0 ? along * along / square : 0.0;
+        }
+        reductions.emplace_back(-reduction, n);
+      }
+      std::sort(reductions.begin(), reductions.end());
+      const double listed = static_cast<double>(kRipples) / orders;
+      for (int k = 0; k < kRipples; ++k) AddWave(j, reductions[static_cast<size_t>(k)].second, q, listed);
+    }
+  }
+
+  void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {
+    GroupedFunctions functions;
+    functions.Append(Waves(order * q, 1), "periodic", 2, {});
+    const std::string& name = JointName(j);
+    const EffectSpec effect{"joint_harmonic", name, {{"order", std::to_string(order)}}, {}};
+    AddFunctions(functions,
+                 {"", name, {name}, RepeatsPerTurn(name, order), {{Source::Kind::kJoint, j, 0}}, {}, {effect}},
+                 "ripple", listed);
+  }
+
+  // The effect; its knots go by the group of functions.
+  EffectSpec Surface(int j, int a, int b) const {
+    const EffectSpec with = Over(AngleOf(problem_, b), "learnt_surface_deviation", JointName(j));
+    EffectSpec effect = Over(AngleOf(problem_, a), "learnt_surface_deviation", JointName(j));
+    effect.settings.erase("by");
+    effect.settings["with"] = JointName(b);
+    effect.settings["from_with"] = with.settings.at("from");
+    effect.settings["to_with"] = with.settings.at("to");
+    return effect;
+  }
+
+  // A joint deviates over its own angle and a neighbour's.
+  void AddSurfaces() {
+    for (int a = 0; a < joints(); ++a) {
+      for (int b = a + 1; b <= std::min(a + kNeighbours, joints() - 1); ++b) {
+        const Driver one = AngleOf(problem_, a), other = AngleOf(problem_, b);
+        GroupedFunctions along, across;
+        if (!Smooth(one.of_shot, "other", &along) || !Smooth(other.of_shot, "other", &across)) continue;
+        GroupedFunctions surface;
+        surface.Append(Products(along.columns.leftCols(kUnnamedBumps[0]), across.columns.leftCols(kUnnamedBumps[0])),
+                       "other", kUnnamedBumps[0] * kUnnamedBumps[0], {{"knots", std::to_string(kUnnamedBumps[0])}});
+        for (const int j : {a, b}) {
+          AddFunctions(surface,
+                       {"",
+                        JointName(j),
+                        {JointName(a), JointName(b)},
+                        DeviatesOver(JointName(j), JointName(a), JointName(b)),
+                        {{Source::Kind::kJoint, j, 0}},
+                        {},
+                        {Surface(j, a, b)}},
+                       "surface");
+        }
+      }
+    }
+  }
+
+  // A joint deviates with two joints' angles together.
+  void AddPairs() {
+    for (int a = 0; a < joints(); ++a) {
+      for (int b = a + 1; b < joints(); ++b) {
+        const Eigen::VectorXd p = OfShots(problem_, [a](const ShotConditions& shot) { return shot.q[a]; });
+        const Eigen::VectorXd q = OfShots(problem_, [b](const ShotConditions& shot) { return shot.q[b]; });
+        const Eigen::ArrayXd u = p.array() - OnFitted(p).mean(), v = q.array() - OnFitted(q).mean();
+        if (!(OnFitted(p).maxCoeff() > OnFitted(p).minCoeff()) || !(OnFitted(q).maxCoeff() > OnFitted(q).minCoeff())) {
+          continue;
+        }
+        GroupedFunctions product, waves;
+        product.Append((u * v).matrix(), "other", 1, {{"knots", std::to_string(kUnnamedBumps[0])}});
+        Eigen::MatrixXd turning(p.size(), 4);
+        turning << (p + q).array().cos().matrix(), (p + q).array().sin().matrix(), (p - q).array().cos().matrix(),
+            (p - q).array().sin().matrix();
+        waves.Append(turning, "other", 4, {});
+        for (int j = 0; j < joints(); ++j) {
+          UnnamedFunction what{"",
+                               JointName(j),
+                               {JointName(a), JointName(b)},
+                               DeviatesWithBoth(JointName(j), JointName(a), JointName(b)),
+                               {{Source::Kind::kJoint, j, 0}},
+                               {},
+                               {Surface(j, a, b)}};
+          AddFunctions(product, what, "two angles");
+          what.effects = {
+              {"learnt_pair_deviation", JointName(j), {{"driver", JointName(a)}, {"with", JointName(b)}}, {}}};
+          if (IsRevolute(problem_, a) && IsRevolute(problem_, b)) AddFunctions(waves, what, "two angles");
+        }
+      }
+    }
+  }
+
+  const ParameterSet& parameters_;
+};
+
+}  // namespace
+
+std::vector<UnnamedGroup> ListUnnamedJoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                            EvidenceColumns* columns) {
+  JointFunctions functions(problem, parameters, columns);
+  functions.Add();
+  return functions.Take();
+}
+
+}  // namespace sagitta

@@ -1,0 +1,70 @@
+// What lists of unnamed functions are made of: functions over drivers, their columns, and the effects that are the
+// same.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "estimator/diagnosis/unnamed_functions.h"
+
+namespace sagitta {
+
+// Random smooth functions bend over a third or a ninth of the driver's range: a sag and a ripple.
+constexpr int kUnnamedBumps[] = {4, 10};
+constexpr int kFineBumps = 25;  // of a joint's own angle: a bump of 10 degrees
+
+using Settings = std::map<std::string, std::string>;
+
+// What follows jumps and waves as well as so many knots do.
+inline Settings Fine() { return {{"knots", std::to_string(kFineBumps)}}; }
+
+// What functions one driver has, and which of them go together.
+struct GroupedFunctions {
+  struct Group {
+    std::string kind;
+    int first, count;
+    Settings settings;  // of the effect that is the same function
+  };
+  Eigen::MatrixXd columns;
+  std::vector<Group> groups;
+
+  void Append(const Eigen::MatrixXd& more, const std::string& kind, int per_group, const Settings& settings);
+};
+
+// A list while it grows.
+class UnnamedList {
+ public:
+  UnnamedList(const CalibrationProblem& problem, EvidenceColumns* columns);
+
+  std::vector<UnnamedGroup> Take() { return std::move(list_); }
+
+ protected:
+  Eigen::MatrixXd OnFitted(const Eigen::MatrixXd& functions) const { return functions(fitted_, Eigen::all); }
+  std::string JointName(int j) const { return problem_.robot().chain.joints[static_cast<size_t>(j)].name; }
+  int joints() const { return problem_.robot().num_joints(); }
+
+  // Smooth functions of x over the range of the fitted shots. False: it does not vary.
+  bool Smooth(const Eigen::VectorXd& x, const std::string& kind, GroupedFunctions* functions) const;
+  void AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count, GroupedFunctions* functions) const;
+  // An effect over the range of a driver; its knots go by the group of functions.
+  EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
+  // Every group of functions on one source or on several that move together.
+  void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family,
+                    double listed = 1.0);
+
+  const CalibrationProblem& problem_;
+  EvidenceColumns* columns_;
+  std::vector<int> fitted_;  // shots
+
+ private:
+  std::vector<UnnamedGroup> list_;
+};
+
+// Joints that deviate; all else that moves: stations, links, markers.
+std::vector<UnnamedGroup> ListUnnamedJoints(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                            EvidenceColumns* columns);
+std::vector<UnnamedGroup> ListUnnamedPlaces(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                            EvidenceColumns* columns);
+
+}  // namespace sagitta

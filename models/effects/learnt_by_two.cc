@@ -1,0 +1,121 @@
+// Deviations of a joint that have no name and follow two joints together: waves of the sum and of the difference of
+// their angles, or a smooth surface over both, products of bumps (bump.h). As learnt_deviation.cc.
+#include <cmath>
+
+#include "models/effects/bump.h"
+#include "models/effects/catalogue.h"
+#include "models/effects/learnt_deviation.h"
+
+namespace sagitta {
+namespace {
+
+using Kind = SettingDefinition::Kind;
+
+double ValueOf(const EffectContext& context, const char* joint) {
+  return context.shot->q[context.chain().FindJoint(context.spec->TextSetting(joint, ""))];
+}
+
+bool Slides(const Robot& robot, const std::string& name) {
+  const int joint = robot.chain.FindJoint(name);
+  return joint >= 0 && robot.chain.joints[joint].type == JointType::kPrismatic;
+}
+
+EffectParameter WeightOf(const Robot& robot, const EffectSpec& spec, const std::string& name) {
+  if (Slides(robot, spec.target)) return {name, Quantity::kShift, kTypicalTravel};
+  return {name, Quantity::kSmallAngle, kTypicalTurn};
+}
+
+std::vector<EffectParameter> PairWeights(const Robot& robot, const EffectSpec& spec) {
+  std::vector<EffectParameter> weights;
+  for (const char* name : {"cos_sum", "sin_sum", "cos_difference", "sin_difference"}) {
+    weights.push_back(WeightOf(robot, spec, name));
+  }
+  return weights;
+}
+
+// Encoder side: cos_sum cos(q_a + q_b) + sin_sum sin(q_a + q_b) + the same of q_a - q_b.
+void DeviateByPair(const EffectContext& context, ShotTerms* terms) {
+  const double a = ValueOf(context, "driver"), b = ValueOf(context, "with"), sign = context.joint_sign();
+  int parameter = context.first_parameter;
+  for (const double phase : {a + b, a - b}) {
+    terms->slots.push_back({context.joint_slot(), parameter++, sign * std::cos(phase)});
+    terms->slots.push_back({context.joint_slot(), parameter++, sign * std::sin(phase)});
+  }
+}
+
+int KnotCount(const EffectSpec& spec) { return spec.IntegerSetting("knots", 2); }
+
+// w<i>_<k>: of the i-th knot of the driver and the k-th of the other.
+std::vector<EffectParameter> SurfaceWeights(const Robot& robot, const EffectSpec& spec) {
+  std::vector<EffectParameter> weights;
+  for (int i = 1; i <= KnotCount(spec); ++i) {
+    for (int k = 1; k <= KnotCount(spec); ++k) {
+      weights.push_back(WeightOf(robot, spec, "w" + std::to_string(i) + "_" + std::to_string(k)));
+    }
+  }
+  return weights;
+}
+
+// In SI: what files state in deg or mm.
+Knots KnotsOf(const EffectContext& context, const char* joint, const char* from, const char* to) {
+  const EffectSpec& spec = *context.spec;
+  const double unit = Slides(*context.robot, spec.TextSetting(joint, "")) ? 1e-3 : kDegree;
+  return {unit * spec.NumberSetting(from, 0.0), unit * spec.NumberSetting(to, 1.0), KnotCount(spec)};
+}
+
+void DeviateBySurface(const EffectContext& context, ShotTerms* terms) {
+  const Knots one = KnotsOf(context, "driver", "from", "to");
+  const Knots other = KnotsOf(context, "with", "from_with", "to_with");
+  const double a = ValueOf(context, "driver"), b = ValueOf(context, "with"), sign = context.joint_sign();
+  int parameter = context.first_parameter;
+  for (int i = 0; i < one.count; ++i) {
+    for (int k = 0; k < other.count; ++k) {
+      terms->slots.push_back({context.joint_slot(), parameter++, sign * one.Value(i, a) * other.Value(k, b)});
+    }
+  }
+}
+
+}  // namespace
+
+const EffectDefinition& LearntPairDeviation() {
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"learnt_pair_deviation",
+                            "learnt deviation of a joint by two",
+                            "waves of two angles together",
+                            EffectTarget::kJoint,
+                            PairWeights,
+                            DeviateByPair};
+    effect.settings = {{"driver", Kind::kJoint, "", {}}, {"with", Kind::kJoint, "", {}}};
+    effect.on_prismatic = true;
+    return Empirical(std::move(effect));
+  }();
+  return definition;
+}
+
+const EffectDefinition& LearntSurfaceDeviation() {
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"learnt_surface_deviation",
+                            "learnt deviation of a joint over two",
+                            "smooth function of two joints together",
+                            EffectTarget::kJoint,
+                            SurfaceWeights,
+                            DeviateBySurface};
+    SettingDefinition to{"to", Kind::kNumber, "", {}}, to_with{"to_with", Kind::kNumber, "", {}};
+    SettingDefinition knots{"knots", Kind::kInteger, "", {}};
+    to.greater_than = "from";
+    to_with.greater_than = "from_with";
+    knots.least = 2;
+    effect.settings = {{"driver", Kind::kJoint, "", {}},
+                       {"with", Kind::kJoint, "", {}},
+                       {"from", Kind::kNumber, "", {}},
+                       to,
+                       {"from_with", Kind::kNumber, "", {}},
+                       to_with,
+                       knots};
+    effect.on_prismatic = true;
+    return Empirical(std::move(effect));
+  }();
+  return definition;
+}
+
+}  // namespace sagitta

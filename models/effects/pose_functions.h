@@ -1,0 +1,24 @@
+// What a deviation without a name may follow of the arm's posture: which way is down, and where the flange is. Shared
+// by the effects that are learnt and by the columns that find them.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "models/chain.h"
+
+namespace sagitta {
+
+// Of a unit vector: all products of up to `degree` of its components, with factors that make a random function (weights
+// of unit variance) one of the angle between two directions: kernel (c + ... + c^degree) / degree, c its cosine.
+Eigen::VectorXd DirectionFunctions(const Vector3<double>& direction, int degree);
+int NumDirectionFunctions(int degree);
+
+// x, y, z, x^2, y^2, z^2, xy, xz, yz: what distorts a field to second order.
+constexpr int kNumFieldFunctions = 9;
+Eigen::VectorXd FieldFunctions(const Vector3<double>& place);
+
+// Of the nominal arm at these joint values (SI): the direction of gravity in the flange, and where the flange is, m.
+Vector3<double> DownInFlange(const Chain& chain, const Eigen::VectorXd& q, const Vector3<double>& down_in_base);
+Vector3<double> FlangePlace(const Chain& chain, const Eigen::VectorXd& q);
+
+}  // namespace sagitta
