@@ -2,11 +2,14 @@
 //
 // The same mathematics as ForwardModel::Predict, arranged for many shots at once:
 //
-//   equilibrium   Newton on u = f(u) until the step is below 1e-10; the step that is left moves the points to first
-//                 order, so that they are exact to its square
+//   equilibrium   Newton on u = f(u), each lane until its own step is below 1e-8; where the first step is wide, a
+//   second
+//                 one by the same factors, of torques alone, comes before derivatives are looked at again. The step
+//                 that is left moves the points to first order, so that they are exact to its square
 //   columns       everything that moves a slot by d f bends the arm by the twist H d f,  H = Xi (I - F_u)^-1, Xi the
 //                 slots' twists; a column is the twist of the flange per unit of its parameter,
-//   rows          J = P [w; v],  P = W B [-[p]x | I] of each marker; W whitener, B = d seen / d point_base
+//   rows          J = P [w; v],  P = W B [-[p]x | I] of each marker; W whitener, B = d seen / d point, axes of the
+//                 station; W = s I, the same noise in all directions, takes half of the products
 //
 // Instructions are chosen at run time (AVX-512, AVX2, or plain ones). Lanes where Newton does not settle are left to
 // the caller (the reference decides whether the arm folds).

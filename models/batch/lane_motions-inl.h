@@ -18,8 +18,8 @@ namespace HWY_NAMESPACE {
 
 class LaneMotions {
  public:
-  LaneMotions(const ShotProgram& program, const BatchPoint& at, BatchScratch* scratch, double* motions)
-      : p_(program), at_(at), statics_(program, at, scratch), motions_(motions) {}
+  LaneMotions(const ShotProgram& program, const BatchPoint& at, LaneMemory* memory, double* motions)
+      : p_(program), at_(at), statics_(program, at, memory), motions_(motions) {}
 
   // All lanes where one of them does not settle.
   unsigned Raise(const double* data, int lane) {
@@ -58,14 +58,15 @@ class LaneMotions {
     const ShotProgram::Marker& marker = p_.markers[m];
     if (marker.terms.empty() && p_.growth.empty() && p_.station.empty()) return;
     const Vector3<double>& given = at_.marker_points[m];
-    const V3 in_base = statics_.KeptFrame(marker.kept_frame) * V3{Of(given.x()), Of(given.y()), Of(given.z())};
+    const Frame& frame = statics_.chain().KeptFrame(marker.kept_frame);
+    const V3 from_base = frame * V3{Of(given.x()), Of(given.y()), Of(given.z())};
     const Vector3<double>& t = at_.base_in_station.translation;
-    const V3 seen = Same(at_.base_in_station.rotation) * in_base + V3{Of(t.x()), Of(t.y()), Of(t.z())};
+    const V3 seen = from_base + V3{Of(t.x()), Of(t.y()), Of(t.z())};
     for (const ShotProgram::MarkerDirection& term : marker.terms) {
       Raise(term.parameter, Norm(At3(data, term.data, lane)));
     }
     for (const ShotProgram::Scaled& term : p_.growth) {
-      if (marker.grows) Raise(term.parameter, hn::Mul(statics_.Datum(term.data), Norm(in_base)));
+      if (marker.grows) Raise(term.parameter, hn::Mul(statics_.Datum(term.data), Norm(from_base)));
     }
     for (const ShotProgram::Station& term : p_.station) {
       Raise(term.parameter, Norm(AtMatrix(data, term.data, lane) * seen + At3(data, term.data + 9, lane)));
@@ -80,8 +81,8 @@ class LaneMotions {
 
 unsigned MotionsOfLanes(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
                         double* motions) {
-  scratch->Reserve(LaneStatics::MemoryFor(program) / sizeof(double) + 64);
-  LaneMotions shots(program, at, scratch, motions);
+  LaneMemory memory(scratch->Reserve(LaneStatics::MemoryFor(program) / sizeof(double)));
+  LaneMotions shots(program, at, &memory, motions);
   const int stride = static_cast<int>(hn::Lanes(Tag()));
   unsigned unsettled = 0;
   for (int lane = 0; lane < kBatchLanes; lane += stride) unsettled |= shots.Raise(data, lane) << lane;

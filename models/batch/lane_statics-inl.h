@@ -1,6 +1,7 @@
 // The loaded arm of one register's worth of shots: chain, torques, equilibrium and what moves it. Compiled once per
-// instruction set. The equations are those of models/elastostatics.h and models/wrench.h; wrenches are summed by the
-// frames that bear them before any transform is looked at:
+// instruction set. The equations are those of models/elastostatics.h and models/wrench.h, in the axes of the station
+// with the arm's base as origin, where wrenches as measured stay as they are; wrenches are summed by the frames that
+// bear them before any transform is looked at:
 //
 //   F = sum F_w,  M0 = sum x_w x F_w + M_w,  Q = sum F_w x_w'        over frames beyond the transform
 //   tau_b = xi_b . (M0, F)
@@ -16,6 +17,7 @@
 #include <algorithm>
 
 #include "models/batch/batch_rows.h"
+#include "models/batch/lane_chain-inl.h"
 #include "models/batch/lane_spring-inl.h"
 #include "models/batch/lanes-inl.h"
 
@@ -23,78 +25,72 @@ HWY_BEFORE_NAMESPACE();
 namespace sagitta {
 namespace HWY_NAMESPACE {
 
-constexpr double kSettled = 1e-10;    // rad or m: what is left is added to first order; derivatives keep as much
+// rad or m. What is left is added to first order; derivatives keep as much, at most.
+constexpr double kSettled = 1e-8;
+// Newton's first step of a loaded arm errs by about half the cube of its size, rad; more than a hundredth of kSettled
+// is worth another step by the same factors: torques alone.
+constexpr double kWideStep = 6e-4;
 constexpr double kFoldedLanes = 0.5;  // rad or m: the reference looks closer
 constexpr int kMostNewtonSteps = 8;
 
 class LaneStatics {
  public:
-  LaneStatics(const ShotProgram& program, const BatchPoint& at, BatchScratch* scratch)
-      : p_(program), at_(at), base_(Same(at.base_in_station.rotation)) {
-    memory_ = reinterpret_cast<char*>(scratch->Reserve(0));
+  LaneStatics(const ShotProgram& program, const BatchPoint& at, LaneMemory* memory)
+      : p_(program), at_(at), slots_(static_cast<int>(program.slots.size())), chain_(program, at, memory) {
     const std::size_t slots = p_.slots.size(), levels = static_cast<std::size_t>(p_.num_levels);
-    twists_ = Rest<TwistLanes>(p_.twists.size());
-    origins_ = Rest<V3>(slots);
-    frames_ = Rest<Frame>(p_.num_kept_frames);
-    measured_ = Rest<Sums>(levels + 1);
-    in_base_ = Rest<Sums>(levels + 1);
-    own_ = Rest<Sums>(levels + 1);
-    beyond_ = Rest<TwistLanes>(slots * (levels + 1));
-    before_ = Rest<V3>(slots);
-    torque_ = Rest<V>(slots);
-    flexibility_ = Rest<V>(slots);
-    deflection_ = Rest<V>(slots);
-    step_ = Rest<V>(slots);
-    law_ = Rest<V>(slots);
-    matrix_ = Rest<V>(slots * slots);
-    response_ = Rest<V>(slots * slots);
-    imposed_ = Rest<TwistLanes>(slots);
-    by_rotation_ = Rest<V>(3 * slots);
+    sums_ = memory->Take<Sums>(levels + 1);
+    own_ = memory->Take<Sums>(levels + 1);
+    moves_ = memory->Take<TwistLanes>(slots);
+    origins_ = memory->Take<V3>(slots);
+    beyond_ = memory->Take<TwistLanes>(slots * levels);
+    before_ = memory->Take<V3>(slots);
+    turned_ = memory->Take<V3>(slots);
+    torque_ = memory->Take<V>(slots);
+    own_torque_ = memory->Take<V>(slots);
+    flexibility_ = memory->Take<V>(slots);
+    deflection_ = memory->Take<V>(slots);
+    step_ = memory->Take<V>(slots);
+    law_ = memory->Take<V>(slots);
+    matrix_ = memory->Take<V>(slots * slots);
+    imposed_ = memory->Take<TwistLanes>(slots);
   }
 
   static std::size_t MemoryFor(const ShotProgram& p) {
-    const std::size_t slots = p.slots.size(), levels = static_cast<std::size_t>(p.num_levels) + 1;
-    return sizeof(V) * (p.twists.size() * 6 + slots * (3 + 6 * levels + 3 + 5 + 2 * slots + 6 + 3) +
-                        p.num_kept_frames * 12 + 3 * levels * sizeof(Sums) / sizeof(V));
-  }
-  template <typename T>
-  T* Rest(std::size_t count) {
-    T* here = reinterpret_cast<T*>(memory_ + used_);
-    used_ += count * sizeof(T);
-    return here;
+    const std::size_t slots = p.slots.size(), levels = static_cast<std::size_t>(p.num_levels);
+    return LaneChain::MemoryFor(p) + sizeof(V) * slots * (6 * (2 + levels) + 9 + 6 + slots) +
+           2 * (levels + 1) * sizeof(Sums);
   }
 
-  // Finds the equilibrium; a bit for each lane that does not get there.
+  // Finds the equilibrium; a bit for each lane that does not get there. Each lane goes its own way: what it says does
+  // not depend on its neighbours.
   unsigned Settle(const double* data, int lane) {
     data_ = data + lane;
-    lane_ = lane;
-    const int n = static_cast<int>(p_.slots.size());
-    for (int s = 0; s < n; ++s) deflection_[s] = step_[s] = Of(0.0);
-    auto settled = hn::Lt(Of(0.0), Of(1.0));
-    for (int i = 0; i < kMostNewtonSteps; ++i) {
-      EvaluateChain();
-      if (n == 0) return 0;
-      EvaluateLaw();
-      InvertResponse();
-      V largest = Of(0.0), bent = Of(0.0);
-      for (int s = 0; s < n; ++s) {
-        V step = Of(0.0);
-        for (int k = 0; k < n; ++k) step = Fma(response_[s * n + k], hn::Sub(law_[k], deflection_[k]), step);
-        step_[s] = step;
-        largest = hn::Add(largest, hn::Abs(step));
-        bent = hn::Add(bent, hn::Abs(hn::Add(deflection_[s], step)));
+    for (int s = 0; s < slots_; ++s) deflection_[s] = step_[s] = Of(0.0);
+    auto settled = hn::Lt(Of(0.0), Of(slots_ > 0 ? 0.0 : 1.0));
+    for (int i = 0; i < kMostNewtonSteps && !hn::AllTrue(Tag(), settled); ++i) {
+      if (i > 0) {
+        Deflect(hn::Not(settled));
+        const auto wide = hn::AndNot(settled, hn::Lt(Of(kWideStep), largest_));
+        if (!hn::AllFalse(Tag(), wide)) {
+          EvaluateLaw(/*with_derivatives=*/false);
+          FindStep();
+          Deflect(wide);
+        }
       }
-      settled = hn::And(hn::Lt(largest, Of(kSettled)), hn::Lt(bent, Of(kFoldedLanes)));
-      if (hn::AllTrue(Tag(), settled)) return 0;
-      if (i + 1 == kMostNewtonSteps) break;
-      for (int s = 0; s < n; ++s) deflection_[s] = hn::Add(deflection_[s], step_[s]);
+      EvaluateLaw(/*with_derivatives=*/true);
+      FactorResponse();
+      FindStep();
+      settled = hn::And(hn::Lt(largest_, Of(kSettled)), hn::Lt(bent_, Of(kFoldedLanes)));
     }
+    if (!NeedsChain()) chain_.Evaluate(data_, deflection_);
+    chain_.CompleteTwists();
+    for (int s = 0; s < slots_; ++s) moves_[s] = chain_.Twist(p_.slots[s].twist);
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(Tag(), hn::Not(settled), bits);
     return bits[0];
   }
 
-  const Frame& KeptFrame(int kept) const { return frames_[kept]; }
+  const LaneChain& chain() const { return chain_; }
   V Datum(int index) const { return At(data_ + index * kBatchLanes); }
   V Phi(ElasticLaw law, int slot) const {
     const V torque = torque_[slot];
@@ -105,53 +101,56 @@ class LaneStatics {
                    hn::IfThenElseZero(hn::Lt(torque, zero), Of(1.0)));
   }
 
-  // From here on columns are twists of `frame`: H = Xi A over the slots before it.
+  // From here on columns are twists of `frame`: imposed = Xi (I - F_u)^-1 over the slots before it, by the factors
+  // L U = I - F_u.
   void RespondOn(int frame) {
-    frame_ = frame;
-    const int n = static_cast<int>(p_.slots.size());
-    for (int s = 0; s < n; ++s) {
-      imposed_[s] = ZeroTwist();
-      for (int k = 0; k < n; ++k) {
-        if (p_.slots[k].transform >= frame) continue;
-        imposed_[s] = Fma(response_[k * n + s], twists_[p_.slots[k].twist], imposed_[s]);
-      }
+    const int n = slots_;
+    for (int c = 0; c < n; ++c) {
+      TwistLanes y = p_.slots[c].transform < frame ? moves_[c] : ZeroTwist();
+      for (int k = 0; k < c; ++k) y = Fnma(matrix_[k * n + c], imposed_[k], y);
+      imposed_[c] = Times(matrix_[c * n + c], y);
+    }
+    for (int c = n - 2; c >= 0; --c) {
+      TwistLanes x = imposed_[c];
+      for (int k = c + 1; k < n; ++k) x = Fnma(matrix_[k * n + c], imposed_[k], x);
+      imposed_[c] = x;
     }
   }
   // By a deflection imposed on a slot.
   const TwistLanes& Imposed(int slot) const { return imposed_[slot]; }
 
   // By the value of a transform.
-  TwistLanes Total(int twist, int frame) const {
-    const TwistLanes& own = twists_[twist];
-    TwistLanes total = p_.twists[twist].transform < frame ? own : ZeroTwist();
-    for (size_t s = 0; s < p_.slots.size(); ++s) {
-      total = Fma(LawBy(static_cast<int>(s), twist), imposed_[s], total);
+  HWY_INLINE TwistLanes Total(int twist, int frame) const {
+    const ShotProgram::Twist& own = p_.twists[twist];
+    const TwistLanes moves = chain_.Twist(twist);
+    TwistLanes total = own.transform < frame ? moves : ZeroTwist();
+    for (int s = 0; s < own.slots && own.level < p_.num_levels; ++s) {
+      total = Fma(ByWhatIsBeyond(s, own, moves), imposed_[s], total);
     }
+    for (int s = own.slots; s < slots_ && own.is_rotation && p_.num_levels > 0; ++s) {
+      total = Fma(Dot(before_[s], moves.w), imposed_[s], total);
+    }
+    if (BearsSpring(own)) total = Fma(SpringLaw(), imposed_[p_.spring.slot], total);
     return total;
   }
 
   // Adds what one unit of these wrenches does.
-  void AddTorques(const ShotProgram::Loads& loads, TwistLanes* column) const {
-    for (size_t s = 0; s < p_.slots.size(); ++s) {
-      const V bend = hn::Mul(flexibility_[s], TorqueOf(loads, static_cast<int>(s)));
-      *column = Fma(bend, imposed_[s], *column);
+  void AddTorques(const ShotProgram::Loads& loads, TwistLanes* column) {
+    FindTorques(loads);
+    for (int s = 0; s < slots_; ++s) {
+      *column = Fma(hn::Mul(flexibility_[s], own_torque_[s]), imposed_[s], *column);
     }
   }
-  V TorqueOf(const ShotProgram::Loads& loads, int slot) const {
-    V torque = Of(0.0);
-    for (const ShotProgram::Wrench& wrench : loads.wrenches) {
-      if (wrench.level < p_.slots[slot].level) continue;
-      const Applied applied = Apply(wrench);
-      torque = hn::Add(torque, Work(twists_[p_.slots[slot].twist], Cross(applied.point, applied.force) + applied.moment,
-                                    applied.force));
-    }
-    return torque;
+  V TorqueOf(const ShotProgram::Loads& loads, int slot) {
+    FindTorques(loads);
+    return own_torque_[slot];
   }
   // How far a torque on each slot moves the slots (the largest), by what wrenches or a parameter of the spring do.
-  V LargestDeflection(const ShotProgram::Loads& loads) const {
-    return LargestOf([&](int s) HWY_ATTR { return TorqueOf(loads, s); });
+  V LargestDeflection(const ShotProgram::Loads& loads) {
+    FindTorques(loads);
+    return LargestOf([&](int s) HWY_ATTR { return own_torque_[s]; });
   }
-  V LargestDeflectionBySpring(int parameter) const {
+  V LargestDeflectionBySpring(int parameter) {
     return LargestOf([&](int s) HWY_ATTR { return s == p_.spring.slot ? by_spring_[parameter] : Of(0.0); });
   }
   V TorqueOn(int slot) const { return torque_[slot]; }
@@ -170,11 +169,12 @@ class LaneStatics {
 
   // By a left perturbation of the base rotation about a station's axis: the arm turns, wrenches that are given in the
   // measurement frame stay.
-  TwistLanes ByRotation(int axis) const {
-    const V3 turn = StationAxis(axis);
-    TwistLanes total = {turn, Zero3()};
-    for (size_t s = 0; s < p_.slots.size(); ++s) {
-      total = Fma(by_rotation_[3 * s + axis], imposed_[s], total);
+  HWY_INLINE TwistLanes ByRotation(int axis) const {
+    const V one = Of(1.0), zero = Of(0.0);
+    TwistLanes total = {{axis == 0 ? one : zero, axis == 1 ? one : zero, axis == 2 ? one : zero}, Zero3()};
+    for (int s = 0; s < slots_; ++s) {
+      const V3& by = turned_[s];
+      total = Fma(axis == 0 ? by.x : axis == 1 ? by.y : by.z, imposed_[s], total);
     }
     return total;
   }
@@ -182,22 +182,23 @@ class LaneStatics {
   // What the last Newton step would still move.
   TwistLanes LeftOver(int frame) const {
     TwistLanes total = ZeroTwist();
-    for (size_t s = 0; s < p_.slots.size(); ++s) {
-      if (p_.slots[s].transform < frame) total = Fma(step_[s], twists_[p_.slots[s].twist], total);
+    for (int s = 0; s < slots_; ++s) {
+      if (p_.slots[s].transform < frame) total = Fma(step_[s], moves_[s], total);
     }
     return total;
   }
 
-  // Derivatives of the law by the base rotation; after Settle, where they are asked for.
+  // Derivatives of the law by the base rotation; after Settle, where they are asked for. Wrenches given in the base
+  // frame turn with the arm.
   void TurnBase() {
-    for (int s = 0; s < static_cast<int>(p_.slots.size()) * 3; ++s) by_rotation_[s] = Of(0.0);
-    AddTurn(measured_, -1, Of(1.0));
+    for (int s = 0; s < slots_; ++s) turned_[s] = p_.has_base_loads ? Zero3() : before_[s];
+    if (!p_.has_base_loads) return;
+    SumLoads(own_, /*with_those_in_base=*/false);
+    for (int s = 0; s < slots_; ++s) turned_[s] = Fma(flexibility_[s], Before(own_, s), turned_[s]);
     for (const ShotProgram::Loads& sag : p_.sags) {
       if (at_.theta[sag.parameter] == 0.0) continue;
-      Clear(own_);
-      Sum(sag, Of(1.0), own_, nullptr);
-      Accumulate(own_);
-      AddTurn(own_, sag.slot, Of(at_.theta[sag.parameter]));
+      SumSag(sag, /*with_those_in_base=*/false);
+      turned_[sag.slot] = Fma(Of(at_.theta[sag.parameter]), Before(own_, sag.slot), turned_[sag.slot]);
     }
   }
 
@@ -207,130 +208,118 @@ class LaneStatics {
   };
   // Of all wrenches beyond a frame.
   struct Sums {
-    V3 force, about_base, pure;
+    V3 force, about_base;
     M3 q;  // sum of F x'
+    V trace;
   };
 
   template <typename Torque>
-  V LargestOf(const Torque& torque_on) const {
-    const int n = static_cast<int>(p_.slots.size());
+  V LargestOf(const Torque& torque_on) {
+    for (int s = 0; s < slots_; ++s) law_[s] = hn::Mul(flexibility_[s], torque_on(s));
+    Respond(law_);
     V largest = Of(0.0);
-    for (int k = 0; k < n; ++k) {
-      V moved = Of(0.0);
-      for (int s = 0; s < n; ++s) moved = Fma(hn::Mul(response_[k * n + s], flexibility_[s]), torque_on(s), moved);
-      largest = hn::Max(largest, hn::Abs(moved));
-    }
+    for (int s = 0; s < slots_; ++s) largest = hn::Max(largest, hn::Abs(law_[s]));
     return largest;
   }
 
-  V3 StationAxis(int axis) const {  // in the base frame: a row of the base rotation
-    const auto row = at_.base_in_station.rotation.row(axis);
-    return {Of(row[0]), Of(row[1]), Of(row[2])};
-  }
-
-  void EvaluateChain() {
-    Frame here = {Same(Eigen::Matrix3d::Identity()), Zero3()};
-    if (p_.world_frame >= 0) frames_[p_.world_frame] = here;
-    for (size_t e = 0; e < p_.transforms.size(); ++e) {
-      const ShotProgram::Transform& transform = p_.transforms[e];
-      const V3 axis = here.rotation.column[transform.axis];
-      if (transform.twist >= 0) {
-        twists_[transform.twist] =
-            transform.is_rotation ? TwistLanes{axis, Cross(here.origin, axis)} : TwistLanes{Zero3(), axis};
-      }
-      if (transform.slot >= 0) origins_[transform.slot] = here.origin;
-      if (!(transform.is_fixed() && at_.fixed[2 * e] == 0.0)) Apply(static_cast<int>(e), transform, axis, &here);
-      if (transform.kept_frame >= 0) frames_[transform.kept_frame] = here;
-    }
-  }
-
-  HWY_INLINE void Apply(int e, const ShotProgram::Transform& transform, V3 axis, Frame* here) {
-    V value = Of(at_.fixed[2 * e]), sine = value, cosine = Of(at_.fixed[2 * e + 1]);
-    if (!transform.is_fixed()) {
-      for (const ShotProgram::Scaled& term : transform.terms) {
-        value = Fma(Of(at_.theta[term.parameter]), Datum(term.data), value);
-      }
-      if (transform.slot >= 0) value = hn::Add(value, deflection_[transform.slot]);
-      if (transform.is_rotation) {
-        SinCos(value, &sine, &cosine);
-        if (transform.lane_value >= 0)
-          Compose(Datum(transform.lane_value), Datum(transform.lane_value + 1), &sine, &cosine);
-      } else if (transform.lane_value >= 0) {
-        value = hn::Add(value, Datum(transform.lane_value));
-      }
-    }
-    if (!transform.is_rotation) {
-      here->origin = Fma(value, axis, here->origin);
-      return;
-    }
-    if (p_.has_spring && p_.spring.transform == e) spring_sine_ = sine, spring_cosine_ = cosine;
-    V3* const u = &here->rotation.column[(transform.axis + 1) % 3];
-    V3* const v = &here->rotation.column[(transform.axis + 2) % 3];
-    const V3 turned = Fma(cosine, *u, Times(sine, *v));
-    *v = Fnma(sine, *u, Times(cosine, *v));
-    *u = turned;
-  }
-  // sin and cos of a sum.
-  static HWY_INLINE void Compose(V sine, V cosine, V* own_sine, V* own_cosine) {
-    const V s = Fma(sine, *own_cosine, hn::Mul(cosine, *own_sine));
-    *own_cosine = Fnma(sine, *own_sine, hn::Mul(cosine, *own_cosine));
-    *own_sine = s;
-  }
-
   HWY_INLINE Applied Apply(const ShotProgram::Wrench& wrench) const {
-    Applied applied = {frames_[wrench.kept_frame] * At3(data_, wrench.data, 0), At3(data_, wrench.data + 3, 0),
+    Applied applied = {chain_.KeptFrame(wrench.kept_frame) * At3(data_, wrench.data, 0), At3(data_, wrench.data + 3, 0),
                        At3(data_, wrench.data + 6, 0)};
-    if (wrench.in_base) return applied;
-    applied.force = TransposeTimes(base_, applied.force);
-    applied.moment = TransposeTimes(base_, applied.moment);
+    if (!wrench.in_base) return applied;
+    applied.force = chain_.base() * applied.force;
+    applied.moment = chain_.base() * applied.moment;
     return applied;
   }
-
-  void Clear(Sums* sums) const {
-    for (int k = 0; k <= p_.num_levels; ++k) sums[k] = {Zero3(), Zero3(), Zero3(), Zero33()};
-  }
-  // By the frame that bears them; those given in the base frame apart (null: left out).
-  void Sum(const ShotProgram::Loads& loads, V times, Sums* measured, Sums* in_base) const {
+  void FindTorques(const ShotProgram::Loads& loads) {
+    for (int s = 0; s < slots_; ++s) own_torque_[s] = Of(0.0);
     for (const ShotProgram::Wrench& wrench : loads.wrenches) {
-      Sums* const sums = wrench.in_base ? in_base : measured;
-      if (sums != nullptr) Add(Apply(wrench), times, &sums[wrench.level]);
+      const Applied applied = Apply(wrench);
+      const V3 about_base = Cross(applied.point, applied.force) + applied.moment;
+      for (int s = 0; s < slots_; ++s) {
+        if (wrench.level < p_.slots[s].level) continue;
+        own_torque_[s] = hn::Add(own_torque_[s], Work(moves_[s], about_base, applied.force));
+      }
+    }
+  }
+
+  // By the frame that bears them, then from the flange to the base.
+  void SumLoads(Sums* sums, bool with_those_in_base) const {
+    Clear(sums);
+    for (const ShotProgram::Loads& loads : p_.loads) {
+      if (loads.parameter >= 0 && at_.theta[loads.parameter] == 0.0) continue;
+      Sum(loads, loads.parameter < 0 ? 1.0 : at_.theta[loads.parameter], with_those_in_base, sums);
+    }
+    Accumulate(sums);
+  }
+  void SumSag(const ShotProgram::Loads& sag, bool with_those_in_base) {
+    Clear(own_);
+    Sum(sag, 1.0, with_those_in_base, own_);
+    Accumulate(own_);
+  }
+  void Clear(Sums* sums) const {
+    for (int k = 0; k <= p_.num_levels; ++k) sums[k] = {Zero3(), Zero3(), Zero33(), Of(0.0)};
+  }
+  void Sum(const ShotProgram::Loads& loads, double times, bool with_those_in_base, Sums* sums) const {
+    for (const ShotProgram::Wrench& wrench : loads.wrenches) {
+      if (with_those_in_base || !wrench.in_base) Add(Apply(wrench), Of(times), &sums[wrench.level]);
     }
   }
   static HWY_INLINE void Add(const Applied& applied, V times, Sums* sums) {
     const V3 force = Times(times, applied.force);
     sums->force = sums->force + force;
-    sums->pure = Fma(times, applied.moment, sums->pure);
     sums->about_base = sums->about_base + Fma(times, applied.moment, Cross(applied.point, force));
     sums->q.column[0] = Fma(applied.point.x, force, sums->q.column[0]);
     sums->q.column[1] = Fma(applied.point.y, force, sums->q.column[1]);
     sums->q.column[2] = Fma(applied.point.z, force, sums->q.column[2]);
   }
-  // From the flange to the base.
   void Accumulate(Sums* sums) const {
-    for (int k = p_.num_levels - 1; k >= 0; --k) Add(sums[k + 1], &sums[k]);
+    for (int k = p_.num_levels - 1; k >= 0; --k) {
+      if (k + 1 < p_.num_levels) Add(sums[k + 1], &sums[k]);
+      sums[k].trace = Trace(sums[k].q);
+    }
   }
   static void Add(const Sums& other, Sums* sums) {
     sums->force = sums->force + other.force;
     sums->about_base = sums->about_base + other.about_base;
-    sums->pure = sums->pure + other.pure;
     for (int c = 0; c < 3; ++c) sums->q.column[c] = sums->q.column[c] + other.q.column[c];
   }
 
-  // f and F at the current deflections.
-  void EvaluateLaw() {
-    const int n = static_cast<int>(p_.slots.size()), levels = p_.num_levels;
-    Clear(measured_);
-    Clear(in_base_);
-    for (const ShotProgram::Loads& loads : p_.loads) {
-      if (loads.parameter >= 0 && at_.theta[loads.parameter] == 0.0) continue;
-      Sum(loads, loads.parameter < 0 ? Of(1.0) : Of(at_.theta[loads.parameter]), measured_, in_base_);
+  // Where nothing pulls but the spring, which acts on its own joint, the law takes no notice of the rest of the arm.
+  bool NeedsChain() const { return slots_ > 0 && p_.num_levels > 0; }
+
+  void FindStep() {
+    largest_ = bent_ = Of(0.0);
+    for (int s = 0; s < slots_; ++s) step_[s] = hn::Sub(law_[s], deflection_[s]);
+    Respond(step_);
+    for (int s = 0; s < slots_; ++s) {
+      largest_ = hn::Add(largest_, hn::Abs(step_[s]));
+      bent_ = hn::Add(bent_, hn::Abs(hn::Add(deflection_[s], step_[s])));
     }
-    Accumulate(measured_);
-    if (p_.has_base_loads) Accumulate(in_base_);
-    for (int s = 0; s < n; ++s) {
-      law_[s] = flexibility_[s] = Of(0.0);
-      torque_[s] = TorqueBy(measured_, s);
-      if (p_.has_base_loads) torque_[s] = hn::Add(torque_[s], TorqueBy(in_base_, s));
+  }
+  template <typename Mask>
+  void Deflect(Mask lanes) {
+    for (int s = 0; s < slots_; ++s) deflection_[s] = hn::Add(deflection_[s], hn::IfThenElseZero(lanes, step_[s]));
+  }
+
+  // f at the current deflections, and F.
+  void EvaluateLaw(bool with_derivatives) {
+    if (NeedsChain()) {
+      chain_.Evaluate(data_, deflection_);
+    } else {
+      chain_.TurnSpring(data_, deflection_);
+    }
+    for (int s = 0; s < slots_; ++s) {
+      law_[s] = flexibility_[s] = torque_[s] = Of(0.0);
+      before_[s] = Zero3();
+    }
+    if (NeedsChain()) {
+      SumLoads(sums_, /*with_those_in_base=*/true);
+      for (int s = 0; s < slots_; ++s) {
+        const TwistLanes& placed = chain_.Twist(p_.slots[s].twist);
+        origins_[s] = placed.v;
+        moves_[s] = IsTurned(s) ? TwistLanes{placed.w, Cross(placed.v, placed.w)} : placed;
+        torque_[s] = TorqueBy(sums_, s);
+      }
     }
     if (p_.has_spring) EvaluateSpring();
     for (const ShotProgram::Elastic& term : p_.elastic) {
@@ -339,98 +328,107 @@ class LaneStatics {
       law_[term.slot] = Fma(gain, Phi(term.law, term.slot), law_[term.slot]);
       flexibility_[term.slot] = Fma(gain, PhiDerivative(term.law, term.slot), flexibility_[term.slot]);
     }
-    for (int s = 0; s < n; ++s) {
-      before_[s] = Zero3();
-      for (int k = 0; k <= levels; ++k) beyond_[s * (levels + 1) + k] = ZeroTwist();
-      AddAnswer(measured_, s, flexibility_[s]);
-      if (p_.has_base_loads) AddAnswer(in_base_, s, flexibility_[s]);
+    if (!NeedsChain()) return;
+    for (int s = 0; s < slots_ && with_derivatives; ++s) {
+      for (int k = 0; k < p_.num_levels; ++k) Beyond(s)[k] = ZeroTwist();
+      AddAnswer(sums_, s, flexibility_[s]);
     }
-    AddSags();
+    AddSags(with_derivatives);
   }
+  bool IsTurned(int s) const { return p_.twists[p_.slots[s].twist].is_rotation; }
+  TwistLanes* Beyond(int s) const { return beyond_ + s * p_.num_levels; }
   V PhiDerivative(ElasticLaw law, int slot) const {
     if (law == ElasticLaw::kLinear) return Of(1.0);
     return law == ElasticLaw::kCubic ? hn::Mul(Of(3.0), hn::Mul(torque_[slot], torque_[slot])) : Of(0.0);
   }
   V TorqueBy(const Sums* sums, int s) const {
     const Sums& acting = sums[p_.slots[s].level];
-    return Work(twists_[p_.slots[s].twist], acting.about_base, acting.force);
+    return Work(moves_[s], acting.about_base, acting.force);
   }
 
   // The derivative of the torque on slot s by every transform, times `factor`.
   void AddAnswer(const Sums* sums, int s, V factor) {
-    const ShotProgram::Slot& slot = p_.slots[s];
-    const Sums& acting = sums[slot.level];
-    if (!p_.transforms[slot.transform].is_rotation) {
-      before_[s] = Fnma(factor, Cross(acting.force, twists_[slot.twist].v), before_[s]);
-      return;
+    before_[s] = Fma(factor, Before(sums, s), before_[s]);
+    if (!IsTurned(s)) return;
+    const V3 z = Times(factor, moves_[s].w);
+    for (int k = p_.slots[s].level; k < p_.num_levels; ++k) {
+      TwistLanes& beyond = Beyond(s)[k];
+      beyond.w = beyond.w + Turned(sums[k], z);
+      beyond.v = beyond.v + Cross(sums[k].force, z);
     }
-    const V3 z = twists_[slot.twist].w, o = origins_[s];
-    for (int k = slot.level; k < p_.num_levels; ++k) {
-      TwistLanes& beyond = beyond_[s * (p_.num_levels + 1) + k];
-      beyond.w = Fma(factor, Turned(sums[k], z), beyond.w);
-      beyond.v = Fma(factor, Cross(sums[k].force, z), beyond.v);
-    }
+  }
+  V3 Before(const Sums* sums, int s) const {
+    const Sums& acting = sums[p_.slots[s].level];
+    if (!IsTurned(s)) return Cross(moves_[s].v, acting.force);
+    const V3 z = moves_[s].w, o = origins_[s];
     const V3 about = acting.about_base - Cross(o, acting.force);
     const V3 shift = Fnma(Dot(o, acting.force), z, Times(Dot(z, o), acting.force));
-    before_[s] = Fma(factor, Cross(z, about) + Turned(acting, z) - shift, before_[s]);
+    return Cross(z, about) + Turned(acting, z) - shift;
   }
   // Q z - tr(Q) z
-  static HWY_INLINE V3 Turned(const Sums& sums, V3 z) { return Fnma(Trace(sums.q), z, sums.q * z); }
+  static HWY_INLINE V3 Turned(const Sums& sums, V3 z) { return Fnma(sums.trace, z, sums.q * z); }
 
-  void AddSags() {
+  void AddSags(bool with_derivatives) {
     for (const ShotProgram::Loads& sag : p_.sags) {
       if (at_.theta[sag.parameter] == 0.0) continue;
       const V theta = Of(at_.theta[sag.parameter]);
-      Clear(own_);
-      Sum(sag, Of(1.0), own_, own_);
-      Accumulate(own_);
+      SumSag(sag, /*with_those_in_base=*/true);
       law_[sag.slot] = Fma(theta, TorqueBy(own_, sag.slot), law_[sag.slot]);
-      AddAnswer(own_, sag.slot, theta);
+      if (with_derivatives) AddAnswer(own_, sag.slot, theta);
     }
   }
 
-  // d f_s / d value of the transform behind `twist`.
-  HWY_INLINE V LawBy(int s, int twist) const {
-    const ShotProgram::Slot& slot = p_.slots[s];
-    const ShotProgram::Twist& own = p_.twists[twist];
-    const TwistLanes& moves = twists_[twist];
-    if (own.transform < slot.transform) return Dot(before_[s], moves.w);
-    const TwistLanes& beyond = beyond_[s * (p_.num_levels + 1) + own.level];
-    V by = Work(moves, beyond.w, beyond.v);
-    if (own.transform == slot.transform && p_.has_spring && p_.spring.slot == s) {
-      by = Fma(flexibility_[s], spring_stiffness_, by);
-    }
-    return by;
+  // d f_s / d value of a transform that is slot s or beyond it.
+  HWY_INLINE V ByWhatIsBeyond(int s, const ShotProgram::Twist& own, const TwistLanes& moves) const {
+    const TwistLanes& beyond = Beyond(s)[own.level];
+    return own.is_rotation ? Work(moves, beyond.w, beyond.v) : Dot(moves.v, beyond.v);
   }
+  bool BearsSpring(const ShotProgram::Twist& twist) const {
+    return p_.has_spring && p_.spring.transform == twist.transform;
+  }
+  V SpringLaw() const { return hn::Mul(flexibility_[p_.spring.slot], spring_stiffness_); }
 
-  // (I - F_u)^-1 by Gauss and Jordan; F_u is small where the arm does not fold, so that no pivots are sought.
-  void InvertResponse() {
-    const int n = static_cast<int>(p_.slots.size());
-    for (int r = 0; r < n; ++r) {
-      for (int c = 0; c < n; ++c) {
-        const V unit = Of(r == c ? 1.0 : 0.0);
-        matrix_[r * n + c] = hn::Sub(unit, LawBy(r, p_.slots[c].twist));
-        response_[r * n + c] = unit;
+  // L U = I - F_u, the diagonal of U as inverse; F_u is small where the arm does not fold, so that no pivots are
+  // sought.
+  void FactorResponse() {
+    const int n = slots_;
+    for (int c = 0; c < n; ++c) {
+      const ShotProgram::Twist& own = p_.twists[p_.slots[c].twist];
+      for (int r = 0; r < n; ++r) {
+        V by = Of(0.0);
+        if (r > c && own.is_rotation && p_.num_levels > 0) by = Dot(before_[r], moves_[c].w);
+        if (r <= c && own.level < p_.num_levels) by = ByWhatIsBeyond(r, own, moves_[c]);
+        if (r == c && BearsSpring(own)) by = hn::Add(by, SpringLaw());
+        matrix_[r * n + c] = hn::Sub(Of(r == c ? 1.0 : 0.0), by);
       }
     }
     for (int k = 0; k < n; ++k) {
       const V inverse = hn::Div(Of(1.0), matrix_[k * n + k]);
-      for (int c = k; c < n; ++c) matrix_[k * n + c] = hn::Mul(matrix_[k * n + c], inverse);
-      for (int c = 0; c <= k; ++c) response_[k * n + c] = hn::Mul(response_[k * n + c], inverse);
-      for (int r = 0; r < n; ++r) {
-        if (r == k) continue;
-        const V factor = matrix_[r * n + k];
-        for (int c = k; c < n; ++c) matrix_[r * n + c] = Fnma(factor, matrix_[k * n + c], matrix_[r * n + c]);
-        for (int c = 0; c <= k; ++c) response_[r * n + c] = Fnma(factor, response_[k * n + c], response_[r * n + c]);
+      matrix_[k * n + k] = inverse;
+      for (int r = k + 1; r < n; ++r) {
+        const V factor = hn::Mul(matrix_[r * n + k], inverse);
+        matrix_[r * n + k] = factor;
+        for (int c = k + 1; c < n; ++c) matrix_[r * n + c] = Fnma(factor, matrix_[k * n + c], matrix_[r * n + c]);
       }
+    }
+  }
+  // x <- (I - F_u)^-1 x
+  void Respond(V* x) const {
+    const int n = slots_;
+    for (int r = 0; r < n; ++r) {
+      for (int k = 0; k < r; ++k) x[r] = Fnma(matrix_[r * n + k], x[k], x[r]);
+    }
+    for (int r = n - 1; r >= 0; --r) {
+      for (int k = r + 1; k < n; ++k) x[r] = Fnma(matrix_[r * n + k], x[k], x[r]);
+      x[r] = hn::Mul(x[r], matrix_[r * n + r]);
     }
   }
 
   void EvaluateSpring() {
     const V sign = Of(p_.spring.sign), cos_offset = Of(p_.spring.cos_offset), sin_offset = Of(p_.spring.sin_offset);
     // q = sign (v - offset)
-    const V sine = hn::Mul(sign, Fnma(spring_cosine_, sin_offset, hn::Mul(spring_sine_, cos_offset)));
-    const V cosine = Fma(spring_cosine_, cos_offset, hn::Mul(spring_sine_, sin_offset));
+    const V sine = hn::Mul(sign, Fnma(chain_.spring_cosine(), sin_offset, hn::Mul(chain_.spring_sine(), cos_offset)));
+    const V cosine = Fma(chain_.spring_cosine(), cos_offset, hn::Mul(chain_.spring_sine(), sin_offset));
     const double* theta = at_.theta + p_.spring.first_parameter;
     SpringTorque spring = SpringAt(theta, sine, cosine);
     spring_stiffness_ = spring.by_angle;  // sign^2 = 1
@@ -443,41 +441,23 @@ class LaneStatics {
     for (int i = 0; i < 5; ++i) by_spring_[i] = hn::Mul(sign, spring.by[i]);
   }
 
-  // A wrench that stays while the base turns by rho changes in the base frame by dF = F x rho, dM = M x rho:
-  // sum of x x dF = Q rho - tr(Q) rho.
-  void AddTurn(const Sums* sums, int only_slot, V factor) {
-    for (int s = 0; s < static_cast<int>(p_.slots.size()); ++s) {
-      if (only_slot >= 0 && s != only_slot) continue;
-      const Sums& acting = sums[p_.slots[s].level];
-      const V weight = only_slot < 0 ? flexibility_[s] : factor;
-      for (int axis = 0; axis < 3; ++axis) {
-        const V3 turn = StationAxis(axis);
-        const V by = Work(twists_[p_.slots[s].twist], Turned(acting, turn) + Cross(acting.pure, turn),
-                          Cross(acting.force, turn));
-        by_rotation_[3 * s + axis] = Fma(weight, by, by_rotation_[3 * s + axis]);
-      }
-    }
-  }
-
   const ShotProgram& p_;
   const BatchPoint& at_;
-  const M3 base_;
-  char* memory_ = nullptr;
-  std::size_t used_ = 0;
+  const int slots_;
+  LaneChain chain_;
   const double* data_ = nullptr;
-  int lane_ = 0, frame_ = 0;
 
-  TwistLanes* twists_;  // of the undeflected and deflected arm alike: at the current values
+  Sums *sums_, *own_;
+  TwistLanes* moves_;   // twists of the slots
   V3* origins_;         // of the slots' transforms
-  Frame* frames_;       // kept ones
-  Sums *measured_, *in_base_, *own_;
   TwistLanes* beyond_;  // slots x levels: d law / d value of transforms from the slot on
   V3* before_;          // of transforms before the slot
-  V *torque_, *flexibility_, *deflection_, *step_, *law_;
-  V *matrix_, *response_;
+  V3* turned_;          // of the base
+  V *torque_, *own_torque_, *flexibility_, *deflection_, *step_, *law_;
+  V* matrix_;
+  V largest_, bent_;  // sums over the slots: of the step, of the deflection with it
   TwistLanes* imposed_;
-  V* by_rotation_;  // slots x 3
-  V spring_sine_, spring_cosine_, spring_stiffness_, by_spring_[5];
+  V spring_stiffness_, by_spring_[5];
 };
 
 }  // namespace HWY_NAMESPACE

@@ -81,6 +81,10 @@ HWY_INLINE TwistLanes ZeroTwist() { return {Zero3(), Zero3()}; }
 HWY_INLINE TwistLanes Fma(V a, const TwistLanes& b, const TwistLanes& c) {
   return {Fma(a, b.w, c.w), Fma(a, b.v, c.v)};
 }
+HWY_INLINE TwistLanes Fnma(V a, const TwistLanes& b, const TwistLanes& c) {
+  return {Fnma(a, b.w, c.w), Fnma(a, b.v, c.v)};
+}
+HWY_INLINE TwistLanes Times(V a, const TwistLanes& b) { return {Times(a, b.w), Times(a, b.v)}; }
 HWY_INLINE V Work(const TwistLanes& twist, V3 moment, V3 force) {
   const V a = Fma(twist.w.x, moment.x, Fma(twist.w.y, moment.y, hn::Mul(twist.w.z, moment.z)));
   return Fma(twist.v.x, force.x, Fma(twist.v.y, force.y, Fma(twist.v.z, force.z, a)));

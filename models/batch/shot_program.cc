@@ -36,6 +36,10 @@ std::vector<int> ElasticSlots(const ForwardModel& model, const ShotInput& shot) 
   return {slots.begin(), slots.end()};
 }
 
+bool SeesEqually(const BatchReading& reading) {
+  return reading.whitener == reading.whitener(0, 0) * Matrix3<double>::Identity();
+}
+
 class Builder {
  public:
   Builder(const ForwardModel& model, const ShotInput& shot, const std::vector<BatchReading>& readings)
@@ -53,9 +57,47 @@ class Builder {
     }
   }
 
-  ShotProgram Take() { return std::move(program_); }
+  ShotProgram Take() {
+    for (ShotProgram::Twist& twist : program_.twists) {
+      twist.is_rotation = program_.transforms[twist.transform].is_rotation;
+      for (const ShotProgram::Slot& slot : program_.slots) twist.slots += slot.transform <= twist.transform ? 1 : 0;
+    }
+    AddParts();
+    return std::move(program_);
+  }
 
  private:
+  void AddParts() {
+    using Part = ShotProgram::Part;
+    using PartOf = ShotProgram::PartOf;
+    std::vector<std::vector<Part>> of(static_cast<size_t>(program_.num_parameters));
+    const auto add = [&](int parameter, PartOf kind, int index, int data = -1) {
+      if (parameter >= 0) of[static_cast<size_t>(parameter)].push_back({kind, index, data});
+    };
+    for (const ShotProgram::Transform& transform : program_.transforms) {
+      add(transform.geometry, PartOf::kTransform, transform.twist);
+      for (const ShotProgram::Scaled& term : transform.terms) {
+        add(term.parameter, PartOf::kTransform, transform.twist, term.data);
+      }
+    }
+    for (size_t i = 0; i < program_.elastic.size(); ++i) {
+      if (program_.elastic[i].slot >= 0) add(program_.elastic[i].parameter, PartOf::kElastic, static_cast<int>(i));
+    }
+    for (size_t i = 0; i < program_.loads.size(); ++i) {
+      add(program_.loads[i].parameter, PartOf::kLoads, static_cast<int>(i));
+    }
+    for (size_t i = 0; i < program_.sags.size(); ++i) {
+      add(program_.sags[i].parameter, PartOf::kSag, static_cast<int>(i));
+    }
+    for (int i = 0; i < 5 && program_.has_spring; ++i) {
+      add(program_.spring.first_parameter + i, PartOf::kSpring, i);
+    }
+    for (const std::vector<Part>& parts : of) {
+      program_.first_part.push_back(static_cast<int>(program_.parts.size()));
+      program_.parts.insert(program_.parts.end(), parts.begin(), parts.end());
+    }
+    program_.first_part.push_back(static_cast<int>(program_.parts.size()));
+  }
   int Take(int numbers) {
     const int first = program_.num_data;
     program_.num_data += numbers;
@@ -69,7 +111,7 @@ class Builder {
     ShotProgram::Transform& transform = program_.transforms[e];
     if (transform.twist < 0) {
       transform.twist = static_cast<int>(program_.twists.size());
-      program_.twists.push_back({e, LevelOf(e)});
+      program_.twists.push_back({e, LevelOf(e), 0, false});
     }
     return transform.twist;
   }
@@ -154,8 +196,14 @@ class Builder {
     std::map<int, int> class_of;
     for (const BatchReading& reading : readings) {
       const auto [found, is_new] = class_of.emplace(reading.frame, static_cast<int>(program_.classes.size()));
-      if (is_new) program_.classes.push_back({reading.frame});
-      ShotProgram::Marker marker{reading.id, KeptFrame(reading.frame), found->second, false, Take(12), {}};
+      if (is_new) program_.classes.push_back({reading.frame, {}});
+      program_.classes[found->second].markers.push_back(static_cast<int>(program_.markers.size()));
+      ShotProgram::Marker marker;
+      marker.id = reading.id;
+      marker.kept_frame = KeptFrame(reading.frame);
+      marker.frame_class = found->second;
+      marker.sees_equally = SeesEqually(reading);
+      marker.data = Take(12);
       marker.grows = reading.frame > chain_.BaseFrame();
       for (const MarkerTerm& term : shot_.terms.markers) {
         if (term.marker == reading.id) marker.terms.push_back({term.parameter, Take(3)});
@@ -210,7 +258,9 @@ bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std
   };
   const auto begin_list = [&](size_t size) { key.push_back(-1 - static_cast<std::int64_t>(size)); };
   begin_list(readings.size());
-  for (const BatchReading& reading : readings) key.insert(key.end(), {reading.id, reading.frame});
+  for (const BatchReading& reading : readings) {
+    key.insert(key.end(), {reading.id, reading.frame, SeesEqually(reading) ? 1 : 0});
+  }
   add_wrenches(shot.wrenches);
   begin_list(shot.terms.slots.size());
   for (const SlotTerm& term : shot.terms.slots) key.insert(key.end(), {term.transform, term.parameter});

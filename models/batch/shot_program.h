@@ -61,6 +61,8 @@ struct ShotProgram {
   struct Twist {
     int transform = -1;
     int level = 0;
+    int slots = 0;  // that lie before its transform, or are it
+    bool is_rotation = false;
   };
   struct MarkerDirection {
     int parameter = -1;
@@ -75,11 +77,13 @@ struct ShotProgram {
     int kept_frame = 0;
     int frame_class = 0;
     bool grows = false;
-    int data = 0;  // whitener, row by row, then measured point: 12 numbers
+    bool sees_equally = false;  // its whitener is a number times the identity, in all lanes
+    int data = 0;               // whitener, row by row, then measured point: 12 numbers
     std::vector<MarkerDirection> terms;
   };
   struct FrameClass {  // a frame that bears markers
     int frame = 0;
+    std::vector<int> markers;
   };
   struct Spring {
     int slot = -1;
@@ -87,6 +91,14 @@ struct ShotProgram {
     int first_parameter = 0;
     double sin_offset = 0.0, cos_offset = 1.0, sign = 1.0;
     int commanded = -1;  // data: sin and cos of the commanded joint value, where only the change acts
+  };
+
+  // What adds to the column of a parameter.
+  enum class PartOf { kTransform, kElastic, kLoads, kSag, kSpring };
+  struct Part {
+    PartOf of = PartOf::kTransform;
+    int index = 0;  // of the twist, or in the list of that name; of the spring's parameter
+    int data = -1;  // a twist's factor; -1: one
   };
 
   std::vector<Transform> transforms;
@@ -108,7 +120,9 @@ struct ShotProgram {
   Spring spring;
   std::vector<int> slot_data;  // of the effects that add to values of transforms, in the shot's order
   int num_parameters = 0;
-  int num_data = 0;  // numbers of each lane
+  std::vector<Part> parts;      // parameter by parameter
+  std::vector<int> first_part;  // of each parameter, and the end
+  int num_data = 0;             // numbers of each lane
 
   bool is_elastic() const { return !slots.empty(); }
 };
