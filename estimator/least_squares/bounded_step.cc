@@ -1,8 +1,9 @@
 #include "estimator/least_squares/bounded_step.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "estimator/least_squares/normal_algebra.h"
 
 namespace sagitta {
 namespace {
@@ -16,17 +17,16 @@ bool SolveActive(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient,
   const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt();
   if (!(scale.size() == 0 || scale.minCoeff() > 0.0)) return false;
   const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * reduced * scale.cwiseInverse().asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
-  if (factor.info() != Eigen::Success) return false;
+  // U'U = S^-1 N S^-1, hence N^-1 = W W' with W = S^-1 U^-1.
+  const Eigen::MatrixXd inverse = InverseRoot(scaled);
+  if (inverse.cols() != scaled.cols()) return false;
   Eigen::VectorXd pinned = step->delta;
   pinned(active).setZero();
   const Eigen::VectorXd right = -(gradient + normal * pinned)(active);
-  step->delta(active) = scale.cwiseInverse().cwiseProduct(factor.solve(right.cwiseQuotient(scale)));
-  const auto n = static_cast<int>(active.size());
-  // U'U = S^-1 N S^-1, hence N^-1 = W W' with W = S^-1 U^-1.
-  const Eigen::MatrixXd inverse = factor.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
-  step->root.setZero(normal.rows(), n);
-  step->root(active, Eigen::all) = scale.cwiseInverse().asDiagonal() * inverse;
+  const Eigen::MatrixXd root = scale.cwiseInverse().asDiagonal() * inverse;
+  step->delta(active) = root * (root.transpose() * right);
+  step->root.setZero(normal.rows(), root.cols());
+  step->root(active, Eigen::all) = root;
   return true;
 }
 
@@ -53,7 +53,7 @@ int WorstPinned(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, 
 
 BoundedStep SolveBounded(const Linearization& here, const ParameterSet& parameters, double damping) {
   const int n = here.num_columns();
-  Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+  Eigen::MatrixXd normal = SelfProduct(here.jacobian);
   normal.diagonal() *= 1.0 + damping;
   const Eigen::VectorXd gradient = here.jacobian.transpose() * here.residual;
   BoundedStep step;

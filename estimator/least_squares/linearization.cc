@@ -1,11 +1,13 @@
 #include "estimator/least_squares/linearization.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_batches.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/spring_tie_cost.h"
@@ -105,6 +107,32 @@ void Unpack(const BatchColumns& columns, const std::vector<int>& unit, const dou
     result->residual[to] = from[columns.residual * kBatchLanes];
     for (int i = 0; i < columns.latents; ++i) result->latent(to, i) = from[(columns.latent + i) * kBatchLanes];
   }
+}
+
+// Where the columns are far from depending on each other, by their products: (J'J)^-1 loses the square of the
+// condition, 6 of 16 digits at most. One refinement by the rows gives the step what they have.
+bool SolveByProducts(const Linearization& rows, LinearSolution* solution) {
+  constexpr double kFarFromDependent = 1e-6;  // squared singular values
+  const Eigen::VectorXd unit = rows.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd scaled = rows.jacobian * unit.asDiagonal();
+  const Eigen::MatrixXd products = SelfProduct(scaled);
+  const Eigen::VectorXd squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly).eigenvalues();
+  const double least = squares[0], largest = squares[squares.size() - 1];
+  if (!(least > kFarFromDependent * largest)) return false;
+  const Eigen::MatrixXd root = InverseRoot(products);
+  if (root.size() == 0) return false;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(scaled.cols()), left = rows.residual;
+  for (int i = 0; i < 2; ++i) {
+    step -= root * (root.transpose() * (scaled.transpose() * left));
+    left = rows.residual + scaled * step;
+  }
+  solution->condition = std::sqrt(largest / least);
+  solution->residual_norm_squared = left.squaredNorm();
+  solution->step = unit.cwiseProduct(step);
+  solution->covariance_root = unit.asDiagonal() * root;
+  solution->covariance = unit.asDiagonal() * SquareOfRoot(root) * unit.asDiagonal();
+  return true;
 }
 
 }  // namespace
@@ -301,6 +329,7 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
     return solution;
   }
   if (AreMany(linearization)) return SolveLinearization(Condense(SumRows(linearization)));
+  if (SolveByProducts(linearization, &solution)) return solution;
   // J = Q R S, S the norms of the columns: the rank of R does not depend on units. d = -S^-1 R^-1 (Q'r)_1..n, W = S^-1
   // R^-1, and what no step explains is |(Q'r)_n+1..|^2.
   Eigen::VectorXd scale = linearization.jacobian.colwise().norm().cwiseMax(1e-300);

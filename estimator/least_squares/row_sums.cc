@@ -119,10 +119,10 @@ Linearization Condense(const NormalSums& sums) {
     root[i] = pivot > round_off ? std::sqrt(pivot) : 0.0;
     c[i] = root[i] > 0.0 ? c[i] / root[i] : 0.0;
   }
-  const Eigen::MatrixXd upper = factor.matrixU();
-  const Eigen::MatrixXd permuted = root.asDiagonal() * upper;
-  rows.jacobian.topRows(n) = permuted * (factor.transpositionsP() * Eigen::MatrixXd::Identity(n, n));
-  rows.jacobian.topRows(n) = rows.jacobian.topRows(n) * scale.asDiagonal();
+  Eigen::MatrixXd lower = factor.matrixL();
+  lower = lower * root.asDiagonal();
+  lower = factor.transpositionsP().transpose() * lower;
+  rows.jacobian.topRows(n) = lower.transpose() * scale.asDiagonal();
   rows.residual.head(n) = c;
   // What no step explains: r'r - r'J (J'J)^-1 J'r.
   rows.residual[n] = std::sqrt(std::max(0.0, sums.squared_residual() - c.squaredNorm()));

@@ -3,16 +3,12 @@
 #include "models/batch/batch_rows.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
-#include <cstdint>
-#include <functional>
 #include <numeric>
-#include <set>
-#include <string>
 
 #include "tests/support/arms.h"
 #include "tests/support/effect_contract.h"
+#include "tests/support/instruction_sets.h"
 
 namespace sagitta {
 namespace {
@@ -39,19 +35,6 @@ ShotInput RandomShot(const ForwardModel& model, const BatchCase& setup, test::Ra
   }
   model.Prepare(&shot);
   return shot;
-}
-
-// With every instruction set that the code is compiled for and this machine has: a user's machine may have less.
-void OnEveryInstructionSet(const std::function<void()>& check) {
-  std::set<std::string> done;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    hwy::SetSupportedTargetsForTest(left & -left);
-    hwy::GetChosenTarget().DeInit();
-    SCOPED_TRACE(BatchInstructions());
-    if (done.insert(BatchInstructions()).second) check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
 }
 
 // A batch with every derivative asked for, against ForwardModel::Predict lane by lane. Sizes: of the arm, 1 m.
@@ -140,7 +123,7 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
       }
     }
   };
-  OnEveryInstructionSet(check);
+  test::OnEveryInstructionSet(check);
 }
 
 // Points are exact to the square of the Newton step that is left, 1e-8 at most, derivatives to that step. Of a stiff
@@ -281,7 +264,7 @@ TEST(BatchRows, AShotTakesNoNoticeOfItsNeighbours) {
     for (int i = 0; i < 3 * layout.columns; ++i) own.push_back(rows[i * kBatchLanes]);
     return own;
   };
-  OnEveryInstructionSet([&] { EXPECT_EQ(first_lane(shot), first_lane(heavy)); });
+  test::OnEveryInstructionSet([&] { EXPECT_EQ(first_lane(shot), first_lane(heavy)); });
 }
 
 // Wrenches that turn with the flange have no program.

@@ -1,0 +1,172 @@
+#include "estimator/least_squares/normal_algebra.h"
+
+// The order of these is Highway's.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "estimator/least_squares/normal_algebra.cc"
+#include "models/batch/targets.h"
+
+#include <hwy/foreach_target.h>  // must come before highway.h
+
+#include <hwy/aligned_allocator.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/batch/shot_program.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace sagitta {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<double, kBatchLanes>;
+using V = hn::Vec<Tag>;
+constexpr std::size_t kBlock = 4;  // columns by as many: their sums stay in registers
+
+// to += factor from, numbers [first, last): multiples of the lanes
+HWY_INLINE void AddTimes(double factor, const double* from, std::size_t first, std::size_t last, double* to) {
+  const Tag d;
+  const V f = hn::Set(d, factor);
+  for (std::size_t i = first; i < last; i += hn::Lanes(d)) {
+    hn::Store(hn::MulAdd(f, hn::Load(d, from + i), hn::Load(d, to + i)), d, to + i);
+  }
+}
+HWY_INLINE void Scale(double factor, std::size_t first, std::size_t last, double* numbers) {
+  const Tag d;
+  for (std::size_t i = first; i < last; i += hn::Lanes(d)) {
+    hn::Store(hn::Mul(hn::Set(d, factor), hn::Load(d, numbers + i)), d, numbers + i);
+  }
+}
+HWY_INLINE std::size_t Down(std::size_t i) { return i / hn::Lanes(Tag()) * hn::Lanes(Tag()); }
+HWY_INLINE std::size_t Up(std::size_t i) { return Down(i + hn::Lanes(Tag()) - 1); }
+
+}  // namespace
+
+// j: n columns of `rows` numbers; product: n x n.
+void SelfProductOfLanes(const double* j, std::size_t rows, std::size_t n, double* product) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d), whole = Down(rows);
+  const auto left = hn::FirstN(d, rows - whole);
+  for (std::size_t a = 0; a < n; a += kBlock) {
+    for (std::size_t b = a; b < n; b += kBlock) {
+      const double *x[kBlock], *y[kBlock];
+      V sum[kBlock][kBlock];
+      for (std::size_t i = 0; i < kBlock; ++i) {
+        x[i] = j + std::min(a + i, n - 1) * rows;
+        y[i] = j + std::min(b + i, n - 1) * rows;
+        for (std::size_t k = 0; k < kBlock; ++k) sum[i][k] = hn::Zero(d);
+      }
+      const auto add = [&](const auto& load) HWY_ATTR {
+        V own[kBlock];
+        for (std::size_t i = 0; i < kBlock; ++i) own[i] = load(x[i]);
+        for (std::size_t k = 0; k < kBlock; ++k) {
+          const V other = load(y[k]);
+          for (std::size_t i = 0; i < kBlock; ++i) sum[i][k] = hn::MulAdd(own[i], other, sum[i][k]);
+        }
+      };
+      for (std::size_t r = 0; r < whole; r += lanes) add([&](const double* p) HWY_ATTR { return hn::LoadU(d, p + r); });
+      if (whole < rows) add([&](const double* p) HWY_ATTR { return hn::MaskedLoad(left, d, p + whole); });
+      for (std::size_t i = 0; i < std::min(kBlock, n - a); ++i) {
+        for (std::size_t k = 0; k < std::min(kBlock, n - b); ++k) {
+          const double value = hn::GetLane(hn::SumOfLanes(d, sum[i][k]));
+          product[(a + i) * n + b + k] = product[(b + k) * n + a + i] = value;
+        }
+      }
+    }
+  }
+}
+
+// a = L L', column by column; then root = L^-T, column by column, zero before. Columns are `stride` numbers apart,
+// aligned; what lies above the diagonal of a is not looked at. False: a pivot is not positive.
+bool InverseRootOfLanes(std::size_t n, std::size_t stride, double* a, double* root) {
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const own = a + k * stride;
+    if (!(own[k] > 0.0) || !std::isfinite(own[k])) return false;
+    const double inverse = 1.0 / std::sqrt(own[k]);
+    Scale(inverse, Down(k), Up(n), own);
+    for (std::size_t c = k + 1; c < n; ++c) AddTimes(-own[c], own, Down(c), Up(n), a + c * stride);
+    own[k] = inverse;
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    double* const column = root + c * stride;
+    column[c] = 1.0;
+    for (std::size_t k = 0; k < c; ++k) AddTimes(-a[k * stride + c], root + k * stride, 0, Up(k + 1), column);
+    Scale(a[c * stride + c], 0, Up(c + 1), column);
+  }
+  return true;
+}
+
+// square = W W', the columns of W `stride` numbers apart and aligned; its upper triangle, zero before.
+void SquareOfLanes(std::size_t n, std::size_t stride, const double* root, double* square) {
+  for (std::size_t c = 0; c < n; ++c) {
+    for (std::size_t k = 0; k <= c; ++k) {
+      AddTimes(root[c * stride + k], root + c * stride, 0, Up(k + 1), square + k * stride);
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sagitta
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sagitta {
+namespace {
+
+HWY_EXPORT(SelfProductOfLanes);
+HWY_EXPORT(InverseRootOfLanes);
+HWY_EXPORT(SquareOfLanes);
+
+// Columns of a square matrix, each aligned; zero.
+class Padded {
+ public:
+  explicit Padded(Eigen::Index n)
+      : n_(n),
+        stride_((n + kBatchLanes - 1) / kBatchLanes * kBatchLanes),
+        memory_(hwy::AllocateAligned<double>(static_cast<std::size_t>(n * stride_))) {
+    std::fill(memory_.get(), memory_.get() + n * stride_, 0.0);
+  }
+  explicit Padded(const Eigen::MatrixXd& matrix) : Padded(matrix.cols()) { Matrix() = matrix; }
+
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> Matrix() {
+    return {memory_.get(), n_, n_, Eigen::OuterStride<>(stride_)};
+  }
+  double* data() { return memory_.get(); }
+  std::size_t stride() const { return static_cast<std::size_t>(stride_); }
+
+ private:
+  Eigen::Index n_, stride_;
+  hwy::AlignedFreeUniquePtr<double[]> memory_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd SelfProduct(const Eigen::MatrixXd& j) {
+  Eigen::MatrixXd product(j.cols(), j.cols());
+  if (j.size() == 0) return product.setZero();
+  HWY_DYNAMIC_DISPATCH(SelfProductOfLanes)
+  (j.data(), static_cast<std::size_t>(j.rows()), static_cast<std::size_t>(j.cols()), product.data());
+  return product;
+}
+
+Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& a) {
+  if (a.size() == 0) return {};
+  Padded work(a), root(a.cols());
+  const auto n = static_cast<std::size_t>(a.cols());
+  if (!HWY_DYNAMIC_DISPATCH(InverseRootOfLanes)(n, work.stride(), work.data(), root.data())) return {};
+  return root.Matrix();
+}
+
+Eigen::MatrixXd SquareOfRoot(const Eigen::MatrixXd& w) {
+  if (w.size() == 0) return w;
+  Padded root(w), square(w.cols());
+  HWY_DYNAMIC_DISPATCH(SquareOfLanes)(static_cast<std::size_t>(w.cols()), root.stride(), root.data(), square.data());
+  return square.Matrix().selfadjointView<Eigen::Upper>();
+}
+
+}  // namespace sagitta
+#endif
