@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "estimator/calibration/bounds.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/estimate/parameter_table.h"
@@ -25,8 +26,6 @@
 
 namespace sagitta {
 namespace {
-
-constexpr double kFarBelow = 4.0;  // standard deviations
 
 // predicted: of all observations.
 ResidualSize SizeOf(const CalibrationProblem& problem, const Eigen::Matrix3Xd& predicted,
@@ -292,24 +291,6 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
   estimate->deflection_after = size_of(remaining);
 }
 
-// A value on its bound that the data would push far below it: not a small compliance but a contradiction.
-void WarnOfBounds(const Linearization& fit, double scale, Estimate* estimate) {
-  const ParameterSet& parameters = estimate->parameters;
-  std::vector<int> resting;
-  for (int c = 0; c < fit.num_columns(); ++c) {
-    if (parameters.Value(fit.columns[c]) <= parameters.coordinates()[fit.columns[c]].lower) resting.push_back(c);
-  }
-  if (resting.empty()) return;
-  const LinearSolution free = SolveLinearization(fit);
-  if (!free.full_rank) return;
-  for (const int c : resting) {
-    // d_c / sigma_c of the unbounded step: how far below the bound the data would go.
-    const double below = -free.step[c] / (scale * std::sqrt(free.covariance(c, c)));
-    if (below < kFarBelow) continue;
-    estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[fit.columns[c]].name, below));
-  }
-}
-
 }  // namespace
 
 void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
@@ -340,7 +321,8 @@ void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
     return;
   }
   FillTable(problem, estimate);
-  WarnOfBounds(fit, scale, estimate);
+  for (const BelowBound& below : FindBelowBounds(fit, parameters, scale))
+    estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[below.coordinate].name, below.sigmas));
   fitted = FittedRows();  // its memory
 
   std::vector<int> all(problem.data().observations.size());

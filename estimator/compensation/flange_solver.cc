@@ -275,10 +275,10 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
   if (solution.status == TargetStatus::kOk) solution.status = Judge(chain, solution);
   // Steps that do not settle beside a singularity are what a singularity does; far from the target the arm is stretched
   // out, which is singular too, and the target is out of reach.
-  constexpr double kFarOff = 0.01;  // of the characteristic length; what compensation corrects is below 5 mm in 3 m
+  constexpr double kOutOfReach = 0.01;  // of the characteristic length; what compensation corrects is below 5 mm in 3 m
   if (solution.status == TargetStatus::kNotConverged && solution.least_singular < kNearSingular) {
-    solution.status = solution.left_position > kFarOff * CharacteristicLength(chain) ? TargetStatus::kUnreachable
-                                                                                     : TargetStatus::kSingular;
+    solution.status = solution.left_position > kOutOfReach * CharacteristicLength(chain) ? TargetStatus::kUnreachable
+                                                                                         : TargetStatus::kSingular;
   }
   return solution;
 }

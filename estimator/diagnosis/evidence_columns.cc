@@ -8,6 +8,7 @@
 #include <set>
 
 #include "estimator/diagnosis/typical_units.h"
+#include "estimator/least_squares/all_joints.h"
 #include "estimator/least_squares/batch_algebra.h"
 #include "models/effects/learnt_deviation.h"
 #include "problems/split.h"
@@ -39,14 +40,6 @@ void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
           turned.middleRows(done, rest) * rows.middleCols(first, columns);
     }
   }
-}
-
-LatentModel AllJoints(const CalibrationProblem& problem) {
-  LatentModel latent = problem.latent;
-  latent.joints.clear();
-  for (int j = 0; j < problem.robot().num_joints(); ++j) latent.joints.push_back(j);
-  latent.sigmas = Eigen::VectorXd::Ones(problem.robot().num_joints());
-  return latent;
 }
 
 std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
@@ -108,7 +101,7 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
                                  const std::vector<Candidate>& candidates)
     : extended_(problem.WithEffects(FreshSpecs(problem, candidates))) {
   extended_.parameters.CopyByName(parameters);
-  extended_.latent = AllJoints(problem);
+  extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
   const ParameterSet& all = extended_.parameters;
   std::map<std::string, std::vector<int>> coordinates_of;  // by path
   for (int i = 0; i < all.num_coordinates(); ++i) {

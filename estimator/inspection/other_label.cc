@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "estimator/alignment/aligned_misfit.h"
 #include "estimator/alignment/starting_values.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr size_t kFewest = 4;          // rows: 12 numbers to a pose of six
 constexpr size_t kFewestOfMarker = 3;  // rows: 9 numbers to a point of three
+constexpr size_t kFewestPoses = 3;     // the rows of one are a pose wherever its joints are: any fits some station
 constexpr double kClearlyBetter = 5.0;
 constexpr double kOnePoint = 1e-3;  // of the reach
 constexpr double kApart = 10.0;     // of the RMS distance of the rows that fit
@@ -124,7 +126,9 @@ class Group {
   }
 
   bool FitsOwnStation(OtherLabel* found) const {
-    if (!one_station_) return false;
+    std::set<int> configurations;
+    for (const int i : all_.far) configurations.insert(problem_.data().shots[RowOf(i).shot].configuration);
+    if (!one_station_ || configurations.size() < kFewestPoses) return false;
     const Eigen::Matrix3Xd points = PointsInBase(all_.parameters);
     const Eigen::Matrix4d motion = Eigen::umeyama(points, measured_, false);
     if (!motion.allFinite()) return false;

@@ -13,7 +13,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kFarthestAnchor = 3.0;  // m, of a compensator's spring
-constexpr double kNotWorthAWord = 0.05;  // of sigma
 constexpr size_t kMostNames = 3;         // of what another prior would name
 constexpr double kCompatible = 0.01;     // p below which two halves contradict each other
 constexpr size_t kMostCauses = 4;        // of a verdict: with its first line five

@@ -74,6 +74,44 @@ std::string RowsAreSuspect(size_t rows, const std::string& first) {
          ")";
 }
 
+std::string HeldOutIsFitted(int seen, int held_out) {
+  return std::to_string(seen) + " of the " + std::to_string(held_out) +
+         " configurations held out have the joint values of fitted ones (within 0.06 deg): these have been seen";
+}
+
+std::string ComesOutNegative(const std::string& name, double sigmas) {
+  return name + " comes out negative, " + Significant(sigmas, 2) +
+         " standard deviations below 0: check the sign and the unit of the loads and the load point";
+}
+
+std::string WeightsAreWrong(double worse) {
+  return "with equal weights and without priors the same points fit " + Significant(worse, 2) +
+         " times better: the stated standard deviations contradict each other or a prior is wrong";
+}
+
+std::string SomethingMoved(const CalibrationProblem& problem, const Break& found) {
+  const Measurements& data = problem.data();
+  const auto row = [&](int i) { return data.SourceOf(data.observations[i]); };
+  std::string what, cure;
+  switch (found.of) {
+    case BreakOf::kStation:
+      what = "station " + data.stations[found.index] + " or the robot's foot moved";
+      cure = "give the rows after it a station of their own";
+      break;
+    case BreakOf::kMarker:
+      what = "marker " + data.markers[found.index] + " moved";
+      cure = "give it another name in the rows after it";
+      break;
+    case BreakOf::kJoint:
+      what = "the zero of joint " + problem.robot().chain.joints[found.index].name + " jumped";
+      cure = "calibrate the rows before and after it apart";
+      break;
+  }
+  return "between " + row(found.last) + " and " + row(found.first) + " " + what + ", points after it by " +
+         InMillimetres(found.moved) + " (that explains " + Fixed(100.0 * found.share, 0) +
+         " % of the squared residuals): " + cure;
+}
+
 std::string RobotStillMisses(double distance_rms, bool has_suspects) {
   const std::string misses = "the calibrated robot still misses by " + InMillimetres(distance_rms) + " (RMS)";
   if (has_suspects) return "with them " + misses + ": correct these rows or leave them out, and calibrate again";

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "estimator/agreement/breaks.h"
 #include "estimator/validation/trust.h"
 
 namespace sagitta {
@@ -21,6 +22,10 @@ std::string WorseThanNominal(double nominal_rms);
 std::string NoRedundancy();
 std::string BelowAnyInstrument(double rms);
 std::string RowsAreSuspect(size_t rows, const std::string& first);
+std::string HeldOutIsFitted(int seen, int held_out);
+std::string ComesOutNegative(const std::string& name, double sigmas);
+std::string WeightsAreWrong(double worse);
+std::string SomethingMoved(const CalibrationProblem& problem, const Break& found);
 // With suspect rows it is these that are to be looked at first.
 std::string RobotStillMisses(double distance_rms, bool has_suspects);
 

@@ -81,7 +81,7 @@ void Scene::ThrowWhatIsAsked() const {
 // The points as rows of a target file.
 class TargetTable {
  public:
-  TargetTable(const std::string& name, const Chain& chain) : chain_(chain) {
+  TargetTable(const std::string& name, const Chain& chain) {
     table_.file.path = name;
     table_.file.header = {"target"};
     for (int j = 0; j < chain.num_joints(); ++j) {
@@ -105,7 +105,6 @@ class TargetTable {
   CsvTable Take() { return std::move(table_); }
 
  private:
-  const Chain& chain_;
   CsvTable table_;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 
 #include "estimator/inspection/reading_lint.h"
@@ -11,7 +10,7 @@
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
-#include "estimator/least_squares/row_sums.h"
+#include "estimator/least_squares/sample.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/statistics/median.h"
 
@@ -120,15 +119,7 @@ ParameterSet Unheld(ParameterSet parameters) {
 // part of the noise.
 bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
   const std::vector<int> columns = parameters.EstimatedCoordinates();
-  const auto numbers = 3.0 * static_cast<double>(rows->observations.size()) * static_cast<double>(columns.size());
-  const auto every = static_cast<std::uint32_t>(std::max(1.0, std::ceil(numbers / kMostHeld)));
-  std::vector<int> looked_at;
-  for (const int i : rows->observations) {
-    // Scattered by Knuth's multiplicative hash: stations or loads may alternate.
-    const auto c =
-        static_cast<std::uint32_t>(rows->problem.data().shots[rows->problem.data().observations[i].shot].configuration);
-    if ((c * 2654435761u >> 16) % every == 0) looked_at.push_back(i);
-  }
+  const std::vector<int> looked_at = SampleConfigurations(rows->problem.data(), rows->observations, columns.size());
   const NoiseRoots noise = ObservationNoise(rows->problem, looked_at, kFallbackSigma);
   Linearization here = Linearize(rows->problem, parameters, looked_at, columns, noise, LatentTreatment::kIgnore);
   std::vector<int> seen;  // what no point depends on, as a marker's rotation, is left out
@@ -139,7 +130,7 @@ bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
   if (!here.valid || here.num_rows() <= here.num_columns()) return false;
   Eigen::VectorXd step;
   const Eigen::Matrix3Xd residuals = RobustLinearResiduals(here, noise, &step);
-  if (every == 1) {
+  if (looked_at.size() == rows->observations.size()) {
     rows->residuals = residuals;
     return true;
   }

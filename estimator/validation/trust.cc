@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <set>
 
+#include "estimator/agreement/breaks.h"
+#include "estimator/calibration/bounds.h"
+#include "estimator/estimate/parameter_table.h"
 #include "estimator/inspection/data_lint.h"
 #include "estimator/inspection/explained_errors.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/least_squares/linearization.h"
+#include "estimator/least_squares/normal_equations.h"
 #include "estimator/least_squares/row_stream.h"
-#include "estimator/least_squares/row_sums.h"
+#include "estimator/least_squares/sample.h"
 #include "estimator/report/validation_words.h"
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
@@ -21,6 +28,9 @@ namespace {
 constexpr double kBelowAnyInstrument = 1e-6;
 // Share by which errors differ before one is called better: of a hundred points an RMS is known to some 5 %.
 constexpr double kBetter = 0.05;
+// Times that points fit worse than by equal weights before these are wrong: weights that are right hardly lose.
+constexpr double kWrongWeights = 2.0;
+constexpr double kSamePose = 1e-3;  // rad or m, of every joint: what points show there they show at the other too
 
 Eigen::Matrix3Xd Errors(const CalibrationProblem& problem, const ParameterSet& parameters,
                         const std::vector<int>& observations) {
@@ -147,11 +157,67 @@ void AddModelError(double significance, Trust* trust, Estimate* estimate) {
   Widen(widenings, trust, estimate);
 }
 
+// Times by which the points fit worse than with equal weights and without priors. Where these are wrong, the fit goes
+// by some rows alone.
+double WorseThanByEqualWeights(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (!estimate.sigma.stated || !problem.weight_roots.empty()) return 1.0;
+  const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
+  const std::vector<int> sample = SampleConfigurations(problem.data(), points, estimate.estimated.size());
+  const NoiseRoots metres(sample.size(), Matrix3<double>::Identity());
+  const Linearization rows =
+      Linearize(problem, estimate.parameters, sample, estimate.estimated, metres, LatentTreatment::kIgnore);
+  if (!rows.valid || rows.num_rows() <= rows.num_columns()) return 1.0;
+  const LinearSolution solution = SolveLinearization(rows);
+  const double freedom = rows.num_rows() - rows.num_columns();
+  const double equal = solution.residual_norm_squared / freedom;
+  if (!solution.full_rank || !(equal > 0.0)) return 1.0;
+  return std::sqrt(rows.residual.squaredNorm() / rows.num_rows() / equal);
+}
+
+// What the data want farthest below its physical bound, by noise and model error; nothing: nothing by far.
+std::optional<BelowBound> LowestBelowBound(const CalibrationProblem& problem, const Estimate& estimate,
+                                           double model_error) {
+  const auto rests = [&](int i) { return estimate.parameters.Value(i) <= estimate.parameters.coordinates()[i].lower; };
+  if (std::none_of(estimate.estimated.begin(), estimate.estimated.end(), rests)) return std::nullopt;
+  const auto roots = [&](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
+  const FittedRows fitted =
+      FittedOnce(problem, estimate.parameters, problem.CalibrationObservations(), estimate.estimated, roots);
+  const double scale = model_error * NoiseScale(estimate.sigma);
+  const std::vector<BelowBound> found = FindBelowBounds(fitted.rows, estimate.parameters, scale);
+  if (found.empty()) return std::nullopt;
+  return *std::max_element(found.begin(), found.end(),
+                           [](const BelowBound& a, const BelowBound& b) { return a.sigmas < b.sigmas; });
+}
+
+// Configurations that are held out where a fitted one stands.
+int HeldOutWhereFitted(const CalibrationProblem& problem, int* all) {
+  std::set<int> fitted, held_out;
+  const auto configuration = [&](int i) {
+    return problem.data().shots[problem.data().observations[i].shot].configuration;
+  };
+  for (const int i : problem.CalibrationObservations()) fitted.insert(configuration(i));
+  for (const int i : problem.ValidationObservations()) held_out.insert(configuration(i));
+  const auto joints = [&](int c) -> const Eigen::VectorXd& { return problem.data().configurations[c].q; };
+  *all = static_cast<int>(held_out.size());
+  std::multimap<double, int> by_sum;  // equal poses have sums that are close
+  for (const int c : fitted) by_sum.emplace(joints(c).sum(), c);
+  const double reach = kSamePose * problem.robot().num_joints();
+  return static_cast<int>(std::count_if(held_out.begin(), held_out.end(), [&](int c) {
+    const double sum = joints(c).sum();
+    return std::any_of(by_sum.lower_bound(sum - reach), by_sum.upper_bound(sum + reach), [&](const auto& other) {
+      return (joints(other.second) - joints(c)).cwiseAbs().maxCoeff() < kSamePose;
+    });
+  }));
+}
+
 std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const Estimate& estimate,
                                         const Trust& trust) {
   std::vector<std::string> reasons;
   const UnseenPoints& quoted = trust.Quoted();
   if (quoted.points == 0) reasons.push_back(NothingChecksIt());
+  int held_out = 0;
+  const int seen = HeldOutWhereFitted(problem, &held_out);
+  if (2 * seen > held_out) reasons.push_back(HeldOutIsFitted(seen, held_out));
   if (trust.holdout.points > 0 && trust.holdout.p_value < problem.experiment().significance) {
     reasons.push_back(HoldoutIsOff(trust.holdout.Excess(), trust.holdout.p_value));
   }
@@ -164,6 +230,14 @@ std::vector<std::string> ReasonsAgainst(const CalibrationProblem& problem, const
   if (!trust.suspects.empty()) {
     reasons.push_back(RowsAreSuspect(trust.suspects.size(), trust.suspects[0].row));
   }
+  if (const std::optional<BelowBound> lowest = LowestBelowBound(problem, estimate, trust.model_error_sigma)) {
+    const std::string& name = estimate.parameters.coordinates()[lowest->coordinate].name;
+    reasons.push_back(ComesOutNegative(name, lowest->sigmas));
+  }
+  const double worse = WorseThanByEqualWeights(problem, estimate);
+  if (worse > kWrongWeights) reasons.push_back(WeightsAreWrong(worse));
+  if (const std::optional<Break> moved = FindBreak(problem, estimate))
+    reasons.push_back(SomethingMoved(problem, *moved));
   if (estimate.fit.distance_rms > SuspiciousMisfit(problem.robot().chain)) {
     reasons.push_back(RobotStillMisses(estimate.fit.distance_rms, !trust.suspects.empty()));
   }

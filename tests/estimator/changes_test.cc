@@ -101,6 +101,29 @@ TEST(ChangesTest, WhatOnlyOneEstimatedIsNoChange) {
   EXPECT_THAT(changes.notes[0], HasSubstr("geometry/p_x2"));
 }
 
+// A column is the derivative of the exact move: what is left plus what was applied stays, to the second order. Joint 3
+// moves with joint 2 here, as on arms with a parallelogram: its own part of the column of joint 2 is as large as the
+// rest.
+TEST(ChangesTest, ColumnsAreTheDerivativesOfExactMoves) {
+  KnownRobot old_estimate = Estimated(Kr270Truth(), 10), new_estimate = Estimated(Kr270Truth(), 11);
+  for (KnownRobot* known : {&old_estimate, &new_estimate}) known->robot.chain.couplings.push_back({2, 1, 1.0});
+  EstimateComparison comparison(old_estimate, new_estimate);
+  const EstimateComparison::Linear here = comparison.Linearise();
+  std::vector<Eigen::VectorXd> none;
+  for (const ChangeGroup& group : comparison.groups()) none.push_back(Eigen::VectorXd::Zero(group.size()));
+  ASSERT_GT(none.size(), 10u);
+  for (size_t g = 0; g < none.size(); ++g) {
+    std::vector<Eigen::VectorXd> applied = none;
+    applied[g].setConstant(1e-2);  // of 0.2 mm or 0.2 mrad: second orders are some 1e-6 of it
+    comparison.MoveTo(applied);
+    const Eigen::VectorXd moved = comparison.Linearise().difference - here.difference;
+    comparison.MoveTo(none);
+    const Eigen::VectorXd column = 1e-2 * here.columns(Eigen::all, here.of_group[g]).rowwise().sum();
+    EXPECT_GT(column.norm(), 0.0) << comparison.groups()[g].target;
+    EXPECT_LT(moved.norm(), 1e-3 * column.norm()) << comparison.groups()[g].target;
+  }
+}
+
 TEST(ChangesTest, OtherRobotsAreRefused) {
   const KnownRobot known = Estimated(Kr270Truth(), 9);
   EXPECT_THROW(FindChanges(known, Estimated(Kr270Truth(), 9, {}, "KR 210")), InputError);

@@ -11,6 +11,7 @@
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/inspection/sampled_problem.h"
 #include "estimator/validation/suspects.h"
+#include "tests/support/kr270_experiment.h"
 #include "tests/support/measured_arms.h"
 #include "tests/support/real_data.h"
 
@@ -125,6 +126,24 @@ TEST(Plausibility, ManyRowsShiftedByOneAreRefusedWithTheirCure) {
   const Plausibility found = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
   ASSERT_FALSE(found.plausible);
   EXPECT_EQ(found.finding.code, "row_shift") << found.finding.words;
+}
+
+// The rows of one configuration are a pose, wherever its joints are: that a station of their own fits them says
+// nothing.
+TEST(Plausibility, RowsOfOneConfigurationAreNoOtherStations) {
+  test::Kr270Design design;
+  design.configurations = 40;
+  design.stations = 1;
+  Measurements data = test::DesignMeasurements(design);
+  Shot again = data.shots.back();
+  again.repeat = "2";
+  test::AddShot(again, 3, design.sigma, &data);
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 7, &data);
+  Eigen::VectorXd& q = data.configurations.back().q;
+  std::swap(q[1], q[2]);
+  const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
+  EXPECT_THAT(CheckPlausible(problem).finding.words, ::testing::Not(HasSubstr("another station")));
+  EXPECT_EQ(FindSuspects(problem, EstimateJointly(problem)).size(), 6u);
 }
 
 // Rows of another station, another marker, and a marker on a link: said, with what to write; a few wild rows are not.

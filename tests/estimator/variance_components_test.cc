@@ -11,7 +11,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kJoint = 37e-6, kTracker = 1e-5;
+constexpr double kJoint = 37e-6;
 
 struct Measured {
   CalibrationProblem problem;

@@ -10,8 +10,6 @@ namespace {
 using test::ExpectPoint;
 using test::TwoLinkScene;
 
-constexpr double kG = 9.80665;  // m/s^2
-
 TEST(Conventions, TheArmItself) {
   TwoLinkScene scene;
   ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5);

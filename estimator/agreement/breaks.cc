@@ -1,0 +1,249 @@
+#include "estimator/agreement/breaks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "estimator/least_squares/all_joints.h"
+#include "estimator/least_squares/sample.h"
+#include "estimator/statistics/distributions.h"
+#include "models/dense_algebra.h"
+
+namespace sagitta {
+namespace {
+
+// The most that any break explains of the measured robots beside the tree is 0.08 (UR10, series B); a frame that moves
+// by 3 standard deviations in the middle of a campaign explains 0.4.
+constexpr double kBeyondArms = 0.25;
+constexpr size_t kFewest = 5;            // configurations before and after, as of parts that are compared
+constexpr double kLeastOfItself = 1e-6;  // of a column's square, beside what is estimated: less is the same
+
+constexpr size_t kPlaces = 200;    // of each cause, before the likeliest is looked at closely
+constexpr double kLooked = 2.5e5;  // numbers: thousands of rows show a break as well as all
+
+// Columns that move together.
+struct Cause {
+  BreakOf of;
+  int index;
+  std::vector<int> columns;  // positions in the linearization; of a joint its latent column
+};
+
+struct Step {
+  double gain = 0.0;
+  Eigen::VectorXd by;  // per unit of the columns
+};
+
+class BreakSearch {
+ public:
+  BreakSearch(const CalibrationProblem& problem, const Estimate& estimate) : problem_(problem), estimate_(estimate) {
+    problem_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
+  }
+
+  std::optional<Break> Run() {
+    const std::vector<Cause> causes = Causes();
+    if (!Prepare()) return std::nullopt;
+    Break best;
+    double least = 0.0;  // n log(1 - share) + columns log n, Schwarz's criterion; 0: nothing has moved
+    const Cause* likeliest = nullptr;
+    int tried = 0;
+    for (const Cause& cause : causes) {
+      const double before = least;
+      tried += Try(cause, 1 + order_.size() / kPlaces, &least, &best);
+      if (least < before) likeliest = &cause;
+    }
+    if (likeliest == nullptr) return std::nullopt;
+    tried = std::max(tried, Try(*likeliest, 1, &least, &best));
+    best.p_value = std::min(1.0, best.p_value * tried);
+    if (best.share <= kBeyondArms || best.p_value >= problem_.experiment().significance) return std::nullopt;
+    best.moved = Moved(*likeliest, best);
+    return best;
+  }
+
+ private:
+  const Shot& ShotOf(int k) const {
+    return problem_.data().shots[problem_.data().observations[rows_.observations[k]].shot];
+  }
+
+  // Sets columns_: what is estimated first, then what else of stations and markers may move.
+  std::vector<Cause> Causes() {
+    columns_ = estimate_.estimated;
+    const ParameterSet& parameters = estimate_.parameters;
+    const auto place = [&](int coordinate) {
+      const auto found = std::find(columns_.begin(), columns_.end(), coordinate);
+      if (found != columns_.end()) return static_cast<int>(found - columns_.begin());
+      columns_.push_back(coordinate);
+      return static_cast<int>(columns_.size()) - 1;
+    };
+    std::vector<Cause> causes;
+    const auto add = [&](BreakOf of, int index, const std::vector<const ParameterBlock*>& blocks) {
+      Cause cause{of, index, {}};
+      for (const ParameterBlock* block : blocks) {
+        for (int i = 0; i < block->tangent_size; ++i) cause.columns.push_back(place(block->first_coordinate + i));
+      }
+      causes.push_back(cause);
+    };
+    for (int s = 0; s < parameters.num_stations(); ++s)
+      add(BreakOf::kStation, s, {&parameters.station_translation(s), &parameters.station_rotation(s)});
+    for (int m = 0; m < parameters.num_markers(); ++m) add(BreakOf::kMarker, m, {&parameters.marker(m)});
+    for (int j = 0; j < problem_.robot().num_joints(); ++j) causes.push_back({BreakOf::kJoint, j, {j}});
+    return causes;
+  }
+
+  // Rows, projected off what is estimated, and their order.
+  bool Prepare() {
+    const std::vector<int> fitted =
+        SampleConfigurations(problem_.data(), problem_.CalibrationObservations(), columns_.size(), kLooked);
+    NoiseRoots roots;
+    for (const int i : fitted) roots.push_back(estimate_.scatter[i]);
+    rows_ = Linearize(problem_, estimate_.parameters, fitted, columns_, roots, LatentTreatment::kIgnore);
+    const auto known = static_cast<Eigen::Index>(estimate_.estimated.size());
+    if (!rows_.valid || rows_.num_rows() <= known) return false;
+    Linearization own = rows_;
+    own.jacobian = rows_.jacobian.leftCols(known);
+    const LinearSolution solution = SolveLinearization(own);
+    if (!solution.full_rank) return false;
+    basis_ = TallProduct(own.jacobian, solution.covariance_root);
+    residual_ = rows_.residual - basis_ * (basis_.transpose() * rows_.residual);
+    squares_ = residual_.squaredNorm();
+    Order();
+    return squares_ > 0.0;
+  }
+
+  // By time where every shot has one, else by rows; shots stay whole.
+  void Order() {
+    const auto n = static_cast<int>(rows_.observations.size());
+    bool timed = true;
+    std::set<int> configurations;
+    std::map<int, int> first;  // row of each shot
+    for (int k = 0; k < n; ++k) {
+      timed = timed && ShotOf(k).has_time;
+      configurations.insert(ShotOf(k).configuration);
+      first.try_emplace(problem_.data().observations[rows_.observations[k]].shot, k);
+    }
+    num_configurations_ = static_cast<int>(configurations.size());
+    order_.resize(n);
+    std::iota(order_.begin(), order_.end(), 0);
+    const auto shot = [&](int k) { return problem_.data().observations[rows_.observations[k]].shot; };
+    std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) {
+      if (timed && ShotOf(a).time != ShotOf(b).time) return ShotOf(a).time < ShotOf(b).time;
+      return first.at(shot(a)) < first.at(shot(b));
+    });
+  }
+
+  bool Concerns(const Cause& cause, int k) const {
+    if (cause.of == BreakOf::kStation) return ShotOf(k).station == cause.index;
+    return cause.of == BreakOf::kJoint || problem_.data().observations[rows_.observations[k]].marker == cause.index;
+  }
+
+  Eigen::MatrixXd ColumnsOf(const Cause& cause) const {
+    if (cause.of == BreakOf::kJoint) return rows_.latent.col(cause.index);
+    return rows_.jacobian(Eigen::all, cause.columns);
+  }
+
+  // Products of the rows from a place on.
+  struct Sums {
+    Eigen::MatrixXd own, shared;  // D'D, D'Q
+    Eigen::VectorXd along;        // D'r
+    Sums(Eigen::Index columns, Eigen::Index known)
+        : own(Eigen::MatrixXd::Zero(columns, columns)),
+          shared(Eigen::MatrixXd::Zero(columns, known)),
+          along(Eigen::VectorXd::Zero(columns)) {}
+  };
+
+  // One cause at every place (of many: at every `each`-th), from the last row on. Returns how many were tried.
+  int Try(const Cause& cause, size_t each, double* least, Break* best) const {
+    std::vector<int> rows;
+    std::map<int, int> left;  // rows of each configuration before the place
+    for (const int k : order_) {
+      if (Concerns(cause, k)) rows.push_back(k), ++left[ShotOf(k).configuration];
+    }
+    const Eigen::MatrixXd columns = ColumnsOf(cause);
+    Sums sums(columns.cols(), basis_.cols());
+    std::set<int> after;
+    size_t places = 0;
+    int tried = 0;
+    for (size_t at = rows.size(); at-- > 1;) {
+      const auto part = columns.middleRows(3 * rows[at], 3);
+      sums.own += part.transpose() * part;
+      sums.shared += part.transpose() * basis_.middleRows(3 * rows[at], 3);
+      sums.along += part.transpose() * residual_.segment<3>(3 * rows[at]);
+      const Shot& shot = ShotOf(rows[at]);
+      after.insert(shot.configuration);
+      if (--left[shot.configuration] == 0) left.erase(shot.configuration);
+      if (&ShotOf(rows[at - 1]) == &shot || std::min(after.size(), left.size()) < kFewest) continue;
+      if (++places % each != 0) continue;
+      ++tried;
+      if (!Improves(cause, sums, least, best)) continue;
+      best->last = rows_.observations[rows[at - 1]];
+      best->first = rows_.observations[rows[at]];
+    }
+    return tried;
+  }
+
+  bool Improves(const Cause& cause, const Sums& sums, double* least, Break* best) const {
+    const auto d = static_cast<double>(sums.along.size()), n = static_cast<double>(num_configurations_);
+    const double freedom = std::min(n, static_cast<double>(rows_.num_rows() - basis_.cols())) - d;
+    if (freedom < 1.0) return false;
+    const Step step = Explained(sums.own, sums.own - sums.shared * sums.shared.transpose(), sums.along);
+    const double share = std::min(step.gain / squares_, 1.0 - 1e-12);
+    const double score = n * std::log(1.0 - share) + d * std::log(n);
+    if (!(score < *least)) return false;
+    *least = score;
+    best->of = cause.of;
+    best->index = cause.index;
+    best->share = share;
+    best->p_value = FSurvival(share / d / ((1.0 - share) / freedom), d, freedom);
+    step_ = step.by;
+    return true;
+  }
+
+  // Directions that what is estimated makes up for have moved nothing.
+  static Step Explained(const Eigen::MatrixXd& own, const Eigen::MatrixXd& beside, const Eigen::VectorXd& along) {
+    const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * beside * scale.asDiagonal());
+    const Eigen::VectorXd gradient = eigen.eigenvectors().transpose() * (scale.asDiagonal() * along);
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(along.size());
+    for (Eigen::Index i = 0; i < along.size(); ++i) {
+      if (eigen.eigenvalues()[i] > kLeastOfItself) step[i] = -gradient[i] / eigen.eigenvalues()[i];
+    }
+    return {-gradient.dot(step), scale.asDiagonal() * (eigen.eigenvectors() * step)};
+  }
+
+  // RMS distance over the points after it.
+  double Moved(const Cause& cause, const Break& found) const {
+    const Eigen::VectorXd whitened = ColumnsOf(cause) * step_;
+    double sum = 0.0;
+    int count = 0;
+    bool is_after = false;
+    for (const int k : order_) {
+      const int observation = rows_.observations[k];
+      is_after = is_after || observation == found.first;
+      if (!is_after || !Concerns(cause, k) || !problem_.data().observations[observation].is_point()) continue;
+      sum += (estimate_.scatter[observation] * whitened.segment<3>(3 * k)).squaredNorm();
+      ++count;
+    }
+    return count > 0 ? std::sqrt(sum / count) : 0.0;
+  }
+
+  CalibrationProblem problem_;  // with deviations of every joint
+  const Estimate& estimate_;
+  std::vector<int> columns_;
+  Linearization rows_;
+  Eigen::MatrixXd basis_;     // orthonormal, of what is estimated
+  Eigen::VectorXd residual_;  // beside it
+  double squares_ = 0.0;
+  int num_configurations_ = 0;
+  std::vector<int> order_;        // positions in rows_.observations
+  mutable Eigen::VectorXd step_;  // of the best, per unit of its columns
+};
+
+}  // namespace
+
+std::optional<Break> FindBreak(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (estimate.scatter.size() != problem.data().observations.size()) return std::nullopt;
+  return BreakSearch(problem, estimate).Run();
+}
+
+}  // namespace sagitta

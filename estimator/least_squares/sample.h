@@ -1,0 +1,15 @@
+// Some rows where all are too many to be held at once.
+#pragma once
+
+#include <vector>
+
+#include "estimator/least_squares/row_sums.h"
+
+namespace sagitta {
+
+// Of the listed observations those of as many configurations, scattered over all, as `columns` and three rows each make
+// `most` numbers of: all where these are no more.
+std::vector<int> SampleConfigurations(const Measurements& data, const std::vector<int>& observations, size_t columns,
+                                      double most = kMostHeld);
+
+}  // namespace sagitta
