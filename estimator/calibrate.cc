@@ -7,6 +7,7 @@
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/intervals/intervals.h"
+#include "estimator/report/validation_words.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
@@ -55,6 +56,21 @@ void HoldOutForDiagnosis(const Measurements& data, Experiment* experiment) {
   validation.fraction = kFraction;
 }
 
+namespace {
+
+// A reading in metres leaves nothing that could be told: the rows are the cause, what they hide is not.
+void NameSuspects(Calibration* failed) {
+  Estimate& estimate = failed->estimate;
+  if (estimate.status == Status::kEquilibriumDiverged || estimate.aligned.num_coordinates() == 0) return;
+  failed->trust.suspects = FindSuspects(failed->problem, estimate);
+  if (failed->trust.suspects.empty()) return;
+  const Suspect& first = failed->trust.suspects.front();
+  estimate.message += "; " + RowsAreSuspect(failed->trust.suspects.size(), first.row + ": " + first.words);
+  estimate.identifiability.unidentifiable.clear();
+}
+
+}  // namespace
+
 Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options) {
   CheckMethod(problem, options.method);
   const auto say = [&](const std::string& what) {
@@ -71,7 +87,10 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
     say("running " + WordOf(options.method));
     estimate = RunMethod(result.problem, options.method, estimate, options.progress).estimate;
   }
-  if (!IsUsable(estimate.status)) return result;
+  if (!IsUsable(estimate.status)) {
+    NameSuspects(&result);
+    return result;
+  }
   AddIntervals(result.problem, {options.num_threads, options.progress}, &estimate);
   if (options.method == Method::kJoint) {
     say("comparing parts of the data");

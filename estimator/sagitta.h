@@ -61,7 +61,7 @@ struct CalibrateOptions {
 struct Calibration {
   CalibrationProblem problem;  // with the noise that was found and outliers excluded: judge and refit with this one
   Estimate estimate;
-  Trust trust;  // of a usable estimate: what its verdict says, and on what grounds
+  Trust trust;  // of a usable estimate: what its verdict says, and on what grounds; else the suspect rows
 };
 
 // Everything that is unknown in one solve, with the noise, the intervals that the experiment asks for, the agreement

@@ -32,8 +32,6 @@ std::string Significant(double value, int digits) {
 
 std::string InMillimetres(double metres) { return Significant(1e3 * metres, 3) + " mm"; }
 
-std::string WholeMillimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }
-
 std::string WholePercent(double share) { return Fixed(100.0 * share, 0) + " %"; }
 
 std::string Enumerate(const std::vector<std::string>& items, size_t most) {

@@ -13,9 +13,8 @@ std::string Fixed(double value, int decimals);
 // Rounded to that many significant digits, without a power of ten up to 1e6: "1660", "0.023". "-": not known.
 std::string Significant(double value, int digits);
 
-// A length in m as "0.123 mm", three digits; and to the millimetre, "12 mm".
+// A length in m as "0.123 mm", three digits.
 std::string InMillimetres(double metres);
-std::string WholeMillimetres(double metres);
 
 // A share as "12 %", to the percent.
 std::string WholePercent(double share);

@@ -23,6 +23,7 @@ COMMANDS = {
     'diagnose': ['diagnose', EXPERIMENT, '--holdout=0.3', '--seed=1'],
     'plan': ['plan', EXPERIMENT, '--poses=6', '--pool=60'],
     'inspect': ['inspect', EXPERIMENT],
+    'few': ['calibrate', EXPERIMENT, '--holdout=0.1', '--seed=1'],
 }
 ROWS = 10008       # of the page whose loading is timed
 MOST_SECONDS = 2.0  # of one core, from the address to the last picture
@@ -208,6 +209,23 @@ class ReportPages(unittest.TestCase):
             self.assertEqual(len(places), figures)
             for place in places:
                 self.assertRegex(place, r'^(<svg|<canvas|<div class="|<form)', name)
+
+    def test_few_held_out_points_lie_on_top_of_the_fitted(self):
+        if CHROMIUM is None:
+            self.skipTest('chromium is not installed (tools/install-dependencies --tests)')
+        if 'id="templates"' not in self.pages['few'].read_text():
+            self.skipTest('built without libjs-vega and libjs-three')
+        shown, _ = open_page(self.pages['few'])
+        points = re.search(r'role-mark points".*?</g>', shown, re.S).group(0)
+        drawn = re.findall(r'fill="([^"]*)" fill-opacity="([^"]*)"', points)
+        self.assertEqual(len(drawn), 54)
+        fitted, held_out = ('#0072b2', '0.6'), ('#d55e00', '1')  # 2 of 18 configurations, three markers each
+        self.assertEqual(drawn, [fitted] * 48 + [held_out] * 6)
+
+    def test_suspects_and_directions_are_lists(self):
+        for name, path in self.pages.items():
+            text = re.sub(r'<script.*?</script>', '', path.read_text(), flags=re.S)
+            self.assertNotIn('<p>- ', text, name)
 
 
 if __name__ == '__main__':

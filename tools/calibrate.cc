@@ -26,12 +26,14 @@ namespace {
 
 constexpr size_t kShownDirections = 5;
 
-int ReportFailure(const Estimate& estimate) {
+int ReportFailure(const Calibration& failed) {
+  const Estimate& estimate = failed.estimate;
   std::cerr << "sagitta: no estimate: " << StatusName(estimate.status) << ": " << estimate.message << "\n";
   const std::vector<Direction>& directions = estimate.identifiability.unidentifiable;
   for (size_t i = 0; i < std::min(kShownDirections, directions.size()); ++i) {
     std::cerr << "  " << directions[i].words << "; " << directions[i].remedy << "\n";
   }
+  if (!failed.trust.suspects.empty()) std::cerr << SectionsToText({SuspectRows(failed.trust, "")});
   return kNumericalFailure;
 }
 
@@ -79,7 +81,7 @@ int RunCalibrate(const CommandLine& line) {
   ExperimentInputs inputs = ReadInputs(line.arguments);
   const std::vector<InputFile> input_files = inputs.files;
   const Calibration result = CalibrateWithProgress(PlausibleProblem(std::move(inputs)));
-  if (!IsUsable(result.estimate.status)) return ReportFailure(result.estimate);
+  if (!IsUsable(result.estimate.status)) return ReportFailure(result);
 
   CheckInterruption();
   const std::vector<Section> sections = CalibrationSections(result);

@@ -14,8 +14,8 @@ std::string Places(const std::vector<std::string>& configurations) {
 std::string AligningNominal() { return "aligning the nominal robot: base poses and markers"; }
 
 std::string EverythingHeld() {
-  return "the scatter is so large that every unknown had to be held: rows that are far off ('sagitta inspect' names "
-         "them); else check signs and zero positions of the joints, the kinematics and the units";
+  return "the scatter is so large that every unknown had to be held: look for rows that are far off ('sagitta inspect' "
+         "names them), then check signs and zero positions of the joints, the kinematics and the units";
 }
 
 std::string SingularAtOptimum() {
@@ -94,8 +94,8 @@ std::string SpringRemedyInWords(SpringDoubt doubt) {
 }
 
 std::string NumbersLookLike(const std::string& unit, double misfit, double misfit_as_unit) {
-  return "the numbers look like " + unit + ": the aligned nominal robot misses by " + WholeMillimetres(misfit) +
-         " (RMS) as the columns say, by " + WholeMillimetres(misfit_as_unit) + " if they are " + unit;
+  return "the numbers look like " + unit + ": the aligned nominal robot misses by " + InMillimetres(misfit) +
+         " (RMS) as the columns say, by " + InMillimetres(misfit_as_unit) + " if they are " + unit;
 }
 
 std::string ConvertNumbers(const std::string& column) {
@@ -113,7 +113,7 @@ std::string LengthsAreCorrected(const std::vector<std::string>& lengths) {
 }
 
 std::string CalibratedRobotMisses(double distance_rms) {
-  return "the calibrated robot still misses by " + WholeMillimetres(distance_rms) +
+  return "the calibrated robot still misses by " + InMillimetres(distance_rms) +
          " (RMS): this robot did not make these measurements as described; check signs and zero positions of the "
          "joints, the kinematics and the units ('sagitta inspect' tries them)";
 }

@@ -98,7 +98,8 @@ std::string Percent(double probability) {
 std::string ShareOfGap(const Diagnosis& d, double share) {
   const double closed = std::isnan(d.gap.closed) ? 1.0 : d.gap.closed;
   const std::string whole = std::isnan(d.gap.closed) ? " % of what is explained" : " % of the gap";
-  return std::isfinite(share) && closed > 0.0 ? Significant(100.0 * share * closed, 2) + whole : "";
+  if (!std::isfinite(share) || !(closed > 0.0)) return "";
+  return share > 0.0 ? Significant(100.0 * share * closed, 2) + whole : "no gain on untouched rows";
 }
 
 double LeastProbability(const Diagnosis& d, const EffectGroup& group) {

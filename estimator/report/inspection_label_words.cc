@@ -44,7 +44,7 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
   const auto percent = std::lround(100.0 * static_cast<double>(found.far.size()) / static_cast<double>(found.rows));
   const std::string rows = std::to_string(found.far.size()) + " of " + std::to_string(found.rows) + " rows (" +
                            std::to_string(percent) + " %) are off, half of them by more than " +
-                           WholeMillimetres(found.far_median) + ", and fit as the others do ";
+                           InMillimetres(found.far_median) + ", and fit as the others do ";
   const std::string where = "; the first: " + source(found.far.front()) + ", the last: " + source(found.far.back());
   Finding finding{Severity::kSerious, "", rows, "", {}};
   switch (found.kind) {
@@ -61,21 +61,21 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
     case OtherLabel::Kind::kOwnStation:
       finding.code = "station_moved";
       finding.words += "if they were read by another station than the others of " + found.stated + ", " +
-                       WholeMillimetres(found.moved) + " and " + Significant(found.turned / kDegree, 2) +
+                       InMillimetres(found.moved) + " and " + Significant(found.turned / kDegree, 2) +
                        " deg away from it";
       finding.remedy = "give these rows a station of their own (column station)" + where;
       break;
     case OtherLabel::Kind::kOwnMarker:
       finding.code = "marker_moved";
       finding.words += "if they are of another marker than the others of " + found.stated + ", " +
-                       WholeMillimetres(found.moved) + " away from it";
+                       InMillimetres(found.moved) + " away from it";
       finding.remedy = "give these rows a marker name of their own" + where;
       break;
     case OtherLabel::Kind::kOtherFrame:
       finding.code = "marker_frame";
-      finding.words = "marker " + found.stated + " misses by " + WholeMillimetres(found.far_median) +
+      finding.words = "marker " + found.stated + " misses by " + InMillimetres(found.far_median) +
                       " (RMS) on what it is said to be on (the flange where nothing is said), by " +
-                      WholeMillimetres(found.moved) + " on " + found.fits +
+                      InMillimetres(found.moved) + " on " + found.fits +
                       (found.place.kind == MarkerPlace::Kind::kBase ? "" : ", the link that this joint moves");
       finding.remedy = "state markers: {" + found.stated + ": {on: " + found.fits + "}} in the experiment file" + where;
       break;

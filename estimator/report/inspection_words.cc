@@ -115,13 +115,13 @@ Advice LoadSignIsOff(const std::string& load) {
 
 std::string MisfitOfReading(double misfit, double as_read, const std::string& name,
                             const std::vector<std::string>& alike) {
-  const std::string words = "the aligned nominal robot misses by " + WholeMillimetres(misfit) +
-                            " (RMS) as stated, by " + WholeMillimetres(as_read) + " with " + name;
-  return alike.empty() ? words : words + " (as well: " + Enumerate(alike) + ")";
+  const std::string words = "the aligned nominal robot misses by " + InMillimetres(misfit) + " (RMS) as stated, by " +
+                            InMillimetres(as_read) + " with " + name;
+  return alike.empty() ? words : words + ", and just as well with " + Enumerate(alike);
 }
 
 Advice MisfitUnexplained(double misfit) {
-  return {"the aligned nominal robot misses by " + WholeMillimetres(misfit) +
+  return {"the aligned nominal robot misses by " + InMillimetres(misfit) +
               " (RMS), more than a calibration can be asked to explain, and no other sign, zero position, "
               "joint order, unit or DH convention alone explains it",
           "check that robot file and measurements belong together: is it this robot? joint order, signs, zero "
@@ -136,8 +136,8 @@ std::string ErrorsThatWouldExplain(double by, bool is_length, const std::string&
 Advice RowsAreWild(size_t far, size_t all, double median, double near_rms, const std::string& first) {
   const auto percent = std::lround(100.0 * static_cast<double>(far) / static_cast<double>(all));
   return {std::to_string(far) + " of " + std::to_string(all) + " rows (" + std::to_string(percent) +
-              " %) are far off, half of them by more than " + WholeMillimetres(median) +
-              ", while the others fit the nominal robot within " + WholeMillimetres(near_rms) +
+              " %) are far off, half of them by more than " + InMillimetres(median) +
+              ", while the others fit the nominal robot within " + InMillimetres(near_rms) +
               " (RMS): too many for a robust loss",
           "it is these rows, not the robot: find what they share (instrument, marker, time), or leave them "
           "out; the first: " +

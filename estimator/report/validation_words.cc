@@ -30,9 +30,12 @@ std::string AccuracyInWords(const Trust& trust, double significance, double bett
   if (std::abs(gain - 1.0) <= better)
     words += "; the robot file was as good already (" + InMillimetres(trust.nominal.distance_rms) + ")";
   if (quoted.predicted_rms > 0.0) {
-    const bool agrees = quoted.p_value >= significance;
-    words += agrees ? "; the prediction agrees"
-                    : "; the prediction was " + Significant(quoted.Excess(), 2) + " times smaller";
+    const double excess = quoted.Excess();
+    const bool is_small = quoted.p_value < significance;
+    const bool is_large = 1.0 - quoted.p_value < significance && excess < 1.0 - better;
+    words += is_small   ? "; the prediction was " + Significant(excess, 2) + " times smaller"
+             : is_large ? "; the prediction was " + Significant(1.0 / excess, 2) + " times larger"
+                        : "; the prediction agrees";
   }
   return words + ".";
 }
@@ -45,8 +48,12 @@ std::string ModelErrorInWords(double median, double largest, const std::string& 
   if (excess == ExcessOf::kHoldout) reason = "errors on the points held out are larger than predicted";
   if (excess == ExcessOf::kCrossValidation) reason = "errors in the cross-validation are larger than predicted";
   if (parts_disagree) reason = "parts of the data contradict each other" + (reason.empty() ? "" : ", and " + reason);
-  std::string words = "the intervals are " + Significant(median, 2) + " times as wide as noise alone would make them";
-  if (largest > 1.05 * median) words += " (median; at most " + Significant(largest, 2) + " times, " + name + ")";
+  const bool is_typical = median >= 1.05;  // "1 times" says nothing
+  std::string words = std::string(is_typical ? "the intervals are " : "single intervals are up to ") +
+                      Significant(is_typical ? median : largest, 2) + " times as wide as noise alone would make them";
+  if (!is_typical) words += " (" + name + ")";
+  if (is_typical && largest > 1.05 * median)
+    words += " (median; at most " + Significant(largest, 2) + " times, " + name + ")";
   return words + ": " + reason + "; 'sagitta diagnose' may find why";
 }
 

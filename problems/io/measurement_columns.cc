@@ -262,7 +262,10 @@ void ColumnFinder::CheckRotation(const MeasurementColumns& columns, bool points_
 }
 
 void ColumnFinder::CheckRequired(const MeasurementColumns& columns, bool points_required) const {
-  if (columns.config < 0) FailMissing("config");
+  if (columns.config < 0) {
+    Fail("config", "column 'config' is missing: it names the joint configuration of each row",
+         "'sagitta import ROBOT FILE --out=DIR' brings over tables that other programs wrote");
+  }
   if (columns.marker < 0) FailMissing("marker");
   for (size_t j = 0; j < joints_.size(); ++j) {
     const std::string stem = "q" + std::to_string(j + 1);

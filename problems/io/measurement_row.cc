@@ -36,8 +36,8 @@ class RowReader {
     return row_.cells[column];
   }
 
-  // At most `most`, SI, either sign (problems/limits.h).
-  double Number(const NumberColumn& column, double most) const {
+  // At most `most`, SI, either sign (problems/limits.h); hint: to where there is none.
+  double Number(const NumberColumn& column, double most, const char* hint = "") const {
     const std::string_view text = row_.cells[column.index];
     NumberRead& last = last_[column.index];
     if (!text.empty() && text == last.text) return last.si;
@@ -51,8 +51,8 @@ class RowReader {
       Fail(column.name, "'" + cell + "' is beyond anything that is measured on a robot",
            "at most " + FormatNumber(ToUnit(most, column.unit)));
     }
-    if (cell.empty()) Fail(column.name, "the cell is empty, a number is expected");
-    Fail(column.name, "'" + cell + "' is not a finite number");
+    if (cell.empty()) Fail(column.name, "the cell is empty, a number is expected", hint);
+    Fail(column.name, "'" + cell + "' is not a finite number", hint);
   }
 
   double NumberOr(const NumberColumn& column, double otherwise, double most) const {
@@ -74,9 +74,10 @@ class RowReader {
   }
 
   // All three or none; false: none.
-  bool Triple(const std::array<NumberColumn, 3>& columns, bool required, double most, Vector3<double>* values) const {
+  bool Triple(const std::array<NumberColumn, 3>& columns, bool required, double most, Vector3<double>* values,
+              const char* hint = "") const {
     if (!IsAnyStated(columns) && !required) return false;
-    for (int i = 0; i < 3; ++i) (*values)[i] = Number(columns[i], most);
+    for (int i = 0; i < 3; ++i) (*values)[i] = Number(columns[i], most, hint);
     return true;
   }
 
@@ -89,7 +90,8 @@ class RowReader {
 void ReadPoint(const RowReader& reader, const MeasurementColumns& columns, const MeasurementReadOptions& options,
                MeasurementRow* row) {
   row->point.setConstant(std::numeric_limits<double>::quiet_NaN());
-  reader.Triple(columns.point, options.points_required, limits::kCoordinate, &row->point);
+  reader.Triple(columns.point, options.points_required, limits::kCoordinate, &row->point,
+                "a lost reading has x, y and z all empty");
   row->sigma.setZero();
   for (int i = 0; i < 3 && options.row_sigmas_used && reader.IsAnyStated(columns.sigma); ++i) {
     row->sigma[i] = reader.Sigma(columns.sigma[i], limits::kLeastSigma, limits::kLargestSigma);

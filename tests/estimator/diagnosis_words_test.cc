@@ -63,6 +63,13 @@ TEST(DiagnosisWords, AVerdictOfFortyOneEffectsHasFiveLines) {
   EXPECT_THAT(text, HasSubstr("36 more effects: in report.html and diagnosis.json"));
 }
 
+// Effects that cost untouched rows more than they give, though not beyond chance, have no share of what is explained.
+TEST(DiagnosisWords, ANegativeShareIsNoGain) {
+  Diagnosis d = Large();
+  d.groups[1].share_of_gap = -0.089;
+  EXPECT_THAT(VerdictLines(d)[2], EndsWith(": no gain on untouched rows"));
+}
+
 TEST(DiagnosisWords, OneEffectIsOneSentence) {
   Diagnosis d = Large();
   d.verdict = DiagnosisVerdict::kExplained;

@@ -4,6 +4,7 @@
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/refit.h"
+#include "estimator/report/validation_words.h"
 #include "estimator/validation/trust.h"
 #include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
@@ -121,6 +122,29 @@ TEST(Trust, HoldoutBeyondItsPredictionIsSaidAndInTheIntervals) {
   const Interval after = estimate.table[0].ci95;
   EXPECT_NEAR((after.high - after.low) / (before.high - before.low), trust.model_error, 1e-9);
   EXPECT_EQ(trust.ci95_noise_only[0].low, before.low);
+}
+
+// Gross rows among the fitted ones make the prediction too large for clean held-out points: that is no agreement.
+TEST(Trust, APredictionThatIsTooLargeDoesNotAgree) {
+  Experiment experiment;
+  experiment.validation.kind = ValidationSpec::Kind::kFraction;
+  experiment.validation.fraction = 0.3;
+  CalibrationProblem problem = Problem({}, experiment);
+  int k = 0;
+  for (const int i : problem.CalibrationObservations())
+    if (++k % 6 == 0) problem.mutable_data()->observations[i].point_in_station.z() += (k % 4 == 0 ? 1.0 : -1.0) * 2e-3;
+  Estimate estimate = EstimateJointly(problem);
+  const Trust trust = JudgeTrust(problem, 1, &estimate);
+  ASSERT_LT(trust.Quoted().Excess(), 0.7);
+  EXPECT_THAT(trust.verdict.words, HasSubstr(" times larger"));
+  EXPECT_THAT(trust.verdict.words, ::testing::Not(HasSubstr("the prediction agrees")));
+}
+
+TEST(ModelError, OnceIsNoFactor) {
+  const std::string words = ModelErrorInWords(1.01, 4.9, "geometry/j3.theta", true, ExcessOf::kNone);
+  EXPECT_THAT(words, ::testing::StartsWith("single intervals are up to 4.9 times as wide"));
+  EXPECT_THAT(ModelErrorInWords(1.6, 9.6, "geometry/j2.a", true, ExcessOf::kNone),
+              ::testing::StartsWith("the intervals are 1.6 times as wide"));
 }
 
 TEST(Trust, PointsThatWereNeverMeasuredAreDoubted) {

@@ -285,7 +285,7 @@ INSTANTIATE_TEST_SUITE_P(
     Header, BadMeasurementTest,
     ::testing::Values(
         BadFile{"missing_z", kSmall, ",z_mm", ",zz", {"1: z_mm", "missing"}},
-        BadFile{"missing_config", kSmall, "config", "c", {"1: config", "missing"}},
+        BadFile{"missing_config", kSmall, "config", "c", {"1: config", "missing", "'sagitta import'"}},
         BadFile{"no_joints", kSmall, "q1_deg,q2_mm", "a,b", {"1: q1_deg", "missing"}},
         BadFile{"misspelt", kSmall, "x_mm", "x_mmm", {"1: x_mmm", "unknown", "'x_mm'"}},
         BadFile{"centimetres", kSmall, "x_mm", "x_cm", {"1: x_cm", "'x_mm'"}},
@@ -329,12 +329,12 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Rows, BadMeasurementTest,
     ::testing::Values(
-        BadFile{"nan", kSmall, "7,8", "nan,8", {"4: x_mm", "'nan' is not a finite number"}},
+        BadFile{"nan", kSmall, "7,8", "nan,8", {"4: x_mm", "'nan' is not a finite number", "lost reading"}},
         BadFile{"inf", kSmall, "7,8", "7,-inf", {"4: y_mm", "'-inf'"}},
         BadFile{"text", kSmall, "7,8", "12_5,8", {"4: x_mm", "'12_5'"}},
         BadFile{"trailing", kSmall, "7,8", "7mm,8", {"4: x_mm", "'7mm'"}},
         BadFile{"huge", kSmall, "7,8", "1e999,8", {"4: x_mm", "'1e999'"}},
-        BadFile{"empty_cell", kSmall, "7,8", ",8", {"4: x_mm", "empty"}},
+        BadFile{"empty_cell", kSmall, "7,8", ",8", {"4: x_mm", "empty", "lost reading has x, y and z all empty"}},
         BadFile{"joint_text", kSmall, "-20", "-2O", {"4: q1_deg", "'-2O'"}},
         BadFile{"too_few", kSmall, ",9.5", "", {"4: ", "6 cells", "7"}},
         BadFile{"too_many", kSmall, "9.5", "9,5", {"4: ", "8 cells", "7", "decimal comma"}},

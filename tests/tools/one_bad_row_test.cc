@@ -88,6 +88,8 @@ TEST_F(OneBadRowTest, AKilometreHoldsNothingBesideARobustLoss) {
   const Outcome plain = Calibrate(data);
   EXPECT_EQ(plain.status, 3) << plain.out;
   EXPECT_TRUE(Holds(plain.err, "rows that are far off")) << plain.err;
+  EXPECT_TRUE(Holds(plain.err, "1 row is suspect") && Holds(plain.err, "bad.csv:8: off by")) << plain.err;
+  EXPECT_FALSE(Holds(plain.err, "not measured")) << plain.err;
   EXPECT_FALSE(Exists("out/estimate.json"));
   for (const std::string loss : {"huber", "cauchy"}) {
     const Outcome robust = CalibrateExperiment(data, "noise: {sigma_mm: 0.1}\nloss: " + loss + "\n");
@@ -102,6 +104,18 @@ TEST_F(OneBadRowTest, AKilometreHoldsNothingBesideARobustLoss) {
     EXPECT_EQ(estimated, 39) << loss;
     EXPECT_NEAR(estimate["sigma"]["a_posteriori"].get<double>(), 1.0, 4.0 / std::sqrt(2.0 * 120.0)) << loss;
   }
+}
+
+// One point in metres leaves no estimate; the row is named all the same, and how its numbers are to be read.
+TEST_F(OneBadRowTest, ARowInMetresIsNamedWithItsUnit) {
+  const Outcome outcome = Calibrate(Spoilt([](Rows* rows) {
+    for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
+      std::string& cell = (*rows)[21][Column(*rows, axis)];
+      cell = std::to_string(1e-3 * std::stod(cell));
+    }
+  }));
+  EXPECT_EQ(outcome.status, 3) << outcome.out;
+  EXPECT_TRUE(Holds(outcome.err, "bad.csv:22") && Holds(outcome.err, "read in m")) << outcome.err;
 }
 
 TEST_F(OneBadRowTest, NumbersThatNobodyKnowsAreRefused) {

@@ -15,17 +15,21 @@ namespace {
 constexpr size_t kShown = 10;           // suspect rows
 constexpr size_t kShownDirections = 3;  // of one remedy
 
+// Of a length of that size (m) in mm: a micrometre, and two digits of what is smaller.
+int DecimalsOf(double length) { return std::max(3, DecimalsFor(1e3 * length)); }
+
 // In the words of ISO 9283:1998.
 std::string IsoInWords(const Trust& trust) {
   const PoseAccuracy& accuracy = trust.Quoted().pose_accuracy;
   const PoseRepeatability& repeatability = trust.repeatability;
-  std::string words = "ISO 9283: pose accuracy AP " + Millimetres(accuracy.mean, 3) + " mm in the mean, " +
-                      Millimetres(accuracy.largest, 3) + " mm at most, of " + std::to_string(accuracy.poses) +
+  const int decimals = DecimalsOf(trust.Quoted().rms);
+  std::string words = "ISO 9283: pose accuracy AP " + Millimetres(accuracy.mean, decimals) + " mm in the mean, " +
+                      Millimetres(accuracy.largest, decimals) + " mm at most, of " + std::to_string(accuracy.poses) +
                       " poses that were not fitted; ";
   if (repeatability.poses == 0) return words + "pose repeatability RP: no pose was visited again.";
   const std::string fewest = std::to_string(repeatability.fewest), most = std::to_string(repeatability.most);
-  return words + "pose repeatability RP " + Millimetres(repeatability.mean, 3) + " mm in the mean, " +
-         Millimetres(repeatability.largest, 3) + " mm at most, of " + std::to_string(repeatability.poses) +
+  return words + "pose repeatability RP " + Millimetres(repeatability.mean, decimals) + " mm in the mean, " +
+         Millimetres(repeatability.largest, decimals) + " mm at most, of " + std::to_string(repeatability.poses) +
          " poses with " + fewest + (fewest == most ? "" : " to " + most) +
          " arrivals (the standard asks for 30), the instrument's noise included.";
 }
@@ -38,21 +42,22 @@ Section Unseen(const Trust& trust) {
                   (is_holdout ? "held out" : std::to_string(trust.cross_validation.folds) + "-fold cross-validation") +
                   "), distances in mm";
   section.header = {"mm", "RMS", "P50", "P95", "max"};
+  const int decimals = DecimalsOf(quoted.rms);
+  const auto mm = [decimals](double metres) { return Millimetres(metres, decimals); };
   const auto add = [&](const std::string& name, const UnseenPoints& points) {
     if (points.points == 0) return;
-    section.rows.push_back({name, Millimetres(points.distance_rms, 3), Millimetres(points.distance_p50, 3),
-                            Millimetres(points.distance_p95, 3), Millimetres(points.distance_max, 3)});
+    section.rows.push_back(
+        {name, mm(points.distance_rms), mm(points.distance_p50), mm(points.distance_p95), mm(points.distance_max)});
   };
   add("before (nominal robot)", trust.nominal);
   add("after", quoted);
   if (is_holdout) add("after, cross-validation of the rest", trust.cross_validation.unseen);
   std::vector<std::string> worst;
-  for (const FarPose& pose : quoted.worst) worst.push_back(pose.configuration + " " + Millimetres(pose.distance, 3));
+  for (const FarPose& pose : quoted.worst) worst.push_back(pose.configuration + " " + mm(pose.distance));
   section.paragraphs = {"Worst poses: " + Joined(worst) + " mm."};
   if (quoted.predicted_rms > 0.0) {
-    section.paragraphs.push_back("Coordinate RMS " + Millimetres(quoted.rms, 3) + " mm, predicted " +
-                                 Millimetres(quoted.predicted_rms, 3) + " mm (p = " + Significant(quoted.p_value, 2) +
-                                 ").");
+    section.paragraphs.push_back("Coordinate RMS " + mm(quoted.rms) + " mm, predicted " + mm(quoted.predicted_rms) +
+                                 " mm (p = " + Significant(quoted.p_value, 2) + ").");
   }
   section.paragraphs.push_back(IsoInWords(trust));
   section.pictures = BeforeAndAfter(trust.nominal, quoted);
@@ -66,18 +71,17 @@ Section NotMeasured(const Estimate& estimate) {
   return section;
 }
 
-Section Suspects(const Trust& trust) {
+}  // namespace
+
+Section SuspectRows(const Trust& trust, const std::string& where) {
   Section section;
   section.title = "Suspect rows: " + std::to_string(trust.suspects.size());
   for (size_t i = 0; i < std::min(kShown, trust.suspects.size()); ++i)
     section.paragraphs.push_back("- " + trust.suspects[i].row + ": " + trust.suspects[i].words);
   if (trust.suspects.size() > kShown)
-    section.paragraphs.push_back("- and " + std::to_string(trust.suspects.size() - kShown) +
-                                 " more, in estimate.json under suspects");
+    section.paragraphs.push_back("- and " + std::to_string(trust.suspects.size() - kShown) + " more" + where);
   return section;
 }
-
-}  // namespace
 
 std::vector<Section> FirstScreen(const Calibration& calibration) {
   const Trust& trust = calibration.trust;
@@ -89,7 +93,7 @@ std::vector<Section> FirstScreen(const Calibration& calibration) {
   if (trust.Quoted().points > 0) sections.push_back(Unseen(trust));
   if (!calibration.estimate.identifiability.unidentifiable.empty())
     sections.push_back(NotMeasured(calibration.estimate));
-  if (!trust.suspects.empty()) sections.push_back(Suspects(trust));
+  if (!trust.suspects.empty()) sections.push_back(SuspectRows(trust, ", in estimate.json under suspects"));
   return sections;
 }
 

@@ -9,16 +9,30 @@
 namespace sagitta {
 namespace {
 
+// Paragraphs; those that begin with "- " are the items of lists, as on the terminal.
+std::string ParagraphsToHtml(const std::vector<std::string>& paragraphs, bool first_is_verdict) {
+  std::string html;
+  bool in_list = false;
+  for (size_t i = 0; i < paragraphs.size(); ++i) {
+    const bool is_item = paragraphs[i].rfind("- ", 0) == 0;
+    if (is_item != in_list) html += is_item ? "<ul>\n" : "</ul>\n";
+    in_list = is_item;
+    const std::string text = EscapeHtml(is_item ? paragraphs[i].substr(2) : paragraphs[i]);
+    if (is_item) {
+      html += "<li>" + text + "</li>\n";
+    } else {
+      html += (i == 0 && first_is_verdict ? "<p class=\"verdict\">" : "<p>") + text + "</p>\n";
+    }
+  }
+  return html + (in_list ? "</ul>\n" : "");
+}
+
 std::string SectionToHtml(const Section& section, bool is_first) {
   const std::string heading = is_first ? "h1" : "h2";
   const std::string title = "<" + heading + ">" + EscapeHtml(section.title) + "</" + heading + ">";
   std::string html = section.folded ? "<details><summary>" + title + "</summary>\n" : title + "\n";
   if (!section.header.empty()) html += TableToHtml(section.header, section.rows);
-  bool is_verdict = is_first;
-  for (const std::string& paragraph : section.paragraphs) {
-    html += (is_verdict ? "<p class=\"verdict\">" : "<p>") + EscapeHtml(paragraph) + "</p>\n";
-    is_verdict = false;
-  }
+  html += ParagraphsToHtml(section.paragraphs, is_first);
   for (const Picture& picture : section.pictures) html += PictureToHtml(picture);
   return html + (section.folded ? "</details>\n" : "");
 }

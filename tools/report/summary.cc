@@ -143,12 +143,6 @@ Section IntervalSection(const Estimate& estimate) {
   return section;
 }
 
-// Decimals that show two digits of `size`.
-int DecimalsFor(double size) {
-  if (!(size > 0.0) || !std::isfinite(size)) return 4;
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9);
-}
-
 // Estimated, but on the condition that a held parameter is where it was put.
 bool IsConditional(const ParameterEstimate& row, const Identifiability& identifiability) {
   for (const Direction& direction : identifiability.unidentifiable) {
@@ -198,7 +192,7 @@ std::string UncertaintyInWords(const Estimate& estimate, double model_error) {
   const double factor = CoverageFactor(estimate, model_error);
   std::string words = "±: expanded uncertainty, coverage probability 95 %";
   if (factor > 0.0) words += ", coverage factor k = " + Significant(factor, 2);
-  if (model_error > 1.0) words += "; model error makes it " + Significant(model_error, 2) + " times as wide";
+  if (model_error > 1.0) words += "; model error is in it";
   return words + ".";
 }
 
@@ -313,6 +307,11 @@ std::string Wrapped(const std::string& paragraph) {
 }
 
 }  // namespace
+
+int DecimalsFor(double size) {
+  if (!(size > 0.0) || !std::isfinite(size)) return 4;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, 9);
+}
 
 std::string Millimetres(double metres, int decimals) { return Fixed(1e3 * metres, decimals); }
 

@@ -26,6 +26,8 @@ struct Section {
 std::vector<Section> Summarise(const CalibrationProblem& problem, const Estimate& estimate, double model_error = 1.0);
 // A length in m as a number of mm.
 std::string Millimetres(double metres, int decimals = 4);
+// Decimals that show two digits of `size`.
+int DecimalsFor(double size);
 // A unit of results as people write it: "urad" as "µrad".
 std::string ShownUnit(const std::string& unit);
 // As paper 002, Tables IV and XI.
