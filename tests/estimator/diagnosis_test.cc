@@ -305,6 +305,17 @@ TEST(Diagnosis, BumpOutsideTheCatalogueIsUnknown) {
   EXPECT_EQ(diagnosis.unexplained.depends_on, std::vector<std::string>{"A3"});
 }
 
+// Where nothing states sigma the baseline is what `calibrate` says, whatever the joints do, and a floor that is the
+// model's own scatter closes no gap.
+TEST(Diagnosis, WithoutASigmaTheBaselineIsThePlainFit) {
+  CalibrationProblem problem = Hidden(2, [](double q) { return 300e-6 * std::cos(2 * q); });
+  for (Observation& observation : problem.mutable_data()->observations) observation.sigma.setZero();
+  const double plain = HoldoutRms(FitFully(problem, JointOptions()));
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_NEAR(HoldoutRms(diagnosis.baseline), plain, 1e-6 * plain);
+  EXPECT_TRUE(std::isnan(diagnosis.gap.closed));
+}
+
 // It is learnt as a function of the joint's angle: on untouched rows little is left of it, and its shape is that of the
 // bump (its mean is part of the joint's zero).
 TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {

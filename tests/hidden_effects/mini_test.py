@@ -236,6 +236,35 @@ class PapersOwnCases(WithFolder):
             self.assertLess(abs(found[name]['value'] - factor * truth[name]), 4 * found[name]['sigma'], name)
 
 
+class WhatWasOnceNamedWrong(WithFolder):
+    """Each was called something else, or noise, by the search that went by penalties."""
+
+    def diagnosed(self, flags):
+        PROGRAMS.generate(dict({'study': SEED}, **flags), self.folder / 'case', self.folder / 'answer')
+        sealed = json.loads((self.folder / 'answer' / 'answer.json').read_text())['hidden']
+        diagnosis, message, _ = PROGRAMS.diagnose(self.folder / 'case' / 'experiment.yaml', self.folder / 'result')
+        self.assertIsNotNone(diagnosis, message)
+        return diagnosis, [(h['kind'], h['target']) for h in sealed]
+
+    def assert_explained(self, flags):
+        diagnosis, sealed = self.diagnosed(flags)
+        self.assertEqual(diagnosis['verdict'], 'explained', diagnosis['words'])
+        self.assertEqual([(s['effect'], s['target']) for s in diagnosis['steps']], sealed)
+        self.assertGreater(diagnosis['final']['gap_closed'], 0.9)
+        self.assertGreater(diagnosis['final']['lack_of_fit_p'], 0.01)
+
+    def test_the_load_point_is_off_by_30_mm(self):
+        for number in (1, 2):
+            self.assert_explained({'kinds': 'load_com', 'scales': 1.5, 'case': number})
+
+    def test_the_circles_of_the_tracker_are_eccentric(self):
+        self.assert_explained({'kinds': 'station_eccentricity', 'scales': 1.5, 'case': 1})
+
+    def test_a_joint_slips_and_a_marker_is_reseated_between_two_stations(self):
+        for kind in ('joint_slip', 'marker_shift'):
+            self.assert_explained({'kinds': kind, 'scales': 1, 'case': 1, 'stations': 2})
+
+
 class AgainstASimulation(WithFolder):
     """--simulation=columns: the generator's own arm without the hidden effect is somebody else's simulation."""
 

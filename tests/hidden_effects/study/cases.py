@@ -71,6 +71,18 @@ def null_suite(seed, count, options):
         yield case('null', seed, i, [], [], flags, 'nothing hidden', 'nothing')
 
 
+def healthy_suite(seed, count, options):
+    """Nothing hidden, on every arm, from one station and from two."""
+    i = 0
+    for repeat in range(count):
+        for robot in ('ur10', 'seven', 'track'):
+            for stations in (1, 2):
+                draw = draw_of('healthy', seed, i)
+                flags = base_flags(draw, i, [], robot=robot, stations=stations)
+                yield case('healthy', seed, i, [], [], flags, '%s, %d' % (robot, stations), 'nothing')
+                i += 1
+
+
 def catalogue_suite(seed, count, options):
     i = 0
     for repeat in range(count):
@@ -191,11 +203,12 @@ def confounded_suite(seed, count, options):
 
 
 def mixed_suite(name, make_flags):
-    """A third with nothing hidden, the others with one effect of any kind, strong."""
+    """A third with nothing hidden, the others with one effect of any kind, strong; or all of the kinds that are asked."""
     def suite(seed, count, options):
         for i in range(count):
             draw = draw_of(name, seed, i)
-            kind = None if i % 3 == 2 else draw.choice(CATALOGUE)
+            asked = options.get('kinds')
+            kind = draw.choice(asked) if asked else None if i % 3 == 2 else draw.choice(CATALOGUE)
             kinds = [kind] if kind else []
             flags = make_flags(draw, i, kinds)
             if kind is None:
@@ -221,7 +234,7 @@ def robots_flags(draw, index, kinds):
 
 robots_suite = mixed_suite('robots', robots_flags)
 
-SUITES = {'null': null_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite,
+SUITES = {'null': null_suite, 'healthy': healthy_suite, 'catalogue': catalogue_suite, 'pairs': pairs_suite,
           'outside': outside_suite('outside', OUTSIDE), 'foreign': outside_suite('foreign', FOREIGN),
           'strangers': outside_suite('strangers', STRANGERS),
           'noise': noise_suite, 'unstated': unstated_suite, 'slight': slight_suite,

@@ -31,6 +31,10 @@ class Programs:
         subprocess.run([str(self.sagitta), 'simulate', str(experiment), '--truth=%s' % truth, '--seed=%s' % seed,
                         '--out=%s' % out, '--quiet'], check=True, capture_output=True, text=True)
 
+    def predict(self, estimate, rows, out):
+        subprocess.run([str(self.sagitta), 'predict', str(estimate), str(rows), '--out=%s' % out, '--quiet'], check=True,
+                       capture_output=True, text=True)
+
     def calibrated(self, experiment, out):
         """estimate.json of an experiment; None where there is no estimate."""
         command = [str(self.sagitta), 'calibrate', str(experiment), '--out=%s' % out, '--quiet']
