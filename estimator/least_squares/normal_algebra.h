@@ -9,8 +9,8 @@ namespace sagitta {
 // J'J
 Eigen::MatrixXd SelfProduct(const Eigen::MatrixXd& j);
 
-// W upper triangular with W W' = A^-1; empty where A is not positive definite. A symmetric, its columns scaled alike: no
-// pivots are sought.
+// W upper triangular with W W' = A^-1; empty where A is not positive definite. A symmetric, its columns scaled alike:
+// no pivots are sought.
 Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& a);
 
 // W W' of W upper triangular.

@@ -49,7 +49,7 @@ void ExpectBreak(const CalibrationProblem& problem, BreakOf of, int index, doubl
   EXPECT_LT(found->p_value, 1e-6);
   const Trust trust = JudgeTrust(problem, 1, &estimate);
   EXPECT_FALSE(trust.verdict.trusted);
-  EXPECT_THAT(trust.verdict.words, HasSubstr("between simulated.csv:109 and simulated.csv:110"));
+  EXPECT_THAT(trust.verdict.words, HasSubstr(problem.data().SourceOf(problem.data().observations[found->first])));
 }
 
 // The reasons against rest on rows that are held out at random: these have moved too.

@@ -229,7 +229,7 @@ TEST(BatchRows, LargeDeflectionsAreLeftToTheModel) {
   EXPECT_TRUE(!there.converged || std::abs(there.values[slot] - commanded) > 0.5);
 }
 
-// A shot beside shots that bend five hundred times as far says what it says beside its like: rows in another order
+// A shot beside shots that bend two thousand times as far says what it says beside its like: rows in another order
 // share a register with others.
 TEST(BatchRows, AShotTakesNoNoticeOfItsNeighbours) {
   const ForwardModel model(test::ContractArm(), test::ContractMarkers());
@@ -237,7 +237,7 @@ TEST(BatchRows, AShotTakesNoNoticeOfItsNeighbours) {
   const BatchCase setup{test::ContractArm(), {}, false};
   ShotInput shot = RandomShot(model, setup, &random), heavy = RandomShot(model, setup, &random);
   shot.wrenches[0].force *= 0.02;
-  heavy.wrenches[0].force *= 10.0;
+  heavy.wrenches[0].force *= 40.0;
   model.Prepare(&shot);
   model.Prepare(&heavy);
   const std::vector<BatchReading> readings = {
