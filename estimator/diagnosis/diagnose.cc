@@ -57,7 +57,7 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
     const double log_evidence = AverageGain(likelihood, normal.residual, information, gradient);
     const auto entry = best.find(list.name[k]);
     if (entry != best.end() && entry->second.log_evidence >= log_evidence) continue;
-    const MemberFit fit = FitOf(evidence, {0, {{static_cast<int>(k)}, {1.0}, 0.0, 0.0}, 0.0, 0.0}, static_cast<int>(k));
+    const MemberFit fit = FitOf(evidence, static_cast<int>(k), {information, gradient, normal.residual, 0.0});
     if (fit.parameters == 0) continue;
     best[list.name[k]] = {list.start[k], static_cast<int>(k), fit.reduction, fit.parameters, 1.0, log_evidence, {}};
   }
@@ -283,10 +283,11 @@ class Session {
     d_.candidates = Screen(*evidence_, d_.baseline);
     PredictHoldout(&d_.candidates);
     d_.where = FindWhere(d_.baseline);
+    DescribePlaces();
     double before = HoldoutRms(d_.baseline);
     for (size_t k = 0; k < selected_.size(); ++k) {
-      d_.effects.push_back(DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size())));
-      FoundEffect& effect = d_.effects.back();
+      FoundEffect& effect = d_.effects[k];
+      DescribeEffect(selected_[k], static_cast<int>(d_.candidates.size()), &effect);
       const DiagnosedModel& here = k + 1 == selected_.size() ? d_.final : prefixes_[k + 1];
       effect.holdout_before = before;
       if (IsUsable(here.estimate.status)) {
@@ -317,8 +318,27 @@ class Session {
     }
   }
 
-  FoundEffect DescribeEffect(const SelectedEffect& chosen, int tests) const {
-    FoundEffect effect;
+  // What else could stand in the place of each effect, and whether two halves say the same.
+  void DescribePlaces() {
+    d_.effects.resize(selected_.size());
+    if (selected_.empty()) return;
+    const Places places = PlacesOf(*evidence_, leading_);
+    std::vector<size_t> own;
+    std::vector<std::vector<NamedProbability>> in_place;
+    for (const SelectedEffect& effect : selected_) {
+      const std::vector<int>& members = leading_.set.members;
+      own.push_back(std::lower_bound(members.begin(), members.end(), effect.explanation) - members.begin());
+      in_place.push_back(InPlaceOf(*evidence_, places, own.back()));
+    }
+    const std::vector<Confirmation> confirmations = ConfirmEach(*evidence_, leading_, own, in_place);
+    for (size_t k = 0; k < selected_.size(); ++k) {
+      d_.effects[k].alternatives = FindAlternatives(*evidence_, posterior_, places, leading_, own[k], in_place[k]);
+      d_.effects[k].confirmation = confirmations[k];
+    }
+  }
+
+  void DescribeEffect(const SelectedEffect& chosen, int tests, FoundEffect* described) const {
+    FoundEffect& effect = *described;
     effect.candidate = chosen.candidate;
     effect.probability = posterior_.Of(evidence_->list().name[chosen.explanation]);
     effect.reduction = chosen.fit.reduction;
@@ -328,15 +348,11 @@ class Session {
     effect.corrected_p =
         CorrectedP(chosen.fit.reduction, chosen.fit.parameters, unit * after.chi2 / std::max(1, after.dof), after.dof,
                    evidence_->IsSigmaStated(), tests);
-    const std::vector<NamedProbability> in_place = InPlaceOf(*evidence_, leading_, chosen.explanation);
-    effect.alternatives = FindAlternatives(*evidence_, posterior_, leading_, chosen.explanation, in_place);
-    effect.confirmation = Confirm(*evidence_, leading_, chosen.explanation, in_place);
     effect.view = ViewEffect(d_.final, chosen.candidate.spec);
     for (const ParameterEstimate& row : after.table) {
       if (row.free && IsParameterOf(chosen.candidate.spec, row.name)) effect.parameters.push_back(row);
     }
     effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
-    return effect;
   }
 
   void Decide() {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "estimator/statistics/distributions.h"
@@ -22,20 +23,61 @@ constexpr double kPriorMatters = 0.01;
 constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
 
-WeightedSet Without(const Evidence& evidence, const WeightedModel& model, int member) {
-  std::vector<int> members;
-  std::vector<double> scales;
-  for (size_t k = 0; k < model.set.members.size(); ++k) {
-    if (model.set.members[k] == member) continue;
-    members.push_back(model.set.members[k]);
-    scales.push_back(model.set.scales[k]);
-  }
-  return evidence.SearchIn(model.view).Evaluate(members, scales);
+constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& explanations,
+                                         const std::vector<int>& members) {
+  std::vector<const ColumnGroup*> groups;
+  for (const int m : members) groups.push_back(&explanations[m].group);
+  return groups;
 }
 
-// Log weights of the set with each explanation in the member's place.
-std::vector<double> InItsPlace(const Evidence& evidence, const WeightedModel& model, int member) {
-  return evidence.SearchIn(model.view).Additions(Without(evidence, model, member));
+// What is asked on the halves: the set, then the rivals in each place; positions in `all` of what is asked there, the
+// member first.
+struct Asked {
+  std::vector<int> all;  // explanations
+  std::vector<std::vector<int>> of;
+};
+
+Asked AskedOf(const Evidence& evidence, const WeightedModel& model, const std::vector<size_t>& places,
+              const std::vector<std::vector<NamedProbability>>& in_place) {
+  Asked asked{model.set.members, {}};
+  std::map<int, int> at;
+  for (size_t k = 0; k < asked.all.size(); ++k) at[asked.all[k]] = static_cast<int>(k);
+  for (size_t k = 0; k < places.size(); ++k) {
+    std::vector<int> own = {static_cast<int>(places[k])};
+    for (const NamedProbability& rival : in_place[k]) {
+      if (own.size() > kRivalsOnHalves) break;
+      if (rival.name == evidence.list().name[model.set.members[places[k]]]) continue;
+      const auto entry = at.emplace(rival.explanation, static_cast<int>(asked.all.size()));
+      if (entry.second) asked.all.push_back(rival.explanation);
+      own.push_back(entry.first->second);
+    }
+    asked.of.push_back(std::move(own));
+  }
+  return asked;
+}
+
+// weights: of what is asked in the k-th place.
+HalfResult OnHalf(const Evidence& evidence, const Asked& asked, size_t k, const std::vector<double>& weights) {
+  HalfResult result;
+  const auto best = std::max_element(weights.begin(), weights.end()) - weights.begin();
+  const auto name = [&](size_t i) -> const std::string& { return evidence.list().name[asked.all[asked.of[k][i]]]; };
+  result.best = name(static_cast<size_t>(best));
+  const double sum = LogSumExp(weights);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    if (name(i) == name(0)) result.probability += std::exp(weights[i] - sum);
+  }
+  return result;
+}
+
+// Of the halves' values being one.
+double CompatibleP(const std::vector<HalfResult>& halves) {
+  if (halves.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::VectorXd apart = halves[0].values - halves[1].values;
+  const Eigen::LLT<Eigen::MatrixXd> joint(Eigen::MatrixXd(halves[0].covariance + halves[1].covariance));
+  if (joint.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  return ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
 }
 
 std::vector<NamedProbability> ByName(const Evidence& evidence, const std::vector<double>& weights) {
@@ -94,37 +136,87 @@ ColumnGroup Joined(const ColumnGroup& a, const ColumnGroup& b) {
 
 }  // namespace
 
-std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const WeightedModel& model, int member) {
-  return ByName(evidence, InItsPlace(evidence, model, member));
+Places::Places(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
+               const ResidualLikelihood& likelihood, const WeightedSet& set)
+    : explanations_(explanations),
+      prior_(prior),
+      likelihood_(likelihood),
+      members_(set.members),
+      sweep_(normal, GroupsOf(explanations, set.members), set.scales) {
+  for (size_t k = 0; k < members_.size(); ++k) without_.push_back(sweep_.Without(k));
+}
+
+std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) const {
+  std::vector<double> shares = {1.0};
+  for (size_t k = 0; k < members_.size(); ++k) {
+    if (k != place) shares.push_back(explanations_[members_[k]].share);
+  }
+  const double residual = without_[place].residual;
+  const double base = likelihood_.Log(residual) - 0.5 * without_[place].log_det + prior_.Log(shares);
+  std::vector<double> weights;
+  for (const int k : of) {
+    const Explanation& own = explanations_[k];
+    bool is_excluded = !(own.share > 0.0);
+    for (size_t m = 0; m < members_.size(); ++m) {
+      is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
+    }
+    weights.push_back(is_excluded ? kNever
+                                  : base + std::log(own.share) +
+                                        AverageGain(likelihood_, residual, Information(own.group, place),
+                                                    Gradient(own.group, place)));
+  }
+  return weights;
+}
+
+Eigen::MatrixXd Places::Information(const ColumnGroup& group, size_t place) const {
+  const Eigen::MatrixXd back = ColumnsOf(group, without_[place].root);
+  return sweep_.Information(group) + back.transpose() * back;
+}
+
+Eigen::VectorXd Places::Gradient(const ColumnGroup& group, size_t place) const {
+  return sweep_.Gradient(group) + ColumnsOf(group, without_[place].root).transpose() * without_[place].along;
+}
+
+Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {
+  return Places(evidence.views()[model.view].beside.normal, evidence.list().math, evidence.prior(),
+                evidence.LikelihoodOf(model.view), model.set);
+}
+
+std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& places, size_t place) {
+  std::vector<int> all(evidence.list().math.size());
+  std::iota(all.begin(), all.end(), 0);
+  return ByName(evidence, places.Weights(place, all));
 }
 
 std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member) {
-  const std::vector<double> weights = InItsPlace(evidence, model, member);
-  std::vector<NamedProbability> shapes;
-  for (size_t k = 0; k < weights.size(); ++k) {
-    if (evidence.list().name[k] != evidence.list().name[member]) continue;
-    shapes.push_back({evidence.list().name[k], static_cast<int>(k), weights[k]});
+  const auto& members = model.set.members;
+  const auto place = static_cast<size_t>(std::find(members.begin(), members.end(), member) - members.begin());
+  std::vector<int> own;
+  for (size_t k = 0; k < evidence.list().name.size(); ++k) {
+    if (evidence.list().name[k] == evidence.list().name[member]) own.push_back(static_cast<int>(k));
   }
+  const std::vector<double> weights = PlacesOf(evidence, model).Weights(place, own);
+  std::vector<NamedProbability> shapes;
+  for (size_t k = 0; k < own.size(); ++k) shapes.push_back({evidence.list().name[own[k]], own[k], weights[k]});
   std::stable_sort(shapes.begin(), shapes.end(),
                    [](const auto& a, const auto& b) { return a.probability > b.probability; });
   return shapes;
 }
 
 // With c = A a the effect's contribution, a its values given the others:  |P_rival c|^2 / |c|^2.
-std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
-                                          const WeightedModel& model, int member,
+std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior, const Places& places,
+                                          const WeightedModel& model, size_t place,
                                           const std::vector<NamedProbability>& in_place) {
-  const WeightedSet others = Without(evidence, model, member);
-  const Sweep sweep(evidence.views()[model.view].beside.normal, evidence.GroupsOf(others), others.scales);
+  const int member = model.set.members[place];
   const ColumnGroup& own = evidence.list().math[member].group;
-  const Eigen::MatrixXd information = sweep.Information(own);
-  const Eigen::VectorXd values = Solve(Tell(information), sweep.Gradient(own));
+  const Eigen::MatrixXd information = places.Information(own, place);
+  const Eigen::VectorXd values = Solve(Tell(information), places.Gradient(own, place));
   const double size = std::max(1e-300, values.dot(information * values));
   std::vector<Alternative> alternatives;
   for (const NamedProbability& rival : in_place) {
     if (rival.probability < kWorthListing || rival.name == evidence.list().name[member]) continue;
     if (evidence.list().IsUnnamed(rival.explanation)) continue;
-    const Eigen::MatrixXd both = sweep.Information(Joined(own, evidence.list().math[rival.explanation].group));
+    const Eigen::MatrixXd both = places.Information(Joined(own, evidence.list().math[rival.explanation].group), place);
     const long n = own.size(), m = both.cols() - n;
     const Eigen::VectorXd across = both.bottomLeftCorner(m, n) * values;
     const double overlap = across.dot(Solve(Tell(both.bottomRightCorner(m, m)), across)) / size;
@@ -151,15 +243,21 @@ double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
   return normal.residual - 2.0 * values.dot(sweep.Gradient(all)) + values.dot(sweep.Information(all) * values);
 }
 
-MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member) {
-  const WeightedSet others = Without(evidence, model, member);
-  const Sweep sweep(evidence.views()[model.view].beside.normal, evidence.GroupsOf(others), others.scales);
+std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model) {
+  std::vector<GivenOthers> each;
+  Members members(evidence.views()[model.view].beside.normal, evidence.GroupsOf(model.set));
+  if (model.set.members.empty()) return each;
+  members.Condition(model.set.scales);
+  for (size_t k = 0; k < members.size(); ++k) each.push_back(members.Of(k));
+  return each;
+}
+
+MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given) {
   const ColumnGroup& own = evidence.list().math[member].group;
-  const Eigen::MatrixXd information = sweep.Information(own);
-  const Eigen::VectorXd gradient = sweep.Gradient(own);
+  const Eigen::MatrixXd& information = given.information;
   const Told told = Tell(information);
   MemberFit fit;
-  fit.reduction = gradient.dot(Solve(told, gradient));
+  fit.reduction = given.gradient.dot(Solve(told, given.gradient));
   fit.parameters = static_cast<int>(told.values.size());
   if (own.mixing.size() > 0 || evidence.list().IsUnnamed(member)) return fit;
   const double variance = kScales[kNumScales - 1] * kScales[kNumScales - 1];
@@ -175,62 +273,37 @@ MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member
   return fit;
 }
 
-Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int member,
-                     const std::vector<NamedProbability>& in_place) {
+std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedModel& model,
+                                      const std::vector<size_t>& places,
+                                      const std::vector<std::vector<NamedProbability>>& in_place) {
   const EvidenceColumns& columns = evidence.columns();
-  // The set, then the rivals.
-  std::vector<int> asked = model.set.members;
-  for (const NamedProbability& rival : in_place) {
-    if (asked.size() >= model.set.members.size() + kRivalsOnHalves) break;
-    if (rival.name != evidence.list().name[member]) asked.push_back(rival.explanation);
-  }
-  const FewExplanations few = WithTheirColumns(evidence.list().math, asked);
-  const int own = static_cast<int>(std::find(asked.begin(), asked.end(), member) - asked.begin());
-  Confirmation confirmation;
-  for (int half = 0; half < 2; ++half) {
-    const int middle = columns.num_poses() / 2;
+  std::vector<Confirmation> confirmations(places.size());
+  const Asked asked = AskedOf(evidence, model, places, in_place);
+  const FewExplanations few = WithTheirColumns(evidence.list().math, asked.all);
+  WeightedSet set{{}, model.set.scales, 0.0, 0.0};
+  for (size_t k = 0; k < model.set.members.size(); ++k) set.members.push_back(static_cast<int>(k));
+  const std::vector<double> widest(set.members.size(), kScales[kNumScales - 1]);
+  const int middle = columns.num_poses() / 2;
+  for (int half = 0; half < 2 && !places.empty(); ++half) {
     std::vector<int> poses(half == 0 ? middle : columns.num_poses() - middle);
     std::iota(poses.begin(), poses.end(), half == 0 ? 0 : middle);
     if (poses.empty()) continue;
-    const ViewedNormal& view = evidence.views()[model.view];
-    const BesideBelieved beside = columns.Project(columns.Sum(view.scatter, &few.columns, poses));
-    const SetSearch search(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof));
-    WeightedSet others;
-    std::vector<const ColumnGroup*> groups;
-    std::vector<double> scales;
-    for (size_t k = 0; k < model.set.members.size(); ++k) {
-      groups.push_back(&few.explanations[k].group);
-      scales.push_back(kScales[kNumScales - 1]);
-      if (static_cast<int>(k) == own) continue;
-      others.members.push_back(static_cast<int>(k));
-      others.scales.push_back(model.set.scales[k]);
+    const BesideBelieved beside =
+        columns.Project(columns.Sum(evidence.views()[model.view].scatter, &few.columns, poses));
+    const Places there(beside.normal, few.explanations, evidence.prior(), evidence.Likelihood(beside.normal.dof), set);
+    const GroupValues values = ValuesOf(beside.normal, GroupsOf(few.explanations, set.members), widest);
+    for (size_t k = 0; k < places.size(); ++k) {
+      HalfResult result = OnHalf(evidence, asked, k, there.Weights(places[k], asked.of[k]));
+      long first = 0;
+      for (size_t m = 0; m < places[k]; ++m) first += few.explanations[m].group.size();
+      const long size = few.explanations[places[k]].group.size();
+      result.values = values.values.segment(first, size);
+      result.covariance = values.covariance.block(first, first, size, size);
+      confirmations[k].halves.push_back(std::move(result));
     }
-    const std::vector<double> weights = search.Additions(search.Evaluate(others.members, others.scales));
-    const double sum = LogSumExp(weights);
-    HalfResult result;
-    const auto best = std::max_element(weights.begin(), weights.end());
-    result.best = evidence.list().name[asked[static_cast<size_t>(best - weights.begin())]];
-    for (size_t k = 0; k < asked.size(); ++k) {
-      if (evidence.list().name[asked[k]] == evidence.list().name[member])
-        result.probability += std::exp(weights[k] - sum);
-    }
-    const GroupValues values = ValuesOf(beside.normal, groups, scales);
-    long first = 0;
-    for (int k = 0; k < own; ++k) first += few.explanations[static_cast<size_t>(k)].group.size();
-    const long size = few.explanations[static_cast<size_t>(own)].group.size();
-    result.values = values.values.segment(first, size);
-    result.covariance = values.covariance.block(first, first, size, size);
-    confirmation.halves.push_back(std::move(result));
   }
-  confirmation.compatible_p = std::numeric_limits<double>::quiet_NaN();
-  if (confirmation.halves.size() < 2) return confirmation;
-  const Eigen::VectorXd apart = confirmation.halves[0].values - confirmation.halves[1].values;
-  const Eigen::LLT<Eigen::MatrixXd> joint(
-      Eigen::MatrixXd(confirmation.halves[0].covariance + confirmation.halves[1].covariance));
-  if (joint.info() == Eigen::Success) {
-    confirmation.compatible_p = ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
-  }
-  return confirmation;
+  for (Confirmation& confirmation : confirmations) confirmation.compatible_p = CompatibleP(confirmation.halves);
+  return confirmations;
 }
 
 }  // namespace sagitta

@@ -14,15 +14,41 @@ struct Alternative {
   double overlap = 0.0;      // share of the effect's chi-square reduction that it reproduces
 };
 
+// What each explanation would do in the place of one member of a set, the others staying at their scales: one sweep of
+// the whole set serves all places.
+class Places {
+ public:
+  // Of a set of the listed explanations; `normal` and `explanations` must outlive this.
+  Places(const ProjectedNormal& normal, const std::vector<Explanation>& explanations, const SetPrior& prior,
+         const ResidualLikelihood& likelihood, const WeightedSet& set);
+
+  // Log weights of the set with the listed explanations in the place of its k-th member; -infinity where the others
+  // exclude one.
+  std::vector<double> Weights(size_t place, const std::vector<int>& of) const;
+  // Of one more group, given all but the k-th member.
+  Eigen::MatrixXd Information(const ColumnGroup& group, size_t place) const;
+  Eigen::VectorXd Gradient(const ColumnGroup& group, size_t place) const;
+
+ private:
+  const std::vector<Explanation>& explanations_;
+  SetPrior prior_;
+  ResidualLikelihood likelihood_;
+  std::vector<int> members_;
+  MovingSweep sweep_;
+  std::vector<MovingSweep::WithoutOne> without_;  // each member
+};
+// Of a model's set among all explanations.
+Places PlacesOf(const Evidence& evidence, const WeightedModel& model);
+
 // Probability of each name in the effect's place, given the others of the set: most probable first, the effect's own
-// included, unnamed ones too.
-std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
+// included, unnamed ones too. place: of the effect in the set.
+std::vector<NamedProbability> InPlaceOf(const Evidence& evidence, const Places& places, size_t place);
 // Explanations of the member's own name in its place, best first; `probability` is a log weight.
 std::vector<NamedProbability> ShapesInPlaceOf(const Evidence& evidence, const WeightedModel& model, int member);
 
 // Those of the catalogue with a probability of kWorthListing or more in the effect's place.
-std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior,
-                                          const WeightedModel& model, int member,
+std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Posterior& posterior, const Places& places,
+                                          const WeightedModel& model, size_t place,
                                           const std::vector<NamedProbability>& in_place);
 constexpr double kWorthListing = 0.01;  // FORMATS section 6
 
@@ -37,7 +63,10 @@ struct MemberFit {
 // Square of the residual at the set's values beside the widest prior, as refits have it (refit.h), of a spring beside
 // its own; the prior's own term left out.
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model);
-MemberFit FitOf(const Evidence& evidence, const WeightedModel& model, int member);
+// given: its normal equations given the others.
+MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given);
+// Every member of a model's set given the others, at their scales.
+std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const WeightedModel& model);
 
 // The effect's name on one half of the poses, contiguous in the order of the rows: its probability in its place, the
 // others given; and what the half says of its parameters, in typical sizes.
@@ -54,8 +83,10 @@ struct Confirmation {
   double compatible_p = 1.0;  // of the halves' values being one; not a number where there is nothing to compare
 };
 
-// in_place: what else could stand in the place of the member, with its probability.
-Confirmation Confirm(const Evidence& evidence, const WeightedModel& model, int member,
-                     const std::vector<NamedProbability>& in_place);
+// Of the members at these places; in_place: of each, what else could stand there, with its probability. Each half is
+// summed once for all of them.
+std::vector<Confirmation> ConfirmEach(const Evidence& evidence, const WeightedModel& model,
+                                      const std::vector<size_t>& places,
+                                      const std::vector<std::vector<NamedProbability>>& in_place);
 
 }  // namespace sagitta

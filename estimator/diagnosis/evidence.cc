@@ -17,6 +17,9 @@ namespace {
 constexpr double kLeastRepeatability = 2e-6, kMostRepeatability = 5e-4;
 constexpr double kSettled = 0.03;  // of log sigma
 constexpr int kSettledBits = 5;    // 2^-5
+// Rows beyond what is estimated that settle it: of n degrees of freedom a standard deviation is good to 1 / sqrt(2 n),
+// 2 % here.
+constexpr int kRowsThatSettle = 1000;
 // A view that is so much less likely beside the best set is not searched: e^-4 = 2 %.
 constexpr double kWorthSearching = -4.0;
 constexpr int kMostViews = 4;
@@ -122,32 +125,51 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
   return scatter;
 }
 
-double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const {
-  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
+                           const RowSums& sums) const {
   std::vector<int> members(set.members.size());
   std::iota(members.begin(), members.end(), 0);
-  const BesideBelieved beside = columns_.Project(columns_.Sum(ScatterOf(view), &few.columns));
+  const BesideBelieved beside = columns_.Project(sums);
   const SetSearch search(beside.normal, few.explanations, prior_, Likelihood(beside.normal.dof));
   return search.Evaluate(members, set.scales).log_weight + beside.log_constant + view.log_prior;
 }
 
+double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const {
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), &few.columns));
+}
+
+// The size is found on as many blocks of rows as settle it; all rows say how likely it is.
 Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const {
   const double low = std::log(kLeastRepeatability), high = std::log(kMostRepeatability);
-  const auto weight = [&](double log_sigma) { return LogWeight({kind, std::exp(log_sigma), log_prior}, set); };
+  const FewExplanations few = WithTheirColumns(list_.math, set.members);
+  const int enough = kRowsThatSettle + columns_.num_believed() + static_cast<int>(few.columns.size());
+  const int every = std::max(1, columns_.num_rows() / enough);
+  const std::vector<FilledBlock> some = columns_.Fill(few.columns, every);
+  const auto view_at = [&](double log_sigma) { return NoiseView{kind, std::exp(log_sigma), log_prior}; };
+  const auto weight_of = [&](const NoiseView& view) {
+    const JointScatter scatter = ScatterOf(view);
+    return LogWeight(view, set, few, every == 1 ? columns_.Sum(scatter, some) : columns_.Sum(scatter, &few.columns));
+  };
+  const auto weight = [&](double log_sigma) { return weight_of(view_at(log_sigma)); };
+  const auto among_some = [&](double log_sigma) {
+    const NoiseView view = view_at(log_sigma);
+    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), some));
+  };
   const double spacing = std::log(2.0);
-  double near = low, near_weight = weight(low);
+  double near = low, near_weight = among_some(low);
   for (double at = low + spacing; at <= high; at += spacing) {
-    const double here = weight(at);
+    const double here = among_some(at);
     if (here <= near_weight) continue;
     near = at;
     near_weight = here;
   }
   // Beside the nearest of them: the precision is relative.
-  const auto [beside, lost] = boost::math::tools::brent_find_minima([&](double at) { return -weight(near + at); },
+  const auto [beside, lost] = boost::math::tools::brent_find_minima([&](double at) { return -among_some(near + at); },
                                                                     std::max(low - near, -spacing),
                                                                     std::min(high - near, spacing), kSettledBits);
-  const double best = near + beside, best_weight = -lost;
-  const double gain = best_weight - log_prior - LogWeight({}, set);
+  const double best = near + beside, best_weight = every == 1 ? -lost : weight(best);
+  const double gain = best_weight - log_prior - weight_of({});
   if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
   const double apart = 4.0 * kSettled;

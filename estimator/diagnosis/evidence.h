@@ -94,7 +94,9 @@ class Evidence {
     double log_weight = -std::numeric_limits<double>::infinity();  // no other view than the stated one
   };
   JointScatter ScatterOf(const NoiseView& view) const;
-  // Of the set beside a view, with its few columns alone.
+  // Of the set beside a view; `sums` are of its few columns alone.
+  double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
+                   const RowSums& sums) const;
   double LogWeight(const NoiseView& view, const WeightedSet& set) const;
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
   // The view that is most likely beside one of two sets, the best one and nothing; nothing where none is worth a

@@ -322,23 +322,24 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
 
 // C = I + sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses; rows <- chol(C)^-1
 // rows.
-double EvidenceColumns::Whiten(const Block& block, const JointScatter& scatter, Eigen::MatrixXd* rows) const {
+double EvidenceColumns::Whiten(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
+                               const JointScatter& scatter, Eigen::MatrixXd* rows) const {
   if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return 0.0;
   double log_det = 0.0;
   size_t first = 0;
-  while (first < block.observations.size()) {
-    const int pose = pose_of_observation_[block.observations[first]];
+  while (first < observations.size()) {
+    const int pose = pose_of_observation_[observations[first]];
     size_t last = first;
-    while (last < block.observations.size() && pose_of_observation_[block.observations[last]] == pose) ++last;
+    while (last < observations.size() && pose_of_observation_[observations[last]] == pose) ++last;
     const long top = static_cast<long>(3 * first), height = static_cast<long>(3 * (last - first));
-    const Eigen::MatrixXd l = block.here.latent.middleRows(top, height);
+    const Eigen::MatrixXd l = latent.middleRows(top, height);
     const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
     Eigen::MatrixXd covariance = of_pose * of_pose.transpose();
     const Eigen::MatrixXd within = of_visit * of_visit.transpose();
     for (long i = 0; i < height; ++i) {
       for (long j = 0; j <= i; ++j) {
         const auto visit = [&](long row) {
-          const int observation = block.observations[first + static_cast<size_t>(row / 3)];
+          const int observation = observations[first + static_cast<size_t>(row / 3)];
           return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
         };
         if (visit(i) == visit(j)) covariance(i, j) += within(i, j);
@@ -372,7 +373,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
         sums.rows -= 3;
       }
     }
-    sums.log_det += Whiten(block, scatter, &rows);
+    sums.log_det += Whiten(block.observations, block.here.latent, scatter, &rows);
     AddProducts(rows, &sums.products);
     sums.rows += block.here.num_rows();
   }
@@ -397,6 +398,28 @@ EvidenceColumns::AlongJoints EvidenceColumns::SumAlongJoints() const {
   return sums;
 }
 
+std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every) const {
+  std::vector<FilledBlock> filled;
+  Block scratch;
+  for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    filled.push_back({block.observations, block.here.latent, {}});
+    FillRows(block, &columns, &filled.back().rows);
+  }
+  return filled;
+}
+
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const {
+  const long width = filled.empty() ? 0 : filled[0].rows.cols();
+  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
+  for (FilledBlock block : filled) {
+    sums.log_det += Whiten(block.observations, block.latent, scatter, &block.rows);
+    AddProducts(block.rows, &sums.products);
+    sums.rows += static_cast<int>(block.rows.rows());
+  }
+  return sums;
+}
+
 // Those that the user stated, and markers on a spring.
 int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const {
   Linearization priors;
@@ -414,7 +437,7 @@ Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, co
   const Block block = LinearizeBlock(observations);
   Eigen::MatrixXd rows;
   FillRows(block, &columns, &rows);
-  Whiten(block, scatter, &rows);
+  Whiten(block.observations, block.here.latent, scatter, &rows);
   return rows.leftCols(rows.cols() - 1);
 }
 

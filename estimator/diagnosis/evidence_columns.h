@@ -61,6 +61,13 @@ struct RowSums {
   int rows = 0;
 };
 
+// Rows of some columns before they are whitened, for sums under several scatters.
+struct FilledBlock {
+  std::vector<int> observations;
+  Eigen::MatrixXd latent;  // deviations of the joints
+  Eigen::MatrixXd rows;    // [believed, columns, residual]
+};
+
 // Beside what is believed, which is eliminated with a flat prior (or its stated one).
 struct BesideBelieved {
   ProjectedNormal normal;
@@ -100,6 +107,10 @@ class EvidenceColumns {
   // All columns (null), or some; all poses (empty), or some.
   RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
               const std::vector<int>& poses = {}) const;
+  // Of one block in `every`; their sum is that over all where `every` is 1.
+  std::vector<FilledBlock> Fill(const std::vector<int>& columns, int every) const;
+  RowSums Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const;
+  int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
   BesideBelieved Project(const RowSums& sums) const;
 
   // Of a unit deviation of each joint in each shot, over the fitted rows: its square, and its product with the residual
@@ -131,7 +142,8 @@ class EvidenceColumns {
   void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;
   // Their number.
   int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
-  double Whiten(const Block& block, const JointScatter& scatter, Eigen::MatrixXd* rows) const;
+  double Whiten(const std::vector<int>& observations, const Eigen::MatrixXd& latent, const JointScatter& scatter,
+                Eigen::MatrixXd* rows) const;
 
   CalibrationProblem extended_;
   std::vector<int> believed_;    // coordinates of extended_

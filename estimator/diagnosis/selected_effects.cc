@@ -63,6 +63,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
   const ExplanationList& list = evidence.list();
   const SetSearch search = evidence.SearchIn(model.view);
   const double whole = search.Evaluate(model.set.members, model.set.scales).log_weight;
+  const std::vector<GivenOthers> given = EachGivenOthers(evidence, model);
   std::vector<SelectedEffect> effects;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
     const int member = model.set.members[k];
@@ -73,7 +74,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
     if (IsGravityCompensator(effect.candidate.spec)) {
       effect.candidate.spec = SeededSpring(evidence, model, member, lacking);
     }
-    effect.fit = FitOf(evidence, model, member);
+    effect.fit = FitOf(evidence, member, given[k]);
     effect.candidate.poorly_determined = effect.fit.poorly_determined;
     effect.candidate.loose = effect.fit.loose;
     std::vector<int> others = model.set.members;

@@ -115,7 +115,8 @@ std::string CauseInWords(const Diagnosis& d, const EffectGroup& group) {
   std::string words = is_one ? Title(d.final.problem->robot(), first.candidate.spec) : GroupInWords(d, group);
   const double least = LeastProbability(d, group);
   words += is_one ? ", " + Percent(least) : ", each " + Percent(least) + (IsNearlyCertain(least) ? "" : " or more");
-  const std::string share = ShareOfGap(d, group.share_of_gap);
+  std::string share = ShareOfGap(d, group.share_of_gap);
+  if (!share.empty() && group.share_of_gap <= 0.0) share = "no gain on untouched rows";
   return d.effects.size() > 1 && !share.empty() ? words + ": " + share : words;
 }
 
@@ -155,6 +156,10 @@ std::string Title(const Robot& robot, const EffectSpec& spec) {
   const EffectDefinition* definition = FindEffect(robot, spec.effect);
   const std::string title = definition == nullptr ? "gravity compensator" : definition->title;
   return title + " (" + spec.effect + ", " + spec.target + SettingsInWords(definition, spec) + ")";
+}
+
+std::string ShortTitle(const Robot& robot, const EffectSpec& spec) {
+  return spec.target + " " + spec.effect + SettingsInWords(FindEffect(robot, spec.effect), spec);
 }
 
 std::string VerdictInWords(const Diagnosis& d) {

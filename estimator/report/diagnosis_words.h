@@ -15,6 +15,8 @@ constexpr char kLearntEstimateFile[] = "estimate.learnt.json";
 
 // "periodic joint error (joint_harmonic, A3, order 1)"; effects of the robot file included.
 std::string Title(const Robot& robot, const EffectSpec& spec);
+// The same for the axis of a picture, target first: "A3 joint_harmonic, order 1".
+std::string ShortTitle(const Robot& robot, const EffectSpec& spec);
 // The verdict as one sentence or two; as lines, five at most: the first, then causes, strongest first, each with its
 // share of the gap on untouched rows.
 std::string VerdictInWords(const Diagnosis& diagnosis);

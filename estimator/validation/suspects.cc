@@ -192,13 +192,16 @@ std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estim
   std::vector<double> distances;
   for (Eigen::Index k = 0; k < rows.residuals.cols(); ++k) distances.push_back(rows.residuals.col(k).norm());
   const double median = Median(distances);
+  const bool is_near = median <= SuspiciousMisfit(problem.robot().chain);  // else no reading can be said to fit
   for (const int k : outliers) {
     const int observation = rows.observations[k];
     const auto is_known = [&](const Suspect& suspect) { return suspect.observation == observation; };
     if (std::any_of(suspects.begin(), suspects.end(), is_known)) continue;
     Proposals proposals(distances[k], rows.predicted(k));
-    TryNumbers(rows.measured(k), &proposals);
-    TryLabels(rows, k, &proposals);
+    if (is_near) {
+      TryNumbers(rows.measured(k), &proposals);
+      TryLabels(rows, k, &proposals);
+    }
     const std::string off = RowIsOff(distances[k], distances[k] / median);
     const bool explained = !proposals.words().empty();
     suspects.push_back({observation, problem.data().SourceOf(rows.at(k)),

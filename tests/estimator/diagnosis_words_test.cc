@@ -70,6 +70,12 @@ TEST(DiagnosisWords, ANegativeShareIsNoGain) {
   EXPECT_THAT(VerdictLines(d)[2], EndsWith(": no gain on untouched rows"));
 }
 
+// The axes of pictures cut long names off at their end.
+TEST(DiagnosisWords, AShortTitleBeginsWithTheTarget) {
+  const Diagnosis d = Large();
+  EXPECT_EQ(ShortTitle(d.final.problem->robot(), d.effects[0].candidate.spec), "A1 joint_harmonic, order 1");
+}
+
 TEST(DiagnosisWords, OneEffectIsOneSentence) {
   Diagnosis d = Large();
   d.verdict = DiagnosisVerdict::kExplained;

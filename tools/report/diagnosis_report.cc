@@ -31,7 +31,7 @@ Picture Waterfall(const Diagnosis& d) {
   std::vector<Stage> stages = {{"believed model", 1e3 * d.baseline.estimate.validation.rms}};
   int number = 0;
   for (const FoundEffect& effect : d.effects) {
-    stages.push_back({std::to_string(++number) + ": " + Title(d.final.problem->robot(), effect.candidate.spec),
+    stages.push_back({std::to_string(++number) + ": " + ShortTitle(d.final.problem->robot(), effect.candidate.spec),
                       1e3 * effect.holdout_after});
   }
   return WaterfallPicture("The gap, effect by effect", "hold-out RMS per coordinate, mm", stages,
@@ -55,9 +55,9 @@ Picture Probabilities(const Diagnosis& d) {
   std::vector<Bar> bars;
   for (size_t i = 0; i < d.effects.size(); ++i) {
     const std::string number = std::to_string(i + 1) + ": ";
-    bars.push_back({"", number + Title(robot, d.effects[i].candidate.spec), 100.0 * d.effects[i].probability});
+    bars.push_back({"", number + ShortTitle(robot, d.effects[i].candidate.spec), 100.0 * d.effects[i].probability});
     for (const Alternative& alternative : d.effects[i].alternatives) {
-      bars.push_back({"", number + "or " + Title(robot, alternative.spec), 100.0 * alternative.probability});
+      bars.push_back({"", number + "or " + ShortTitle(robot, alternative.spec), 100.0 * alternative.probability});
     }
   }
   return BarPicture("How probable each name is, and what else it may be", "probability, %", bars);
