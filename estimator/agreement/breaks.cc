@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <string>
 
 #include "estimator/least_squares/all_joints.h"
 #include "estimator/least_squares/sample.h"
@@ -117,12 +118,17 @@ class BreakSearch {
     bool timed = true;
     std::set<int> configurations;
     std::map<int, int> first;  // row of each shot
+    std::map<std::string, std::set<int>> of_load;
     for (int k = 0; k < n; ++k) {
       timed = timed && ShotOf(k).has_time;
       configurations.insert(ShotOf(k).configuration);
+      of_load[ShotOf(k).load].insert(ShotOf(k).configuration);
       first.try_emplace(problem_.data().observations[rows_.observations[k]].shot, k);
     }
     num_configurations_ = static_cast<int>(configurations.size());
+    load_ = std::max_element(of_load.begin(), of_load.end(), [](const auto& a, const auto& b) {
+              return a.second.size() < b.second.size();
+            })->first;
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), 0);
     const auto shot = [&](int k) { return problem_.data().observations[rows_.observations[k]].shot; };
@@ -132,7 +138,10 @@ class BreakSearch {
     });
   }
 
+  // Under the load that most configurations have: where another begins, what the model lacks of loads looks like a
+  // step.
   bool Concerns(const Cause& cause, int k) const {
+    if (ShotOf(k).load != load_) return false;
     if (cause.of == BreakOf::kStation) return ShotOf(k).station == cause.index;
     return cause.of == BreakOf::kJoint || problem_.data().observations[rows_.observations[k]].marker == cause.index;
   }
@@ -235,6 +244,7 @@ class BreakSearch {
   Eigen::VectorXd residual_;  // beside it
   double squares_ = 0.0;
   int num_configurations_ = 0;
+  std::string load_;
   std::vector<int> order_;        // positions in rows_.observations
   mutable Eigen::VectorXd step_;  // of the best, per unit of its columns
 };

@@ -72,7 +72,8 @@ struct LinearSolution {
   double condition = 0.0;              // of the column-normalised Jacobian
   bool full_rank = true;
 };
-// By QR of the rows, by products where they are many or far from dependent; full_rank: columns do not depend on others.
+// By QR of the rows; by their products where those are many, or columns far from depending on each other. full_rank is
+// false where columns depend on each other.
 LinearSolution SolveLinearization(const Linearization& linearization);
 
 }  // namespace sagitta

@@ -285,7 +285,8 @@ INSTANTIATE_TEST_SUITE_P(
     Header, BadMeasurementTest,
     ::testing::Values(
         BadFile{"missing_z", kSmall, ",z_mm", ",zz", {"1: z_mm", "missing"}},
-        BadFile{"missing_config", kSmall, "config", "c", {"1: config", "missing", "'sagitta import'"}},
+        BadFile{
+            "missing_config", kSmall, "config", "c", {"1: config", "missing", "'sagitta import ROBOT FILE --out=DIR'"}},
         BadFile{"no_joints", kSmall, "q1_deg,q2_mm", "a,b", {"1: q1_deg", "missing"}},
         BadFile{"misspelt", kSmall, "x_mm", "x_mmm", {"1: x_mmm", "unknown", "'x_mm'"}},
         BadFile{"centimetres", kSmall, "x_mm", "x_cm", {"1: x_cm", "'x_mm'"}},
