@@ -12,11 +12,12 @@ namespace {
 constexpr double kMayLead = 0.05;
 constexpr size_t kMostRefitted = 4;
 
+// near: the believed model with a noise like that of this model.
 DiagnosedModel LackingBeside(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                             const DiagnosedModel& baseline, const JointOptions& joint) {
+                             const DiagnosedModel& baseline, const Estimate& near, const JointOptions& joint) {
   const bool is_other = evidence.views()[model.view].view.kind != NoiseView::Kind::kStated;
   if (!is_other && evidence.IsSigmaStated() && evidence.SigmaIsWrong(model) <= kEvenOdds) return baseline;
-  DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), baseline.estimate, joint);
+  DiagnosedModel refit = RefitFully(WithNoiseOf(evidence, model, working), near, joint);
   return IsUsable(refit.estimate.status) ? refit : baseline;
 }
 
@@ -45,13 +46,21 @@ std::vector<size_t> MayLead(const Posterior& posterior) {
   return sets;
 }
 
+// Sets of one view have almost the same noise, and where it is large many steps lead from the stated one to it.
+const RefittedSet* LastOfView(const std::vector<RefittedSet>& refitted, int view) {
+  const auto last = std::find_if(refitted.rbegin(), refitted.rend(),
+                                 [view](const RefittedSet& each) { return each.model.view == view; });
+  return last == refitted.rend() ? nullptr : &*last;
+}
+
 }  // namespace
 
 RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                     const DiagnosedModel& baseline, const JointOptions& joint) {
+                     const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near) {
   RefittedSet refitted;
   refitted.model = model;
-  refitted.lacking = LackingBeside(evidence, model, working, baseline, joint);
+  const Estimate& start = near == nullptr ? baseline.estimate : near->lacking.estimate;
+  refitted.lacking = LackingBeside(evidence, model, working, baseline, start, joint);
   refitted.effects = SelectedEffectsOf(evidence, model, refitted.lacking);
   refitted.with_effects = Extend(refitted.lacking, CandidatesOf(refitted.effects), joint);
   if (!refitted.IsUsable()) TryOtherSprings(evidence, joint, &refitted);
@@ -76,7 +85,8 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   bool any_usable = false;
   for (const size_t s : MayLead(*posterior)) {
     const NameSet& set = posterior->sets[s];
-    refitted.push_back(RefitSet(*evidence, evidence->models()[set.best], working, baseline, joint));
+    const WeightedModel& best = evidence->models()[set.best];
+    refitted.push_back(RefitSet(*evidence, best, working, baseline, joint, LastOfView(refitted, best.view)));
     any_usable |= refitted.back().IsUsable();
     const double correction = LogCorrection(*evidence, refitted.back());
     for (const int m : set.models) corrections[m] = correction;
@@ -89,7 +99,7 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   for (RefittedSet& each : refitted) {
     if (each.model.view == leading.view && each.model.set.members == leading.set.members) return each;
   }
-  return RefitSet(*evidence, leading, working, baseline, joint);
+  return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
 }
 
 }  // namespace sagitta

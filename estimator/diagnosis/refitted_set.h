@@ -24,9 +24,10 @@ struct RefittedSet {
   bool IsUsable() const { return sagitta::IsUsable(with_effects.estimate.status); }
 };
 
-// working: what the evidence is made of. baseline: fitted with the noise as stated.
+// working: what the evidence is made of. baseline: fitted with the noise as stated. near: another set with a noise like
+// that of this one, to start from.
 RefittedSet RefitSet(const Evidence& evidence, const WeightedModel& model, const CalibrationProblem& working,
-                     const DiagnosedModel& baseline, const JointOptions& joint);
+                     const DiagnosedModel& baseline, const JointOptions& joint, const RefittedSet* near = nullptr);
 
 // 0 where the set holds what has no name: the full model cannot hold it.
 double LogCorrection(const Evidence& evidence, const RefittedSet& refitted);
