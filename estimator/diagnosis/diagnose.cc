@@ -253,8 +253,10 @@ class Session {
   int MeasurePrefixes() {
     prefixes_.assign(1, lacking_);
     for (size_t count = 1; count < selected_.size(); ++count) {
-      const std::vector<SelectedEffect> first(selected_.begin(), selected_.begin() + static_cast<long>(count));
-      prefixes_.push_back(Extend(lacking_, CandidatesOf(first), joint_));
+      const bool is_near = IsUsable(prefixes_.back().estimate.status);
+      const auto last = selected_.begin() + static_cast<long>(count);
+      const std::vector<SelectedEffect> fresh(is_near ? last - 1 : selected_.begin(), last);
+      prefixes_.push_back(Extend(is_near ? prefixes_.back() : lacking_, CandidatesOf(fresh), joint_));
     }
     prefixes_.push_back(d_.final);
     for (size_t k = selected_.size(); k > 0; --k) {

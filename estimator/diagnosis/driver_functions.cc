@@ -66,18 +66,39 @@ Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most) {
   return stretches;
 }
 
-// F = U S V', by the eigenvectors of the smaller of F'F and FF':  basis F V = U S, mixing V' = S^-1 U' F.
+namespace {
+
+// L with L L' = F F' but for `left` of its trace: Cholesky with pivots, which ends after as many columns as F has
+// directions (Harbrecht, Peters and Schneider 2012, Appl. Numer. Math. 62, 428).
+Eigen::MatrixXd FewColumns(const Eigen::MatrixXd& functions, double left) {
+  Eigen::VectorXd diagonal = functions.rowwise().squaredNorm();
+  const double enough = left * diagonal.sum();
+  const long most = std::min(functions.rows(), functions.cols());
+  Eigen::MatrixXd root(functions.rows(), most);
+  long rank = 0;
+  for (Eigen::Index pivot; rank < most && diagonal.sum() > enough; ++rank) {
+    const double largest = diagonal.maxCoeff(&pivot);
+    const auto before = root.leftCols(rank);
+    root.col(rank) =
+        (functions * functions.row(pivot).transpose() - before * before.row(pivot).transpose()) / std::sqrt(largest);
+    diagonal = (diagonal - root.col(rank).cwiseAbs2()).cwiseMax(0.0);
+    diagonal[pivot] = 0.0;
+  }
+  return root.leftCols(rank);
+}
+
+}  // namespace
+
+// F = U S V':  basis U S, mixing V' = S^-1 U' F, of directions above the tolerance.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
-  const bool is_tall = functions.rows() >= functions.cols();
-  const Eigen::MatrixXd gram =
-      is_tall ? Eigen::MatrixXd(functions.transpose() * functions) : Eigen::MatrixXd(functions * functions.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const Eigen::MatrixXd few = FewColumns(functions, 0.1 * tolerance * tolerance);
+  if (few.cols() == 0) return {few, Eigen::MatrixXd(0, functions.cols())};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(few.transpose() * few));
   const double least = tolerance * tolerance * eigen.eigenvalues().maxCoeff();
   const long rank = (eigen.eigenvalues().array() > least).count();
-  const Eigen::MatrixXd vectors = eigen.eigenvectors().rightCols(rank);
-  if (is_tall) return {functions * vectors, vectors.transpose()};
-  const Eigen::VectorXd sizes = eigen.eigenvalues().tail(rank).cwiseSqrt();
-  return {vectors * sizes.asDiagonal(), sizes.cwiseInverse().asDiagonal() * (vectors.transpose() * functions)};
+  const Eigen::VectorXd squares = eigen.eigenvalues().tail(rank);
+  const Eigen::MatrixXd basis = few * eigen.eigenvectors().rightCols(rank);  // L = U S W', so L W = U S
+  return {basis, squares.cwiseInverse().asDiagonal() * (basis.transpose() * functions)};
 }
 
 }  // namespace sagitta

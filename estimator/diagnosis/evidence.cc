@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include "estimator/report/diagnosis_function_words.h"
@@ -58,7 +59,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       sigma_dof_(sigma_dof),
       stated_(StatedScatter(problem)) {
   ViewedNormal stated{{}, ScatterOf({}), {}};
-  stated.beside = columns_.Project(columns_.Sum(stated.scatter));
+  stated.beside = Beside(stated.scatter);
   DropInvisible(stated.beside.normal, masses, &list_);
   if (progress) {
     progress("weighing " + std::to_string(list_.math.size()) + " explanations");
@@ -77,7 +78,7 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
       progress(SearchingWithRepeatability(next->view.sigma));
     }
     const JointScatter scatter = ScatterOf(next->view);
-    Climb({next->view, scatter, columns_.Project(columns_.Sum(scatter))}, best, kEveryMove, &searches);
+    Climb({next->view, scatter, Beside(scatter)}, best, kEveryMove, &searches);
   }
   if (!is_done) FinishStated(&searches);
   Explore(&searches);
@@ -123,6 +124,12 @@ JointScatter Evidence::ScatterOf(const NoiseView& view) const {
     (view.kind == NoiseView::Kind::kVisit ? scatter.visit : scatter.pose)[j] = view.sigma;
   }
   return scatter;
+}
+
+BesideBelieved Evidence::Beside(const JointScatter& scatter) const {
+  std::set<std::vector<int>> own;
+  for (const Explanation& explanation : list_.math) own.insert(explanation.group.columns);
+  return columns_.ProjectAll(scatter, own);
 }
 
 double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,

@@ -1,15 +1,11 @@
 #include "estimator/diagnosis/evidence_columns.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
 #include "estimator/diagnosis/typical_units.h"
 #include "estimator/least_squares/all_joints.h"
-#include "estimator/least_squares/batch_algebra.h"
 #include "models/effects/learnt_deviation.h"
 #include "problems/split.h"
 
@@ -17,30 +13,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kRowsPerBlock = 384;                 // enough for the products to run at full speed
-constexpr Eigen::Index kColumnsAtOnce = 256;       // of a product, upper blocks alone: a tenth more than half of it
-constexpr size_t kMostStored = 128 * 1024 * 1024;  // bytes of linearized blocks
-// Of J'J scaled to a unit diagonal: below, a direction is rounding.
-constexpr double kRank = 1e-13;
-// Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
-constexpr double kContained = 1e-9;
-
-// R' R is added to the upper triangle, some columns at a time with the instructions that the machine has.
-void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
-  const Eigen::MatrixXd turned = rows.transpose();
-  const Eigen::Index width = turned.rows();
-  Eigen::MatrixXd product(width, kColumnsAtOnce);
-  for (Eigen::Index first = 0; first < width; first += kColumnsAtOnce) {
-    const Eigen::Index columns = std::min<Eigen::Index>(kColumnsAtOnce, width - first), height = first + columns;
-    const auto done = static_cast<Eigen::Index>(
-        MultiplyColumns(turned.data(), width, height, turned.cols(), rows.col(first).data(), columns, product.data()));
-    upper->block(0, first, done, columns) += product.topLeftCorner(done, columns);
-    const Eigen::Index rest = height - done;
-    if (rest > 0) {
-      upper->block(done, first, rest, columns).noalias() +=
-          turned.middleRows(done, rest) * rows.middleCols(first, columns);
-    }
-  }
-}
+constexpr size_t kMostStored = 512 * 1024 * 1024;  // bytes of linearized blocks
 
 std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
   std::set<std::string> known;
@@ -98,7 +71,7 @@ JointScatter StatedScatter(const CalibrationProblem& problem) {
 }
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const std::vector<Candidate>& candidates)
+                                 const std::vector<Candidate>& candidates, const EvidenceColumns* same_rows)
     : extended_(problem.WithEffects(FreshSpecs(problem, candidates))) {
   extended_.parameters.CopyByName(parameters);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
@@ -177,6 +150,11 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     poses_of_block_.back().push_back(pose);
     rows += 3 * static_cast<int>(poses_[pose].size());
   }
+  if (same_rows != nullptr && same_rows->linearized_ == linearized_) {
+    stored_ = same_rows->stored_;
+    for (Block& block : stored_) block.sources.clear();
+    return;
+  }
   size_t bytes = 0;
   for (const std::vector<int>& own : poses_of_block_) {
     std::vector<int> observations;
@@ -188,6 +166,12 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
 }
 
 std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
+  const auto known = std::find(sources_.begin(), sources_.end(), family.source);
+  source_of_family_.push_back(static_cast<size_t>(known - sources_.begin()));
+  if (known == sources_.end()) {
+    sources_.push_back(family.source);
+    for (Block& block : stored_) block.sources.push_back(SourceRows(block, family.source));
+  }
   std::vector<int> own;
   for (int f = 0; f < family.functions.cols(); ++f) {
     family_of_column_.push_back(static_cast<int>(families_.size()));
@@ -220,8 +204,10 @@ Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) con
 }
 
 EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& observations) const {
-  return {observations, Linearize(extended_, extended_.parameters, observations, linearized_,
-                                  ObservationNoise(extended_, observations, kFallbackSigma), LatentTreatment::kIgnore)};
+  return {observations,
+          Linearize(extended_, extended_.parameters, observations, linearized_,
+                    ObservationNoise(extended_, observations, kFallbackSigma), LatentTreatment::kIgnore),
+          {}};
 }
 
 const EvidenceColumns::Block& EvidenceColumns::BlockOf(int index, Block* scratch) const {
@@ -310,7 +296,8 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
     const int beyond = column - static_cast<int>(catalogue_.size());
     if (family_of_column_[beyond] != family) {
       family = family_of_column_[beyond];
-      source = SourceRows(block, families_[family].source);
+      const size_t known = source_of_family_[family];
+      source = known < block.sources.size() ? block.sources[known] : SourceRows(block, families_[family].source);
     }
     const auto function = families_[family].functions.col(function_of_column_[beyond]);
     for (size_t o = 0; o < block.observations.size(); ++o) {
@@ -318,176 +305,6 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
       own.segment<3>(static_cast<long>(3 * o)) = value * source.segment<3>(static_cast<long>(3 * o));
     }
   }
-}
-
-// C = I + sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses; rows <- chol(C)^-1
-// rows.
-double EvidenceColumns::Whiten(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
-                               const JointScatter& scatter, Eigen::MatrixXd* rows) const {
-  if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return 0.0;
-  double log_det = 0.0;
-  size_t first = 0;
-  while (first < observations.size()) {
-    const int pose = pose_of_observation_[observations[first]];
-    size_t last = first;
-    while (last < observations.size() && pose_of_observation_[observations[last]] == pose) ++last;
-    const long top = static_cast<long>(3 * first), height = static_cast<long>(3 * (last - first));
-    const Eigen::MatrixXd l = latent.middleRows(top, height);
-    const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
-    Eigen::MatrixXd covariance = of_pose * of_pose.transpose();
-    const Eigen::MatrixXd within = of_visit * of_visit.transpose();
-    for (long i = 0; i < height; ++i) {
-      for (long j = 0; j <= i; ++j) {
-        const auto visit = [&](long row) {
-          const int observation = observations[first + static_cast<size_t>(row / 3)];
-          return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
-        };
-        if (visit(i) == visit(j)) covariance(i, j) += within(i, j);
-      }
-      covariance(i, i) += 1.0;
-    }
-    const Eigen::LLT<Eigen::MatrixXd> root(covariance);
-    auto own = rows->middleRows(top, height);
-    own = root.matrixL().solve(Eigen::MatrixXd(own));
-    log_det += 2.0 * root.matrixLLT().diagonal().array().log().sum();
-    first = last;
-  }
-  return log_det;
-}
-
-RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>* columns,
-                             const std::vector<int>& poses) const {
-  const std::set<int> wanted(poses.begin(), poses.end());
-  const long count = columns == nullptr ? num_columns_ : static_cast<long>(columns->size());
-  const long width = static_cast<long>(believed_.size()) + count + 1;
-  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
-  Block scratch;
-  Eigen::MatrixXd rows;
-  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    FillRows(block, columns, &rows);
-    if (!poses.empty()) {
-      for (size_t o = 0; o < block.observations.size(); ++o) {
-        if (wanted.count(pose_of_observation_[block.observations[o]]) > 0) continue;
-        rows.middleRows(static_cast<long>(3 * o), 3).setZero();
-        sums.rows -= 3;
-      }
-    }
-    sums.log_det += Whiten(block.observations, block.here.latent, scatter, &rows);
-    AddProducts(rows, &sums.products);
-    sums.rows += block.here.num_rows();
-  }
-  return sums;
-}
-
-EvidenceColumns::AlongJoints EvidenceColumns::SumAlongJoints() const {
-  const Measurements& data = extended_.data();
-  const Eigen::MatrixXd none =
-      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), extended_.robot().num_joints());
-  AlongJoints sums{none, none};
-  Block scratch;
-  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    for (size_t o = 0; o < block.observations.size(); ++o) {
-      const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
-      const auto moved = block.here.latent.middleRows(top, 3);
-      sums.square.row(shot) += moved.colwise().squaredNorm();
-      sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * moved;
-    }
-  }
-  return sums;
-}
-
-std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every) const {
-  std::vector<FilledBlock> filled;
-  Block scratch;
-  for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
-    const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    filled.push_back({block.observations, block.here.latent, {}});
-    FillRows(block, &columns, &filled.back().rows);
-  }
-  return filled;
-}
-
-RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const {
-  const long width = filled.empty() ? 0 : filled[0].rows.cols();
-  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
-  for (FilledBlock block : filled) {
-    sums.log_det += Whiten(block.observations, block.latent, scatter, &block.rows);
-    AddProducts(block.rows, &sums.products);
-    sums.rows += static_cast<int>(block.rows.rows());
-  }
-  return sums;
-}
-
-// Those that the user stated, and markers on a spring.
-int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const {
-  Linearization priors;
-  priors.columns = believed_;
-  priors.jacobian.resize(0, static_cast<long>(believed_.size()));
-  AppendPriors(extended_.parameters, &priors);
-  *own += priors.jacobian.transpose() * priors.jacobian;
-  *along += priors.jacobian.transpose() * priors.residual;
-  *square += priors.residual.squaredNorm();
-  return static_cast<int>(priors.residual.size());
-}
-
-Eigen::MatrixXd EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
-                                        const std::vector<int>& columns) const {
-  const Block block = LinearizeBlock(observations);
-  Eigen::MatrixXd rows;
-  FillRows(block, &columns, &rows);
-  Whiten(block.observations, block.here.latent, scatter, &rows);
-  return rows.leftCols(rows.cols() - 1);
-}
-
-Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const {
-  Eigen::MatrixXd products = Sum(scatter, &columns).products.selfadjointView<Eigen::Upper>();
-  const long believed = num_believed(), last = products.cols() - 1;
-  Eigen::MatrixXd own = products.topLeftCorner(believed, believed);
-  Eigen::VectorXd along = products.col(last).head(believed);
-  AddPriors(&own, &along, &products(last, last));
-  products.topLeftCorner(believed, believed) = own;
-  products.col(last).head(believed) = along;
-  products.row(last).head(believed) = along.transpose();
-  return products;
-}
-
-BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
-  const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
-  Eigen::MatrixXd own = sums.products.topLeftCorner(believed, believed).selfadjointView<Eigen::Upper>();
-  Eigen::MatrixXd beside = sums.products.topRightCorner(believed, count + 1);
-  Eigen::VectorXd along_residual = beside.col(count);
-  double square = sums.products(count + believed, count + believed);
-  const int priors = AddPriors(&own, &along_residual, &square);
-  beside.col(count) = along_residual;
-  const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
-  const double least = kRank * eigen.eigenvalues().maxCoeff();
-  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
-  const Eigen::MatrixXd basis =
-      eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd along = basis.transpose() * (scale.asDiagonal() * beside);
-  Eigen::MatrixXd left = sums.products.bottomRightCorner(count + 1, count + 1);
-  left(count, count) = square;
-  const Eigen::VectorXd before = left.diagonal();
-  left.selfadjointView<Eigen::Upper>().rankUpdate(along.transpose(), -1.0);
-  BesideBelieved result;
-  ProjectedNormal& normal = result.normal;
-  normal.information = left.topLeftCorner(count, count).selfadjointView<Eigen::Upper>();
-  normal.gradient = left.col(count).head(count);
-  normal.residual = left(count, count);
-  normal.dof = sums.rows + priors - rank;
-  for (long c = 0; c < count; ++c) {
-    if (normal.information(c, c) > kContained * before[c]) continue;
-    normal.information.row(c).setZero();
-    normal.information.col(c).setZero();
-    normal.gradient[c] = 0.0;
-  }
-  result.log_constant =
-      -0.5 * (sums.log_det + eigen.eigenvalues().tail(rank).array().log().sum() - 2.0 * scale.array().log().sum());
-  return result;
 }
 
 }  // namespace sagitta

@@ -7,7 +7,9 @@
 // function is one number per shot.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,10 @@ struct Source {
   Kind kind = Kind::kJoint;
   int owner = 0;  // index of the joint, station or marker; of a link that of the joint before it, -1: the base
   int axis = 0;   // of all but joints, links and scales
+
+  bool operator==(const Source& other) const {
+    return kind == other.kind && owner == other.owner && axis == other.axis;
+  }
 };
 
 // SI, and what it is millionths of, in words: urad, um or ppm.
@@ -78,8 +84,9 @@ struct BesideBelieved {
 class EvidenceColumns {
  public:
   // Candidates without columns of their own (the gravity compensator) are left out.
+  // same_rows: of a problem with the same fitted rows, which are not linearized again.
   EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                  const std::vector<Candidate>& candidates);
+                  const std::vector<Candidate>& candidates, const EvidenceColumns* same_rows = nullptr);
 
   // Adds a family; returns its columns.
   std::vector<int> Add(const FunctionFamily& family);
@@ -112,6 +119,10 @@ class EvidenceColumns {
   RowSums Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const;
   int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
   BesideBelieved Project(const RowSums& sums) const;
+  // Of all columns over all rows. own: lists of columns of which the block with themselves is asked for often. Where
+  // the linearized blocks are kept the other products are made as they are asked for: this must outlive what is
+  // returned.
+  BesideBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
 
   // Of a unit deviation of each joint in each shot, over the fitted rows: its square, and its product with the residual
   // (shots x joints); noise as stated, nothing eliminated.
@@ -121,17 +132,24 @@ class EvidenceColumns {
   AlongJoints SumAlongJoints() const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
-  // Rows [believed, columns] of one pose that need not be fitted, whitened; and products of the fitted rows with
-  // [believed, columns, residual], priors of the believed included.
-  Eigen::MatrixXd RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
-                         const std::vector<int>& columns) const;
+  // Rows [believed, columns] of one pose that need not be fitted, whitened, for each list of columns; and products of
+  // the fitted rows with [believed, columns, residual], priors of the believed included.
+  std::vector<Eigen::MatrixXd> RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                                      const std::vector<std::vector<int>>& columns) const;
   Eigen::MatrixXd FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const;
 
  private:
   struct Block {
     std::vector<int> observations;
     Linearization here;  // believed, catalogue and source columns; deviations of the joints as `latent`
+    std::vector<Eigen::VectorXd> sources;  // rows of each of sources_
   };
+  // Of the covariance of one pose's rows, which begin at `top` in their block.
+  struct PoseRoot {
+    long top = 0;
+    Eigen::LLT<Eigen::MatrixXd> root;
+  };
+  using BlockRoots = std::vector<PoseRoot>;  // empty: rows are independent, of unit variance
 
   Block LinearizeBlock(const std::vector<int>& observations) const;
   const Block& BlockOf(int index, Block* scratch) const;
@@ -142,8 +160,20 @@ class EvidenceColumns {
   void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;
   // Their number.
   int AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const;
-  double Whiten(const std::vector<int>& observations, const Eigen::MatrixXd& latent, const JointScatter& scatter,
-                Eigen::MatrixXd* rows) const;
+  BlockRoots RootsOf(const std::vector<int>& observations, const Eigen::MatrixXd& latent,
+                     const JointScatter& scatter) const;
+  // rows <- root^-1 rows of each pose; log of the determinant of the covariance.
+  static double Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows);
+  // Believed columns, with their priors, eliminated from sums with others and the residual.
+  struct Eliminated {
+    Eigen::MatrixXd along;  // Q'[A r], Q orthonormal over what is believed
+    double square = 0.0;    // r'r, with priors
+    double dof = 0.0;
+    double log_constant = 0.0;  // as of BesideBelieved
+  };
+  Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square, const RowSums& sums) const;
+  // A_k' C^-1 A of some columns with all; roots: of every block.
+  Eigen::MatrixXd ProductsOf(const std::vector<int>& columns, const std::vector<BlockRoots>& roots) const;
 
   CalibrationProblem extended_;
   std::vector<int> believed_;    // coordinates of extended_
@@ -153,6 +183,8 @@ class EvidenceColumns {
   std::vector<double> units_;  // of the catalogue columns
   std::vector<std::string> names_;
   std::vector<FunctionFamily> families_;
+  std::vector<Source> sources_;  // of the families, each once
+  std::vector<size_t> source_of_family_;
   std::vector<int> family_of_column_, function_of_column_;  // of columns beyond the catalogue
   int num_columns_ = 0;
   std::vector<std::vector<int>> poses_;  // observations of each

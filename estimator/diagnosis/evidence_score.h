@@ -17,6 +17,8 @@
 #include <limits>
 #include <vector>
 
+#include "estimator/diagnosis/column_products.h"
+
 namespace sagitta {
 
 // Half decades around the typical size: wide enough that the exact size does not matter.
@@ -25,10 +27,10 @@ constexpr int kNumScales = 5;
 
 // Normal equations of a list of columns with what is believed eliminated.
 struct ProjectedNormal {
-  Eigen::MatrixXd information;  // G
-  Eigen::VectorXd gradient;     // g
-  double residual = 0.0;        // R
-  double dof = 0.0;             // n
+  ColumnProducts information;  // G
+  Eigen::VectorXd gradient;    // g
+  double residual = 0.0;       // R
+  double dof = 0.0;            // n
 };
 
 // What a group does to the evidence at one scale.

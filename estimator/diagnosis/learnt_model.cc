@@ -63,18 +63,16 @@ class Learner {
  private:
   // Adds it to the model unless that does untouched rows harm, or the model has it. False: it is not taken.
   bool Take(int explanation, double scale) {
-    const size_t before = added_.size();
+    std::vector<Candidate> fresh;
     for (const EffectSpec& spec : evidence_.list().functions[evidence_.list().unnamed[explanation]].effects) {
-      if (!Has(spec)) added_.push_back(CandidateOf(spec, final_.problem->robot(), scale));
+      if (!Has(spec)) fresh.push_back(CandidateOf(spec, final_.problem->robot(), scale));
     }
-    if (added_.size() == before) return false;
-    DiagnosedModel with = Extend(final_, added_, joint_);
-    if (IsUsable(with.estimate.status) && !MakesHoldoutWorse(with_, with)) {
-      with_ = std::move(with);
-      return true;
-    }
-    added_.resize(before);
-    return false;
+    if (fresh.empty()) return false;
+    DiagnosedModel with = Extend(with_, fresh, joint_);
+    if (!IsUsable(with.estimate.status) || MakesHoldoutWorse(with_, with)) return false;
+    with_ = std::move(with);
+    added_.insert(added_.end(), fresh.begin(), fresh.end());
+    return true;
   }
 
   bool Has(const EffectSpec& spec) const {

@@ -243,7 +243,7 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
 
   const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
   const CalibrationProblem extended = WithPoses(problem, drawn);
-  EvidenceColumns columns(extended, parameters, candidates.candidates);
+  EvidenceColumns columns(extended, parameters, candidates.candidates, &evidence.columns());
   const ExplanationList list = ListExplanations(extended, parameters, candidates, evidence.masses(), &columns);
   const JointScatter& scatter = evidence.views()[evidence.models()[held[0].model].view].scatter;
   std::vector<Rival> rivals;
@@ -259,10 +259,11 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
     const int configuration = extended.data().shots[extended.data().observations[o].shot].configuration;
     observations[static_cast<size_t>(configuration - first)].push_back(static_cast<int>(o));
   }
+  std::vector<std::vector<int>> of_rivals;
+  for (const Rival& rival : rivals) of_rivals.push_back(rival.columns);
   for (size_t c = 0; c < drawn.size(); ++c) {
-    for (const Rival& rival : rivals) {
-      shown[c].rows.push_back(columns.RowsAt(observations[c], scatter, rival.columns) * rival.mixing);
-    }
+    shown[c].rows = columns.RowsAt(observations[c], scatter, of_rivals);
+    for (size_t i = 0; i < rivals.size(); ++i) shown[c].rows[i] = shown[c].rows[i] * rivals[i].mixing;
   }
   Choice choice(std::move(rivals), std::move(shown));
   NextPoses next;

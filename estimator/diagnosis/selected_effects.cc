@@ -206,14 +206,17 @@ std::vector<EffectGroup> GroupEffects(const std::vector<FoundEffect>& effects, c
   };
   const double all = beyond_floor(baseline);
   double last = all;
-  std::vector<Candidate> added;
+  DiagnosedModel so_far = lacking;
+  std::vector<Candidate> added;  // beyond those of `so_far`
   for (size_t g = 0; g < groups.size() && all > 0.0; ++g) {
     for (const int k : groups[g].effects) added.push_back(effects[static_cast<size_t>(k)].candidate);
-    const DiagnosedModel here = g + 1 == groups.size() ? final : Extend(lacking, added, joint);
+    const DiagnosedModel here = g + 1 == groups.size() ? final : Extend(so_far, added, joint);
     if (!IsUsable(here.estimate.status)) continue;
     const double now = beyond_floor(here);
     groups[g].share_of_gap = (last - now) / all;
     last = now;
+    so_far = here;
+    added.clear();
   }
   return groups;
 }

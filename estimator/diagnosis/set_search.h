@@ -112,7 +112,8 @@ class SetSearch {
   const Own& OwnOf(size_t candidate) const;
   Own Left(const Sweep& sweep, size_t candidate) const;
   Own Left(const MovingSweep& sweep, size_t candidate) const {
-    return {sweep.Information(explanations_[candidate].group), sweep.Gradient(explanations_[candidate].group)};
+    const ColumnGroup& group = explanations_[candidate].group;
+    return {OwnOf(candidate).information - sweep.Taken(group), sweep.Gradient(group)};
   }
   template <typename Given>
   std::vector<double> AdditionsTo(const WeightedSet& set, const Given& sweep, std::vector<double>* scales) const;

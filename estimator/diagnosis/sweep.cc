@@ -9,17 +9,15 @@
 namespace sagitta {
 namespace {
 
-// s M'v of one group, to the rows of `rows` that are its own.
-void ScaleRows(const ColumnGroup& group, double scale, const Eigen::MatrixXd& v, Eigen::Ref<Eigen::MatrixXd> rows) {
-  if (group.mixing.size() > 0) {
-    rows.noalias() = scale * (group.mixing.transpose() * v(group.columns, Eigen::all));
-  } else {
-    rows = scale * v(group.columns, Eigen::all);
-  }
+// s M'G of one group.
+Eigen::MatrixXd ScaledRowsOf(const ProjectedNormal& normal, const ColumnGroup& group, double scale) {
+  const Eigen::MatrixXd rows = normal.information.Rows(group.columns);
+  if (group.mixing.size() == 0) return scale * rows;
+  return scale * (group.mixing.transpose() * rows);
 }
 
 Eigen::MatrixXd Cross(const ProjectedNormal& normal, const ColumnGroup& a, const ColumnGroup& b) {
-  Eigen::MatrixXd block = normal.information(a.columns, b.columns);
+  Eigen::MatrixXd block = normal.information.Between(a.columns, b.columns);
   if (b.mixing.size() > 0) block = block * b.mixing;
   if (a.mixing.size() > 0) block = a.mixing.transpose() * block;
   return block;
@@ -50,7 +48,7 @@ Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matri
 }
 
 Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group) {
-  const Eigen::MatrixXd block = normal.information(group.columns, group.columns);
+  const Eigen::MatrixXd block = normal.information.Own(group.columns);
   if (group.mixing.size() == 0) return block;
   return group.mixing.transpose() * block * group.mixing;
 }
@@ -82,7 +80,8 @@ Eigen::VectorXd Members::Scales() const {
 Eigen::MatrixXd Members::Information() const {
   Eigen::MatrixXd information(num_columns(), num_columns());
   for (size_t i = 0; i < size(); ++i) {
-    for (size_t j = 0; j <= i; ++j) {
+    information.block(first_[i], first_[i], SizeOf(i), SizeOf(i)) = OwnInformation(*normal_, *groups_[i]);
+    for (size_t j = 0; j < i; ++j) {
       const Eigen::MatrixXd block = Cross(*normal_, *groups_[i], *groups_[j]);
       information.block(first_[i], first_[j], block.rows(), block.cols()) = block;
       information.block(first_[j], first_[i], block.cols(), block.rows()) = block.transpose();
@@ -91,9 +90,11 @@ Eigen::MatrixXd Members::Information() const {
   return information;
 }
 
-Eigen::MatrixXd Members::ScaledRowsOf(const Eigen::MatrixXd& v) const {
-  Eigen::MatrixXd rows(num_columns(), v.cols());
-  for (size_t k = 0; k < size(); ++k) ScaleRows(*groups_[k], scales_[k], v, rows.middleRows(first_[k], SizeOf(k)));
+Eigen::MatrixXd Members::ScaledRows() const {
+  Eigen::MatrixXd rows(num_columns(), normal_->gradient.size());
+  for (size_t k = 0; k < size(); ++k) {
+    rows.middleRows(first_[k], SizeOf(k)) = ScaledRowsOf(*normal_, *groups_[k], scales_[k]);
+  }
   return rows;
 }
 
@@ -206,8 +207,8 @@ Sweep::Sweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*
   const Eigen::Index count = members.num_columns();
   const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(count, count));
   // L^-1 of the rows: the information is symmetric.
-  root_ = TallProduct(members.ScaledRowsOf(normal.information).transpose(), inverse.transpose()).transpose();
-  along_ = lower.solve(members.ScaledRowsOf(normal.gradient).col(0));
+  root_ = TallProduct(members.ScaledRows().transpose(), inverse.transpose()).transpose();
+  along_ = lower.solve(members.Scales().cwiseProduct(members.gradient_));
   residual_ = members.residual();
   log_det_ = members.log_det();
 }
@@ -230,54 +231,57 @@ Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const {
 
 MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
                          const std::vector<double>& scales)
-    : members_(normal, given), left_(normal.information), gradient_(normal.gradient) {
+    : normal_(&normal), members_(normal, given), gradient_(normal.gradient) {
   members_.Condition(scales);
-  if (given.empty()) {
-    solved_.resize(0, left_.cols());
-    return;
-  }
-  const Eigen::MatrixXd rows = members_.ScaledRowsOf(normal.information);
-  solved_ = members_.inverse_ * rows;
-  left_ -= TallProduct(rows.transpose(), solved_);
-  gradient_ -= rows.transpose() * members_.solved_;
+  rows_ = members_.ScaledRows();
+  solved_ = rows_;
+  if (given.empty()) return;
+  solved_ = TallProduct(rows_.transpose(), members_.inverse_).transpose();
+  gradient_ -= rows_.transpose() * members_.solved_;
 }
 
 void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const long count = members_.num_columns(), more = group.size();
-  Eigen::MatrixXd rows(more, left_.cols());
-  ScaleRows(group, scale, left_, rows);
+  const Eigen::MatrixXd own = ScaledRowsOf(*normal_, group, scale);
+  Eigen::MatrixXd rows = own;  // s M'G of what is left
+  rows.noalias() -= scale * (ColumnsOf(group, rows_).transpose() * solved_);
   Eigen::MatrixXd inner = scale * ColumnsOf(group, rows);
   inner.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> factor(inner);
   const Eigen::VectorXd along = factor.matrixL().solve(scale * Gradient(group));
   const Eigen::MatrixXd beside = scale * ColumnsOf(group, solved_);
   factor.matrixL().solveInPlace(rows);  // W
-  left_.noalias() -= rows.transpose() * rows;
   gradient_.noalias() -= rows.transpose() * along;
   factor.matrixU().solveInPlace(rows);  // T of the group
-  Eigen::MatrixXd solved(count + more, left_.cols());
+  Eigen::MatrixXd solved(count + more, rows.cols()), all(count + more, rows.cols());
   solved.topRows(count) = solved_ - beside * rows;
   solved.bottomRows(more) = rows;
+  all.topRows(count) = rows_;
+  all.bottomRows(more) = own;
   members_.Insert(place, group, scale);
-  solved_ = solved(WithMoreAt(members_.First(place), more, count), Eigen::all);
+  const std::vector<long> order = WithMoreAt(members_.First(place), more, count);
+  solved_ = solved(order, Eigen::all);
+  rows_ = all(order, Eigen::all);
 }
 
 void MovingSweep::Remove(size_t group) {
   const long first = members_.First(group), size = members_.SizeOf(group);
   const WithoutOne without = Without(group);
-  left_.noalias() += without.root.transpose() * without.root;
   gradient_.noalias() += without.root.transpose() * without.along;
   const std::vector<long> kept = AllBut(first, size, members_.num_columns());
   const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = members_.inverse_(kept, Eigen::seqN(first, size));
   solved_ = solved_(kept, Eigen::all) - beside * own.solve(Eigen::MatrixXd(solved_.middleRows(first, size)));
+  rows_ = Eigen::MatrixXd(rows_(kept, Eigen::all));
   members_.Remove(group);
 }
 
+Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group) const {
+  return ColumnsOf(group, rows_).transpose() * ColumnsOf(group, solved_);
+}
+
 Eigen::MatrixXd MovingSweep::Information(const ColumnGroup& group) const {
-  const Eigen::MatrixXd block = left_(group.columns, group.columns);
-  if (group.mixing.size() == 0) return block;
-  return group.mixing.transpose() * block * group.mixing;
+  return OwnInformation(*normal_, group) - Taken(group);
 }
 
 Eigen::VectorXd MovingSweep::Gradient(const ColumnGroup& group) const {

@@ -67,8 +67,8 @@ class Members {
   // Where a group's columns begin among those of all.
   long First(size_t group) const { return first_[group]; }
   long SizeOf(size_t group) const { return groups_[group]->size(); }
-  // s M'v of all groups, one after the other; v: a row for each column of the normal equations.
-  Eigen::MatrixXd ScaledRowsOf(const Eigen::MatrixXd& v) const;
+  // s M'G of all groups, one after the other.
+  Eigen::MatrixXd ScaledRows() const;
 
  private:
   friend class Sweep;
@@ -113,12 +113,11 @@ class Sweep {
   double log_det_ = 0.0;  // of Q
 };
 
-// All columns given groups that come and go one at a time, at the cost of one pass over the matrix each: with
-// T = Q^-1 D M'G of all columns,
+// All columns given groups that come and go one at a time. With Z = D M'G and T = Q^-1 Z of all columns, G - Z'T is
+// left of G; of that only the rows of the group that comes and the blocks that are asked for are made:
 //
 //   a group comes:  as above, G, g, R what is left before; T_k = L^-T W, T <- T - U T_k
-//   a group goes:   with C = A_kk: G += T_k' C^-1 T_k, g += T_k' C^-1 t_k, R += t_k' C^-1 t_k, log |Q| += log |C|,
-//                   T <- T - A_k C^-1 T_k
+//   a group goes:   with C = A_kk: g += T_k' C^-1 t_k, R += t_k' C^-1 t_k, log |Q| += log |C|, T <- T - A_k C^-1 T_k
 class MovingSweep {
  public:
   MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
@@ -129,6 +128,8 @@ class MovingSweep {
 
   Eigen::MatrixXd Information(const ColumnGroup& group) const;
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
+  // What conditioning takes from a group's own information.
+  Eigen::MatrixXd Taken(const ColumnGroup& group) const;
   double residual() const { return members_.residual(); }
   const Members& members() const { return members_; }
 
@@ -141,9 +142,10 @@ class MovingSweep {
   WithoutOne Without(size_t group) const;
 
  private:
+  const ProjectedNormal* normal_;
   Members members_;
-  Eigen::MatrixXd left_, solved_;  // G and T
-  Eigen::VectorXd gradient_;
+  Eigen::MatrixXd rows_, solved_;  // Z and T
+  Eigen::VectorXd gradient_;       // g that is left
 };
 
 // Columns of a group out of a matrix over all columns.

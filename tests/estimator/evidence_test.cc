@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "estimator/diagnosis/evidence_score.h"
@@ -38,7 +39,7 @@ struct Small {
   ProjectedNormal Normal() const {
     const Eigen::MatrixXd a = left.transpose() * columns;
     const Eigen::VectorXd r = left.transpose() * residual;
-    return {a.transpose() * a, a.transpose() * r, r.squaredNorm(), static_cast<double>(r.size())};
+    return {Eigen::MatrixXd(a.transpose() * a), a.transpose() * r, r.squaredNorm(), static_cast<double>(r.size())};
   }
 
   // Log density of the residual beside the believed columns, without (2 pi)^(-n/2), sigma times `factor`.
@@ -50,6 +51,12 @@ struct Small {
     return -0.5 * std::log(covariance.determinant()) - 0.5 * r.dot(covariance.inverse() * r);
   }
 };
+
+Eigen::MatrixXd AllOf(const ProjectedNormal& normal) {
+  std::vector<int> all(static_cast<size_t>(normal.gradient.size()));
+  std::iota(all.begin(), all.end(), 0);
+  return normal.information.Own(all);
+}
 
 double Integrate(const std::function<double(double)>& f, double from, double to) {
   constexpr int kSteps = 20000;
@@ -66,7 +73,7 @@ TEST(EvidenceScore, IsTheMarginalLikelihoodOverThatOfNothing) {
     const ProjectedNormal normal = small.Normal();
     const ResidualLikelihood known(normal.dof, kInfinity, 0.0);
     for (const double scale : kScales) {
-      const GroupGain gain = GainOf(normal.information, normal.gradient, scale);
+      const GroupGain gain = GainOf(AllOf(normal), normal.gradient, scale);
       const double direct = small.LogDensity(Scaled(count, scale)) - small.LogDensity(Scaled(count, 0.0));
       EXPECT_NEAR(known.Gain(normal.residual, gain), direct, 1e-9) << count << " columns at " << scale;
     }
@@ -88,7 +95,7 @@ TEST(EvidenceScore, AGroupAloneIsAveragedOverItsSizes) {
     best = scale;
   }
   double scale = 0.0;
-  const double gain = AverageGain(known, normal.residual, normal.information, normal.gradient, &scale);
+  const double gain = AverageGain(known, normal.residual, AllOf(normal), normal.gradient, &scale);
   EXPECT_NEAR(gain, std::log(mean) - small.LogDensity(Scaled(2, 0.0)), 1e-9);
   EXPECT_EQ(scale, best);
   EXPECT_GT(most, 1.1 * mean);
@@ -108,7 +115,7 @@ TEST(EvidenceScore, StudentIsTheGammaMixtureOfSigmas) {
         },
         1e-6, 12.0));
   };
-  const GroupGain gain = GainOf(normal.information, normal.gradient, 0.3);
+  const GroupGain gain = GainOf(AllOf(normal), normal.gradient, 0.3);
   EXPECT_NEAR(student.Gain(normal.residual, gain), mixture(0.3) - mixture(0.0), 1e-6);
   EXPECT_NEAR(student.Log(normal.residual), mixture(0.0), 1e-6);
 }

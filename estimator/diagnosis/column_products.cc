@@ -1,0 +1,43 @@
+#include "estimator/diagnosis/column_products.h"
+
+#include <algorithm>
+
+namespace sagitta {
+
+Eigen::MatrixXd ColumnProducts::Own(const std::vector<int>& columns) const {
+  const auto own = own_.find(columns);
+  return own != own_.end() ? own->second : Between(columns, columns);
+}
+
+Eigen::MatrixXd ColumnProducts::Between(const std::vector<int>& a, const std::vector<int>& b) const {
+  if (!rows_of_) return whole_(a, b);
+  if (!AreKnown(a) && AreKnown(b)) return Between(b, a).transpose();
+  Ask(a);
+  Eigen::MatrixXd between(static_cast<long>(a.size()), static_cast<long>(b.size()));
+  for (size_t k = 0; k < a.size(); ++k) between.row(static_cast<long>(k)) = known_[a[k]](b);
+  return between;
+}
+
+Eigen::MatrixXd ColumnProducts::Rows(const std::vector<int>& columns) const {
+  if (!rows_of_) return whole_(columns, Eigen::all);
+  Ask(columns);
+  Eigen::MatrixXd rows(static_cast<long>(columns.size()), columns.empty() ? 0 : known_[columns[0]].size());
+  for (size_t k = 0; k < columns.size(); ++k) rows.row(static_cast<long>(k)) = known_[columns[k]];
+  return rows;
+}
+
+void ColumnProducts::Ask(const std::vector<int>& columns) const {
+  std::vector<int> asked;
+  for (const int column : columns) {
+    if (known_.count(column) == 0) asked.push_back(column);
+  }
+  if (asked.empty()) return;
+  const Eigen::MatrixXd rows = rows_of_(asked);
+  for (size_t k = 0; k < asked.size(); ++k) known_[asked[k]] = rows.row(static_cast<long>(k));
+}
+
+bool ColumnProducts::AreKnown(const std::vector<int>& columns) const {
+  return std::all_of(columns.begin(), columns.end(), [this](int column) { return known_.count(column) > 0; });
+}
+
+}  // namespace sagitta

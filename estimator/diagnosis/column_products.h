@@ -1,0 +1,39 @@
+// G = A'PA of the columns that may explain something, what is believed eliminated. A search asks for little of it: what
+// each group says of itself, and the rows of those groups that were members of a set. Where whatever gives rows can be
+// asked again, nothing else is made; G as a whole costs its rows times the square of its columns.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <vector>
+
+namespace sagitta {
+
+class ColumnProducts {
+ public:
+  // Rows of G, one per listed column.
+  using RowsOf = std::function<Eigen::MatrixXd(const std::vector<int>& columns)>;
+  // Blocks of G of some lists of columns with themselves.
+  using OwnBlocks = std::map<std::vector<int>, Eigen::MatrixXd>;
+
+  ColumnProducts() = default;
+  ColumnProducts(Eigen::MatrixXd whole) : whole_(std::move(whole)) {}  // NOLINT: a matrix is one
+  ColumnProducts(OwnBlocks own, RowsOf rows_of) : own_(std::move(own)), rows_of_(std::move(rows_of)) {}
+
+  Eigen::MatrixXd Own(const std::vector<int>& columns) const;
+  Eigen::MatrixXd Between(const std::vector<int>& a, const std::vector<int>& b) const;
+  // Listed columns x all columns.
+  Eigen::MatrixXd Rows(const std::vector<int>& columns) const;
+
+ private:
+  bool AreKnown(const std::vector<int>& columns) const;
+  void Ask(const std::vector<int>& columns) const;  // for those that are not known
+
+  Eigen::MatrixXd whole_;  // empty where rows are asked for
+  OwnBlocks own_;
+  RowsOf rows_of_;
+  mutable std::map<int, Eigen::VectorXd> known_;  // rows that were asked for, by column
+};
+
+}  // namespace sagitta

@@ -1,0 +1,313 @@
+// What the rows of EvidenceColumns sum to: covariances of the rows, products of their columns, and what is left of them
+// beside what is believed.
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <set>
+
+#include "estimator/diagnosis/evidence_columns.h"
+#include "estimator/least_squares/batch_algebra.h"
+#include "estimator/least_squares/row_sums.h"
+
+namespace sagitta {
+namespace {
+
+constexpr Eigen::Index kColumnsAtOnce = 256;  // of a product, upper blocks alone: a tenth more than half of it
+// Of J'J scaled to a unit diagonal: below, a direction is rounding.
+constexpr double kRank = 1e-13;
+// Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
+constexpr double kContained = 1e-9;
+
+// R' R is added to the upper triangle, some columns at a time with the instructions that the machine has.
+void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
+  const Eigen::MatrixXd turned = rows.transpose();
+  const Eigen::Index width = turned.rows();
+  Eigen::MatrixXd product(width, kColumnsAtOnce);
+  for (Eigen::Index first = 0; first < width; first += kColumnsAtOnce) {
+    const Eigen::Index columns = std::min<Eigen::Index>(kColumnsAtOnce, width - first), height = first + columns;
+    const auto done = static_cast<Eigen::Index>(
+        MultiplyColumns(turned.data(), width, height, turned.cols(), rows.col(first).data(), columns, product.data()));
+    upper->block(0, first, done, columns) += product.topLeftCorner(done, columns);
+    const Eigen::Index rest = height - done;
+    if (rest > 0) {
+      upper->block(done, first, rest, columns).noalias() +=
+          turned.middleRows(done, rest) * rows.middleCols(first, columns);
+    }
+  }
+}
+
+}  // namespace
+
+// C = I + sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses.
+EvidenceColumns::BlockRoots EvidenceColumns::RootsOf(const std::vector<int>& observations,
+                                                     const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
+  BlockRoots roots;
+  if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return roots;
+  size_t first = 0;
+  while (first < observations.size()) {
+    const int pose = pose_of_observation_[observations[first]];
+    size_t last = first;
+    while (last < observations.size() && pose_of_observation_[observations[last]] == pose) ++last;
+    const long top = static_cast<long>(3 * first), height = static_cast<long>(3 * (last - first));
+    const Eigen::MatrixXd l = latent.middleRows(top, height);
+    const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
+    Eigen::MatrixXd covariance = of_pose * of_pose.transpose();
+    const Eigen::MatrixXd within = of_visit * of_visit.transpose();
+    for (long i = 0; i < height; ++i) {
+      for (long j = 0; j <= i; ++j) {
+        const auto visit = [&](long row) {
+          const int observation = observations[first + static_cast<size_t>(row / 3)];
+          return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
+        };
+        if (visit(i) == visit(j)) covariance(i, j) += within(i, j);
+      }
+      covariance(i, i) += 1.0;
+    }
+    roots.push_back({top, Eigen::LLT<Eigen::MatrixXd>(covariance)});
+    first = last;
+  }
+  return roots;
+}
+
+double EvidenceColumns::Whiten(const BlockRoots& roots, Eigen::MatrixXd* rows) {
+  double log_det = 0.0;
+  for (const PoseRoot& pose : roots) {
+    auto own = rows->middleRows(pose.top, pose.root.rows());
+    own = pose.root.matrixL().solve(Eigen::MatrixXd(own));
+    log_det += 2.0 * pose.root.matrixLLT().diagonal().array().log().sum();
+  }
+  return log_det;
+}
+
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>* columns,
+                             const std::vector<int>& poses) const {
+  const std::set<int> wanted(poses.begin(), poses.end());
+  const long count = columns == nullptr ? num_columns_ : static_cast<long>(columns->size());
+  const long width = static_cast<long>(believed_.size()) + count + 1;
+  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
+  Block scratch;
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    FillRows(block, columns, &rows);
+    if (!poses.empty()) {
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        if (wanted.count(pose_of_observation_[block.observations[o]]) > 0) continue;
+        rows.middleRows(static_cast<long>(3 * o), 3).setZero();
+        sums.rows -= 3;
+      }
+    }
+    sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
+    AddProducts(rows, &sums.products);
+    sums.rows += block.here.num_rows();
+  }
+  return sums;
+}
+
+EvidenceColumns::AlongJoints EvidenceColumns::SumAlongJoints() const {
+  const Measurements& data = extended_.data();
+  const Eigen::MatrixXd none =
+      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), extended_.robot().num_joints());
+  AlongJoints sums{none, none};
+  Block scratch;
+  for (size_t b = 0; b < poses_of_block_.size(); ++b) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
+      const auto moved = block.here.latent.middleRows(top, 3);
+      sums.square.row(shot) += moved.colwise().squaredNorm();
+      sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * moved;
+    }
+  }
+  return sums;
+}
+
+std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every) const {
+  std::vector<FilledBlock> filled;
+  Block scratch;
+  for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
+    const Block& block = BlockOf(static_cast<int>(b), &scratch);
+    filled.push_back({block.observations, block.here.latent, {}});
+    FillRows(block, &columns, &filled.back().rows);
+  }
+  return filled;
+}
+
+RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const {
+  const long width = filled.empty() ? 0 : filled[0].rows.cols();
+  RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
+  for (FilledBlock block : filled) {
+    sums.log_det += Whiten(RootsOf(block.observations, block.latent, scatter), &block.rows);
+    AddProducts(block.rows, &sums.products);
+    sums.rows += static_cast<int>(block.rows.rows());
+  }
+  return sums;
+}
+
+// Those that the user stated, and markers on a spring.
+int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, double* square) const {
+  Linearization priors;
+  priors.columns = believed_;
+  priors.jacobian.resize(0, static_cast<long>(believed_.size()));
+  AppendPriors(extended_.parameters, &priors);
+  *own += priors.jacobian.transpose() * priors.jacobian;
+  *along += priors.jacobian.transpose() * priors.residual;
+  *square += priors.residual.squaredNorm();
+  return static_cast<int>(priors.residual.size());
+}
+
+std::vector<Eigen::MatrixXd> EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
+                                                     const std::vector<std::vector<int>>& columns) const {
+  const Block block = LinearizeBlock(observations);
+  const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
+  std::vector<Eigen::MatrixXd> of_lists;
+  for (const std::vector<int>& list : columns) {
+    Eigen::MatrixXd rows;
+    FillRows(block, &list, &rows);
+    Whiten(roots, &rows);
+    of_lists.push_back(rows.leftCols(rows.cols() - 1));
+  }
+  return of_lists;
+}
+
+Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, const std::vector<int>& columns) const {
+  Eigen::MatrixXd products = Sum(scatter, &columns).products.selfadjointView<Eigen::Upper>();
+  const long believed = num_believed(), last = products.cols() - 1;
+  Eigen::MatrixXd own = products.topLeftCorner(believed, believed);
+  Eigen::VectorXd along = products.col(last).head(believed);
+  AddPriors(&own, &along, &products(last, last));
+  products.topLeftCorner(believed, believed) = own;
+  products.col(last).head(believed) = along;
+  products.row(last).head(believed) = along.transpose();
+  return products;
+}
+
+EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square,
+                                                       const RowSums& sums) const {
+  Eigen::VectorXd along_residual = beside.rightCols(1);
+  const int priors = AddPriors(&own, &along_residual, &square);
+  beside.rightCols(1) = along_residual;
+  const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
+  const double least = kRank * eigen.eigenvalues().maxCoeff();
+  const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
+  const Eigen::MatrixXd basis =
+      eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const double log_det = eigen.eigenvalues().tail(rank).array().log().sum() - 2.0 * scale.array().log().sum();
+  return {basis.transpose() * (scale.asDiagonal() * beside), square, static_cast<double>(sums.rows + priors - rank),
+          -0.5 * (sums.log_det + log_det)};
+}
+
+BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
+  const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
+  const Eigen::MatrixXd own = sums.products.topLeftCorner(believed, believed).selfadjointView<Eigen::Upper>();
+  const Eliminated out = Eliminate(own, sums.products.topRightCorner(believed, count + 1),
+                                   sums.products(count + believed, count + believed), sums);
+  Eigen::MatrixXd left = sums.products.bottomRightCorner(count + 1, count + 1);
+  left(count, count) = out.square;
+  const Eigen::VectorXd before = left.diagonal();
+  left.selfadjointView<Eigen::Upper>().rankUpdate(out.along.transpose(), -1.0);
+  Eigen::MatrixXd information = left.topLeftCorner(count, count).selfadjointView<Eigen::Upper>();
+  Eigen::VectorXd gradient = left.col(count).head(count);
+  for (long c = 0; c < count; ++c) {
+    if (information(c, c) > kContained * before[c]) continue;
+    information.row(c).setZero();
+    information.col(c).setZero();
+    gradient[c] = 0.0;
+  }
+  return {{std::move(information), std::move(gradient), left(count, count), out.dof}, out.log_constant};
+}
+
+BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
+  if (stored_.size() < poses_of_block_.size()) return Project(Sum(scatter));
+  const long believed = num_believed(), width = believed + num_columns_ + 1;
+  Eigen::MatrixXd few = Eigen::MatrixXd::Zero(width, believed + 1);  // of [J A r] with [J r]
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(num_columns_);
+  ColumnProducts::OwnBlocks blocks;
+  for (const std::vector<int>& columns : own) {
+    const long size = static_cast<long>(columns.size());
+    blocks[columns] = Eigen::MatrixXd::Zero(size, size);
+  }
+  RowSums sums;
+  std::vector<BlockRoots> roots;
+  Eigen::MatrixXd rows;
+  for (const Block& block : stored_) {
+    FillRows(block, nullptr, &rows);
+    roots.push_back(RootsOf(block.observations, block.here.latent, scatter));
+    sums.log_det += Whiten(roots.back(), &rows);
+    sums.rows += block.here.num_rows();
+    Eigen::MatrixXd with(rows.rows(), believed + 1);
+    with << rows.leftCols(believed), rows.rightCols(1);
+    few += TallProduct(rows.transpose(), with);
+    squares += rows.middleCols(believed, num_columns_).colwise().squaredNorm().transpose();
+    const Eigen::MatrixXd explaining = rows.middleCols(believed, num_columns_);
+    for (auto& [columns, sum] : blocks) {
+      const Eigen::MatrixXd of = explaining(Eigen::all, columns);
+      sum.noalias() += of.transpose() * of;
+    }
+  }
+  Eigen::MatrixXd beside(believed, num_columns_ + 1);
+  beside << few.middleRows(believed, num_columns_).leftCols(believed).transpose(), few.topRightCorner(believed, 1);
+  Eliminated out = Eliminate(few.topLeftCorner(believed, believed), std::move(beside), few(width - 1, believed), sums);
+  const Eigen::MatrixXd along = out.along.leftCols(num_columns_);
+  const Eigen::VectorXd of_residual = out.along.rightCols(1);
+  Eigen::VectorXd seen = Eigen::VectorXd::Ones(num_columns_);  // 0: of a column that what is believed contains
+  for (int c = 0; c < num_columns_; ++c) {
+    if (!(squares[c] - along.col(c).squaredNorm() > kContained * squares[c])) seen[c] = 0.0;
+  }
+  for (auto& [columns, sum] : blocks) {
+    const Eigen::MatrixXd of = along(Eigen::all, columns);
+    const Eigen::VectorXd kept = seen(columns);
+    sum = kept.asDiagonal() * (sum - of.transpose() * of) * kept.asDiagonal();
+  }
+  const Eigen::VectorXd gradient =
+      seen.cwiseProduct(few.rightCols(1).middleRows(believed, num_columns_) - along.transpose() * of_residual);
+  const auto rows_of = [this, roots, along, seen](const std::vector<int>& columns) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd of = along(Eigen::all, columns);
+    const Eigen::VectorXd kept = seen(columns);
+    return kept.asDiagonal() * (ProductsOf(columns, roots) - of.transpose() * along) * seen.asDiagonal();
+  };
+  return {{ColumnProducts(std::move(blocks), rows_of), gradient, out.square - of_residual.squaredNorm(), out.dof},
+          out.log_constant};
+}
+
+// A column of the catalogue is one of the linearization; one of a family is a source's, each shot's rows times the
+// value of its function there. With u = C^-1 A_k:
+//
+//   u'A = sum over shots of (u's)(shot) f(shot)
+Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
+                                            const std::vector<BlockRoots>& roots) const {
+  const long believed = num_believed(), size = static_cast<long>(columns.size());
+  const long of_catalogue = static_cast<long>(catalogue_.size());
+  const long shots = static_cast<long>(extended_.data().shots.size());
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, num_columns_);
+  std::vector<Eigen::MatrixXd> of_shots(sources_.size(), Eigen::MatrixXd::Zero(size, shots));
+  Eigen::MatrixXd rows;
+  for (size_t b = 0; b < stored_.size(); ++b) {
+    const Block& block = stored_[b];
+    FillRows(block, &columns, &rows);
+    Eigen::MatrixXd u = rows.middleCols(believed, size);
+    for (const PoseRoot& pose : roots[b]) {
+      auto own = u.middleRows(pose.top, pose.root.rows());
+      own = pose.root.solve(Eigen::MatrixXd(own));
+    }
+    products.leftCols(of_catalogue).noalias() += u.transpose() * block.here.jacobian.middleCols(believed, of_catalogue);
+    for (size_t s = 0; s < sources_.size(); ++s) {
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        const long top = static_cast<long>(3 * o), shot = extended_.data().observations[block.observations[o]].shot;
+        of_shots[s].col(shot) += u.middleRows<3>(top).transpose() * block.sources[s].segment<3>(top);
+      }
+    }
+  }
+  for (long c = 0; c < of_catalogue; ++c) products.col(c) *= units_[static_cast<size_t>(c)];
+  long first = of_catalogue;
+  for (size_t f = 0; f < families_.size(); ++f) {
+    const long own = families_[f].functions.cols();
+    products.middleCols(first, own).noalias() = of_shots[source_of_family_[f]] * families_[f].functions;
+    first += own;
+  }
+  return products;
+}
+
+}  // namespace sagitta
