@@ -141,8 +141,8 @@ class EvidenceColumns {
  private:
   struct Block {
     std::vector<int> observations;
-    Linearization here;  // believed, catalogue and source columns; deviations of the joints as `latent`
-    std::vector<Eigen::VectorXd> sources;  // rows of each of sources_
+    std::shared_ptr<const Linearization> here;  // believed, catalogue and source columns; joints that deviate: `latent`
+    std::vector<Eigen::VectorXd> sources;       // rows of each of sources_
   };
   // Of the covariance of one pose's rows, which begin at `top` in their block.
   struct PoseRoot {

@@ -97,9 +97,9 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
         sums.rows -= 3;
       }
     }
-    sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
+    sums.log_det += Whiten(RootsOf(block.observations, block.here->latent, scatter), &rows);
     AddProducts(rows, &sums.products);
-    sums.rows += block.here.num_rows();
+    sums.rows += block.here->num_rows();
   }
   return sums;
 }
@@ -114,9 +114,9 @@ EvidenceColumns::AlongJoints EvidenceColumns::SumAlongJoints() const {
     const Block& block = BlockOf(static_cast<int>(b), &scratch);
     for (size_t o = 0; o < block.observations.size(); ++o) {
       const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
-      const auto moved = block.here.latent.middleRows(top, 3);
+      const auto moved = block.here->latent.middleRows(top, 3);
       sums.square.row(shot) += moved.colwise().squaredNorm();
-      sums.residual.row(shot) += block.here.residual.segment<3>(top).transpose() * moved;
+      sums.residual.row(shot) += block.here->residual.segment<3>(top).transpose() * moved;
     }
   }
   return sums;
@@ -127,7 +127,7 @@ std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, 
   Block scratch;
   for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
     const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    filled.push_back({block.observations, block.here.latent, {}});
+    filled.push_back({block.observations, block.here->latent, {}});
     FillRows(block, &columns, &filled.back().rows);
   }
   return filled;
@@ -159,7 +159,7 @@ int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, dou
 std::vector<Eigen::MatrixXd> EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
                                                      const std::vector<std::vector<int>>& columns) const {
   const Block block = LinearizeBlock(observations);
-  const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
+  const BlockRoots roots = RootsOf(block.observations, block.here->latent, scatter);
   std::vector<Eigen::MatrixXd> of_lists;
   for (const std::vector<int>& list : columns) {
     Eigen::MatrixXd rows;
@@ -234,9 +234,9 @@ BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const st
   Eigen::MatrixXd rows;
   for (const Block& block : stored_) {
     FillRows(block, nullptr, &rows);
-    roots.push_back(RootsOf(block.observations, block.here.latent, scatter));
+    roots.push_back(RootsOf(block.observations, block.here->latent, scatter));
     sums.log_det += Whiten(roots.back(), &rows);
-    sums.rows += block.here.num_rows();
+    sums.rows += block.here->num_rows();
     Eigen::MatrixXd with(rows.rows(), believed + 1);
     with << rows.leftCols(believed), rows.rightCols(1);
     few += TallProduct(rows.transpose(), with);
@@ -292,7 +292,8 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
       auto own = u.middleRows(pose.top, pose.root.rows());
       own = pose.root.solve(Eigen::MatrixXd(own));
     }
-    products.leftCols(of_catalogue).noalias() += u.transpose() * block.here.jacobian.middleCols(believed, of_catalogue);
+    products.leftCols(of_catalogue).noalias() +=
+        u.transpose() * block.here->jacobian.middleCols(believed, of_catalogue);
     for (size_t s = 0; s < sources_.size(); ++s) {
       for (size_t o = 0; o < block.observations.size(); ++o) {
         const long top = static_cast<long>(3 * o), shot = extended_.data().observations[block.observations[o]].shot;
