@@ -12,6 +12,7 @@
 #include "estimator/results/trust_json.h"
 #include "estimator/sagitta.h"
 #include "problems/io/output_files.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -19,12 +20,6 @@ namespace {
 // Random halves to compare: each costs two fits of half the rows.
 int RandomHalves(const CalibrationProblem& problem) {
   return std::clamp(40000 / static_cast<int>(problem.data().observations.size() + 1), 4, 20);
-}
-
-void CheckMethod(const CalibrationProblem& problem, Method method) {
-  const std::string obstacle = MethodObstacle(problem, method);
-  if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
-  CheckIntervalsFit(problem, method);
 }
 
 }  // namespace
@@ -71,7 +66,12 @@ void NameSuspects(Calibration* failed) {
 
 }  // namespace
 
+void CheckOptions(const CalibrateOptions& options) {
+  CheckIn(allowed::kThreads, options.num_threads, "CalibrateOptions.num_threads");
+}
+
 Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& options) {
+  CheckOptions(options);
   CheckMethod(problem, options.method);
   const auto say = [&](const std::string& what) {
     if (options.progress) options.progress(what);

@@ -9,8 +9,8 @@
 // (estimator/results/compensation_csv.h). Long work ends early where an Interruptible scope says so.
 //
 // Units are SI (m, rad, N, kg, s); a rotation's standard deviation is that of a left perturbation, R = exp(delta)
-// R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}; a numerical failure is a Status
-// with a message, never an exception. Nothing here prints.
+// R_hat. Input that cannot be used throws InputError {file, line, key, what, hint}, an option out of its range one
+// whose key is Struct.field; a numerical failure is a Status with a message, never an exception. Nothing here prints.
 #pragma once
 
 #include <cstdint>
@@ -56,6 +56,8 @@ struct CalibrateOptions {
   std::uint64_t seed = 1;  // of the random halves that are compared
   std::function<void(const std::string&)> progress = {};
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const CalibrateOptions& options);
 
 // What Calibrate found.
 struct Calibration {
@@ -126,6 +128,8 @@ struct SimulateOptions {
   std::optional<double> sigma = {};
   std::uint64_t seed = 1;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const SimulateOptions& options);
 // Rows with simulated readings: the known robot, with noise and repeatability as the experiment states them.
 Measurements Simulate(const KnownRobot& known, const Measurements& rows, const Experiment& experiment,
                       const SimulateOptions& options = {});

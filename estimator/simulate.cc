@@ -1,8 +1,10 @@
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/sagitta.h"
+#include "problems/experiment_checks.h"
 #include "problems/failure.h"
 #include "problems/latent_model.h"
 #include "problems/problem_checks.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -52,8 +54,14 @@ KnownRobot KnownFrom(const std::string& file, const Robot& robot, const Experime
   return known;
 }
 
+void CheckOptions(const SimulateOptions& options) {
+  if (options.sigma) CheckIn(allowed::kSigmaOrZero, *options.sigma, "SimulateOptions.sigma");
+}
+
 Measurements Simulate(const KnownRobot& known, const Measurements& given, const Experiment& experiment,
                       const SimulateOptions& options) {
+  CheckOptions(options);
+  CheckExperiment(experiment);
   Measurements rows = given;
   AddKnownRotations(known, &rows);
   CalibrationProblem problem = PredictionProblem(known, rows);

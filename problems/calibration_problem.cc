@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "problems/experiment_checks.h"
 #include "problems/free_selection.h"
 #include "problems/input_error.h"
 #include "problems/loads.h"
@@ -202,6 +203,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
 }
 
 CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experiment experiment) {
+  CheckExperiment(experiment);
   SplitConfigurations(experiment.validation, &data);
   CheckLoadStates(&data);
   CheckStatedLoads(experiment, &data);

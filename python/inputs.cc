@@ -4,10 +4,12 @@
 
 #include <cmath>
 
+#include "problems/io/diagnosis_prior.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
 #include "problems/io/measurement_file.h"
 #include "problems/io/measurement_writer.h"
+#include "problems/range.h"
 
 namespace sagitta::python {
 
@@ -128,6 +130,7 @@ ExperimentInputs Assemble(const std::string& robot, bool is_text, const py::list
   inputs.robot = is_text ? ReadRobotText(robot, "robot") : ReadRobotFile(robot);
   inputs.files.push_back(is_text ? InputFile{"robot", Sha256(robot)} : DescribeInput(robot));
   inputs.experiment = ReadExperimentSettings(settings, "settings");
+  inputs.prior = ReadDiagnosisPriorText(settings, "settings");
   if (settings != "{}") inputs.experiment.file = "settings";
   std::vector<CsvTable> tables;
   for (const py::handle& source : sources) {
@@ -194,16 +197,14 @@ void BindInputs(py::module_& module) {
       .def_property_readonly("robot_yaml", [](const ExperimentInputs& i) { return RobotToYaml(i.robot); })
       .def("set_sigma",
            [](ExperimentInputs& i, double sigma_mm) {
-             if (!(sigma_mm > 0.0)) throw InputError({"", 0, "sigma_mm"}, "a standard deviation has to be above 0");
+             CheckIn(allowed::kSigma, sigma_mm / 1e3, "sigma_mm");
              i.experiment.noise.from = NoiseSpec::From::kSigma;
              i.experiment.noise.sigma = sigma_mm / 1e3;
              i.experiment.noise.replaces_rows = true;
            })
       .def("set_holdout",
            [](ExperimentInputs& i, double fraction, unsigned long long seed) {
-             if (!(fraction > 0.0 && fraction < 1.0)) {
-               throw InputError({"", 0, "holdout"}, "a fraction between 0 and 1 is expected", "holdout=0.3");
-             }
+             CheckIn(allowed::kFraction, fraction, "holdout");
              i.experiment.validation = ValidationSpec();
              i.experiment.validation.kind = ValidationSpec::Kind::kFraction;
              i.experiment.validation.fraction = fraction;

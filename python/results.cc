@@ -65,6 +65,7 @@ std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int
   Diagnosis diagnosis = ResultOf<Diagnosis>(progress, [&](const Say& say) {
     DiagnosisOptions options;
     options.significance = inputs.experiment.significance;
+    options.prior = inputs.prior;
     options.num_threads = threads;
     options.progress = say;
     return Diagnose(ProblemOf(inputs, force), options);

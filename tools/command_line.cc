@@ -7,7 +7,7 @@
 #include "problems/input_error.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
-#include "problems/limits.h"
+#include "problems/range.h"
 
 DEFINE_string(out, "", "where the results go: a folder, or a file where the command says so");
 DEFINE_uint64(seed, 1, "seed of everything random: hold-out, simulated noise");
@@ -100,10 +100,7 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
       FailUnknownFlag(command, flag.name);
     }
   }
-  if (FLAGS_threads < 1 || FLAGS_threads > limits::kThreads) {
-    throw InputError({"", 0, "--threads"},
-                     "between 1 and " + std::to_string(limits::kThreads) + " threads are possible");
-  }
+  CheckIn(allowed::kThreads, FLAGS_threads, "--threads");
   return line;
 }
 

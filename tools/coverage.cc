@@ -16,7 +16,7 @@
 #include "estimator/statistics/distributions.h"
 #include "problems/input_error.h"
 #include "problems/io/output_files.h"
-#include "problems/limits.h"
+#include "problems/range.h"
 #include "tools/commands.h"
 #include "tools/coverage_state.h"
 #include "tools/problem_from_arguments.h"
@@ -36,9 +36,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kLevel = 0.95;
 
 void CheckFlags() {
-  if (FLAGS_trials < 1 || FLAGS_trials > limits::kTrials) {
-    throw InputError({"", 0, "--trials"}, "between 1 and " + std::to_string(limits::kTrials) + " trials are possible");
-  }
+  CheckIn(allowed::kTrials, FLAGS_trials, "--trials");
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
   MethodNamed(FLAGS_method);
 }
@@ -170,9 +168,7 @@ int RunCoverage(const CommandLine& line) {
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = PlausibleProblem(inputs);
   const Method method = MethodNamed(FLAGS_method);
-  CheckIntervalsFit(problem, method);
-  const std::string obstacle = MethodObstacle(problem, method);
-  if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
+  CheckMethod(problem, method);
   // Shares as measured on 250 rows of a UR10 and 2000 trials.
   Progress progress(FLAGS_quiet, {{"aligning", 0.01}, {"trials", 1.0}});
   JointOptions options;

@@ -14,7 +14,7 @@
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
-#include "problems/limits.h"
+#include "problems/range.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
@@ -43,17 +43,10 @@ void CheckFlags() {
   if (IsGiven("poses") == IsGiven("accuracy_mm")) {
     throw InputError({"", 0, "--poses"}, "one of --poses and --accuracy_mm says how many", "--poses=20");
   }
-  if (IsGiven("poses") && (FLAGS_poses < 1 || FLAGS_poses > limits::kPlanPoses)) {
-    throw InputError({"", 0, "--poses"}, "between 1 and " + std::to_string(limits::kPlanPoses) + " poses are possible");
-  }
-  if (IsGiven("accuracy_mm") && !(FLAGS_accuracy_mm > 0.0)) {
-    throw InputError({"", 0, "--accuracy_mm"}, "an accuracy above 0 is expected");
-  }
-  if (FLAGS_pool < 1 || FLAGS_pool > limits::kPlanPool) {
-    throw InputError({"", 0, "--pool"},
-                     "between 1 and " + std::to_string(limits::kPlanPool) + " candidates are possible");
-  }
-  if (IsGiven("sigma_mm")) CheckSigmaFlag(false);
+  if (IsGiven("poses")) CheckIn(allowed::kPoses, FLAGS_poses, "--poses");
+  if (IsGiven("accuracy_mm")) CheckIn(allowed::kAccuracy, FLAGS_accuracy_mm / 1e3, "--accuracy_mm");
+  CheckIn(allowed::kPool, FLAGS_pool, "--pool");
+  if (IsGiven("sigma_mm")) CheckIn(allowed::kSigma, FLAGS_sigma_mm / 1e3, "--sigma_mm");
 }
 
 std::string LineOf(const PosesAndAccuracy& point) {

@@ -2,13 +2,10 @@
 
 #include <gflags/gflags.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "estimator/calibration/unit_guess.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
-#include "problems/limits.h"
+#include "problems/range.h"
 #include "tools/command_line.h"
 
 DEFINE_double(sigma_mm, 0.0, "standard deviation of every coordinate; replaces those of the rows");
@@ -22,28 +19,18 @@ DEFINE_double(significance, 0.01, "level of every test");
 
 namespace sagitta {
 
-void CheckSigmaFlag(bool may_be_zero) {
-  const double sigma = FLAGS_sigma_mm / 1e3;
-  if (may_be_zero && sigma == 0.0) return;
-  if (!(sigma > 0.0)) throw InputError({"", 0, "--sigma_mm"}, "a standard deviation has to be above 0");
-  if (sigma >= limits::kLeastSigma && sigma <= limits::kLargestSigma) return;
-  throw InputError({"", 0, "--sigma_mm"}, "this is no standard deviation of a measurement", "between 1e-6 and 1e4 mm");
-}
-
 namespace {
 
 void ApplyNoiseFlags(Experiment* experiment) {
   if (!IsGiven("sigma_mm")) return;
-  CheckSigmaFlag(false);
+  CheckIn(allowed::kSigma, FLAGS_sigma_mm / 1e3, "--sigma_mm");
   experiment->noise.from = NoiseSpec::From::kSigma;
   experiment->noise.sigma = FLAGS_sigma_mm / 1e3;
   experiment->noise.replaces_rows = true;
 }
 
 void ApplyHoldout(Experiment* experiment) {
-  if (!(FLAGS_holdout > 0.0 && FLAGS_holdout < 1.0)) {
-    throw InputError({"", 0, "--holdout"}, "a fraction between 0 and 1 is expected", "--holdout=0.3");
-  }
+  CheckIn(allowed::kFraction, FLAGS_holdout, "--holdout");
   experiment->validation = ValidationSpec();
   experiment->validation.kind = ValidationSpec::Kind::kFraction;
   experiment->validation.fraction = FLAGS_holdout;
@@ -80,15 +67,11 @@ void ApplyEstimateFlags(Experiment* experiment) {
   if (IsGiven("load_point_mm")) {
     const std::vector<double> point = NumbersOfFlag("load_point_mm", FLAGS_load_point_mm);
     if (point.size() != 3) throw InputError({"", 0, "--load_point_mm"}, "three numbers are expected: x,y,z");
-    if (std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])}) > 1e3 * limits::kCoordinate) {
-      throw InputError({"", 0, "--load_point_mm"}, "this is more than 1000 km away");
-    }
+    for (const double x_mm : point) CheckIn(allowed::kCoordinate, x_mm / 1e3, "--load_point_mm");
     experiment->load_point = Vector3<double>(point[0], point[1], point[2]) / 1e3;
   }
   if (!IsGiven("significance")) return;
-  if (!(FLAGS_significance > 0.0 && FLAGS_significance < 1.0)) {
-    throw InputError({"", 0, "--significance"}, "a level between 0 and 1 is expected", "--significance=0.01");
-  }
+  CheckIn(allowed::kLevel, FLAGS_significance, "--significance");
   experiment->significance = FLAGS_significance;
 }
 

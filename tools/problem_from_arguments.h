@@ -13,9 +13,6 @@ DECLARE_double(sigma_mm);
 
 namespace sagitta {
 
-// Refuses a --sigma_mm that is no standard deviation of a measurement.
-void CheckSigmaFlag(bool may_be_zero);
-
 // The flags that an estimating command takes beside its own.
 std::vector<std::string> WithProblemFlags(std::vector<std::string> flags);
 

@@ -7,6 +7,7 @@
 #include "problems/io/experiment_file.h"
 #include "problems/io/measurement_writer.h"
 #include "problems/io/output_files.h"
+#include "problems/range.h"
 #include "tools/commands.h"
 #include "tools/problem_from_arguments.h"
 #include "tools/report/command_words.h"
@@ -41,7 +42,7 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
 
 std::optional<double> SigmaAsked() {
   if (!IsGiven("sigma_mm")) return std::nullopt;
-  CheckSigmaFlag(true);
+  CheckIn(allowed::kSigmaOrZero, FLAGS_sigma_mm / 1e3, "--sigma_mm");
   return FLAGS_sigma_mm / 1e3;
 }
 

@@ -9,6 +9,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/normal_equations.h"
 #include "models/matrix_functions.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -183,8 +184,16 @@ Pose<double> RegisterRigid(const Eigen::Matrix3Xd& points, const Eigen::Matrix3X
   return pose;
 }
 
+void CheckOptions(const StartingValueOptions& options) {
+  CheckIn(allowed::kStarts, options.random_marker_starts, "StartingValueOptions.random_marker_starts");
+  CheckIn(allowed::kIterations, options.alternations, "StartingValueOptions.alternations");
+  CheckIn(allowed::kStarts, options.polished, "StartingValueOptions.polished");
+  CheckIn(allowed::kLength, options.marker_spread, "StartingValueOptions.marker_spread");
+}
+
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
                           const StartingValueOptions& options, ParameterSet* parameters) {
+  CheckOptions(options);
   const std::vector<int> looked_at = RowsOfStarts(problem, observations);
   const std::vector<FramedObservation> framed = EvaluateFrames(problem, looked_at, *parameters);
   std::mt19937_64 random(options.seed);

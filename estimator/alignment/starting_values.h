@@ -21,6 +21,8 @@ struct StartingValueOptions {
   double marker_spread = 0.3;  // m, of the random marker starts
   unsigned long long seed = 1;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const StartingValueOptions& options);
 
 // Sets base and markers of `parameters` (its model values are kept); what is
 // fixed keeps its value. Returns the RMS of the 3-D distances, m.

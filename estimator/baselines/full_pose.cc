@@ -1,7 +1,5 @@
 #include "estimator/baselines/full_pose.h"
 
-#include <glog/logging.h>
-
 #include <Eigen/QR>
 #include <chrono>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/baselines_words.h"
 #include "models/matrix_functions.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -263,15 +262,16 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
 
 }  // namespace
 
-bool FullPoseOptions::IsValid(std::string* error) const {
-  if (!(weight > 0.0)) *error = "weight must be positive";
-  if (max_iterations < 1) *error = "max_iterations must be at least 1";
-  return weight > 0.0 && max_iterations >= 1;
+void CheckOptions(const FullPoseOptions& options) {
+  CheckIn(allowed::kFactor, options.weight, "FullPoseOptions.weight");
+  for (const double x : options.reference_in_flange) {
+    CheckIn(allowed::kCoordinate, x, "FullPoseOptions.reference_in_flange");
+  }
+  CheckIn(allowed::kIterations, options.max_iterations, "FullPoseOptions.max_iterations");
 }
 
 Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPoseOptions& options) {
-  std::string error;
-  CHECK(options.IsValid(&error)) << error;
+  CheckOptions(options);
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.aligned = problem.parameters;

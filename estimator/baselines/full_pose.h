@@ -19,8 +19,6 @@
 // What the data cannot tell must be held before, as in two_step.h.
 #pragma once
 
-#include <string>
-
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
@@ -31,9 +29,9 @@ struct FullPoseOptions {
   bool propagated_covariance = false;                             // C^-1 in place of (1, w^2)
   Vector3<double> reference_in_flange = Vector3<double>::Zero();  // m, the point whose position counts
   int max_iterations = 50;
-
-  bool IsValid(std::string* error) const;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const FullPoseOptions& options);
 
 // Standard deviations are those of this method (sandwich where w is not optimal);
 // the marker shape counts as known. Trouble: a status with words.

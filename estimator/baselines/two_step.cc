@@ -1,7 +1,5 @@
 #include "estimator/baselines/two_step.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/baselines_words.h"
 #include "problems/interruption.h"
+#include "problems/range.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -178,10 +177,9 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
 
 }  // namespace
 
-bool TwoStepOptions::IsValid(std::string* error) const {
-  if (max_iterations < 1) *error = "max_iterations must be at least 1";
-  if (!(tolerance > 0.0)) *error = "tolerance must be positive";
-  return max_iterations >= 1 && tolerance > 0.0;
+void CheckOptions(const TwoStepOptions& options) {
+  CheckIn(allowed::kIterations, options.max_iterations, "TwoStepOptions.max_iterations");
+  CheckIn(allowed::kTolerance, options.tolerance, "TwoStepOptions.tolerance");
 }
 
 Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& from) {
@@ -200,8 +198,7 @@ Eigen::VectorXd TangentDifference(const ParameterSet& to, const ParameterSet& fr
 }
 
 TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoStepOptions& options) {
-  std::string error;
-  CHECK(options.IsValid(&error)) << error;
+  CheckOptions(options);
   const auto start = std::chrono::steady_clock::now();
   TwoStepResult result;
   result.rate = std::numeric_limits<double>::quiet_NaN();

@@ -47,9 +47,9 @@ struct TwoStepOptions {
   // standard deviations in every coordinate (1e-6 between two methods asks for less).
   double tolerance = 1e-7;
   std::function<void(const std::string&)> progress;  // may be empty
-
-  bool IsValid(std::string* error) const;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const TwoStepOptions& options);
 
 struct TwoStepResult {
   // Intervals come from the joint linearization at the point reached: for literal

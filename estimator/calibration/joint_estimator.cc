@@ -17,6 +17,7 @@
 #include "estimator/least_squares/structure.h"
 #include "estimator/report/calibration_words.h"
 #include "problems/excitation.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -291,7 +292,13 @@ double AlignNominal(const CalibrationProblem& problem, ParameterSet* parameters)
   return misfit;
 }
 
+void CheckOptions(const JointOptions& options) {
+  CheckIn(allowed::kIterations, options.max_iterations, "JointOptions.max_iterations");
+  CheckIn(allowed::kThreads, options.num_threads, "JointOptions.num_threads");
+}
+
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
+  CheckOptions(options);
   Report(options, AligningNominal());
   ParameterSet start = problem.parameters;
   AlignNominal(problem, &start);
@@ -300,6 +307,7 @@ Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& 
 
 Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start_values,
                       const JointOptions& options) {
+  CheckOptions(options);
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.parameters = start_values;

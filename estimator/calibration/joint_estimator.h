@@ -24,6 +24,8 @@ struct JointOptions {
   const ParameterSet* aligned = nullptr;
   bool judge = true;  // step 4; false between the rounds of an outer loop
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const JointOptions& options);
 
 // All unknowns in one solve, from the aligned nominal robot. Numerical failure is a status.
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options = {});

@@ -270,6 +270,7 @@ bool FindsNoise(const CalibrationProblem& problem) {
 }
 
 ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOptions& options) {
+  CheckOptions(options);
   if (!FindsNoise(problem)) {
     ResolvedEstimate plain = EstimatePlainly(std::move(problem), options);
     DescribeNoise(plain.problem, &plain.estimate);

@@ -11,6 +11,7 @@
 #include "models/constants.h"
 #include "models/dense_algebra.h"
 #include "problems/interruption.h"
+#include "problems/range.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -183,6 +184,7 @@ double Radius95(const Matrix3<double>& covariance) {
 
 std::vector<CompensatedTarget> Compensate(const CompensationInput& input, const std::vector<Target>& targets,
                                           int threads, const std::function<void(size_t done)>& progress) {
+  CheckIn(allowed::kThreads, threads, "threads");
   const Compensator compensator(input);
   // In their order: a path of poses stays on the branch it is on.
   std::vector<FlangeSolution> nominal(targets.size());

@@ -409,6 +409,7 @@ class Session {
 }  // namespace
 
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options) {
+  CheckOptions(options);
   Diagnosis diagnosis;
   Session(problem, options, &diagnosis).Run();
   return diagnosis;

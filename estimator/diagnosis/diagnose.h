@@ -135,6 +135,8 @@ struct DiagnosisOptions {
   std::function<void(const std::string&)> progress;
   std::function<void(const FoundSoFar&)> found;  // whenever the effects change; may be empty
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const DiagnosisOptions& options);
 
 // Which effects the model lacks. The problem needs held-out configurations for the gap (HoldOutForDiagnosis).
 Diagnosis Diagnose(const CalibrationProblem& problem, const DiagnosisOptions& options);

@@ -18,6 +18,7 @@
 #include "estimator/statistics/distributions.h"
 #include "estimator/statistics/median.h"
 #include "problems/input_error.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -182,7 +183,13 @@ bool ByConfigurations(const BootstrapOptions& options, int clusters, int unknown
 
 }  // namespace
 
+void CheckOptions(const BootstrapOptions& options) {
+  CheckIn(allowed::kReplicates, options.replicates, "BootstrapOptions.replicates");
+  CheckIn(allowed::kThreads, options.num_threads, "BootstrapOptions.num_threads");
+}
+
 void BootstrapIntervals(const CalibrationProblem& problem, const BootstrapOptions& options, Estimate* estimate) {
+  CheckOptions(options);
   Setup setup{problem, *estimate, false, false, {}, 0};
   setup.clusters = ConfigurationClusters(problem.data(), problem.CalibrationObservations());
   setup.num_clusters = setup.clusters.empty() ? 0 : 1 + *std::max_element(setup.clusters.begin(), setup.clusters.end());

@@ -26,6 +26,8 @@ struct BootstrapOptions {
   int num_threads = 1;
   std::function<void(const std::string&)> progress;  // may be empty
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const BootstrapOptions& options);
 
 // Replaces covariance, intervals and table of a judged estimate. Throws
 // InputError where configurations are asked for and too few to be resampled.

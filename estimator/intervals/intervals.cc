@@ -4,8 +4,11 @@
 #include "estimator/intervals/profile.h"
 #include "estimator/noise/weighting.h"
 #include "problems/input_error.h"
+#include "problems/range.h"
 
 namespace sagitta {
+
+namespace {
 
 void CheckIntervalsFit(const CalibrationProblem& problem, Method method) {
   const Experiment& experiment = problem.experiment();
@@ -25,7 +28,20 @@ void CheckIntervalsFit(const CalibrationProblem& problem, Method method) {
                    "use --method=joint, or covariance: model");
 }
 
+}  // namespace
+
+void CheckMethod(const CalibrationProblem& problem, Method method) {
+  const std::string obstacle = MethodObstacle(problem, method);
+  if (!obstacle.empty()) throw InputError({"", 0, "--method"}, obstacle, "use --method=joint, or state sigma_mm alone");
+  CheckIntervalsFit(problem, method);
+}
+
+void CheckOptions(const IntervalOptions& options) {
+  CheckIn(allowed::kThreads, options.num_threads, "IntervalOptions.num_threads");
+}
+
 void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& options, Estimate* estimate) {
+  CheckOptions(options);
   const CovarianceKind covariance = problem.experiment().method.covariance;
   if (covariance == CovarianceKind::kBootstrap) {
     BootstrapOptions bootstrap;

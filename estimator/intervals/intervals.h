@@ -16,10 +16,12 @@ struct IntervalOptions {
   int num_threads = 1;
   std::function<void(const std::string&)> progress;  // may be empty
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const IntervalOptions& options);
 
-// Refits are of the joint estimate: throws InputError where another method's
-// estimate is to get intervals from them.
-void CheckIntervalsFit(const CalibrationProblem& problem, Method method);
+// Throws InputError where the method cannot honour what the problem states (MethodObstacle), or where intervals from
+// refits, which are of the joint estimate, are asked for another method's.
+void CheckMethod(const CalibrationProblem& problem, Method method);
 
 void AddIntervals(const CalibrationProblem& problem, const IntervalOptions& options, Estimate* estimate);
 

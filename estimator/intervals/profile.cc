@@ -9,6 +9,7 @@
 #include "estimator/least_squares/refit.h"
 #include "estimator/report/intervals_words.h"
 #include "estimator/statistics/distributions.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -129,7 +130,14 @@ End FindEnd(ProfileSide side, double t, double half, const ProfileOptions& optio
 
 }  // namespace
 
+void CheckOptions(const ProfileOptions& options) {
+  CheckIn(allowed::kThreads, options.num_threads, "ProfileOptions.num_threads");
+  CheckIn(allowed::kTolerance, options.tolerance, "ProfileOptions.tolerance");
+  CheckIn(allowed::kWideningFactor, options.farthest, "ProfileOptions.farthest");
+}
+
 void ProfileIntervals(const CalibrationProblem& problem, const ProfileOptions& options, Estimate* estimate) {
+  CheckOptions(options);
   const auto n = static_cast<int>(estimate->estimated.size());
   const Refit here = RefitFrom(problem, estimate->parameters);
   IntervalReport& report = estimate->intervals;

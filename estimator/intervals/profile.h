@@ -23,6 +23,8 @@ struct ProfileOptions {
   double farthest = 30.0;                            // half-widths of the ellipse's interval; beyond: open
   std::function<void(const std::string&)> progress;  // may be empty
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const ProfileOptions& options);
 
 // Replaces ci95 of every estimated coordinate of a judged estimate; covariance and
 // sigma stay the model's. An end that does not close is marked open.

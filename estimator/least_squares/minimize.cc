@@ -14,6 +14,7 @@
 #include "estimator/least_squares/gauss_newton.h"
 #include "estimator/least_squares/structure.h"
 #include "problems/interruption.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -51,10 +52,9 @@ ceres::LinearSolverType LinearSolverFor(const Structure& structure, bool has_lat
 
 }  // namespace
 
-bool MinimizeOptions::IsValid(std::string* error) const {
-  if (max_iterations < 1) *error = "max_iterations must be at least 1";
-  if (num_threads < 1) *error = "num_threads must be at least 1";
-  return max_iterations >= 1 && num_threads >= 1;
+void CheckOptions(const MinimizeOptions& options) {
+  CheckIn(allowed::kIterations, options.max_iterations, "MinimizeOptions.max_iterations");
+  CheckIn(allowed::kThreads, options.num_threads, "MinimizeOptions.num_threads");
 }
 
 namespace {
@@ -136,8 +136,7 @@ MinimizeSummary WithBoundsWhereMet(const MinimizeOptions& options,
                                    const std::function<MinimizeSummary(bool bounded)>& minimize,
                                    const std::function<bool(ParameterSet*, MinimizeSummary*)>& step_onto,
                                    ParameterSet* parameters) {
-  std::string error;
-  CHECK(options.IsValid(&error)) << error;
+  CheckOptions(options);
   const ParameterSet start = *parameters;
   MinimizeSummary free = minimize(false);
   if (free.usable && free.converged && IsInside(*parameters)) return free;

@@ -14,9 +14,9 @@ struct MinimizeOptions {
   // deficient, and joints taken as exact. Otherwise the first step is
   // Gauss-Newton (4-5 iterations from nominal).
   bool cautious = false;
-
-  bool IsValid(std::string* error) const;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const MinimizeOptions& options);
 
 // How a solve went.
 struct MinimizeSummary {

@@ -4,9 +4,12 @@
 #include <cmath>
 
 #include "estimator/least_squares/normal_equations.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
+
+constexpr Range kCoordinateOrNone{"the index of a coordinate, or -1,", -1.0, 1e9};
 
 void Weigh(const std::vector<double>& weights, Linearization* linearization) {
   for (size_t k = 0; k < weights.size(); ++k) {
@@ -48,7 +51,15 @@ Linearization LinearizeFit(const CalibrationProblem& problem, const ParameterSet
   return fit;
 }
 
+void CheckOptions(const RefitOptions& options) {
+  const std::vector<double>& weights = options.weights;
+  const auto bad = std::find_if(weights.begin(), weights.end(), [](double w) { return !allowed::kWeight.Has(w); });
+  if (bad != weights.end()) CheckIn(allowed::kWeight, *bad, "RefitOptions.weights");
+  CheckIn(kCoordinateOrNone, options.kept, "RefitOptions.kept");
+}
+
 Refit RefitFrom(const CalibrationProblem& problem, const ParameterSet& start, const RefitOptions& options) {
+  CheckOptions(options);
   std::vector<int> columns = start.EstimatedCoordinates();
   columns.erase(std::remove(columns.begin(), columns.end(), options.kept), columns.end());
   const std::vector<int> observations = problem.CalibrationObservations();

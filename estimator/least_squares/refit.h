@@ -13,6 +13,8 @@ struct RefitOptions {
   int kept = -1;                // a coordinate that stays where the start has it
   GaussNewtonOptions steps;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const RefitOptions& options);
 
 struct Refit {
   bool converged = false;

@@ -11,6 +11,7 @@
 
 #include "models/matrix_functions.h"
 #include "problems/interruption.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -397,8 +398,15 @@ ApproximateDesign SolveApproximate(const CandidateSet& set, const Eigen::MatrixX
   return design;
 }
 
+void CheckOptions(const ExactOptions& options) {
+  CheckIn(allowed::kStarts, options.starts, "ExactOptions.starts");
+  CheckIn(allowed::kIterations, options.rounds, "ExactOptions.rounds");
+  CheckIn(allowed::kPool, options.max_trials, "ExactOptions.max_trials");
+}
+
 ExactDesign SolveExact(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, int poses,
                        const ApproximateDesign& approximate, const ExactOptions& options) {
+  CheckOptions(options);
   const Adder adder(set, criterion, Foremost(approximate.gain, std::max(options.max_trials, poses)));
   std::mt19937_64 random(options.seed);
   ExactDesign best;

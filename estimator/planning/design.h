@@ -65,6 +65,8 @@ struct ExactOptions {
   int max_trials = 300;  // candidates that an exchange tries: those of the largest d_i
   std::uint64_t seed = 1;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const ExactOptions& options);
 
 // From the approximate design by exchange; known: M0, positive definite.
 ExactDesign SolveExact(const CandidateSet& set, const Eigen::MatrixXd& known, const Criterion& criterion, int poses,

@@ -8,7 +8,10 @@
 #include "estimator/planning/search.h"
 #include "estimator/report/planning_words.h"
 #include "estimator/statistics/mutual_information.h"
+#include "models/effects/catalogue.h"
+#include "problems/experiment_checks.h"
 #include "problems/input_error.h"
+#include "problems/range.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -28,14 +31,11 @@ void FillParameters(const CalibrationProblem& problem, const PlanNumbers& number
 
 // Effects whose size goes with time: measured in the order of the poses they would be mistaken for a place.
 bool DriftIsFree(const CalibrationProblem& problem) {
-  static const std::vector<std::string> with_time = {"station_drift", "warm_up", "thermal_growth", "joint_slip",
-                                                     "marker_shift"};
-  const auto& coordinates = problem.parameters.coordinates();
-  return std::any_of(coordinates.begin(), coordinates.end(), [](const Coordinate& coordinate) {
-    return coordinate.estimated() && std::any_of(with_time.begin(), with_time.end(), [&](const std::string& effect) {
-             const std::string head = "effect/" + effect;
-             return coordinate.name.rfind(head + "/", 0) == 0 || coordinate.name.rfind(head + "[", 0) == 0;
-           });
+  const std::vector<EffectSpec>& effects = problem.robot().effects;
+  return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& effect) {
+    if (FindEffect(problem.robot(), effect.effect)->driven_by == EffectDriver::kJoint) return false;
+    const std::vector<int> own = problem.parameters.Match(effect.Path());
+    return std::any_of(own.begin(), own.end(), [&](int i) { return problem.parameters.coordinates()[i].estimated(); });
   });
 }
 
@@ -115,7 +115,22 @@ void FillAccuracy(const PlanNumbers& numbers, const Criterion& criterion, const 
 
 }  // namespace
 
+void CheckOptions(const PlanRequest& request) {
+  if (request.poses != 0) CheckIn(allowed::kPoses, request.poses, "PlanRequest.poses");
+  if (request.accuracy != 0.0) CheckIn(allowed::kAccuracy, request.accuracy, "PlanRequest.accuracy");
+  if ((request.poses != 0) == (request.accuracy != 0.0)) {
+    throw InputError({"", 0, "PlanRequest.poses"}, "one of poses and accuracy is expected to say how many");
+  }
+  CheckIn(allowed::kWideningFactor, request.model_error, "PlanRequest.model_error");
+  CheckIn(allowed::kMisfit, request.field, "PlanRequest.field");
+  CheckIn(allowed::kPool, request.pool, "PlanRequest.pool");
+  CheckIn(allowed::kPoses, request.most_poses, "PlanRequest.most_poses");
+  CheckIn(allowed::kStarts, request.starts, "PlanRequest.starts");
+}
+
 Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request) {
+  CheckOptions(request);
+  CheckExperiment(experiment);
   if (experiment.torques_measured) {
     throw InputError({experiment.file, 0, "torques"}, "torques of poses that are not measured yet are not known",
                      "plan with torques: model");

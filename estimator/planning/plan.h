@@ -52,6 +52,8 @@ struct PlanRequest {
   std::function<void(const std::string&)> progress = {};
   std::function<void(const PosesAndAccuracy&)> found = {};  // each plan as it is found, before its poses move
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const PlanRequest& options);
 
 // What a parameter is expected to be known to.
 struct PlannedParameter {

@@ -12,5 +12,7 @@ PriorMasses ReadPriorMasses(const YamlValue& value);
 
 // Of an experiment file; as they are by default where it does not say, or there is no file ("").
 PriorMasses ReadDiagnosisPrior(const std::string& experiment_file);
+// The same of its text.
+PriorMasses ReadDiagnosisPriorText(const std::string& text, const std::string& file_in_messages);
 
 }  // namespace sagitta

@@ -2,8 +2,6 @@
 #include <cmath>
 
 #include "problems/io/experiment_parts.h"
-#include "problems/io/files.h"
-#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -21,26 +19,26 @@ void CheckNames(const YamlValue& value, const std::vector<std::string>& names) {
   for (const YamlValue& item : value.Items()) item.OneOf(names);
 }
 
-double ReadUnitInterval(const YamlValue& value) {
-  const double number = value.Number();
-  if (number <= 0.0 || number >= 1.0) value.Fail("a number between 0 and 1 is expected");
-  return number;
+int ReadCountIn(const Range& range, const YamlValue& value) {
+  const unsigned long long count = value.Count();
+  CheckIn(range, static_cast<double>(count), value);
+  return static_cast<int>(count);
 }
 
-double NotNegative(const std::optional<double>& number, const YamlValue& map) {
-  if (number && *number < 0.0) map.Fail("an instrument's standard deviations are not below 0");
-  if (number && *number > 0.0) CheckDeviation(map, *number);
-  return number.value_or(0.0);
+// 0 where nothing is stated.
+double DeviationOrZero(const std::optional<double>& si, const YamlValue& value) {
+  if (si) CheckIn(allowed::kSigmaOrZero, *si, value);
+  return si.value_or(0.0);
 }
 
 void ReadInstrument(const YamlValue& value, NoiseSpec* noise) {
   YamlMap map(value);
   noise->from = NoiseSpec::From::kInstrument;
-  noise->range = NotNegative(map.Find("range", Dimension::kSmallLength), value);
-  noise->angle = NotNegative(map.Find("angle", Dimension::kSmallLength), value);
+  noise->range = DeviationOrZero(map.Find("range", Dimension::kSmallLength), value);
+  noise->angle = DeviationOrZero(map.Find("angle", Dimension::kSmallLength), value);
   const auto per_metre = [&](const std::string& key) {
     const auto entry = map.Find(key);
-    return entry ? NotNegative(entry->NumberIn(UnitNamed("um")), *entry) : 0.0;
+    return entry ? DeviationOrZero(entry->NumberIn(UnitNamed("um")), *entry) : 0.0;
   };
   noise->range_per_m = per_metre("range_um_per_m");
   noise->angle_per_m = per_metre("angle_um_per_m");
@@ -54,7 +52,7 @@ std::optional<double> ReadSigma(YamlMap* map, const std::string& stem) {
   const auto sigma = map->FindQuantity(stem, Dimension::kLength);
   if (!sigma) return std::nullopt;
   const double si = sigma->unit.ToSi(sigma->value.PositiveNumber());
-  CheckDeviation(sigma->value, si);
+  CheckIn(allowed::kSigma, si, sigma->value);
   return si;
 }
 
@@ -67,43 +65,41 @@ NoiseSpec::From ReadNoiseSource(const YamlValue& value) {
 
 // Settings of {from: residuals}, refused elsewhere as unknown keys.
 void ReadResidualSettings(YamlMap* map, NoiseSpec* noise) {
-  if (const auto lambda = map->Find("lambda")) noise->lambda = lambda->PositiveNumber();
+  if (const auto lambda = map->Find("lambda")) noise->lambda = ReadIn(allowed::kFactor, *lambda);
   noise->sigma0 = ReadSigma(map, "sigma0").value_or(noise->sigma0);
   if (const auto group = map->Find("group")) ReadChoice(*group, &noise->group);
   if (const auto iterations = map->Find("iterations")) {
-    const unsigned long long count = iterations->Count();
-    if (count == 0 || count > 10000) iterations->Fail("a whole number from 1 to 10000 is expected");
-    noise->iterations = static_cast<int>(count);
+    noise->iterations = ReadCountIn(allowed::kNoiseIterations, *iterations);
   }
 }
 
 // One joint's or everybody's standard deviation, 0 or more.
-double ReadDeviation(const YamlValue& value, const Unit& unit) {
+double ReadDeviation(const YamlValue& value, const Unit& unit, const Range& range) {
   const double deviation = value.NumberIn(unit);
-  if (deviation < 0.0) value.Fail("a standard deviation is not below 0");
-  if (deviation > 0.0) CheckDeviation(value, deviation);
+  CheckIn(range, deviation, value);
   return deviation;
 }
 
-void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, RepeatabilitySpec::OfKind* kind) {
+void ReadRepeatabilityValue(const YamlMap::Quantity& quantity, const Range& range, RepeatabilitySpec::OfKind* kind) {
   const YamlValue& value = quantity.value;
   if (!value.IsMap()) {
     if (kind->common || kind->estimate) value.Fail("this is given twice, in two units");
     kind->estimate = value.Is("estimate");
-    if (!kind->estimate) kind->common = ReadDeviation(value, quantity.unit);
+    if (!kind->estimate) kind->common = ReadDeviation(value, quantity.unit, range);
     return;
   }
   for (const auto& [joint, entry] : value.Entries()) {
     if (kind->per_joint.count(joint) > 0) entry.Fail("joint '" + joint + "' is given twice");
-    kind->per_joint[joint] = ReadDeviation(entry, quantity.unit);
+    kind->per_joint[joint] = ReadDeviation(entry, quantity.unit, range);
   }
 }
 
 }  // namespace
 
-void CheckDeviation(const YamlValue& value, double si) {
-  if (si >= limits::kLeastSigma && si <= limits::kLargestSigma) return;
-  value.Fail("this is no standard deviation of a measurement", "1 nm to 10 m, 1 nrad to 10 rad");
+double ReadIn(const Range& range, const YamlValue& value) {
+  const double number = value.Number();
+  CheckIn(range, number, value);
+  return number;
 }
 
 NoiseSpec ReadNoise(const YamlValue& value) {
@@ -125,13 +121,15 @@ NoiseSpec ReadNoise(const YamlValue& value) {
 
 RepeatabilitySpec ReadRepeatability(YamlMap* file) {
   RepeatabilitySpec repeatability;
-  const auto read = [&](const char* unit, RepeatabilitySpec::OfKind* kind) {
+  const auto read = [&](const char* unit, const Range& range, RepeatabilitySpec::OfKind* kind) {
     const auto value = file->Find(std::string("repeatability_") + unit);
-    if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, kind);
+    if (value) ReadRepeatabilityValue({*value, UnitNamed(unit)}, range, kind);
   };
   // The first of a kind is the unit to suggest.
-  for (const char* unit : {"urad", "mrad", "rad", "deg"}) read(unit, &repeatability.angle);
-  for (const char* unit : {"um", "mm", "m"}) read(unit, &repeatability.length);
+  for (const char* unit : {"urad", "mrad", "rad", "deg"}) {
+    read(unit, allowed::kAngleSigmaOrZero, &repeatability.angle);
+  }
+  for (const char* unit : {"um", "mm", "m"}) read(unit, allowed::kSigmaOrZero, &repeatability.length);
   if (const auto plain = file->Find("repeatability")) {
     if (!plain->Is("estimate")) plain->Fail("the key has to name its unit", "repeatability_urad or repeatability_um");
     for (auto* kind : {&repeatability.angle, &repeatability.length}) kind->estimate = !kind->common;
@@ -173,11 +171,7 @@ std::map<std::string, Prior> ReadPriors(const YamlValue& value) {
     prior.value = map.Get("value").Number();
     const YamlValue sigma = map.Get("sigma");
     prior.sigma = sigma.PositiveNumber();
-    if (prior.sigma < limits::kLeastPriorSigma || prior.sigma > limits::kLargestPriorSigma) {
-      sigma.Fail("this is no standard deviation of something that is known",
-                 "between " + FormatNumber(limits::kLeastPriorSigma) + " and " +
-                     FormatNumber(limits::kLargestPriorSigma) + "; without a prior leave the entry out");
-    }
+    CheckIn(allowed::kPriorSigma, prior.sigma, sigma);
     map.Finish();
     priors[name] = prior;
   }
@@ -211,7 +205,7 @@ ValidationSpec ReadValidation(const YamlValue& value) {
   }
   if (values) values->Fail("values belong to a column");
   validation.kind = ValidationSpec::Kind::kFraction;
-  validation.fraction = ReadUnitInterval(*fraction);
+  validation.fraction = ReadIn(allowed::kFraction, *fraction);
   if (seed) validation.seed = seed->Count();
   if (by) validation.by_time = by->OneOf({"config", "time"}) == "time";
   return validation;
@@ -222,15 +216,11 @@ BootstrapSpec ReadBootstrap(const YamlValue& value) {
   BootstrapSpec bootstrap;
   if (const auto kind = map.Find("kind")) ReadChoice(*kind, &bootstrap.kind);
   if (const auto replicates = map.Find("replicates")) {
-    const unsigned long long count = replicates->Count();
-    if (count < 99 || count > 1000000) replicates->Fail("a whole number from 99 to 1000000 is expected");
-    bootstrap.replicates = static_cast<int>(count);
+    bootstrap.replicates = ReadCountIn(allowed::kReplicates, *replicates);
   }
   if (const auto seed = map.Find("seed")) bootstrap.seed = seed->Count();
   map.Finish();
   return bootstrap;
 }
-
-double ReadSignificance(const YamlValue& value) { return ReadUnitInterval(value); }
 
 }  // namespace sagitta

@@ -49,7 +49,8 @@ void ReadMethod(YamlMap* map, Experiment* experiment) {
   if (const auto priors = map->Find("priors")) experiment->priors = ReadPriors(*priors);
   if (const auto validation = map->Find("validation")) experiment->validation = ReadValidation(*validation);
   if (const auto prior = map->Find("prior")) ReadPriorMasses(*prior);  // checked; the diagnosis reads it
-  if (const auto significance = map->Find("significance")) experiment->significance = ReadSignificance(*significance);
+  if (const auto significance = map->Find("significance"))
+    experiment->significance = ReadIn(allowed::kLevel, *significance);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/io/diagnosis_prior.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
@@ -53,6 +54,7 @@ ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths, con
   ExperimentInputs inputs;
   inputs.experiment = ExperimentOf(paths);
   const Experiment& experiment = inputs.experiment;
+  inputs.prior = ReadDiagnosisPrior(experiment.file);
   inputs.robot = ReadRobotFile(experiment.robot_file);
   inputs.data = ReadMeasurementsFor(inputs.robot, experiment.measurement_files, options);
   if (!experiment.file.empty()) inputs.files.push_back(DescribeInput(experiment.file));

@@ -9,6 +9,7 @@
 #include "problems/io/input_file.h"
 #include "problems/io/measurement_file.h"
 #include "problems/measurements.h"
+#include "problems/prior_masses.h"
 
 namespace sagitta {
 
@@ -18,6 +19,7 @@ struct ExperimentInputs {
   Robot robot;
   Measurements data;
   std::vector<InputFile> files;
+  PriorMasses prior;  // of a diagnosis
 };
 
 // Throws InputError.

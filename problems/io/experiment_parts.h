@@ -21,9 +21,6 @@ void ReadChoice(const YamlValue& value, Choice* choice) {
   *choice = *FindChoice<Choice>(value.OneOf(WordsOf<Choice>()));
 }
 
-// Refuses what is no standard deviation of a measurement (problems/limits.h), 0 among it.
-void CheckDeviation(const YamlValue& value, double si);
-
 NoiseSpec ReadNoise(const YamlValue& value);
 // Keys repeatability_urad and repeatability_um of the file.
 RepeatabilitySpec ReadRepeatability(YamlMap* file);
@@ -31,6 +28,7 @@ EstimateSpec ReadEstimate(const YamlValue& value);
 std::map<std::string, Prior> ReadPriors(const YamlValue& value);
 ValidationSpec ReadValidation(const YamlValue& value);
 BootstrapSpec ReadBootstrap(const YamlValue& value);
-double ReadSignificance(const YamlValue& value);
+// A number that the range has.
+double ReadIn(const Range& range, const YamlValue& value);
 
 }  // namespace sagitta

@@ -1,6 +1,5 @@
 // Loads, tool, gravity, markers and stations of an experiment file.
 #include "problems/io/experiment_parts.h"
-#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -13,8 +12,7 @@ WrenchFrame ReadWrenchFrame(const YamlValue& value) {
 
 double ReadMass(const YamlValue& value) {
   const double mass = value.Number();
-  if (mass < 0.0) value.Fail("a mass is not below 0");
-  if (mass > limits::kMass) value.Fail("no robot carries more than 1000 t");
+  CheckIn(allowed::kMass, mass, value);
   return mass;
 }
 
@@ -45,8 +43,7 @@ std::map<std::string, MarkerSpec> ReadMarkers(const YamlValue& value) {
     if (const auto on = map.Find("on")) marker.on = MarkerPlace::Named(on->Text());
     if (const auto spring = map.Find("spring")) ReadChoice(*spring, &marker.spring.emplace());
     if (const auto sigma = map.Length("spring_sigma")) {
-      if (!(*sigma > 0.0)) entry.Fail("spring_sigma must be above 0");
-      CheckDeviation(entry, *sigma);
+      CheckIn(allowed::kSigma, *sigma, entry);
       marker.spring_sigma = sigma;
     }
     map.Finish();
@@ -88,7 +85,7 @@ void ReadGravity(const YamlValue& value, Experiment* experiment) {
     experiment->gravity_in_base = frame->OneOf({"measurement", "base"}) == "base";
   if (const auto magnitude = map.Find("m_per_s2")) {
     experiment->gravity = magnitude->PositiveNumber();
-    if (experiment->gravity < 1e-3 || experiment->gravity > 1e3) magnitude->Fail("no robot stands in such a gravity");
+    CheckIn(allowed::kGravity, experiment->gravity, *magnitude);
   }
   map.Finish();
 }

@@ -86,6 +86,10 @@ void YamlValue::FailAt(int line, const std::string& key, const std::string& what
   throw InputError({file_, line > 0 ? line : line_, PathTo(key)}, what, hint);
 }
 
+void CheckIn(const Range& range, double si, const YamlValue& at) {
+  if (!range.Has(si)) at.Fail(range.Refusal(si));
+}
+
 std::string YamlValue::Text() const {
   if (!node_.IsScalar() || node_.Scalar().empty()) Fail("a text is expected, this is " + KindOf(node_));
   return node_.Scalar();

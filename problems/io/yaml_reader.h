@@ -18,6 +18,7 @@
 
 #include "models/geometry.h"
 #include "problems/io/units.h"
+#include "problems/range.h"
 
 namespace sagitta {
 
@@ -57,6 +58,9 @@ class YamlValue {
 };
 
 YamlValue ParseYaml(const std::string& text, const std::string& file);
+
+// Refuses, at the value that it was read from, a number (SI) that the range does not have.
+void CheckIn(const Range& range, double si, const YamlValue& at);
 
 // The line of every key below `value` by its path from the root: estimate.compliance.
 void ListLines(const YamlValue& value, std::map<std::string, int>* lines);

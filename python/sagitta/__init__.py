@@ -651,8 +651,6 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
     """
     if (poses is None) == (accuracy_mm is None):
         raise _tables._input_error("one of poses and accuracy_mm says how many", "poses", "poses=20")
-    if (poses is not None and poses < 1) or (accuracy_mm is not None and not accuracy_mm > 0):
-        raise _tables._input_error("at least one pose, or an accuracy above 0, is expected", "poses")
     random_tests = isinstance(tests, str) and tests == "random"
     wishes = {
         "poses": poses or 0, "accuracy_mm": float(accuracy_mm or 0.0), "augment": augment, "criterion": criterion,

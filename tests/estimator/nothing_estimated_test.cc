@@ -54,7 +54,7 @@ TEST(NothingEstimated, IsSaidWhateverTheNoiseIsFoundBy) {
   for (const std::string covariance : {"sandwich", "bootstrap", "profile"}) {
     Experiment experiment;
     experiment.method.covariance = *FindChoice<CovarianceKind>(covariance);
-    experiment.method.bootstrap.replicates = 19;
+    experiment.method.bootstrap.replicates = 99;
     ExpectWords(experiment, covariance);
   }
   for (const std::string loss : {"huber", "cauchy"}) {

@@ -147,7 +147,7 @@ TEST(Bootstrap, OfConfigurationsTakesMoreRowsThanAreKept) {
   ASSERT_FALSE(AreHeld(3.0 * problem.data().observations.size(), model.estimated.size()));
   Estimate drawn = model;
   BootstrapOptions options;
-  options.replicates = 39;
+  options.replicates = 99;
   BootstrapIntervals(problem, options, &drawn);
   ASSERT_EQ(drawn.intervals.kind, BootstrapKind::kConfigurations);
   ASSERT_EQ(drawn.intervals.method, CovarianceKind::kBootstrap);

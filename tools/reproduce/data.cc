@@ -60,6 +60,10 @@ std::vector<Eigen::VectorXd> DrawConfigurations(const Chain& chain, int count, u
   return configurations;
 }
 
+void CheckOptions(const ReproduceOptions& options) {
+  CheckIn(kReproducedTrials, options.trials, "ReproduceOptions.trials");
+}
+
 const GeometricRun& Reproduction::geometric() {
   if (!geometric_) geometric_ = std::make_unique<GeometricRun>(RunGeometric(published_, options_));
   return *geometric_;

@@ -11,6 +11,7 @@
 #include "estimator/estimate/estimate.h"
 #include "models/constants.h"
 #include "problems/calibration_problem.h"
+#include "problems/range.h"
 #include "tools/reproduce/table.h"
 #include "tools/reproduce/weight_study.h"
 
@@ -63,12 +64,18 @@ struct ReproduceOptions {
   unsigned long long seed = 1;
   std::function<void(const std::string&)> progress = {};  // within a table
 };
+// A spread needs two.
+inline constexpr Range kReproducedTrials{"a number of trials", 2, limits::kTrials};
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const ReproduceOptions& options);
 
 // Owns what tables ask for; each simulation runs once, when first asked.
 class Reproduction {
  public:
   Reproduction(PublishedData published, ReproduceOptions options)
-      : published_(std::move(published)), options_(options) {}
+      : published_(std::move(published)), options_(options) {
+    CheckOptions(options_);
+  }
 
   const PublishedData& published() const { return published_; }
   const nlohmann::json& table(const std::string& id) const { return published_.tables.at(id); }

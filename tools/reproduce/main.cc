@@ -10,7 +10,6 @@
 #include "estimator/results/estimate_json.h"
 #include "problems/input_error.h"
 #include "problems/io/output_files.h"
-#include "problems/limits.h"
 #include "tools/progress.h"
 #include "tools/reproduce/data.h"
 #include "tools/run_command.h"
@@ -121,9 +120,7 @@ std::string ToText(const std::vector<ReproducedTable>& tables) {
 }
 
 int RunReproduce(const CommandLine& line) {
-  if (FLAGS_trials < 2 || FLAGS_trials > limits::kTrials) {
-    throw InputError({"", 0, "--trials"}, "between 2 and " + std::to_string(limits::kTrials) + " trials are possible");
-  }
+  CheckIn(kReproducedTrials, FLAGS_trials, "--trials");
   const std::vector<ReproducibleTable> asked = TablesAsked(line.arguments);
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"report.html", "reproduce.json"});

@@ -1,7 +1,5 @@
 #include "tools/reproduce/pose_study.h"
 
-#include <glog/logging.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -14,6 +12,7 @@
 #include "estimator/alignment/pose_registration.h"
 #include "models/constants.h"
 #include "models/forward_model.h"
+#include "problems/range.h"
 
 namespace sagitta {
 namespace {
@@ -142,18 +141,14 @@ MarkerLayout DiscLayout(const std::string& name, double radius, double ahead) {
   return layout;
 }
 
-bool PoseStudyOptions::IsValid(std::string* error) const {
-  if (configurations < 1) *error = "configurations must be at least 1";
-  if (sets < 1) *error = "sets must be at least 1";
-  for (const double w : weights) {
-    if (!(w > 0.0)) *error = "weights must be positive";
-  }
-  return error->empty();
+void CheckOptions(const PoseStudyOptions& options) {
+  CheckIn(allowed::kPoses, options.configurations, "PoseStudyOptions.configurations");
+  CheckIn(allowed::kTrials, options.sets, "PoseStudyOptions.sets");
+  for (const double w : options.weights) CheckIn(allowed::kFactor, w, "PoseStudyOptions.weights");
 }
 
 PoseStudy StudyPoses(const Robot& robot, const std::vector<MarkerLayout>& layouts, const PoseStudyOptions& options) {
-  std::string error;
-  CHECK(options.IsValid(&error)) << error;
+  CheckOptions(options);
   const ForwardModel model(robot.chain);
   PoseStudy study;
   for (const ModelParameter& parameter : model.parameters()) {

@@ -41,9 +41,9 @@ struct PoseStudyOptions {
   int configurations = 3;                                // per set
   int sets = 2000;
   unsigned long long seed = 1;
-
-  bool IsValid(std::string* error) const;
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const PoseStudyOptions& options);
 
 struct PoseStudyRow {
   std::string layout;

@@ -8,6 +8,7 @@
 
 #include "estimator/noise/residual_noise.h"
 #include "problems/interruption.h"
+#include "problems/range.h"
 #include "problems/simulation.h"
 
 namespace sagitta {
@@ -197,9 +198,14 @@ double WlsGainBound(double ratio) {
 
 double MethodStudy::ClaimedOverActual() const { return std::exp((claimed.array() / actual.array()).log().mean()); }
 
+void CheckOptions(const WeightStudyOptions& options) {
+  CheckIn(allowed::kTrials, options.trials, "WeightStudyOptions.trials");
+  for (const double metres : options.bias) CheckIn(allowed::kCoordinate, metres, "WeightStudyOptions.bias");
+}
+
 std::vector<MethodStudy> StudyWeights(const WeightDesign& design, const Eigen::VectorXd& truth,
                                       const std::vector<WeightMethod>& methods, const WeightStudyOptions& options) {
-  CHECK_GT(options.trials, 0);
+  CheckOptions(options);
   Eigen::VectorXd exact = design.rows * truth;
   if (options.bias.size() > 0) exact += options.bias;
   std::vector<Tally> tallies(methods.size(), Tally(static_cast<int>(truth.size())));

@@ -94,6 +94,8 @@ struct WeightStudyOptions {
   Eigen::VectorXd bias;  // m per row, what the model lacks; empty: nothing
   std::function<void(const std::string&)> progress = {};
 };
+// Throws InputError that names the option (problems/range.h).
+void CheckOptions(const WeightStudyOptions& options);
 
 struct MethodStudy {
   std::string name;
