@@ -9,6 +9,7 @@
 #include "models/constants.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
+#include "problems/range.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
 #include "tools/report/calibration_report.h"
@@ -169,18 +170,19 @@ ValidatedRows ValidateRows(const KnownRobot& known, const py::list& sources) {
 
 Rows SimulateRows(const KnownRobot& truth, const ExperimentInputs& inputs, const std::optional<double>& sigma_mm,
                   std::uint64_t seed) {
-  if (sigma_mm && !(*sigma_mm >= 0.0)) throw InputError({"", 0, "sigma_mm"}, "a standard deviation cannot be below 0");
   SimulateOptions options;
-  if (sigma_mm) options.sigma = *sigma_mm / 1e3;
+  if (sigma_mm) {
+    CheckIn(allowed::kSigmaOrZero, *sigma_mm / 1e3, "sigma_mm");
+    options.sigma = *sigma_mm / 1e3;
+  }
   options.seed = seed;
   const py::gil_scoped_release others_may_run;
   return {Numerically([&] { return Simulate(truth, inputs.data, inputs.experiment, options); })};
 }
 
 CompensatedRows CompensateTargets(const KnownRobot& known, const py::object& source, int threads) {
-  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
   CompensatedRows rows;
-  rows.targets = TargetsFromTable(TableFrom(source, nullptr), known.robot, known.base_in_station.begin()->first);
+  rows.targets = TargetsFromTable(TableFrom(source, nullptr), known.robot, StationOfTargets(known));
   const CompensationInput input = MakeCompensationInput(known, rows.targets);
   rows.results = ResultOf<std::vector<CompensatedTarget>>(
       py::none(), [&](const Say&) { return Compensate(input, rows.targets.rows, threads); });

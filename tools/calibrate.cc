@@ -95,8 +95,7 @@ int RunCalibrate(const CommandLine& line) {
     std::cout << "\n"
               << ResultsIn(FLAGS_out, {"report.html", "estimate.json", "robot.calibrated.yaml", "residuals.csv"});
   }
-  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
-  return unmet.empty() ? 0 : kRequirementNotMet;
+  return EndWith(unmet);
 }
 
 }  // namespace

@@ -121,8 +121,7 @@ int RunCompensate(const CommandLine& line) {
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=FILE.csv");
   const OutputFile out(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
-  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
-  const Targets targets = ReadTargets(line.arguments[1], known.robot, known.base_in_station.begin()->first);
+  const Targets targets = ReadTargets(line.arguments[1], known.robot, StationOfTargets(known));
   // Shares as measured on 20000 targets of a UR5.
   std::string csv;
   std::vector<CompensatedTarget> results;

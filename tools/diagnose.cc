@@ -15,7 +15,6 @@
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
-#include "problems/io/diagnosis_prior.h"
 #include "problems/io/output_files.h"
 #include "problems/io/robot_file.h"
 #include "tools/commands.h"
@@ -150,7 +149,7 @@ int RunDiagnose(const CommandLine& line) {
     FoundSoFar found;
     DiagnosisOptions options;
     options.significance = problem.experiment().significance;
-    options.prior = ReadDiagnosisPrior(problem.experiment().file);
+    options.prior = inputs.prior;
     options.points_are_measured = !IsAgainstColumns();
     options.num_threads = Threads();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
@@ -172,8 +171,7 @@ int RunDiagnose(const CommandLine& line) {
   } else {
     WriteResults(line, inputs, baseline, diagnosis, json, *out);
   }
-  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
-  return unmet.empty() ? 0 : kRequirementNotMet;
+  return EndWith(unmet);
 }
 
 }  // namespace

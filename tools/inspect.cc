@@ -44,8 +44,7 @@ int RunInspect(const CommandLine& line) {
     out->Write({{"report.html", InspectionToHtml(problem, inspection, provenance)}, {"inspect.json", DumpJson(json)}});
     std::cout << "\n" << ResultsIn(FLAGS_out, {"report.html", "inspect.json"});
   }
-  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
-  return unmet.empty() ? 0 : kRequirementNotMet;
+  return EndWith(unmet);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "tools/requirement.h"
 
+#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "problems/input_error.h"
@@ -7,6 +8,7 @@
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "tools/command_line.h"
+#include "tools/run_command.h"
 
 namespace sagitta {
 namespace {
@@ -92,6 +94,11 @@ std::vector<std::string> UnmetRequirements(const std::vector<Requirement>& requi
     unmet.push_back("required " + requirement.text + ", but " + requirement.path + " is " + FormatNumber(value));
   }
   return unmet;
+}
+
+int EndWith(const std::vector<std::string>& unmet) {
+  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
+  return unmet.empty() ? 0 : kRequirementNotMet;
 }
 
 }  // namespace sagitta

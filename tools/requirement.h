@@ -22,4 +22,7 @@ std::vector<Requirement> ParseRequirements(const std::string& text);
 std::vector<std::string> UnmetRequirements(const std::vector<Requirement>& requirements,
                                            const nlohmann::ordered_json& result);
 
+// Says each sentence on stderr; the exit status of a command that has done its work.
+int EndWith(const std::vector<std::string>& unmet);
+
 }  // namespace sagitta

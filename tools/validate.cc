@@ -41,8 +41,7 @@ int RunValidate(const CommandLine& line) {
                 {"validation.json", DumpJson(json)}});
     std::cout << "\n" << ResultsIn(FLAGS_out, {"report.html", "validation.json", "residuals.csv"});
   }
-  for (const std::string& sentence : unmet) std::cerr << "sagitta: " << sentence << "\n";
-  return unmet.empty() ? 0 : kRequirementNotMet;
+  return EndWith(unmet);
 }
 
 }  // namespace

@@ -47,6 +47,11 @@ Chain NominalChain(const KnownRobot& known) {
   return WithGeometricErrors(known.robot, errors).chain;
 }
 
+const std::string& StationOfTargets(const KnownRobot& known) {
+  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
+  return known.base_in_station.begin()->first;
+}
+
 CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets) {
   for (const std::string& name : targets.shots.stations) {
     if (known.base_in_station.count(name) > 0) continue;

@@ -12,6 +12,9 @@ namespace sagitta {
 // The chain that the controller computes with: nominal geometry, rigid, no effects; couplings stay.
 Chain NominalChain(const KnownRobot& known);
 
+// Where targets are that do not say their station: the first one known. Throws InputError where there is none.
+const std::string& StationOfTargets(const KnownRobot& known);
+
 // Loads, tool and gravity are those of the estimate. Throws InputError for a station or load that is not known, and
 // for a column that an effect of the robot needs.
 CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& targets);

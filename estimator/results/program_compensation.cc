@@ -216,7 +216,7 @@ void CheckProgramLoad(const KnownRobot& known, const std::string& load, const st
 
 CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram program, const ProgramScene& scene,
                                      int threads, const std::function<void(size_t done)>& progress) {
-  if (known.base_in_station.empty()) throw InputError({known.file, 0, "stations"}, "the estimate has no station");
+  const std::string& station = StationOfTargets(known);
   const Chain nominal = NominalChain(known);
   CompensatedProgram result;
   result.program = std::move(program);
@@ -229,7 +229,7 @@ CompensatedProgram CompensateProgram(const KnownRobot& known, RobotProgram progr
   result.results = std::move(prepared.results);
   result.text = read.text;
   if (table.empty()) return result;
-  result.targets = TargetsFromTable(table.Take(), known.robot, known.base_in_station.begin()->first);
+  result.targets = TargetsFromTable(table.Take(), known.robot, station);
   KnownRobot loaded = known;
   loaded.loading = loads.loading;
   result.solved = Compensate(MakeCompensationInput(loaded, result.targets), result.targets.rows, threads, progress);

@@ -1,9 +1,8 @@
 // Paper 002, sections III-D and III-E: geometry and spring of the gravity compensator.
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <cmath>
 
 #include "tools/reproduce/data.h"
+#include "tools/reproduce/equivalent_spring.h"
 
 namespace sagitta {
 namespace {
@@ -77,74 +76,54 @@ ReproducedTable TableV(Reproduction* reproduction) {
   return table;
 }
 
-struct Spring {
-  double k0, kc, s0;           // urad/(N m), um/N, mm
-  double k0_ci, kc_ci, s0_ci;  // 3 sigma from the intervals of k2
-  double rms;                  // of k2, urad/(N m)
-};
-
-// K2i = K0 + Kc (-a L cos g) + Kc s0 (a L / s)(a L sin^2 g / s^2 + cos g), 002 eq. (13), (14),
-// linear in (K0, Kc, Kc s0); gamma = alpha - q2, alpha = atan2(a_x, a_y): from the vertical.
-Spring FitSpring(const nlohmann::json& geometry, const nlohmann::json& q2_deg, const nlohmann::json& k2,
-                 const nlohmann::json& intervals, bool weighted) {
-  const double L = kMillimetre * geometry.at("L_mm").get<double>();
-  const double ax = kMillimetre * geometry.at("ax_mm").get<double>();
-  const double ay = kMillimetre * geometry.at("ay_mm").get<double>();
-  const double alpha = std::atan2(ax, ay), aL = std::hypot(ax, ay) * L;
-  Eigen::Matrix<double, 5, 3> rows;
-  Eigen::Matrix<double, 5, 1> stiffness, sigma;
-  for (int i = 0; i < 5; ++i) {
-    const double g = alpha - kDegree * q2_deg.at(i).get<double>();
-    const double s = std::sqrt(ax * ax + ay * ay + L * L + 2.0 * aL * std::cos(g));
-    rows.row(i) << 1.0, -aL * std::cos(g), aL / s * (aL * std::sin(g) * std::sin(g) / (s * s) + std::cos(g));
-    stiffness[i] = 1.0 / k2.at(i).get<double>();  // MN m
-    sigma[i] = intervals.at(i).get<double>() / 3.0 * stiffness[i] * stiffness[i];
+// From published compliances of joint 2 and their intervals of 3 sigma, urad/(N m).
+EquivalentSpring FitSpring(const nlohmann::json& geometry, const nlohmann::json& q2_deg, const nlohmann::json& k2,
+                           const nlohmann::json& intervals, SpringWeights weights) {
+  std::vector<JointTwoNode> nodes;
+  for (size_t i = 0; i < q2_deg.size(); ++i) {
+    nodes.push_back({kDegree * q2_deg.at(i).get<double>(), kMicro * k2.at(i).get<double>(),
+                     kMicro / 3.0 * intervals.at(i).get<double>()});
   }
-  const Eigen::Matrix<double, 5, 1> w =
-      weighted ? sigma.cwiseInverse().eval() : Eigen::Matrix<double, 5, 1>::Ones().eval();
-  const Eigen::Matrix<double, 5, 3> scaled = w.asDiagonal() * rows;
-  const Eigen::Matrix<double, 3, 5> solve = scaled.completeOrthogonalDecomposition().pseudoInverse() * w.asDiagonal();
-  const Eigen::Vector3d x = solve * stiffness;
-  const Eigen::Matrix3d covariance = solve * sigma.cwiseAbs2().asDiagonal() * solve.transpose();
-  Spring spring;
-  spring.k0 = 1.0 / x[0];
-  spring.kc = 1.0 / x[1];  // MN/m: um/N
-  spring.s0 = x[2] / x[1] / kMillimetre;
-  spring.k0_ci = 3.0 * std::sqrt(covariance(0, 0)) / (x[0] * x[0]);
-  spring.kc_ci = 3.0 * std::sqrt(covariance(1, 1)) / (x[1] * x[1]);
-  const Eigen::Vector3d ratio(0.0, -x[2] / (x[1] * x[1]), 1.0 / x[1]);
-  spring.s0_ci = 3.0 * std::sqrt(ratio.dot(covariance * ratio)) / kMillimetre;
-  const Eigen::Matrix<double, 5, 1> fitted = (rows * x).cwiseInverse() - stiffness.cwiseInverse();
-  spring.rms = fitted.norm() / std::sqrt(5.0);
-  return spring;
+  const auto metres = [&](const char* key) { return kMillimetre * geometry.at(key).get<double>(); };
+  return FitEquivalentSpring(nodes, {metres("L_mm"), metres("ax_mm"), metres("ay_mm")}, weights);
 }
+
+// kc = 1 / Kc, um/N, and the intervals of 3 sigma as they are printed: um/N, mm, urad/(N m).
+double PrintedRate(const EquivalentSpring& spring) { return 1.0 / (kMicro * spring.Kc); }
+double RateInterval(const EquivalentSpring& spring) {
+  return 3.0 * std::sqrt(spring.covariance(1, 1)) / (kMicro * spring.Kc * spring.Kc);
+}
+double RestInterval(const EquivalentSpring& spring) { return 3.0 * std::sqrt(spring.covariance(2, 2)) / kMillimetre; }
+double OwnInterval(const EquivalentSpring& spring) { return 3.0 * std::sqrt(spring.covariance(0, 0)) / kMicro; }
 
 ReproducedTable TableVII(Reproduction* reproduction) {
   ReproducedTable table{"002-VII", "Compensator spring from k21 ... k25", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-VII");
   const nlohmann::json& compliance = reproduction->table("compliance");
   const nlohmann::json& geometry = reproduction->table("002-V");
-  const Spring ols = FitSpring(geometry, compliance.at("q2_deg"), compliance.at("ols"), compliance.at("ols_ci"), false);
-  const Spring wls = FitSpring(geometry, compliance.at("q2_deg"), compliance.at("wls"), compliance.at("wls_ci"), true);
+  const auto fit = [&](const char* k2, const char* intervals, SpringWeights weights) {
+    return FitSpring(geometry, compliance.at("q2_deg"), compliance.at(k2), compliance.at(intervals), weights);
+  };
+  const EquivalentSpring ols = fit("ols", "ols_ci", SpringWeights::kEqual);
+  const EquivalentSpring wls = fit("wls", "wls_ci", SpringWeights::kSigma);
   const std::string values =
       "unweighted least squares of the OLS k2, alpha from the vertical: the only reading that fits";
-  table.Compare("kc, um/N", given.at("kc_um_per_N"), ols.kc, 3, values);
-  table.Compare("s0, mm", given.at("s0_mm"), ols.s0, 0, values);
-  table.Compare("k0, urad/(N m)", given.at("k0"), ols.k0, 3, values);
-  const Spring sure =
-      FitSpring(geometry, compliance.at("q2_deg"), compliance.at("ols"), compliance.at("wls_ci"), false);
+  table.Compare("kc, um/N", given.at("kc_um_per_N"), PrintedRate(ols), 3, values);
+  table.Compare("s0, mm", given.at("s0_mm"), ols.s0 / kMillimetre, 0, values);
+  table.Compare("k0, urad/(N m)", given.at("k0"), ols.k0 / kMicro, 3, values);
+  const EquivalentSpring sure = fit("ols", "wls_ci", SpringWeights::kEqual);
   const std::string intervals = "from the published OLS intervals of k2; the WLS ones give kc +-" +
-                                Fixed(sure.kc_ci, 3) + ", s0 +-" + Fixed(sure.s0_ci, 1) +
+                                Fixed(RateInterval(sure), 3) + ", s0 +-" + Fixed(RestInterval(sure), 1) +
                                 ": neither is what is printed";
-  table.Compare("interval of kc, um/N", given.at("kc_ci"), ols.kc_ci, 3, intervals);
-  table.Compare("interval of s0, mm", given.at("s0_ci"), ols.s0_ci, 0, intervals);
-  table.Compare("interval of k0, urad/(N m)", given.at("k0_ci"), ols.k0_ci, 3, intervals);
+  table.Compare("interval of kc, um/N", given.at("kc_ci"), RateInterval(ols), 3, intervals);
+  table.Compare("interval of s0, mm", given.at("s0_ci"), RestInterval(ols), 0, intervals);
+  table.Compare("interval of k0, urad/(N m)", given.at("k0_ci"), OwnInterval(ols), 3, intervals);
   table.State(
-      "k21 ... k25 from the spring", "misfit not printed", "RMS " + Fixed(ols.rms, 3) + " (OLS k2)",
-      ols.rms > 0.005 ? Verdict::kNotReproducible : Verdict::kReproduced,
+      "k21 ... k25 from the spring", "misfit not printed", "RMS " + Fixed(ols.rms / kMicro, 3) + " (OLS k2)",
+      ols.rms > 0.005 * kMicro ? Verdict::kNotReproducible : Verdict::kReproduced,
       "no reading of the geometry brings all five k2 back: three unknowns, five values, misfit of many intervals");
-  table.notes.push_back("A weighted fit of the WLS k2 gives kc " + Fixed(wls.kc, 2) + ", s0 " + Fixed(wls.s0, 0) +
-                        ": three unknowns from five values are ill-conditioned.");
+  table.notes.push_back("A weighted fit of the WLS k2 gives kc " + Fixed(PrintedRate(wls), 2) + ", s0 " +
+                        Fixed(wls.s0 / kMillimetre, 0) + ": three unknowns from five values are ill-conditioned.");
   table.notes.push_back(
       "A spring of 7 kN/mm would carry meganewtons; a realistic one of 100 N/mm changes the stiffness of joint 2 by "
       "0.4 %. The scatter of k21 ... k25 is not the compensator: treat k2(q2) as measured, and put a prior on Kc.");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/matrix_functions.h"
+
 namespace sagitta {
 namespace {
 
@@ -55,11 +57,10 @@ CompensatorGeometry FitCompensatorGeometry(const CompensatorMarkers& markers) {
   const Eigen::Matrix3Xd u = directions.colwise() - mean_direction;
   const Eigen::Matrix3Xd p = markers.lever_points.colwise() - mean_point;
   geometry.sum_of_directions = u.squaredNorm();
-  const Eigen::JacobiSVD<Matrix3<double>> svd(u * p.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Matrix3<double> correlation = p * u.transpose();
+  const Eigen::JacobiSVD<Matrix3<double>> svd(correlation);
   if (!(svd.singularValues()[1] > kFlat * p.norm())) return geometry;  // no arc
-  Matrix3<double> flip = Matrix3<double>::Identity();
-  if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
-  geometry.rotation = svd.matrixV() * flip * svd.matrixU().transpose();
+  geometry.rotation = NearestRotation(correlation);
   const Eigen::Matrix3Xd turned = geometry.rotation * u;
   geometry.L = p.cwiseProduct(turned).sum() / geometry.sum_of_directions;
   geometry.center = mean_point - geometry.L * geometry.rotation * mean_direction;
