@@ -69,6 +69,8 @@ Eigen::MatrixX2d TorquesPerRate(const EffectSpec& shape, const Eigen::VectorXd& 
   return torques;
 }
 
+// tau(rho, ln(a / L), alpha) with s0 = rho a, to first order:  tau at rho = 0.65, then its derivative by each times the
+// prior standard deviation of it.
 Eigen::MatrixXd SpringColumns(const EffectSpec& shape, const Eigen::VectorXd& angles) {
   const auto usual = [&](double ratio, double alpha) -> Eigen::VectorXd {
     const EffectSpec near = ShapeOf(shape.target, ratio, alpha);

@@ -71,6 +71,7 @@ HalfResult OnHalf(const Evidence& evidence, const Asked& asked, size_t k, const 
   return result;
 }
 
+// d = a_1 - a_2:  d'(C_1 + C_2)^-1 d ~ chi^2 of as many degrees of freedom as there are values.
 // Of the halves' values being one.
 double CompatibleP(const std::vector<HalfResult>& halves) {
   if (halves.size() < 2) return std::numeric_limits<double>::quiet_NaN();
@@ -227,6 +228,7 @@ std::vector<Alternative> FindAlternatives(const Evidence& evidence, const Poster
   return alternatives;
 }
 
+// |r - A a|^2 = R - 2 a'g + a'G a.
 double ResidualAtBest(const Evidence& evidence, const WeightedModel& model) {
   const ProjectedNormal& normal = evidence.views()[model.view].beside.normal;
   if (model.set.members.empty()) return normal.residual;
@@ -252,6 +254,7 @@ std::vector<GivenOthers> EachGivenOthers(const Evidence& evidence, const Weighte
   return each;
 }
 
+// reduction = g'G^+ g;  of the prior variance s^2 there is left  diag (G + I / s^2)^-1.
 MemberFit FitOf(const Evidence& evidence, int member, const GivenOthers& given) {
   const ColumnGroup& own = evidence.list().math[member].group;
   const Eigen::MatrixXd& information = given.information;

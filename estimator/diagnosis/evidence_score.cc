@@ -8,6 +8,8 @@
 
 namespace sagitta {
 
+// L L' = I + s^2 G:  quad = s^2 |L^-1 g|^2,  log det = 2 sum log L_ii; of one column  s^2 g^2 / t,  log t,  t = 1 + s^2
+// G.
 GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
                  const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale) {
   const double variance = scale * scale;
@@ -23,6 +25,7 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
   return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
 }
 
+// log sum exp(x) = m + log sum exp(x - m), m the largest.
 double LogSumExp(const std::vector<double>& logs) {
   const double largest = *std::max_element(logs.begin(), logs.end());
   if (!std::isfinite(largest)) return largest;
@@ -56,22 +59,26 @@ double ResidualLikelihood::LogOpen(double residual) const {
   return whole + std::log(std::max(1e-300, within)) - std::log(2.0 * std::log(kWidestFactor));
 }
 
+// f(R) = (1 - wrong) f_stated(R) + wrong f_open(R).
 double ResidualLikelihood::Log(double residual) const {
   const double positive = std::max(1e-12, residual);
   if (wrong_ >= 1.0) return LogOpen(positive);
   return LogSumExp({std::log(1.0 - wrong_) + LogStated(positive), std::log(wrong_) + LogOpen(positive)});
 }
 
+// Bayes: wrong f_open(R) / f(R).
 double ResidualLikelihood::ProbabilityWrong(double residual) const {
   if (wrong_ >= 1.0) return 0.0;
   return std::exp(std::log(wrong_) + LogOpen(std::max(1e-12, residual)) - Log(residual));
 }
 
+// Known or not stated: R / n. Stated with nu degrees of freedom: pooled, (nu + R) / (nu + n).
 double ResidualLikelihood::Factor(double residual) const {
   if (std::isinf(sigma_dof_) || !(sigma_dof_ > 0.0)) return std::sqrt(residual / dof_);
   return std::sqrt((sigma_dof_ + residual) / (sigma_dof_ + dof_));
 }
 
+// log B = log mean_s B(s).
 double AverageGain(const ResidualLikelihood& likelihood, double residual, const Eigen::MatrixXd& information,
                    const Eigen::VectorXd& gradient, double* scale) {
   std::vector<double> logs(kNumScales);

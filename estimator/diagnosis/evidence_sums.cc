@@ -182,6 +182,8 @@ Eigen::MatrixXd EvidenceColumns::FittedProducts(const JointScatter& scatter, con
   return products;
 }
 
+// With K = J'C^-1 J (priors added) = V diag(l) V' of scaled columns and B = V diag(l)^(-1/2) of its rank:
+//   along = B'(J'C^-1 [A r]),   n = rows + priors - rank,   log constant = -1/2 (log |C| + log |K|).
 EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square,
                                                        const RowSums& sums) const {
   Eigen::VectorXd along_residual = beside.rightCols(1);
@@ -199,6 +201,7 @@ EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eige
           -0.5 * (sums.log_det + log_det)};
 }
 
+// [G g; g' R] = [A r]'C^-1 [A r] - along' along.
 BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
   const long believed = static_cast<long>(believed_.size()), width = sums.products.cols(), count = width - believed - 1;
   const Eigen::MatrixXd own = sums.products.topLeftCorner(believed, believed).selfadjointView<Eigen::Upper>();

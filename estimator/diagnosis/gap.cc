@@ -24,6 +24,7 @@ std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel&
   return sums;
 }
 
+// max(0, sum |r|^2 / n - floor^2), n coordinates.
 double SquaredGap(const std::vector<std::pair<double, int>>& sums, const std::vector<int>& picked, double floor) {
   double sum = 0.0;
   int count = 0;
@@ -46,6 +47,8 @@ double HoldoutRms(const DiagnosedModel& model) {
   return std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
 }
 
+// The interval: configurations drawn with replacement, 2.5 and 97.5 % of the draws (Efron and Tibshirani 1993,
+// section 13.3).
 GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extended, bool is_noise_stated) {
   GapReport gap;
   const auto before = HoldoutByConfiguration(baseline);

@@ -53,6 +53,7 @@ int StrongestFunction(const Evidence& evidence, const WeightedModel& model, Weig
   return strongest;
 }
 
+// R^2 = 1 - sum w^2 (y - X c)^2 / sum w^2 (y - mean)^2, w = 1 / sigma.
 // Weighted least squares; the share of the square that it explains.
 double Explained(const Eigen::MatrixXd& functions, const Eigen::VectorXd& values, const Eigen::VectorXd& weights,
                  Eigen::VectorXd* coefficients) {

@@ -29,6 +29,7 @@ struct ShotResidual {
   Eigen::MatrixXd rigid;     // whitened, 6 columns
 };
 
+// A small motion (t, w) of the body moves a marker at arm a from the centre by t + w x a = t - [a]x w.
 std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, const ParameterSet& parameters,
                                           const std::vector<int>& all) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, all);
@@ -111,6 +112,7 @@ std::vector<DeviationGroup> CommonDeviations(const CalibrationProblem& problem) 
 
 }  // namespace
 
+// scale^2 = sum of what rigid motions leave / dof: F with dof and the degrees of freedom of the stated sigma.
 std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem, const ParameterSet& parameters,
                                                double significance) {
   NoiseScale noise;
@@ -131,6 +133,8 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
   return noise;
 }
 
+// limit = scatter chi^2_3(1 - significance / n): among n points one without cause in 1 / significance experiments
+// (Bonferroni). scatter: median of the squares over that of chi^2_3, at least 1.
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
                               const std::vector<int>& observations, double significance, bool held_out,
                               size_t removed) {

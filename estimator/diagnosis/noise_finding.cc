@@ -101,6 +101,8 @@ NoiseFinding FindNoise(const Evidence& evidence, const WeightedModel& model, con
   return noise;
 }
 
+// chi^2 / dof ~ F(dof, dof of sigma). Where sigma is found from rigid bodies with chi^2_r on r degrees of freedom:
+//   (chi^2 - chi^2_r) / (dof - r) over chi^2_r / r ~ F(dof - r, r).
 double LackOfFit(const CalibrationProblem& stated, const DiagnosedModel& model, const NoiseFinding& noise) {
   const Estimate& estimate = model.estimate;
   if (estimate.dof <= 0) return kUnknown;

@@ -17,6 +17,8 @@ bool HasUnnamed(const Evidence& evidence, const WeightedModel& model) {
                                                 [&](int m) { return evidence.list().IsUnnamed(m); });
 }
 
+// By SetPrior a set of m members has the prior (1 - nothing) further^(m-1) m! prod share, a share being proportional to
+// the mass of its kind: multiplied masses multiply that by f_further^(m-1) prod f_kind, before all is normalised anew.
 // Log factor on a model's weight when one mass is multiplied.
 struct Changed {
   const char* mass;
@@ -65,6 +67,8 @@ double Posterior::Of(const std::string& name) const {
   return 0.0;
 }
 
+// With p(M) of all models M = (view, set):  P(name) = sum of p(M) over M that hold it;  P(nothing) = sum over the empty
+// set as stated of p(M) (1 - P(sigma is wrong | M)), the rest of the empty sets is noise.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models) {
   Posterior posterior;
   std::map<std::pair<std::set<std::string>, bool>, NameSet> sets;

@@ -118,6 +118,7 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
   return shares;
 }
 
+// log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
 std::vector<double> SetSearch::LogsOfScales(const GivenOthers& given) const {
   std::vector<double> logs;
   for (const double scale : kScales) {
@@ -170,6 +171,9 @@ Members SetSearch::MembersOf(const WeightedSet& set) const {
   return members;
 }
 
+// Of m <= kAveragedTogether members  log mean over all s of L(s); of more, at the best scales s^,
+//   log L(s^) + sum_k (log mean_s L(s_k = s) - log L(s^)).
+// The weight is that times the prior: log w = log L + log P(set).
 WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Members members) const {
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
   std::vector<double> logs;
@@ -235,6 +239,7 @@ const SetSearch::Own& SetSearch::OwnOf(size_t candidate) const {
   return own;
 }
 
+// The most a group can add, log f(R - quad(3)) - log f(R): quad grows with s, log det >= 0.
 // At the widest scale a group explains most; what it pays for the scale is left out.
 double SetSearch::MostGainOf(const Own& own, double residual) const {
   const GroupGain widest = GainOf(own.information, own.gradient, kScales[kNumScales - 1]);
@@ -249,6 +254,7 @@ std::vector<double> SetSearch::Additions(const WeightedSet& given, std::vector<d
   return AdditionsTo(given, Sweep(normal_, GroupsOf(given.members), given.scales), scales);
 }
 
+// log w(set + k) = log L(set) + log B_k + log P(set + k), B_k by what the sweep leaves of G_kk and g_k.
 template <typename Given>
 std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Given& sweep,
                                            std::vector<double>* scales) const {

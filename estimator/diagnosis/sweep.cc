@@ -98,6 +98,7 @@ Eigen::MatrixXd Members::ScaledRows() const {
   return rows;
 }
 
+// Q = I + D M'GM D = L L';  t = Q^-1 D M'g,  log |Q| = 2 sum log L_ii.
 void Members::Condition(const std::vector<double>& scales) {
   scales_ = scales;
   const Eigen::VectorXd diagonal = Scales();
@@ -111,6 +112,7 @@ void Members::Condition(const std::vector<double>& scales) {
   SetResidual();
 }
 
+// extra: e;  beside: A_k;  left: (I + e A_kk)^-1 A_k';  own: (I + e A_kk)^-1 t_k.
 void Members::Rescale(size_t group, double scale) {
   const long first = first_[group], size = first_[group + 1] - first;
   const double ratio = scale / scales_[group], extra = 1.0 / (ratio * ratio) - 1.0;
@@ -131,6 +133,7 @@ void Members::Rescale(size_t group, double scale) {
   SetResidual();
 }
 
+// beside: A_k of the rows that stay;  t <- t - A_k A_kk^-1 t_k.
 void Members::Remove(size_t group) {
   const long first = first_[group], size = SizeOf(group);
   const std::vector<long> kept = AllBut(first, size, num_columns());
@@ -146,6 +149,7 @@ void Members::Remove(size_t group) {
   SetResidual();
 }
 
+// column: q;  beside: U = A q;  corner: c - q'U = i^-1.
 void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   const long count = num_columns(), more = group.size();
   Eigen::MatrixXd column(count, more);
@@ -180,8 +184,10 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   SetResidual();
 }
 
+// R - g'M D t = R - g'M D Q^-1 D M'g.
 void Members::SetResidual() { residual_ = normal_->residual - Scales().cwiseProduct(gradient_).dot(solved_); }
 
+// s_k^2 G_k = A_kk^-1 - I,  s_k g_k = A_kk^-1 t_k;  without k: R + t_k'A_kk^-1 t_k,  log |Q| + log |A_kk|.
 GivenOthers Members::Of(size_t group) const {
   const long first = first_[group], size = first_[group + 1] - first;
   const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
@@ -240,6 +246,7 @@ MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const 
   gradient_ -= rows_.transpose() * members_.solved_;
 }
 
+// rows: W = L^-1 s M'G, then T_k = L^-T W;  along: w;  beside: U = s T M, M of the new group.
 void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const long count = members_.num_columns(), more = group.size();
   const Eigen::MatrixXd own = ScaledRowsOf(*normal_, group, scale);
@@ -301,6 +308,7 @@ MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
   return without;
 }
 
+// (M'GM + D^-2)^-1 = D Q^-1 D:  values -D t,  covariance D A D.
 GroupValues ValuesOf(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& groups,
                      const std::vector<double>& scales) {
   Members members(normal, groups);

@@ -7,6 +7,8 @@
 
 namespace sagitta {
 
+// size_i = typical_i; as a motion typical_i / max_k m_k; unstated 3e-4 / m_i;  m_i: motion per unit where the rows
+// excite i most.
 std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters) {
   std::vector<double> motions(static_cast<size_t>(parameters.num_coordinates()), 0.0), sizes = motions;
   const std::vector<double> largest = LargestTrueMotions(problem, parameters);
