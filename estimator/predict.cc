@@ -1,14 +1,20 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "estimator/calibration/load_remedy.h"
+#include "estimator/inspection/known_lint.h"
+#include "estimator/inspection/reading_lint.h"
+#include "estimator/report/inspection_known_words.h"
 #include "estimator/results/residuals_csv.h"
 #include "estimator/sagitta.h"
 #include "problems/failure.h"
 
 namespace sagitta {
 namespace {
+
+constexpr double kWorse = 1.05;  // of a hundred points an RMS is known to some 5 %
 
 std::vector<int> AllRows(const CalibrationProblem& problem) {
   std::vector<int> all(problem.data().observations.size());
@@ -33,6 +39,23 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   return prediction;
 }
 
+// What the errors say besides their size.
+void JudgeErrors(const KnownRobot& known, const Measurements& rows, Validation* validation) {
+  if (const std::optional<Finding> found = Contradiction(known, rows, validation->predicted)) {
+    validation->contradiction = RobotDidNotMakeThese(found->words);
+    return;
+  }
+  const Chain& chain = known.robot.chain;
+  const KnownMisfit misfit = MisfitOfKnown(chain, rows, validation->predicted);
+  if (!misfit.far.empty()) {
+    const std::string first = rows.SourceOf(rows.observations[misfit.far.front()]);
+    validation->warnings.push_back(
+        RowsAreFarOff(misfit.far.size(), rows.NumRows(), SuspiciousMisfit(chain), first, misfit.first));
+  }
+  const double after = validation->after.distance_rms, before = validation->before.distance_rms;
+  if (after > kWorse * before) validation->warnings.push_back(WorseThanNominalOnThese(after, before));
+}
+
 // RMS to expect over coordinates of points: parameters, repeatability, instrument; 0 where nothing states the noise of
 // a row.
 double ExpectedRms(const Measurements& rows, const Prediction& prediction) {
@@ -52,6 +75,25 @@ Prediction Predict(const KnownRobot& known, const Measurements& rows) {
   return PredictWith(PredictionProblem(known, rows), known);
 }
 
+std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,
+                                     const Eigen::Matrix3Xd& predicted) {
+  const KnownMisfit misfit = MisfitOfKnown(known.robot.chain, rows, predicted);
+  if (!misfit.is_far) return std::nullopt;
+  return ExplainKnown(PredictionProblem(known, rows), misfit);
+}
+
+void CheckReadings(const KnownRobot& known, const Measurements& rows, const Eigen::Matrix3Xd& predicted,
+                   const std::string& remedy) {
+  const std::optional<Finding> found = Contradiction(known, rows, predicted);
+  if (!found) return;
+  throw InputError({known.file, 0, ""}, RobotDidNotMakeThese(found->words), found->remedy + "; " + remedy);
+}
+
+bool PointsAreZero(const Measurements& rows) {
+  return std::all_of(rows.observations.begin(), rows.observations.end(),
+                     [](const Observation& row) { return row.point_in_station.isZero(0.0); });
+}
+
 Validation Validate(const KnownRobot& known, const Measurements& rows) {
   const CalibrationProblem problem = PredictionProblem(known, rows);
   const Prediction prediction = PredictWith(problem, known);
@@ -63,6 +105,7 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.after = MeasureReadings(rows, all, validation.predicted);
   validation.predicted_rms = ExpectedRms(rows, prediction);
   validation.warnings = rows.warnings;
+  JudgeErrors(known, rows, &validation);
   for (const MeasurementFile& file : rows.files) {
     const auto& seen = known.input_hashes;
     if (std::find(seen.begin(), seen.end(), file.sha256) == seen.end()) continue;
@@ -85,7 +128,9 @@ nlohmann::ordered_json ValidationToJson(const Validation& validation, const Prov
   json["validation"]["predicted_rms_mm"] = validation.predicted_rms > 0.0
                                                ? nlohmann::ordered_json(1e3 * validation.predicted_rms)
                                                : nlohmann::ordered_json(nullptr);
-  json["warnings"] = validation.warnings;
+  std::vector<std::string> warnings = validation.warnings;
+  if (!validation.contradiction.empty()) warnings.insert(warnings.begin(), validation.contradiction);
+  json["warnings"] = warnings;
   return json;
 }
 

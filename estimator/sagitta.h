@@ -15,12 +15,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/diagnosis/diagnose.h"
 #include "estimator/estimate/estimate.h"
+#include "estimator/inspection/finding.h"
 #include "estimator/intervals/prediction.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/least_squares/linearization.h"
@@ -105,11 +107,22 @@ std::string PredictionToCsv(const Measurements& rows, const Prediction& predicti
 // mm, the largest standard deviation of a predicted coordinate; not finite: not known.
 double LargestDeviation(const Prediction& prediction, const Measurements& rows);
 
+// Why the robot of an estimate, where it stands, cannot have made the readings; nothing: it can, or the rows have none.
+// predicted: of these rows (Prediction::points, Validation::predicted).
+std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,
+                                     const Eigen::Matrix3Xd& predicted);
+// All points are (0, 0, 0): placeholders, where none are asked for.
+bool PointsAreZero(const Measurements& rows);
+// Throws InputError where there is a contradiction; `remedy` is what the caller offers for going on all the same.
+void CheckReadings(const KnownRobot& known, const Measurements& rows, const Eigen::Matrix3Xd& predicted,
+                   const std::string& remedy);
+
 // Before (nominal robot; base and markers fitted to the calibration rows) and after, on rows that were not calibrated.
 struct Validation {
   ResidualSize before, after;
   double predicted_rms = 0.0;  // m, per coordinate: noise and parameters; 0: the noise is not known
   Eigen::Matrix3Xd predicted;  // m
+  std::string contradiction;   // why the robot cannot have made these readings; empty: it can
   std::vector<std::string> warnings;
 };
 

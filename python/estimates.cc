@@ -115,11 +115,12 @@ void BindEstimate(py::module_& module) {
       });
 }
 
-PredictedRows PredictRows(const KnownRobot& known, const py::list& sources) {
+PredictedRows PredictRows(const KnownRobot& known, const py::list& sources, bool force) {
   PredictedRows result{RowsFrom(known.robot, sources, false, nullptr), {}};
   AddKnownRotations(known, &result.rows);
   const py::gil_scoped_release others_may_run;
   result.prediction = Numerically([&] { return Predict(known, result.rows); });
+  if (!force && !PointsAreZero(result.rows)) CheckReadings(known, result.rows, result.prediction.points, kForce);
   return result;
 }
 
@@ -158,13 +159,14 @@ void BindPrediction(py::module_& module) {
       .def("json", [](const ValidatedRows& v) { return DumpJson(ValidationToJson(v.validation, v.provenance)); });
 }
 
-ValidatedRows ValidateRows(const KnownRobot& known, const py::list& sources) {
+ValidatedRows ValidateRows(const KnownRobot& known, const py::list& sources, bool force) {
   ValidatedRows result;
   result.known = known;
   result.provenance = {"sagitta.validate", "validation", {}};
   result.rows = RowsFrom(known.robot, sources, true, &result.provenance.inputs);
   const py::gil_scoped_release others_may_run;
   result.validation = Numerically([&] { return Validate(known, result.rows); });
+  if (!force) CheckReadings(known, result.rows, result.validation.predicted, kForce);
   return result;
 }
 

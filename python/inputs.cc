@@ -93,7 +93,7 @@ Measurements RowsFrom(const Robot& robot, const py::list& sources, bool points_r
 
 CalibrationProblem ProblemOf(const ExperimentInputs& inputs, bool force) {
   CalibrationProblem problem = MakeCalibrationProblem(inputs.robot, inputs.data, inputs.experiment);
-  if (!force) CheckReadings(problem, "force=True goes on as stated");
+  if (!force) CheckReadings(problem, kForce);
   return problem;
 }
 

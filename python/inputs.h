@@ -27,6 +27,8 @@ struct Rows {
   Measurements data;
 };
 
+// What goes on where a robot cannot have made its readings.
+constexpr const char* kForce = "force=True goes on as stated";
 CalibrationProblem ProblemOf(const ExperimentInputs& inputs, bool force);
 
 void BindInputs(pybind11::module_& module);

@@ -14,6 +14,8 @@
 #include "tools/report/command_words.h"
 #include "tools/report/summary.h"
 
+DECLARE_bool(force);
+
 namespace sagitta {
 namespace {
 
@@ -34,6 +36,7 @@ int RunPredict(const CommandLine& line) {
   CheckInterruption();
   progress->Say("predicting " + std::to_string(rows.NumRows()) + " points");
   const Prediction prediction = Predict(known, rows);
+  if (!FLAGS_force && !PointsAreZero(rows)) CheckReadings(known, rows, prediction.points, "--force goes on as stated");
   CheckInterruption();
   progress->Say("writing the rows");
   const std::string csv = PredictionToCsv(rows, prediction);
@@ -74,12 +77,15 @@ Adds to every row (x, y, z of the rows may be absent; all in the frame of the ro
   pred_rx_mrad …             where the target's rotation was calibrated (rows that are poses): its rotation vector
   psig_rx_urad …, parm_…, pnoise_rx_urad …   its standard deviations, of a left perturbation, as of the point
 
+Rows with x, y, z that the robot of the estimate, where it stood, cannot have made are refused with the reason; --force
+goes on. Where x, y and z of all rows are 0 they are taken as absent.
+
 The covariance of what one measurement will show is the sum of the three: psig, parm and pnoise.
 
 Examples
   sagitta predict results/estimate.json new_poses.csv --out=predicted.csv
 )",
-          {"out", "seed", "threads", "quiet"},
+          {"force", "out", "seed", "threads", "quiet"},
           RunPredict};
 }
 

@@ -13,6 +13,7 @@
 #include "tools/requirement.h"
 #include "tools/run_command.h"
 
+DECLARE_bool(force);
 DECLARE_string(require);
 
 namespace sagitta {
@@ -30,6 +31,7 @@ int RunValidate(const CommandLine& line) {
   Provenance provenance{line.text, "validation", {}};
   for (const std::string& path : line.arguments) provenance.inputs.push_back(DescribeInput(path));
   const Validation validation = Validate(known, rows);
+  if (!FLAGS_force) CheckReadings(known, rows, validation.predicted, "--force goes on as stated");
   const nlohmann::ordered_json json = ValidationToJson(validation, provenance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   std::cout << SectionsToText(ValidationSections(known, rows, validation));
@@ -53,13 +55,14 @@ Command ValidateCommand() {
 
 Compares measured points with those of the calibrated and of the nominal robot, on rows that took no part in the
 estimate, and with what the parameters' uncertainty and the noise let expect. Writes validation.json,
-residuals.csv and report.html to DIR.
+residuals.csv and report.html to DIR. Rows that the robot of the estimate, where it stood, cannot have made are refused
+with the reason (another robot, a place that has moved, another unit or sign); --force goes on.
 
 Examples
   sagitta validate results/estimate.json unseen.csv --out=validation
   sagitta validate results/estimate.json unseen.csv --require='validation.distance_rms_mm<0.3'
 )",
-          {"out", "require", "seed", "threads", "quiet"},
+          {"force", "out", "require", "seed", "threads", "quiet"},
           RunValidate};
 }
 

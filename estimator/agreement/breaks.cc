@@ -36,6 +36,14 @@ struct Step {
   Eigen::VectorXd by;  // per unit of the columns
 };
 
+// The likeliest break so far.
+struct Best {
+  Break found;
+  const Cause* cause = nullptr;  // none: nothing has moved
+  Eigen::VectorXd by;            // per unit of its columns
+  double score = 0.0;            // n log(1 - share) + columns log n, Schwarz's criterion; 0: nothing has moved
+};
+
 class BreakSearch {
  public:
   BreakSearch(const CalibrationProblem& problem, const Estimate& estimate) : problem_(problem), estimate_(estimate) {
@@ -45,21 +53,16 @@ class BreakSearch {
   std::optional<Break> Run() {
     const std::vector<Cause> causes = Causes();
     if (!Prepare()) return std::nullopt;
-    Break best;
-    double least = 0.0;  // n log(1 - share) + columns log n, Schwarz's criterion; 0: nothing has moved
-    const Cause* likeliest = nullptr;
+    Best best;
     int tried = 0;
-    for (const Cause& cause : causes) {
-      const double before = least;
-      tried += Try(cause, 1 + order_.size() / kPlaces, &least, &best);
-      if (least < before) likeliest = &cause;
-    }
-    if (likeliest == nullptr) return std::nullopt;
-    tried = std::max(tried, Try(*likeliest, 1, &least, &best));
-    best.p_value = std::min(1.0, best.p_value * tried);
-    if (best.share <= kBeyondArms || best.p_value >= problem_.experiment().significance) return std::nullopt;
-    best.moved = Moved(*likeliest, best);
-    return best;
+    for (const Cause& cause : causes) tried += Try(cause, 1 + order_.size() / kPlaces, &best);
+    if (best.cause == nullptr) return std::nullopt;
+    tried = std::max(tried, Try(*best.cause, 1, &best));
+    Break& found = best.found;
+    found.p_value = std::min(1.0, found.p_value * tried);
+    if (found.share <= kBeyondArms || found.p_value >= problem_.experiment().significance) return std::nullopt;
+    found.moved = Moved(best);
+    return found;
   }
 
  private:
@@ -117,31 +120,30 @@ class BreakSearch {
     const auto n = static_cast<int>(rows_.observations.size());
     bool timed = true;
     std::set<int> configurations;
-    std::map<int, int> first;  // row of each shot
+    std::map<const Shot*, int> first;  // row of each shot
     std::map<std::string, std::set<int>> of_load;
     for (int k = 0; k < n; ++k) {
-      timed = timed && ShotOf(k).has_time;
-      configurations.insert(ShotOf(k).configuration);
-      of_load[ShotOf(k).load].insert(ShotOf(k).configuration);
-      first.try_emplace(problem_.data().observations[rows_.observations[k]].shot, k);
+      const Shot& shot = ShotOf(k);
+      timed = timed && shot.has_time;
+      configurations.insert(shot.configuration);
+      of_load[shot.load].insert(shot.configuration);
+      first.try_emplace(&shot, k);
     }
     num_configurations_ = static_cast<int>(configurations.size());
-    load_ = std::max_element(of_load.begin(), of_load.end(), [](const auto& a, const auto& b) {
-              return a.second.size() < b.second.size();
-            })->first;
+    for (const auto& [load, some] : of_load) {
+      if (some.size() >= 2 * kFewest) loads_.push_back(load);
+    }
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), 0);
-    const auto shot = [&](int k) { return problem_.data().observations[rows_.observations[k]].shot; };
     std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) {
       if (timed && ShotOf(a).time != ShotOf(b).time) return ShotOf(a).time < ShotOf(b).time;
-      return first.at(shot(a)) < first.at(shot(b));
+      return first.at(&ShotOf(a)) < first.at(&ShotOf(b));
     });
   }
 
-  // Under the load that most configurations have: where another begins, what the model lacks of loads looks like a
-  // step.
+  // Under a load that few configurations have nothing is seen to move.
   bool Concerns(const Cause& cause, int k) const {
-    if (ShotOf(k).load != load_) return false;
+    if (std::find(loads_.begin(), loads_.end(), ShotOf(k).load) == loads_.end()) return false;
     if (cause.of == BreakOf::kStation) return ShotOf(k).station == cause.index;
     return cause.of == BreakOf::kJoint || problem_.data().observations[rows_.observations[k]].marker == cause.index;
   }
@@ -149,6 +151,32 @@ class BreakSearch {
   Eigen::MatrixXd ColumnsOf(const Cause& cause) const {
     if (cause.of == BreakOf::kJoint) return rows_.latent.col(cause.index);
     return rows_.jacobian(Eigen::all, cause.columns);
+  }
+
+  // What the columns explain of a load's rows is the load's: where another begins, what the model lacks of loads looks
+  // like a step. Orthonormal beside what is estimated; of all loads but the first, whose rows go with the constant.
+  Eigen::MatrixXd ByLoads(const Cause& cause, const Eigen::MatrixXd& columns) const {
+    const auto others = static_cast<Eigen::Index>(loads_.empty() ? 0 : loads_.size() - 1), d = columns.cols();
+    Eigen::MatrixXd by_load = Eigen::MatrixXd::Zero(columns.rows(), others * d);
+    for (const int k : order_) {
+      if (!Concerns(cause, k)) continue;
+      const auto load = std::find(loads_.begin(), loads_.end(), ShotOf(k).load) - loads_.begin();
+      if (load > 0) by_load.block(3 * k, (load - 1) * d, 3, d) = columns.middleRows(3 * k, 3);
+    }
+    if (by_load.cols() == 0) return by_load;
+    const Eigen::VectorXd scale = by_load.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+    by_load = by_load * scale.asDiagonal();
+    const Eigen::MatrixXd shared = basis_.transpose() * by_load;
+    by_load -= basis_ * shared;
+    const Eigen::MatrixXd products = by_load.transpose() * by_load;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(products);
+    Eigen::MatrixXd directions(by_load.cols(), 0);
+    for (Eigen::Index i = 0; i < by_load.cols(); ++i) {
+      if (!(eigen.eigenvalues()[i] > kLeastOfItself)) continue;
+      directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
+      directions.rightCols(1) = eigen.eigenvectors().col(i) / std::sqrt(eigen.eigenvalues()[i]);
+    }
+    return by_load * directions;
   }
 
   // Products of the rows from a place on.
@@ -162,49 +190,54 @@ class BreakSearch {
   };
 
   // One cause at every place (of many: at every `each`-th), from the last row on. Returns how many were tried.
-  int Try(const Cause& cause, size_t each, double* least, Break* best) const {
+  int Try(const Cause& cause, size_t each, Best* best) const {
     std::vector<int> rows;
     std::map<int, int> left;  // rows of each configuration before the place
     for (const int k : order_) {
       if (Concerns(cause, k)) rows.push_back(k), ++left[ShotOf(k).configuration];
     }
-    const Eigen::MatrixXd columns = ColumnsOf(cause);
-    Sums sums(columns.cols(), basis_.cols());
+    const Eigen::MatrixXd columns = ColumnsOf(cause), by_loads = ByLoads(cause, columns);
+    Eigen::MatrixXd known(basis_.rows(), basis_.cols() + by_loads.cols());
+    known << basis_, by_loads;
+    const Eigen::VectorXd residual = residual_ - by_loads * (by_loads.transpose() * residual_);
+    Sums sums(columns.cols(), known.cols());
     std::set<int> after;
     size_t places = 0;
     int tried = 0;
     for (size_t at = rows.size(); at-- > 1;) {
       const auto part = columns.middleRows(3 * rows[at], 3);
       sums.own += part.transpose() * part;
-      sums.shared += part.transpose() * basis_.middleRows(3 * rows[at], 3);
-      sums.along += part.transpose() * residual_.segment<3>(3 * rows[at]);
+      sums.shared += part.transpose() * known.middleRows(3 * rows[at], 3);
+      sums.along += part.transpose() * residual.segment<3>(3 * rows[at]);
       const Shot& shot = ShotOf(rows[at]);
       after.insert(shot.configuration);
       if (--left[shot.configuration] == 0) left.erase(shot.configuration);
       if (&ShotOf(rows[at - 1]) == &shot || std::min(after.size(), left.size()) < kFewest) continue;
       if (++places % each != 0) continue;
       ++tried;
-      if (!Improves(cause, sums, least, best)) continue;
-      best->last = rows_.observations[rows[at - 1]];
-      best->first = rows_.observations[rows[at]];
+      if (!Improves(cause, sums, best)) continue;
+      best->found.last = rows_.observations[rows[at - 1]];
+      best->found.first = rows_.observations[rows[at]];
     }
     return tried;
   }
 
-  bool Improves(const Cause& cause, const Sums& sums, double* least, Break* best) const {
+  bool Improves(const Cause& cause, const Sums& sums, Best* best) const {
     const auto d = static_cast<double>(sums.along.size()), n = static_cast<double>(num_configurations_);
-    const double freedom = std::min(n, static_cast<double>(rows_.num_rows() - basis_.cols())) - d;
+    const auto by_loads = static_cast<double>(sums.shared.cols() - basis_.cols());
+    const double freedom = std::min(n, static_cast<double>(rows_.num_rows() - basis_.cols())) - by_loads - d;
     if (freedom < 1.0) return false;
     const Step step = Explained(sums.own, sums.own - sums.shared * sums.shared.transpose(), sums.along);
     const double share = std::min(step.gain / squares_, 1.0 - 1e-12);
     const double score = n * std::log(1.0 - share) + d * std::log(n);
-    if (!(score < *least)) return false;
-    *least = score;
-    best->of = cause.of;
-    best->index = cause.index;
-    best->share = share;
-    best->p_value = FSurvival(share / d / ((1.0 - share) / freedom), d, freedom);
-    step_ = step.by;
+    if (!(score < best->score)) return false;
+    best->score = score;
+    best->cause = &cause;
+    best->by = step.by;
+    best->found.of = cause.of;
+    best->found.index = cause.index;
+    best->found.share = share;
+    best->found.p_value = FSurvival(share / d / ((1.0 - share) / freedom), d, freedom);
     return true;
   }
 
@@ -221,15 +254,16 @@ class BreakSearch {
   }
 
   // RMS distance over the points after it.
-  double Moved(const Cause& cause, const Break& found) const {
-    const Eigen::VectorXd whitened = ColumnsOf(cause) * step_;
+  double Moved(const Best& best) const {
+    const Eigen::VectorXd whitened = ColumnsOf(*best.cause) * best.by;
     double sum = 0.0;
     int count = 0;
     bool is_after = false;
     for (const int k : order_) {
       const int observation = rows_.observations[k];
-      is_after = is_after || observation == found.first;
-      if (!is_after || !Concerns(cause, k) || !problem_.data().observations[observation].is_point()) continue;
+      is_after = is_after || observation == best.found.first;
+      const bool is_point = problem_.data().observations[observation].is_point();
+      if (!is_after || !Concerns(*best.cause, k) || !is_point) continue;
       sum += (estimate_.scatter[observation] * whitened.segment<3>(3 * k)).squaredNorm();
       ++count;
     }
@@ -244,9 +278,8 @@ class BreakSearch {
   Eigen::VectorXd residual_;  // beside it
   double squares_ = 0.0;
   int num_configurations_ = 0;
-  std::string load_;
-  std::vector<int> order_;        // positions in rows_.observations
-  mutable Eigen::VectorXd step_;  // of the best, per unit of its columns
+  std::vector<std::string> loads_;  // that enough configurations have
+  std::vector<int> order_;          // positions in rows_.observations
 };
 
 }  // namespace

@@ -321,7 +321,7 @@ void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
     return;
   }
   FillTable(problem, estimate);
-  for (const BelowBound& below : FindBelowBounds(fit, parameters, scale))
+  for (const BelowBound& below : FindBelowBounds(fit, parameters, scale, estimate->sigma.stated ? 1.0 : 0.0))
     estimate->warnings.push_back(StandsOnBound(parameters.coordinates()[below.coordinate].name, below.sigmas));
   fitted = FittedRows();  // its memory
 

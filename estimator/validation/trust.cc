@@ -158,14 +158,17 @@ void AddModelError(double significance, Trust* trust, Estimate* estimate) {
 }
 
 // Times by which the points fit worse than with equal weights and without priors. Where these are wrong, the fit goes
-// by some rows alone.
+// by some rows alone. Values on their bounds stay there: what lies beyond is no better fit.
 double WorseThanByEqualWeights(const CalibrationProblem& problem, const Estimate& estimate) {
   if (!estimate.sigma.stated || !problem.weight_roots.empty()) return 1.0;
+  std::vector<int> columns;
+  for (const int i : estimate.estimated) {
+    if (!RestsOnBound(estimate.parameters, i)) columns.push_back(i);
+  }
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
-  const std::vector<int> sample = SampleConfigurations(problem.data(), points, estimate.estimated.size());
+  const std::vector<int> sample = SampleConfigurations(problem.data(), points, columns.size());
   const NoiseRoots metres(sample.size(), Matrix3<double>::Identity());
-  const Linearization rows =
-      Linearize(problem, estimate.parameters, sample, estimate.estimated, metres, LatentTreatment::kIgnore);
+  const Linearization rows = Linearize(problem, estimate.parameters, sample, columns, metres, LatentTreatment::kIgnore);
   if (!rows.valid || rows.num_rows() <= rows.num_columns()) return 1.0;
   const LinearSolution solution = SolveLinearization(rows);
   const double freedom = rows.num_rows() - rows.num_columns();
@@ -177,13 +180,14 @@ double WorseThanByEqualWeights(const CalibrationProblem& problem, const Estimate
 // What the data want farthest below its physical bound, by noise and model error; nothing: nothing by far.
 std::optional<BelowBound> LowestBelowBound(const CalibrationProblem& problem, const Estimate& estimate,
                                            double model_error) {
-  const auto rests = [&](int i) { return estimate.parameters.Value(i) <= estimate.parameters.coordinates()[i].lower; };
+  const auto rests = [&](int i) { return RestsOnBound(estimate.parameters, i); };
   if (std::none_of(estimate.estimated.begin(), estimate.estimated.end(), rests)) return std::nullopt;
   const auto roots = [&](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
   const FittedRows fitted =
       FittedOnce(problem, estimate.parameters, problem.CalibrationObservations(), estimate.estimated, roots);
-  const double scale = model_error * NoiseScale(estimate.sigma);
-  const std::vector<BelowBound> found = FindBelowBounds(fitted.rows, estimate.parameters, scale);
+  const double least = estimate.sigma.stated ? model_error : 0.0;
+  const std::vector<BelowBound> found =
+      FindBelowBounds(fitted.rows, estimate.parameters, model_error * NoiseScale(estimate.sigma), least);
   if (found.empty()) return std::nullopt;
   return *std::max_element(found.begin(), found.end(),
                            [](const BelowBound& a, const BelowBound& b) { return a.sigmas < b.sigmas; });

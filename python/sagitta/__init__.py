@@ -133,11 +133,11 @@ class Known:
     def robot_yaml(self):
         return self._core.robot_yaml
 
-    def predict(self, rows):
-        return Prediction(self._core, rows)
+    def predict(self, rows, *, force=False):
+        return Prediction(self._core, rows, force)
 
-    def validate(self, rows):
-        return Validation(self._core, rows)
+    def validate(self, rows, *, force=False):
+        return Validation(self._core, rows, force)
 
     def compensate(self, targets, *, threads=1):
         return Compensation(self._core, targets, threads)
@@ -241,11 +241,11 @@ class Estimate(_WithJson):
             self._known = Known(self._core.known())
         return self._known
 
-    def predict(self, rows):
-        return self.known.predict(rows)
+    def predict(self, rows, *, force=False):
+        return self.known.predict(rows, force=force)
 
-    def validate(self, rows):
-        return self.known.validate(rows)
+    def validate(self, rows, *, force=False):
+        return self.known.validate(rows, force=force)
 
     def compensate(self, targets, *, threads=1):
         return self.known.compensate(targets, threads=threads)
@@ -417,8 +417,8 @@ class Diagnosis(_WithJson):
 class Prediction:
     """Points of rows, with how certain they are."""
 
-    def __init__(self, known, rows):
-        self._core = _core.predict(known, _rows(rows))
+    def __init__(self, known, rows, force=False):
+        self._core = _core.predict(known, _rows(rows), force)
 
     @property
     def points_m(self):
@@ -436,8 +436,8 @@ class Prediction:
 class Validation(_WithJson):
     """Before and after on rows that were not calibrated; to_dict() is validation.json."""
 
-    def __init__(self, known, rows):
-        super().__init__(_core.validate(known, _rows(rows)))
+    def __init__(self, known, rows, force=False):
+        super().__init__(_core.validate(known, _rows(rows), force))
 
     @property
     def before(self):
@@ -581,14 +581,16 @@ def _known(estimate):
     return estimate if isinstance(estimate, Known) else estimate.known
 
 
-def predict(estimate, rows):
-    """Points of rows (x, y, z may be absent) from an estimate, a Known robot, or the path of an estimate.json."""
-    return _known(estimate).predict(rows)
+def predict(estimate, rows, *, force=False):
+    """Points of rows (x, y, z may be absent) from an estimate, a Known robot, or the path of an estimate.json. Rows that
+    the robot cannot have made are an error; force=True goes on."""
+    return _known(estimate).predict(rows, force=force)
 
 
-def validate(estimate, rows):
-    """Before and after on configurations that the estimate has not seen."""
-    return _known(estimate).validate(rows)
+def validate(estimate, rows, *, force=False):
+    """Before and after on configurations that the estimate has not seen. Rows that the robot cannot have made are an
+    error; force=True goes on."""
+    return _known(estimate).validate(rows, force=force)
 
 
 def compensate(estimate, targets, *, threads=1):

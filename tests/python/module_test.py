@@ -321,6 +321,10 @@ class Errors(FolderTest):
         frame["q2_deg"] = -frame["q2_deg"]
         experiment = sagitta.read(KR270 / "robot.yaml", frame)
         self.assertIn("force=True", self.caught(sagitta.calibrate, experiment).hint)
+        estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))
+        for command in (sagitta.predict, sagitta.validate):
+            self.assertIn("force=True", self.caught(command, estimate, frame).hint)
+            command(estimate, frame, force=True)
 
     def test_nothing_to_predict(self):
         estimate = sagitta.calibrate(sagitta.read(KR270 / "experiment.yaml"))

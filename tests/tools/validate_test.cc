@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "tests/support/measured_arms.h"
 #include "tests/tools/program.h"
 
 namespace sagitta::test {
@@ -52,6 +53,114 @@ TEST_F(ValidateTest, RequirementsAndSeenDataAreSaid) {
   EXPECT_EQ(Run({"validate", estimate, Path("unseen.csv"), "--require=validation.rms_mm<10"}).status, 0);
   const Outcome seen = Run({"validate", estimate, Published("kr270/geometric.csv")});
   EXPECT_THAT(seen.out, HasSubstr("is an input of the estimate"));
+}
+
+// What rows say that the robot cannot have made: of another arm (a UR10 whose kinematics is written out in
+// tests/support/measured_arms.h), of another place, read in another way.
+class OtherReadingsTest : public ValidateTest {
+ protected:
+  using Rows = std::vector<std::vector<std::string>>;
+  Rows Unseen() const { return Cells(Read("unseen.csv")); }
+  // Rows whose point is `change` of joint values (rad) and point (mm).
+  Rows Changed(
+      const std::function<Vector3<double>(const Eigen::VectorXd& q, const Vector3<double>& p)>& change,
+      const std::function<bool(const std::string& marker)>& which = [](const std::string&) { return true; }) {
+    Rows rows = Unseen();
+    for (size_t r = 1; r < rows.size(); ++r) {
+      if (!which(rows[r][Column(rows, "marker")])) continue;
+      Eigen::VectorXd q(6);
+      for (int j = 0; j < 6; ++j)
+        q[j] = std::stod(rows[r][Column(rows, "q" + std::to_string(j + 1) + "_deg")]) * kDegree;
+      Vector3<double> p;
+      for (int i = 0; i < 3; ++i) p[i] = std::stod(rows[r][Column(rows, std::string(1, "xyz"[i]) + "_mm")]);
+      p = change(q, p);
+      for (int i = 0; i < 3; ++i) rows[r][Column(rows, std::string(1, "xyz"[i]) + "_mm")] = std::to_string(p[i]);
+    }
+    return rows;
+  }
+  // Both commands end with status 2 and these words, and nothing is written; --force goes on and says it all the same.
+  void ExpectRefused(const Rows& rows, const std::vector<std::string>& words) {
+    const std::string file = Write("other.csv", Csv(rows)), estimate = Path("fit/estimate.json");
+    for (const Outcome& outcome : {Run({"validate", estimate, file, "--out=" + Path("out")}),
+                                   Run({"predict", estimate, file, "--out=" + Path("other_predicted.csv")})}) {
+      EXPECT_EQ(outcome.status, 2) << outcome.out;
+      EXPECT_THAT(outcome.err, HasSubstr("the robot of this estimate cannot have made these readings"));
+      EXPECT_THAT(outcome.err, HasSubstr("--force"));
+      for (const std::string& word : words) EXPECT_THAT(outcome.err, HasSubstr(word));
+    }
+    EXPECT_FALSE(Exists("out/validation.json"));
+    EXPECT_FALSE(Exists("other_predicted.csv"));
+    const Outcome forced = Run({"validate", estimate, file, "--force", "--out=" + Path("forced")});
+    EXPECT_EQ(forced.status, 0) << forced.err;
+    EXPECT_THAT(forced.out, HasSubstr("cannot have made these readings"));
+    EXPECT_THAT(forced.out, ::testing::Not(HasSubstr("Within ")));
+    EXPECT_THAT(ReadJson("forced/validation.json")["warnings"].dump(), HasSubstr(words.front()));
+    EXPECT_EQ(Run({"predict", estimate, file, "--force", "--out=" + Path("forced.csv")}).status, 0);
+  }
+};
+
+TEST_F(OtherReadingsTest, OfAnotherRobot) {
+  ExpectRefused(Changed([](const Eigen::VectorXd& q, const Vector3<double>&) -> Vector3<double> {
+                  Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+                  for (int j = 0; j < 6; ++j) pose = pose * Link(Ur10Rows()[j], q[j]);
+                  return 1e3 * (pose * Eigen::Vector4d(0.03, -0.02, 0.06, 1)).head<3>();
+                }),
+                {"this is not the robot of the estimate, or these are not its readings"});
+}
+
+TEST_F(OtherReadingsTest, OfAnotherPlace) {
+  const Eigen::AngleAxisd turn(0.4, Eigen::Vector3d(0.1, 0.2, 1.0).normalized());
+  ExpectRefused(Changed([&](const Eigen::VectorXd&, const Vector3<double>& p) -> Vector3<double> {
+                  return turn * p + Vector3<double>(300, -50, 20);
+                }),
+                {"stands elsewhere", "calibrate the new place"});
+}
+
+TEST_F(OtherReadingsTest, OfOneMarkerThatWasMoved) {
+  ExpectRefused(Changed([](const Eigen::VectorXd&,
+                           const Vector3<double>& p) -> Vector3<double> { return p + Vector3<double>(0, 0, 60); },
+                        [](const std::string& marker) { return marker == "P2"; }),
+                {"marker 'P2' from station"});
+}
+
+TEST_F(OtherReadingsTest, InAnotherUnit) {
+  ExpectRefused(Changed([](const Eigen::VectorXd&, const Vector3<double>& p) -> Vector3<double> { return p / 1e3; }),
+                {"metres"});
+}
+
+// One bad row is no other robot; it is said where it spoils the figures.
+TEST_F(OtherReadingsTest, OneRowIsNamedAndNotRefused) {
+  Rows rows = Unseen();
+  rows[3][Column(rows, "x_mm")] = std::to_string(std::stod(rows[3][Column(rows, "x_mm")]) + 500.0);
+  const Outcome outcome =
+      Run({"validate", Path("fit/estimate.json"), Write("bad.csv", Csv(rows)), "--out=" + Path("out")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const std::string warnings = ReadJson("out/validation.json")["warnings"].dump();
+  EXPECT_THAT(warnings, HasSubstr("1 of " + std::to_string(rows.size() - 1) + " rows is off by more than"));
+  EXPECT_THAT(warnings, HasSubstr("bad.csv:4 by 500 mm"));
+}
+
+// A robot that is only worse than its file: said, and no input error.
+TEST_F(OtherReadingsTest, WorseThanNominalIsSaid) {
+  const Outcome good = Run({"validate", Path("fit/estimate.json"), Path("unseen.csv")});
+  EXPECT_THAT(good.out, ::testing::Not(HasSubstr("by more than the nominal one")));
+  const Outcome worse = Run({"validate", Path("fit/estimate.json"),
+                             Write("worse.csv", Csv(Changed([](const Eigen::VectorXd&, const Vector3<double>& p) {
+                                     return Vector3<double>(p + Vector3<double>(3, -3, 3));
+                                   })))});
+  EXPECT_EQ(worse.status, 0) << worse.err;
+  EXPECT_THAT(worse.out, HasSubstr("by more than the nominal one"));
+}
+
+// Placeholders where none are asked for; validate asks for points.
+TEST_F(OtherReadingsTest, PointsOfZeroAreAbsentForPredict) {
+  const std::string file =
+      Write("zero.csv",
+            Csv(Changed([](const Eigen::VectorXd&, const Vector3<double>&) { return Vector3<double>(0, 0, 0); })));
+  EXPECT_EQ(Run({"predict", Path("fit/estimate.json"), file, "--out=" + Path("zero_predicted.csv")}).status, 0);
+  const Outcome validated = Run({"validate", Path("fit/estimate.json"), file});
+  EXPECT_EQ(validated.status, 2);
+  EXPECT_THAT(validated.err, HasSubstr("all the same"));
 }
 
 TEST_F(ValidateTest, WhatIsNotKnownIsRefused) {

@@ -28,9 +28,12 @@ UnseenPoints DistancesOf(const CalibrationProblem& problem, const Eigen::Matrix3
 Section Head(const KnownRobot& known, const Measurements& rows, const Validation& validation) {
   Section head;
   head.title = (known.robot.name.empty() ? "Robot" : known.robot.name) + ": validation";
-  head.paragraphs = {"Within " + InMillimetres(validation.after.distance_rms) + " (RMS; nominal robot " +
-                     InMillimetres(validation.before.distance_rms) + ") on " +
-                     std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file + "."};
+  const bool is_off = !validation.contradiction.empty();
+  if (is_off) head.paragraphs = {"- " + validation.contradiction + "."};
+  head.paragraphs.push_back((is_off ? "Off by " : "Within ") + InMillimetres(validation.after.distance_rms) +
+                            " (RMS; nominal robot " + InMillimetres(validation.before.distance_rms) + ") on " +
+                            std::to_string(rows.configurations.size()) + " configurations, estimate " + known.file +
+                            ".");
   return head;
 }
 

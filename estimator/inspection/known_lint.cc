@@ -1,0 +1,89 @@
+#include "estimator/inspection/known_lint.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "estimator/alignment/aligned_misfit.h"
+#include "estimator/inspection/reading_lint.h"
+#include "estimator/report/inspection_known_words.h"
+#include "estimator/statistics/median.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kFewest = 3;  // rows of one marker and station that are off alone: of fewer the rows are bad
+constexpr size_t kEquationsPerUnknown = 2;  // from here on a fit of places alone says something
+
+bool HasPoint(const Observation& row) { return row.is_point() && row.point_in_station.allFinite(); }
+
+// Base poses and markers are unknown, and only what was read counts.
+CalibrationProblem WithFreePlaces(const CalibrationProblem& known) {
+  CalibrationProblem problem = known;
+  for (Observation& row : problem.mutable_data()->observations)
+    row.excluded |= !(row.point_in_station.allFinite() && row.rotation_in_station.allFinite());
+  ParameterSet& parameters = problem.parameters;
+  const auto set_free = [&](const ParameterBlock& block) {
+    for (int i = 0; i < block.tangent_size; ++i) parameters.coordinate(block.first_coordinate + i).free = true;
+  };
+  for (int s = 0; s < parameters.num_stations(); ++s) {
+    set_free(parameters.station_translation(s));
+    set_free(parameters.station_rotation(s));
+  }
+  for (int m = 0; m < parameters.num_markers(); ++m) {
+    set_free(parameters.marker(m));
+    if (parameters.is_oriented(m)) set_free(parameters.marker_rotation(m));
+  }
+  return problem;
+}
+
+}  // namespace
+
+KnownMisfit MisfitOfKnown(const Chain& chain, const Measurements& rows, const Eigen::Matrix3Xd& predicted) {
+  const double suspicious = SuspiciousMisfit(chain);
+  KnownMisfit misfit;
+  std::vector<double> all;
+  std::map<std::pair<int, int>, std::vector<double>> of_pair;  // station and marker
+  for (size_t i = 0; i < rows.observations.size(); ++i) {
+    const Observation& row = rows.observations[i];
+    if (!HasPoint(row)) continue;
+    all.push_back((row.point_in_station - predicted.col(static_cast<Eigen::Index>(i))).norm());
+    of_pair[{rows.shots[row.shot].station, row.marker}].push_back(all.back());
+    if (!(all.back() > suspicious)) continue;
+    if (misfit.far.empty()) misfit.first = all.back();
+    misfit.far.push_back(static_cast<int>(i));
+  }
+  if (misfit.far.empty()) return misfit;
+  misfit.median = Median(all);
+  misfit.is_far = misfit.median > suspicious;
+  for (const auto& [pair, distances] : of_pair) {
+    if (misfit.is_far || distances.size() < kFewest || !(Median(distances) > suspicious)) continue;
+    misfit.is_far = true;
+    misfit.median = Median(distances);
+    std::tie(misfit.station, misfit.marker) = pair;
+  }
+  return misfit;
+}
+
+Finding ExplainKnown(const CalibrationProblem& known, const KnownMisfit& misfit) {
+  if (misfit.station >= 0) {
+    return Found(Severity::kSerious, "label_stands_elsewhere",
+                 LabelStandsElsewhere(known.data().markers[misfit.marker], known.data().stations[misfit.station],
+                                      misfit.median));
+  }
+  const CalibrationProblem free = WithFreePlaces(known);
+  const std::vector<int> sample = SampleOfRows(free);
+  if (3 * sample.size() < kEquationsPerUnknown * free.parameters.EstimatedCoordinates().size())
+    return Found(Severity::kSerious, "not_these_readings", NotTheseReadings(misfit.median));
+  const double fitted = AlignedMisfit(free, sample);
+  if (fitted <= SuspiciousMisfit(free.robot().chain))
+    return Found(Severity::kSerious, "stands_elsewhere", StandsElsewhere(misfit.median, fitted));
+  const ReadingLint lint = LintReadingsOfGoodRows(free);
+  if (!lint.is_explained) return Found(Severity::kSerious, "not_this_robot", NotThisRobot(misfit.median, fitted));
+  Finding finding = lint.findings.front();
+  finding.words = MissesAndWhy(misfit.median, finding.words);
+  return finding;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,64 @@
+#include "estimator/report/inspection_known_words.h"
+
+#include "problems/text.h"
+
+namespace sagitta {
+namespace {
+
+std::string Misses(double median) { return "it misses them by " + InMillimetres(median) + " (median)"; }
+
+std::string MissesFitted(double median, double fitted) {
+  return Misses(median) + ", and by " + InMillimetres(fitted) + " (RMS) with base poses and markers fitted to them";
+}
+
+const char* const kCheckBoth =
+    "check that estimate and measurements belong together: is it this robot? and the order, signs and zeros of the "
+    "joint "
+    "columns";
+
+}  // namespace
+
+Advice StandsElsewhere(double median, double fitted) {
+  return {
+      MissesFitted(median, fitted) +
+          ": the robot, the instrument or a marker stands elsewhere than when it was "
+          "calibrated, or these are the readings of another place",
+      "calibrate the new place with the calibrated robot: 'sagitta calibrate robot.calibrated.yaml' with these rows"};
+}
+
+Advice NotThisRobot(double median, double fitted) {
+  return {MissesFitted(median, fitted) + ": this is not the robot of the estimate, or these are not its readings",
+          kCheckBoth};
+}
+
+Advice NotTheseReadings(double median) {
+  return {
+      Misses(median) + ": this is not the robot of the estimate, it stands elsewhere, or these are not its readings",
+      kCheckBoth};
+}
+
+std::string MissesAndWhy(double median, const std::string& why) { return Misses(median) + "; " + why; }
+
+Advice LabelStandsElsewhere(const std::string& marker, const std::string& station, double median) {
+  return {"the rows of marker '" + marker + "' from station '" + station + "' are off by " + InMillimetres(median) +
+              " (median), others are not: the marker or the station stands elsewhere than when it was calibrated, or "
+              "these rows are another's",
+          "leave these rows out, or calibrate with rows from there under a name of their own"};
+}
+
+std::string RobotDidNotMakeThese(const std::string& reason) {
+  return "the robot of this estimate cannot have made these readings: " + reason;
+}
+
+std::string RowsAreFarOff(size_t far, size_t all, double beyond, const std::string& first, double by) {
+  return std::to_string(far) + " of " + std::to_string(all) + (far == 1 ? " rows is" : " rows are") +
+         " off by more than " + InMillimetres(beyond) + ", farther than arms are (" + first + " by " +
+         InMillimetres(by) + (far > 1 ? ", …" : "") + "): the figures are mostly theirs";
+}
+
+std::string WorseThanNominalOnThese(double calibrated, double nominal) {
+  return "the calibrated robot misses these points by more than the nominal one (" + InMillimetres(calibrated) +
+         " against " + InMillimetres(nominal) + "): it is not this robot, or it has changed since it was calibrated";
+}
+
+}  // namespace sagitta

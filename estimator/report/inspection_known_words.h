@@ -1,0 +1,28 @@
+// What is said where the robot of an estimate cannot have made the readings that it is compared with.
+#pragma once
+
+#include <string>
+
+#include "estimator/report/inspection_words.h"
+
+namespace sagitta {
+
+// median: distance of the robot as it stands, m; fitted: RMS with base poses and markers fitted to the rows, m.
+Advice StandsElsewhere(double median, double fitted);
+Advice NotThisRobot(double median, double fitted);
+// Of rows that are too few for such a fit.
+Advice NotTheseReadings(double median);
+// why: what a reading of the rows says that explains them.
+std::string MissesAndWhy(double median, const std::string& why);
+// The rows of one marker from one station are off, others are not.
+Advice LabelStandsElsewhere(const std::string& marker, const std::string& station, double median);
+
+// reason: one of those above.
+std::string RobotDidNotMakeThese(const std::string& reason);
+
+// Some rows are far off, the others are not. beyond: m, from where on they count; by: distance of the first, m.
+std::string RowsAreFarOff(size_t far, size_t all, double beyond, const std::string& first, double by);
+// RMS distances, m.
+std::string WorseThanNominalOnThese(double calibrated, double nominal);
+
+}  // namespace sagitta
