@@ -151,7 +151,8 @@ void SayRotationSigmas(CalibrationProblem* problem) {
   if (unstated == 0) return;
   problem->mutable_data()->warnings.push_back(
       std::to_string(unstated) + " poses state no standard deviation of their rotation: " +
-      (is_stated ? "1 mrad is assumed, that of 1 mm over 1 m" : "that of the points over 1 m is assumed") +
+      (is_stated ? "1 mrad is assumed, that of 1 mm over 1 m"
+                 : "calibrate estimates it, diagnose takes that of the points over 1 m") +
       "; add the column sigma_rot_urad");
 }
 

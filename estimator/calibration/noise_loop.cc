@@ -11,6 +11,7 @@
 #include "estimator/noise/residual_noise.h"
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/robust.h"
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/noise/weighting.h"
 #include "estimator/report/calibration_words.h"
 #include "estimator/report/noise_words.h"
@@ -243,10 +244,29 @@ namespace {
 
 constexpr int kScatterRounds = 3;  // residuals that hardly change: of unequal weights first, then of nearly equal ones
 
-// As the noise is stated; where the robot scatters by far more than the instrument, weighed by both.
-ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions& options) {
-  ResolvedEstimate plain{std::move(problem), {}};
-  plain.estimate = EstimateJointly(plain.problem, options);
+// Points and rotations weighed by the spread of each, where nothing states any noise.
+ResolvedEstimate EstimateWithTwoNoises(ResolvedEstimate plain, const JointOptions& options) {
+  for (int round = 0; round < kScatterRounds; ++round) {
+    const std::optional<TwoNoises> noises = FindTwoNoises(plain.problem, plain.estimate);
+    if (!noises) break;
+    CalibrationProblem weighed = plain.problem;
+    weighed.resolved_noise = noises->roots;
+    Estimate estimate = EstimateJointly(weighed, options);
+    if (!IsUsable(estimate.status)) break;
+    plain = {std::move(weighed), std::move(estimate)};
+    plain.estimate.noise_report.components = noises->components;
+    plain.estimate.noise_report.instrument_is_factor = false;
+    plain.estimate.noise_report.instrument_rms = noises->components[0].value;
+  }
+  if (plain.problem.resolved_noise.empty()) return plain;
+  // Student's distribution: the variances were found from these rows.
+  const Eigen::VectorXd dof = Eigen::VectorXd::Constant(plain.estimate.covariance.rows(), plain.estimate.dof);
+  ReplaceCovariance(plain.problem, Eigen::MatrixXd(plain.estimate.covariance), dof, &plain.estimate);
+  return plain;
+}
+
+// Where the robot scatters by far more than the instrument, weighed by both.
+ResolvedEstimate EstimateWithRobotScatter(ResolvedEstimate plain, const JointOptions& options) {
   if (!options.judge || !ScattersByRobot(plain.problem, plain.estimate)) return plain;
   const CalibrationProblem stated = plain.problem;
   for (int round = 0; round < kScatterRounds; ++round) {
@@ -259,6 +279,35 @@ ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions&
     plain.estimate.noise_report.words = {RobotScatterInWords(scatter.tau)};
   }
   return plain;
+}
+
+// Rotations weighed by what they scatter, as points are, where the stated noise is not what is left of either.
+ResolvedEstimate EstimateWithRotationFactor(ResolvedEstimate plain, const JointOptions& options) {
+  if (!options.judge) return plain;
+  double factor = 1.0;
+  for (int round = 0; round < kScatterRounds; ++round) {
+    const std::optional<RotationFactor> found = FindRotationFactor(plain.problem, plain.estimate);
+    if (!found) break;
+    CalibrationProblem weighed = plain.problem;
+    weighed.resolved_noise = found->roots;
+    Estimate estimate = EstimateJointly(weighed, options);
+    if (!IsUsable(estimate.status)) break;
+    estimate.noise_report.words = plain.estimate.noise_report.words;
+    plain = {std::move(weighed), std::move(estimate)};
+    factor *= found->factor;
+  }
+  if (factor != 1.0) plain.estimate.noise_report.words.push_back(RotationFactorInWords(factor));
+  return plain;
+}
+
+// As the noise is stated, weighed by what scatters where that is something else.
+ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions& options) {
+  ResolvedEstimate plain{std::move(problem), {}};
+  plain.estimate = EstimateJointly(plain.problem, options);
+  if (options.judge && !plain.estimate.sigma.stated && plain.problem.resolved_noise.empty()) {
+    return EstimateWithTwoNoises(std::move(plain), options);
+  }
+  return EstimateWithRotationFactor(EstimateWithRobotScatter(std::move(plain), options), options);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "estimator/noise/rotation_noise.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -207,12 +208,32 @@ std::string RobotScatterInWords(double tau) {
          "alone.";
 }
 
+std::string RotationFactorInWords(double factor) {
+  return "Against what is stated of each, rotations scatter " + Significant(factor, 3) +
+         " times as much as points; they are weighed by what they scatter.";
+}
+
+namespace {
+
+std::string TwoNoisesInWords(const VarianceComponent& point, const VarianceComponent& rotation) {
+  return "No standard deviation is stated; two are estimated: " + InMillimetres(point.value) +
+         " of every coordinate of a point, " + Significant(1e3 * rotation.value, 3) +
+         " mrad of every axis of a rotation.";
+}
+
+}  // namespace
+
 void DescribeNoise(const CalibrationProblem& problem, Estimate* estimate) {
   NoiseReport& report = estimate->noise_report;
   report.source = SourceName(problem, estimate->sigma);
   report.loss = problem.experiment().method.loss;
   if (problem.repeat_scatter) report.words.push_back(RepeatWords(*problem.repeat_scatter));
-  if (!report.components.empty()) DescribeComponents(problem, &report);
+  if (const VarianceComponent* rotation = RotationComponent(report)) {
+    report.source = "estimated";
+    report.words.push_back(TwoNoisesInWords(report.components[0], *rotation));
+  } else if (!report.components.empty()) {
+    DescribeComponents(problem, &report);
+  }
   DescribeGroups(problem, estimate);
   DescribeWeights(problem, &report);
   DescribeOutliers(problem, estimate);

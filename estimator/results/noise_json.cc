@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/results/json_numbers.h"
 
 namespace sagitta {
@@ -45,6 +46,7 @@ Json ComponentsToJson(const CalibrationProblem& problem, const NoiseReport& repo
   json["components"] = Json::array();
   for (const VarianceComponent& component : report.components) {
     json["components"].push_back(ComponentToJson(component, component.joints.empty() && report.instrument_is_factor));
+    if (&component == RotationComponent(report)) json["components"].back()["unit"] = "urad";
     if (component.joints.size() < 2) continue;
     Json joints = Json::array();
     for (const int j : component.joints) joints.push_back(problem.robot().chain.joints[j].name);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/noise/rotation_noise.h"
+
 namespace sagitta {
 namespace {
 
@@ -66,6 +68,9 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   if (const auto axes = SigmaPerAxis(problem, estimate)) {
     json["sigma_axis_mm"] = {1e3 * axes->x(), 1e3 * axes->y(), 1e3 * axes->z()};
   }
+  if (const VarianceComponent* rotation = RotationComponent(estimate.noise_report)) {
+    json["sigma_rot_urad"] = 1e6 * rotation->value;
+  }
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
   json["instrument_factor"] = is_factor ? instrument->value : 1.0;
@@ -89,6 +94,7 @@ PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experimen
     noise.sigma_axis = axes->Triple() / 1e3;
     if (noise.sigma_axis->minCoeff() < 0.0) axes->Fail("a standard deviation is not below 0");
   }
+  if (const auto rotation = json.Find("sigma_rot_urad")) noise.sigma_rotation = rotation->PositiveNumber() / 1e6;
   if (const auto factor = json.Find("instrument_factor")) noise.instrument_factor = factor->NotNegativeNumber();
   const auto read = [&json](const char* key, RepeatabilitySpec::OfKind* kind) {
     const auto joints = json.Find(key);
@@ -107,7 +113,10 @@ NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNo
   const Measurements& data = problem.data();
   for (size_t i = 0; i < data.observations.size(); ++i) {
     Matrix3<double> root = StatedRoot(problem.experiment(), data, data.observations[i], points.col(i));
+    const Observation& observation = data.observations[i];
+    const bool is_open = !observation.is_point() && !(observation.rotation_sigma.minCoeff() > 0.0);
     if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
+    if (is_open && noise.sigma_rotation > 0.0) root = noise.sigma_rotation * Matrix3<double>::Identity();
     roots.push_back(noise.instrument_factor * root);
   }
   return roots;

@@ -16,9 +16,11 @@ struct PredictionNoise {
   double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: found by variance components
   // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
   std::optional<Vector3<double>> sigma_axis;
+  double sigma_rotation = 0.0;  // rad, of rotations that state none; 0: as everywhere (problems/noise_model.h)
 };
 
-// {"sigma_mm", "sigma_axis_mm", "instrument", "instrument_factor", "scale", "repeatability_urad", "repeatability_um"}.
+// {"sigma_mm", "sigma_axis_mm", "sigma_rot_urad", "instrument", "instrument_factor", "scale", "repeatability_urad",
+// "repeatability_um"}.
 nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
 
 // The inverse; sigma, instrument and repeatability go to `experiment`. Throws InputError.

@@ -18,7 +18,20 @@ const std::vector<Unit>& UnitsOf(Dimension dimension) {
   return dimension == Dimension::kLength ? lengths : small_lengths;
 }
 
+namespace {
+
+// Of foreign tables alone, our own files have neither. An inch is 25.4 mm exactly (agreement of 1959).
+const std::vector<Unit>& ForeignLengths() {
+  static const std::vector<Unit> lengths = {{"cm", 1.0, 1e2}, {"in", 25.4, 1e3}};
+  return lengths;
+}
+
+}  // namespace
+
 const Unit& UnitNamed(const std::string& suffix) {
+  for (const Unit& unit : ForeignLengths()) {
+    if (suffix == unit.suffix) return unit;
+  }
   for (const Dimension dimension : {Dimension::kSmallLength, Dimension::kAngle}) {
     for (const Unit& unit : UnitsOf(dimension)) {
       if (suffix == unit.suffix) return unit;

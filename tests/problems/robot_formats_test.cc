@@ -75,6 +75,18 @@ TEST_F(RobotFormats, ModifiedTables) {
   EXPECT_EQ(guessed.guesses.size(), 1u);
 }
 
+TEST_F(RobotFormats, LengthsInInchesAndUnitsOfAnotherKind) {
+  const std::string rows = "0;90;3.51;0\n-16.73;0;0;0\n";
+  const Robot robot = Read("# standard DH\na [in];alpha [deg];d [in];theta [deg]\n" + rows).robot;
+  ASSERT_TRUE(robot.dh);
+  EXPECT_NEAR(robot.dh->links[0].d, 3.51 * 0.0254, 1e-15);
+  EXPECT_NEAR(robot.dh->links[1].a, -16.73 * 0.0254, 1e-15);
+  for (const char* header : {"a [deg];alpha [deg];d [mm];theta [deg]", "a [mm];alpha [mm];d [mm];theta [deg]",
+                             "a [mm];alpha [deg];d [s];theta [deg]"}) {
+    EXPECT_THROW(Read(std::string("# standard DH\n") + header + "\n" + rows), InputError) << header;
+  }
+}
+
 TEST_F(RobotFormats, WhatCannotBeKnownIsRefused) {
   const std::string rows = "1,90,100,200,0\n2,90,100,0,0\n3,90,50,0,0\n";
   EXPECT_TRUE(SaysInOrder(ErrorOf([&] { Read("i,alpha_deg,a_mm,d_mm,theta_deg\n" + rows); }),
@@ -200,6 +212,70 @@ TEST(ShippedTables, FlangeIsWhereTheDrawingHasIt) {
     EXPECT_FALSE(robot.name.empty());
     const Vector3<double> flange = 1e3 * test::FlangeOf(robot.chain, Degrees(pose.q_deg)).translation;
     EXPECT_LT((flange - pose.flange_mm).norm(), 1e-9) << flange.transpose();
+  }
+}
+
+// The makers' numbers typed once more, to KDL: at any joint values, not only where a drawing shows the arm. FANUC
+// counts J3 from the horizontal: what turns there is q3 + q2.
+TEST(ShippedTables, FlangeIsThatOfKdl) {
+  struct Maker {
+    const char* name;
+    DhConvention convention;
+    std::vector<DhRow> rows;
+    double third_by_second;
+  };
+  const std::vector<Maker> makers = {
+      {"ur10",
+       DhConvention::kStandard,
+       {{0, 90, 0.1273, 0},
+        {-0.612, 0, 0, 0},
+        {-0.5723, 0, 0, 0},
+        {0, 90, 0.163941, 0},
+        {0, -90, 0.1157, 0},
+        {0, 0, 0.0922, 0}},
+       0.0},
+      {"kr6_r900",
+       DhConvention::kModified,
+       {{0, 180, -0.4, 0},
+        {0.025, 90, 0, 0},
+        {0.455, 0, 0, -90},
+        {0.035, 90, -0.42, 0},
+        {0, -90, 0, 0},
+        {0, 90, -0.08, 180}},
+       0.0},
+      {"irb120",
+       DhConvention::kStandard,
+       {{0, -90, 0.29, 0}, {0.27, 0, 0, -90}, {0.07, -90, 0, 0}, {0, 90, 0.302, 0}, {0, -90, 0, 0}, {0, 0, 0.072, 180}},
+       0.0},
+      {"lrmate200id",
+       DhConvention::kModified,
+       {{0, 0, 0, 0},
+        {0.05, -90, 0, -90},
+        {0.44, 180, 0, 0},
+        {0.035, -90, -0.42, 0},
+        {0, 90, 0, 0},
+        {0, -90, -0.08, 180}},
+       1.0},
+      {"tx60",
+       DhConvention::kStandard,
+       {{0, -90, 0.375, 0}, {0.29, 0, 0.02, -90}, {0, 90, 0, 90}, {0, -90, 0.31, 0}, {0, 90, 0, 0}, {0, 0, 0.07, 0}},
+       0.0}};
+  test::RandomNumbers random(23);
+  for (const Maker& maker : makers) {
+    SCOPED_TRACE(maker.name);
+    const Robot robot = ReadAnyRobot(test::SourceFolder() + "/problems/published/robots/" + maker.name + ".csv").robot;
+    const KDL::Chain kdl = KdlChainOfDh(maker.convention, maker.rows);
+    for (int trial = 0; trial < 30; ++trial) {
+      Eigen::VectorXd q(6);
+      for (int j = 0; j < 6; ++j) q[j] = random.Uniform(-M_PI, M_PI);
+      const Pose<double> flange = test::FlangeOf(robot.chain, q);
+      q[2] += maker.third_by_second * q[1];
+      const KDL::Frame expected = test::KdlFlange(kdl, q);
+      for (int r = 0; r < 3; ++r) {
+        ASSERT_NEAR(flange.translation[r], expected.p[r], 1e-9);
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(flange.rotation(r, c), expected.M(r, c), 1e-9);
+      }
+    }
   }
 }
 

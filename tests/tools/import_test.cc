@@ -71,6 +71,48 @@ TEST_F(Import, UnitsAndHeaderStyles) {
   ExpectRight(commented.ToText(), right, {"--strict"});
 }
 
+// An inch is 25.4 mm exactly; a unit that is not read is named, not passed over.
+TEST_F(Import, ForeignUnits) {
+  const auto& right = Readings();
+  const std::vector<std::string> joints = {"J1 [deg]", "J2 [deg]", "J3 [deg]", "J4 [deg]", "J5 [deg]", "J6 [deg]"};
+  const auto in_unit = [&](const std::string& unit, double length, double angle = 1.0) {
+    std::vector<std::string> names = joints;
+    for (const char* axis : {"x", "y", "z"}) names.push_back(std::string("measured ") + axis + " " + unit);
+    return Table(right, angle, length).Named(names);
+  };
+  ExpectRight(in_unit("[in]", 1 / 25.4).ToText(), right, {"--strict"});
+  ExpectRight(in_unit("(inches)", 1 / 25.4).ToText(), right, {"--strict"});
+  ExpectRight(in_unit("[cm]", 0.1).ToText(), right, {"--strict"});
+  ExpectRight(in_unit("", 1 / 25.4).ToText(), right);  // the robot decides
+  Table units = in_unit("", 1 / 25.4).With(";");
+  units.rows.insert(units.rows.begin(), {"deg", "deg", "deg", "deg", "deg", "deg", "in", "in", "in"});
+  for (std::string& name : units.header) name = name.substr(0, name.find(" ["));
+  ExpectRight(units.ToText(), right);
+  ExpectRefused(in_unit("[ft]", 1 / 304.8).ToText(),
+                {"'measured x [ft]'", "the unit is not one that is read", "mm, cm, m, um or in"});
+  Table gons = in_unit("[mm]", 1.0, 10.0 / 9.0);
+  for (int j = 0; j < 6; ++j) gons.header[static_cast<size_t>(j)] = "J" + std::to_string(j + 1) + " [gon]";
+  ExpectRefused(gons.ToText(), {"'J1 [gon]'", "the unit is not one that is read", "deg, rad"});
+}
+
+TEST_F(Import, NumbersThatAreNone) {
+  const auto& right = Readings();
+  Table minus = Table(right).With(";");
+  for (auto& row : minus.rows) {
+    for (std::string& cell : row) {
+      if (cell[0] == '-') cell = "\u2212" + cell.substr(1);
+    }
+  }
+  ASSERT_NE(minus.ToText().find("\u2212"), std::string::npos);
+  ExpectRight(minus.ToText(), right, {"--strict"});
+  Table huge = Table(right);
+  huge.rows[5][7] = "1e300";
+  ExpectRefused(huge.ToText(), {"export.txt:7", "1e+300 mm is no reading"});
+  Table words = Table(right);
+  for (size_t c = 0; c < 6; ++c) words.rows[0][c] = "about";
+  ExpectRefused(words.ToText(), {"export.txt:2", "'about' is no number"});
+}
+
 TEST_F(Import, ColumnsInAnyOrderAndOthersBesides) {
   const auto& right = Readings();
   ExpectRight(Table(right).Reordered({8, 0, 6, 5, 4, 7, 3, 2, 1}).ToText(), right, {"--strict"});

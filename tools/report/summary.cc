@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "estimator/noise/robot_scatter.h"
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/statistics/median.h"
 #include "tools/report/remedies.h"
 
@@ -102,6 +103,8 @@ Section NoiseSection(const CalibrationProblem& problem, const Estimate& estimate
   } else if (!estimate.sigma.stated) {
     section.paragraphs = {"No standard deviation is stated; one for all coordinates is estimated: " +
                           Millimetres(estimate.sigma.estimated) + " mm (" + dof + ")."};
+  } else if (RotationComponent(estimate.noise_report)) {
+    section.paragraphs.clear();  // by construction chi-square is what it should be; the report's words say the rest
   } else {
     section.paragraphs = {"Chi-square " + Significant(estimate.chi2, 5) + " at " + dof + ", reduced " +
                               Significant(estimate.chi2 / estimate.dof, 4) + ".",

@@ -277,6 +277,11 @@ ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& 
 ColumnMeaning MeaningOf(const std::string& header, const std::vector<std::string>& joints) {
   ColumnMeaning meaning = ByName(header, joints);
   meaning.unit = UnitInHeader(header);
+  const NameWithUnreadUnit unread = UnreadUnitIn(header);
+  if (meaning.role == Role::kOther && !unread.unit.empty() && ByName(unread.name, joints).role != Role::kOther) {
+    meaning.unread_unit = unread.unit;
+    meaning.why = "'" + unread.unit + "' is no unit that is read";
+  }
   if (meaning.role == Role::kTarget) meaning.why = "a position that was meant, not measured";
   if (meaning.role == Role::kDifference) meaning.why = "a difference, not a position";
   return meaning;

@@ -37,6 +37,7 @@ struct ColumnMeaning {
   bool is_actual = false;      // a joint value that the name calls actual
   bool says_measured = false;  // a point or rotation that the name calls measured
   std::string why;             // of kOther and kTarget, in words
+  std::string unread_unit;     // of kOther: the unit, as written, for which alone it has no other role
 };
 
 // `joints`: the robot's joint names, empty when it is not known.

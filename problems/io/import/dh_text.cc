@@ -10,6 +10,7 @@
 #include "problems/io/files.h"
 #include "problems/io/import/expressions.h"
 #include "problems/io/import/header_words.h"
+#include "problems/io/import/mapped_columns.h"
 #include "problems/io/import/robot_reading.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/pattern.h"
@@ -117,7 +118,17 @@ class DhReader {
       const bool limit = columns_[c] == DhColumn::kMin || columns_[c] == DhColumn::kMax;
       if (!IsLength(columns_[c]) && !IsAngle(columns_[c]) && !limit) continue;
       const std::string unit = UnitInHeader(table_.header[c]);
-      if (!unit.empty()) units_[c] = &UnitNamed(unit);
+      if (unit.empty()) continue;
+      const bool fits = IsLengthUnit(unit) ? !IsAngle(columns_[c]) : IsAngleUnit(unit) && !IsLength(columns_[c]);
+      if (!fits) {
+        throw InputError({table_.path, table_.header_line, table_.header[c]},
+                         std::string(IsLength(columns_[c])  ? "a length"
+                                     : IsAngle(columns_[c]) ? "an angle"
+                                                            : "a limit") +
+                             " in " + unit,
+                         "lengths in mm, cm, m, um or in, angles in deg, rad, mrad or urad");
+      }
+      units_[c] = &UnitNamed(unit);
     }
     GuessUnit(true);
     GuessUnit(false);
@@ -238,8 +249,7 @@ class DhReader {
     for (size_t c = 0; c < columns_.size(); ++c) {
       const bool is_min = columns_[c] == DhColumn::kMin;
       if ((!is_min && columns_[c] != DhColumn::kMax) || !units_[c]) continue;
-      const std::string suffix = units_[c]->suffix;
-      const bool of_length = suffix == "mm" || suffix == "m";
+      const bool of_length = IsLengthUnit(units_[c]->suffix);
       const std::optional<double> number = table_.Number(row.cells[c]);
       if (!number || of_length != (joint->type == JointType::kPrismatic)) continue;
       (is_min ? joint->min : joint->max) = units_[c]->ToSi(*number);

@@ -2,6 +2,7 @@
 
 #include <cctype>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "problems/io/trimmed.h"
@@ -11,14 +12,23 @@ namespace {
 
 const std::map<std::string, std::string>& UnitWords() {
   static const std::map<std::string, std::string> kWords = {
-      {"mm", "mm"},     {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
-      {"m", "m"},       {"meter", "m"},       {"meters", "m"},       {"metre", "m"},       {"metres", "m"},
-      {"um", "um"},     {"µm", "um"},         {"μm", "um"},          {"micron", "um"},     {"microns", "um"},
-      {"deg", "deg"},   {"degree", "deg"},    {"degrees", "deg"},    {"°", "deg"},         {"grad", "deg"},
-      {"rad", "rad"},   {"radian", "rad"},    {"radians", "rad"},    {"mrad", "mrad"},     {"urad", "urad"},
-      {"µrad", "urad"}, {"s", "s"},           {"sec", "s"},          {"seconds", "s"},     {"degc", "degC"},
-      {"°c", "degC"},   {"c", "degC"},        {"celsius", "degC"},   {"n", "N"},           {"nm", "Nm"},
-      {"kg", "kg"}};
+      {"mm", "mm"},        {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
+      {"m", "m"},          {"meter", "m"},       {"meters", "m"},       {"metre", "m"},       {"metres", "m"},
+      {"um", "um"},        {"µm", "um"},         {"μm", "um"},          {"micron", "um"},     {"microns", "um"},
+      {"cm", "cm"},        {"centimeter", "cm"}, {"centimeters", "cm"}, {"centimetre", "cm"}, {"centimetres", "cm"},
+      {"in", "in"},        {"inch", "in"},       {"inches", "in"},      {"deg", "deg"},       {"degree", "deg"},
+      {"degrees", "deg"},  {"°", "deg"},         {"grad", "deg"},       {"rad", "rad"},       {"radian", "rad"},
+      {"radians", "rad"},  {"mrad", "mrad"},     {"urad", "urad"},      {"µrad", "urad"},     {"s", "s"},
+      {"sec", "s"},        {"seconds", "s"},     {"degc", "degC"},      {"°c", "degC"},       {"c", "degC"},
+      {"celsius", "degC"}, {"n", "N"},           {"nm", "Nm"},          {"kg", "kg"}};
+  return kWords;
+}
+
+// Units that tables come in and that are not read.
+const std::set<std::string>& UnreadUnits() {
+  static const std::set<std::string> kWords = {"ft",     "foot", "feet",  "yd",     "mil",   "mils",
+                                               "thou",   "gon",  "gons",  "rev",    "revs",  "turns",
+                                               "counts", "incr", "ticks", "arcmin", "arcsec"};
   return kWords;
 }
 
@@ -61,6 +71,26 @@ std::string LowerCaseOf(const std::string& text) {
 }
 
 std::string UnitInHeader(const std::string& header) { return Separated(header).second; }
+
+bool IsUnit(const std::string& word) {
+  const std::string lower = LowerCaseOf(WithoutBars(word));
+  return UnitWords().count(lower) > 0 || UnreadUnits().count(lower) > 0;
+}
+
+NameWithUnreadUnit UnreadUnitIn(const std::string& header) {
+  const std::string text = WithoutBars(header), lower = LowerCaseOf(text);
+  if (text.empty() || !UnitInHeader(header).empty()) return {};
+  for (const auto& [open, close] : {std::pair<char, char>('[', ']'), {'(', ')'}}) {
+    const size_t first = text.rfind(open);
+    if (text.back() != close || first == std::string::npos || first + 2 >= text.size()) continue;
+    const std::string inside = text.substr(first + 1, text.size() - first - 2);
+    if (inside.find_first_of("0123456789") != std::string::npos) continue;  // an index
+    return {WithoutBars(text.substr(0, first)), inside};
+  }
+  const size_t at = lower.find_last_of("_ ");
+  if (at == std::string::npos || UnreadUnits().count(lower.substr(at + 1)) == 0) return {};
+  return {WithoutBars(text.substr(0, at)), text.substr(at + 1)};
+}
 
 std::string StemOf(const std::string& header) { return Separated(header).first; }
 

@@ -8,10 +8,19 @@ namespace sagitta {
 
 std::string LowerCaseOf(const std::string& text);
 
-// The unit that a header states, in this project's spelling (mm, m, um, deg, rad, mrad, urad,
+// The unit that a header states, in this project's spelling (mm, cm, m, um, in, deg, rad, mrad, urad,
 // s, degC, N, Nm), "" when there is none: in brackets or parentheses, as a suffix after
 // an underscore or a blank.
 std::string UnitInHeader(const std::string& header);
+
+// A unit of a table, read or not: mm, inches, gon.
+bool IsUnit(const std::string& word);
+
+// Of "J1 [gon]" the name and the unit that is not read; both empty where nothing looks like one.
+struct NameWithUnreadUnit {
+  std::string name, unit;
+};
+NameWithUnreadUnit UnreadUnitIn(const std::string& header);
 
 // The header without its unit, blanks trimmed: as written, and in lower case.
 std::string StemOf(const std::string& header);

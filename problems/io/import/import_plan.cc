@@ -86,6 +86,17 @@ class Planner {
     if (plan_.rotation_is_mapped) SortMappedRotation(table_, &plan_.rotation_columns);
   }
 
+  // Nothing is found for `what`, perhaps because of units.
+  [[noreturn]] void FailMissing(const std::string& what) const {
+    std::vector<std::string> columns;
+    for (int c = 0; c < static_cast<int>(meanings_.size()); ++c) {
+      if (!meanings_[c].unread_unit.empty()) columns.push_back("'" + HeaderOf(c) + "'");
+    }
+    if (columns.empty()) Fail("", what, kMapHint);
+    Fail("", what + "; of " + Joined(columns) + " the unit is not one that is read",
+         "lengths in mm, cm, m, um or in, angles in deg, rad, mrad or urad");
+  }
+
   bool IsMapped(const std::string& stem) const { return plan_.Find(stem) != nullptr; }
 
   void Add(const std::string& stem, const std::string& unit, int c, const std::string& meaning) {
@@ -156,10 +167,8 @@ class Planner {
       Add(stem, unit, c, "joint " + joints_[j].name);
     }
     if (!missing.empty()) {
-      Fail(
-          "",
-          "no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) + " joints",
-          kMapHint);
+      FailMissing("no column is found for " + Joined(missing) + " of the robot's " + std::to_string(joints_.size()) +
+                  " joints");
     }
     if (both_joints_) plan_.guesses.push_back("of commanded and actual joint values the commanded ones are taken");
     for (const int c : Remaining(Role::kJoint)) plan_.unused.emplace_back(HeaderOf(c), "the other joint values");
@@ -195,8 +204,7 @@ class Planner {
       if (!columns.empty()) found.push_back(columns[0]);
     }
     if (found.empty()) return false;
-    if (found.size() < 3)
-      Fail("", "only " + std::to_string(found.size()) + " of the measured x, y, z are found", kMapHint);
+    if (found.size() < 3) FailMissing("only " + std::to_string(found.size()) + " of the measured x, y, z are found");
     CheckEqualUnits(found);
     for (int i = 0; i < 3; ++i) Add(kAxes[i], meanings_[found[i]].unit, found[i], std::string("measured ") + kAxes[i]);
     const std::string& name = table_.header[found[0]];
@@ -240,7 +248,7 @@ class Planner {
 
   void TakePoints() {
     if (!(IsMapped("x") && IsMapped("y") && IsMapped("z")) && !TakeMeasured() && !TakeTargetPlusDifference()) {
-      Fail("", "no column says that it holds measured points (columns: " + Joined(table_.header) + ")", kMapHint);
+      FailMissing("no column says that it holds measured points (columns: " + Joined(table_.header) + ")");
     }
     std::vector<int> sigmas;
     for (int i = 0; i < 3; ++i) {
@@ -454,7 +462,7 @@ class Planner {
     }
     plans = Opened(plans, turning, {"deg", "rad"}, "joint angles");
     plans = Opened(plans, sliding, {"mm", "m"}, "sliding joints");
-    plans = Opened(plans, {"x", "y", "z"}, {"mm", "m"}, "points");
+    plans = Opened(plans, {"x", "y", "z"}, {"mm", "m", "in"}, "points");
     for (ImportPlan& plan : plans) {
       const std::set<std::string> sigmas = {"sigma_x", "sigma_y", "sigma_z"};
       if (!IsOpen(plan, sigmas)) continue;

@@ -1,6 +1,7 @@
 #include "problems/io/import/imported_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <set>
 
@@ -8,6 +9,7 @@
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
+#include "problems/limits.h"
 
 namespace sagitta {
 namespace {
@@ -21,6 +23,18 @@ bool IsRotationSigma(const PlannedColumn& column) { return column.stem.rfind("si
 bool IsTorque(const PlannedColumn& column) { return column.stem.rfind("tau", 0) == 0; }
 bool IsRequired(const PlannedColumn& column) {
   return column.stem[0] == 'q' || column.stem == "x" || column.stem == "y" || column.stem == "z";
+}
+
+// A unit of measurements.csv for what it is used for here.
+bool IsOurs(const std::string& unit) { return unit != "um" && unit != "cm" && unit != "in"; }
+
+// A tracker that lost its target may write any number; beyond what a reader of measurements accepts none is a reading.
+void CheckSize(const TextTable& table, const TextTable::Row& row, const PlannedColumn& column, double number) {
+  if (!IsRequired(column) || column.unit.empty()) return;
+  const double si = std::abs(UnitNamed(column.unit).ToSi(number));
+  if (si <= (column.stem[0] == 'q' ? limits::kJointValue : limits::kCoordinate)) return;
+  throw InputError({table.path, row.line, column.header}, FormatNumber(number) + " " + column.unit + " is no reading",
+                   "a lost reading is an empty cell, NaN or -9999");
 }
 
 // Seconds since 1970 of YYYYMMDDhhmmss; only differences matter, the calendar is the proleptic Gregorian one.
@@ -157,12 +171,13 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
       }
       if (IsSigma(column) && !(*number > 0.0)) sigma_lost = true;
       if (column.stem.size() == 1) all_zero &= *number == 0.0;
-      // In the unit that the first table has, um in mm: elsewhere the digits stay as they are printed.
+      CheckSize(table, source, column, *number);
+      // In the unit that the first table has, um, cm and in in mm: elsewhere the digits stay as they are printed.
       if (IsTorque(column)) {
         row[column.stem + "_" + column.unit] = FormatNumber(*number);
         continue;
       }
-      const std::string unit = unit_of_.emplace(column.stem, column.unit == "um" ? "mm" : column.unit).first->second;
+      const std::string unit = unit_of_.emplace(column.stem, IsOurs(column.unit) ? column.unit : "mm").first->second;
       const bool converts = unit != column.unit && !column.unit.empty();
       const double value = converts ? ToUnit(UnitNamed(column.unit).ToSi(*number), UnitNamed(unit)) : *number;
       row[column.stem + (unit.empty() ? "" : "_" + unit)] = FormatNumber(value);

@@ -15,7 +15,9 @@ namespace {
 
 }  // namespace
 
-bool IsLengthUnit(const std::string& unit) { return unit == "mm" || unit == "m" || unit == "um"; }
+bool IsLengthUnit(const std::string& unit) {
+  return unit == "mm" || unit == "m" || unit == "um" || unit == "cm" || unit == "in";
+}
 bool IsAngleUnit(const std::string& unit) { return unit == "deg" || unit == "rad" || unit == "mrad" || unit == "urad"; }
 std::string TorqueUnit(const Joint& joint) { return joint.type == JointType::kPrismatic ? "N" : "Nm"; }
 
@@ -23,7 +25,8 @@ std::pair<std::string, std::string> StemAndUnit(const std::string& column) {
   const size_t bar = column.rfind('_');
   if (bar == std::string::npos) return {column, ""};
   const std::string unit = column.substr(bar + 1);
-  static const std::set<std::string> kUnits = {"mm", "m", "um", "deg", "rad", "mrad", "urad", "s", "degC", "N", "Nm"};
+  static const std::set<std::string> kUnits = {"mm",   "m",    "um", "cm",   "in", "deg", "rad",
+                                               "mrad", "urad", "s",  "degC", "N",  "Nm"};
   return kUnits.count(unit) ? std::make_pair(column.substr(0, bar), unit) : std::make_pair(column, std::string());
 }
 
@@ -39,7 +42,7 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
                                     "load",   "set",    "time_s",  "temperature_degC"};
   for (const char* axis : {"x", "y", "z"}) {
     for (const char* stem : {"", "sigma_"}) {
-      for (const char* unit : {"_mm", "_m", "_um"}) known.push_back(std::string(stem) + axis + unit);
+      for (const char* unit : {"_mm", "_m", "_um", "_cm", "_in"}) known.push_back(std::string(stem) + axis + unit);
     }
   }
   for (const char* name : {"fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm", "ow", "ox", "oy", "oz"})

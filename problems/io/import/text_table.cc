@@ -6,6 +6,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/import/header_words.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/trimmed.h"
 #include "problems/io/units.h"
@@ -21,6 +22,15 @@ struct Line {
   std::string text;
   bool is_comment = false;  // '#' or '%' in front, taken off
 };
+
+// Spreadsheets of some countries write U+2212 where a number is negative.
+std::string WithPlainMinus(std::string text) {
+  constexpr char kMinus[] = "\u2212";
+  for (size_t at = text.find(kMinus); at != std::string::npos; at = text.find(kMinus, at)) {
+    text.replace(at, sizeof kMinus - 1, "-");
+  }
+  return text;
+}
 
 std::vector<Line> LinesOf(const std::string& text) {
   std::vector<Line> lines;
@@ -155,9 +165,7 @@ bool IsUnitWord(std::string cell) {
     const size_t at = cell.find(bracket);
     if (at != std::string::npos) cell.erase(at, 1);
   }
-  static const std::vector<std::string> kUnits = {"",    "-",    "mm", "m", "um", "µm", "deg",  "°",
-                                                  "rad", "mrad", "s",  "N", "Nm", "°C", "degC", "urad"};
-  return std::find(kUnits.begin(), kUnits.end(), cell) != kUnits.end();
+  return cell.empty() || cell == "-" || IsUnit(cell);
 }
 
 class Builder {
@@ -210,6 +218,7 @@ class Builder {
     if (first == 0 || !IsTitle(lines_[first - 1])) {
       // A header with another number of cells would shift the names silently.
       if (first > 0 && !lines_[first - 1].is_comment && Cells(lines_[first - 1]).size() > 2) {
+        RefuseHalfNumbers(lines_[first - 1]);
         throw InputError({table_.path, lines_[first - 1].number, ""},
                          "this line has " + std::to_string(Cells(lines_[first - 1]).size()) +
                              " cells, the rows below have " + std::to_string(layout_.columns) +
@@ -235,6 +244,17 @@ class Builder {
       }
       table_.header[c] = names[c] + (has_unit ? (units[c][0] == '[' ? " " + units[c] : " [" + units[c] + "]") : "");
     }
+  }
+
+  // As many cells as the rows below, but neither names nor mostly numbers.
+  void RefuseHalfNumbers(const Line& line) const {
+    const std::vector<std::string> cells = Cells(line);
+    if (cells.size() != layout_.columns) return;
+    const auto other = std::find_if_not(cells.begin(), cells.end(), IsNumeric);
+    throw InputError({table_.path, line.number, ""},
+                     "this line is no header, as some of its cells are numbers, and no row, as most are not: '" +
+                         *other + "' is no number",
+                     "numbers like -12.5, one header above them");
   }
 
   void AddRow(const Line& line) {
@@ -342,7 +362,7 @@ std::optional<double> TextTable::Number(const std::string& cell) const { return 
 
 TextTable ParseTextTable(const std::string& bytes, const std::string& path) {
   std::string encoding;
-  const std::string text = DecodeText(bytes, path, &encoding);
+  const std::string text = WithPlainMinus(DecodeText(bytes, path, &encoding));
   std::vector<Line> lines = LinesOf(text);
   const Layout layout = FindLayout(lines, path);
   TextTable table = Builder(path, std::move(lines), layout).Build();
