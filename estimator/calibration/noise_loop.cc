@@ -281,22 +281,22 @@ ResolvedEstimate EstimateWithRobotScatter(ResolvedEstimate plain, const JointOpt
   return plain;
 }
 
-// Rotations weighed by what they scatter, as points are, where the stated noise is not what is left of either.
-ResolvedEstimate EstimateWithRotationFactor(ResolvedEstimate plain, const JointOptions& options) {
+// Rotations weighed by what they scatter, where the stated noise is not what is left.
+ResolvedEstimate EstimateWithRotationScatter(ResolvedEstimate plain, const JointOptions& options) {
   if (!options.judge) return plain;
-  double factor = 1.0;
+  const CalibrationProblem stated = plain.problem;
+  const std::vector<std::string> words = plain.estimate.noise_report.words;
   for (int round = 0; round < kScatterRounds; ++round) {
-    const std::optional<RotationFactor> found = FindRotationFactor(plain.problem, plain.estimate);
-    if (!found) break;
-    CalibrationProblem weighed = plain.problem;
-    weighed.resolved_noise = found->roots;
+    const std::optional<RotationScatter> scatter = FindRotationScatter(stated, plain.estimate);
+    if (!scatter) break;
+    CalibrationProblem weighed = stated;
+    weighed.resolved_noise = scatter->roots;
     Estimate estimate = EstimateJointly(weighed, options);
     if (!IsUsable(estimate.status)) break;
-    estimate.noise_report.words = plain.estimate.noise_report.words;
     plain = {std::move(weighed), std::move(estimate)};
-    factor *= found->factor;
+    plain.estimate.noise_report.words = words;
+    plain.estimate.noise_report.words.push_back(RotationScatterInWords(scatter->spread));
   }
-  if (factor != 1.0) plain.estimate.noise_report.words.push_back(RotationFactorInWords(factor));
   return plain;
 }
 
@@ -307,7 +307,7 @@ ResolvedEstimate EstimatePlainly(CalibrationProblem problem, const JointOptions&
   if (options.judge && !plain.estimate.sigma.stated && plain.problem.resolved_noise.empty()) {
     return EstimateWithTwoNoises(std::move(plain), options);
   }
-  return EstimateWithRotationFactor(EstimateWithRobotScatter(std::move(plain), options), options);
+  return EstimateWithRotationScatter(EstimateWithRobotScatter(std::move(plain), options), options);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "estimator/noise/residual_noise.h"
 #include "estimator/noise/robot_scatter.h"
 #include "estimator/statistics/distributions.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -47,6 +48,17 @@ std::vector<NoiseGroup> SpreadOfEach(const CalibrationProblem& problem, const Es
   return found;
 }
 
+// Root mean square of S^-1 r, of the coordinates that the fit leaves.
+double WhitenedSpreadOfPoints(const CalibrationProblem& problem, const Estimate& estimate) {
+  double sum = 0.0, rows = 0.0;
+  for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
+    const Vector3<double> residual = problem.data().observations[i].point_in_station - estimate.predicted.col(i);
+    sum += (problem.SqrtCovariance(i).inverse() * residual).squaredNorm();
+    rows += 3.0;
+  }
+  return std::sqrt(sum / (rows * estimate.dof / estimate.rows));
+}
+
 }  // namespace
 
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate) {
@@ -57,23 +69,20 @@ std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const 
   return noises;
 }
 
-std::optional<RotationFactor> FindRotationFactor(const CalibrationProblem& problem, const Estimate& estimate) {
+std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& problem, const Estimate& estimate) {
   const SigmaReport& sigma = estimate.sigma;
   if (!sigma.scaled || sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return std::nullopt;
-  RotationFactor found;
+  RotationScatter found;
   const std::vector<NoiseGroup> spread = SpreadOfEach(problem, estimate, &found.roots);
   if (spread.empty()) return std::nullopt;
-  double stated[2] = {0.0, 0.0}, rows[2] = {0.0, 0.0};  // sums of squares of points and of rotations
-  for (const int i : problem.CalibrationObservations()) {
-    const int kind = problem.data().observations[i].is_point() ? 0 : 1;
-    stated[kind] += problem.SqrtCovariance(i).squaredNorm();
-    rows[kind] += 3.0;
-  }
-  const double of_points = spread[0].sigma / std::sqrt(stated[0] / rows[0]);
-  found.factor = spread[1].sigma / std::sqrt(stated[1] / rows[1]) / of_points;
+  found.spread = spread[1].sigma;
+  const double unit = WhitenedSpreadOfPoints(problem, estimate);
   for (size_t i = 0; i < found.roots.size(); ++i) {
-    const bool is_point = problem.data().observations[i].is_point();
-    found.roots[i] = (is_point ? 1.0 : found.factor) * problem.SqrtCovariance(static_cast<int>(i));
+    const Matrix3<double> root = problem.SqrtCovariance(static_cast<int>(i));
+    found.roots[i] = root;
+    if (problem.data().observations[i].is_point()) continue;
+    const Matrix3<double> scatter = found.spread * found.spread * Matrix3<double>::Identity();
+    found.roots[i] = LowerRoot(root * root.transpose() + scatter) / unit;
   }
   return found;
 }

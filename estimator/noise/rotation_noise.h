@@ -24,13 +24,17 @@ std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const 
 
 // Where noise is stated and the residuals are several times as large (kInstrumentIsNotTheNoise), one factor on both
 // kinds is that of neither: the robot, not the instrument, scatters, and what it does to points and to rotations nobody
-// stated. Roots by which both kinds scatter alike: of points as they are, of rotations times (s_r / s_p) / (their
-// stated ratio). Points stay the unit of chi-square.
-struct RotationFactor {
-  double factor = 1.0;  // on the roots that are stated
-  NoiseRoots roots;     // of all observations of the data
+// stated. With S_i stated, s the spread of the rotations' residuals and w the whitened one of the points, a rotation
+// gets
+//
+//   root of (S_i S_i' + s^2 I) / w^2:
+//
+// points stay the unit of chi-square, rotations scatter as much in theirs.
+struct RotationScatter {
+  double spread = 0.0;  // s, rad
+  NoiseRoots roots;     // of all observations of the data; of points those of `problem`
 };
-std::optional<RotationFactor> FindRotationFactor(const CalibrationProblem& problem, const Estimate& estimate);
+std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& problem, const Estimate& estimate);
 
 // The second of them in a report; null where the report has none.
 const VarianceComponent* RotationComponent(const NoiseReport& report);

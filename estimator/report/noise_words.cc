@@ -208,9 +208,9 @@ std::string RobotScatterInWords(double tau) {
          "alone.";
 }
 
-std::string RotationFactorInWords(double factor) {
-  return "Against what is stated of each, rotations scatter " + Significant(factor, 3) +
-         " times as much as points; they are weighed by what they scatter.";
+std::string RotationScatterInWords(double spread) {
+  return "Beside the stated sigmas every axis of a rotation scatters by " + Significant(1e3 * spread, 3) +
+         " mrad, and rotations are weighed by both.";
 }
 
 namespace {

@@ -10,7 +10,7 @@ namespace sagitta {
 
 // tau: what every coordinate scatters by beside the stated sigmas, m (noise/robot_scatter.h).
 std::string RobotScatterInWords(double tau);
-std::string RotationFactorInWords(double factor);
+std::string RotationScatterInWords(double spread);
 
 // What outliers share: `hits` of `outliers` are of a category that has `share` of the rows; they lie between two
 // values.

@@ -96,8 +96,11 @@ std::string CertificateInWords(const Plan& plan) {
            "for a certificate.";
   }
   const double efficiency = plan.efficiency;
-  std::string words = "Within " + Significant(100.0 * (1.0 / std::max(efficiency, 1e-9) - 1.0), 2) +
-                      " % of the best possible plan of as many of these candidates" +
+  const double times = 1.0 / std::max(efficiency, 1e-9);
+  // So few poses that the bound says little: a percentage of thousands would be read as a misprint.
+  const std::string near = times < 2.0 ? "Within " + Significant(100.0 * (times - 1.0), 2) + " % of"
+                                       : "At most " + Significant(times, 2) + " times";
+  std::string words = near + " the best possible plan of as many of these candidates" +
                       (plan.found_beside > 0 ? " and of poses found from them" : "") + " (" +
                       InWords(plan.criterion.kind) + "; equivalence theorem).";
   if (plan.best_rms > 0.0) {
