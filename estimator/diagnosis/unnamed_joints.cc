@@ -9,10 +9,11 @@
 namespace sagitta {
 namespace {
 
-constexpr int kOrders = 6;      // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
-constexpr int kPlaces = 24;     // of a jump along a joint's angle
-constexpr int kRipples = 6;     // of each joint, of all orders beyond the catalogue's that it may have
-constexpr int kNeighbours = 2;  // joints that a hose or a table of corrections goes over lie that close
+constexpr int kOrders = 6;       // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr int kPlaces = 24;      // of a jump along a joint's angle
+constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: phases within 2.6 degrees
+constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
+constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections goes over lie that close
 
 class JointFunctions : public UnnamedList {
  public:
@@ -87,28 +88,53 @@ class JointFunctions : public UnnamedList {
     AddFunctions(functions, what, "joints in time");
   }
 
+  // Whether waves of two orders are the same functions on these angles, as on a lattice of poses: (n - k) q or (n + k)
+  // q is the same everywhere. Where phases scatter by v, |mean exp(i phase)| = 1 - v / 2.
+  static bool AreAliases(const Eigen::ArrayXd& q, int n, int k) {
+    const auto agree = [&](int order) {
+      return std::hypot((order * q).cos().mean(), (order * q).sin().mean()) > kSame;
+    };
+    return agree(n - k) || agree(n + k);
+  }
+
   // Teeth beyond the orders of the catalogue: of many, those that the rows say most of, each joint by itself and
-  // nothing else considered (they are as good as orthogonal to whatever is smooth). The prior counts them all.
+  // nothing else considered (they are as good as orthogonal to whatever is smooth); and for each order of the catalogue
+  // one that these poses cannot tell from it, for all of them. The prior counts them all.
   void AddRipple() {
     const EvidenceColumns::AlongJoints sums = columns_->SumAlongJoints();
     const int first = ResolvedOrders(problem_) + 1, orders = kMostHarmonicOrders + 1 - first;
     for (int j = 0; j < joints(); ++j) {
       if (!IsRevolute(problem_, j) || orders < kRipples) continue;
       const Eigen::ArrayXd q = OfShots(problem_, [j](const ShotConditions& shot) { return shot.q[j]; });
+      const Eigen::ArrayXd fitted = OnFitted(q.matrix()).array();
+      std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
       std::vector<std::pair<double, int>> reductions;
       for (int n = first; n <= kMostHarmonicOrders; ++n) {
-        double reduction = 0.0;
-        for (const Eigen::ArrayXd& wave : {Eigen::ArrayXd((n * q).cos()), Eigen::ArrayXd((n * q).sin())}) {
-          const double along = (wave * sums.residual.col(j).array()).sum();
-          const double square = (wave.square() * sums.square.col(j).array()).sum();
-          reduction += square > 0.0 ? along * along / square : 0.0;
+        int k = 1;
+        while (k < first && !AreAliases(fitted, n, k)) ++k;
+        if (k < first) {
+          ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
+        } else {
+          reductions.emplace_back(-ReductionBy(n * q, sums, j), n);
         }
-        reductions.emplace_back(-reduction, n);
       }
       std::sort(reductions.begin(), reductions.end());
-      const double listed = static_cast<double>(kRipples) / orders;
-      for (int k = 0; k < kRipples; ++k) AddWave(j, reductions[static_cast<size_t>(k)].second, q, listed);
+      reductions.resize(std::min<size_t>(reductions.size(), kRipples));
+      const double each = static_cast<double>(aliases.size() + reductions.size()) / orders;
+      for (const auto& [reduction, n] : reductions) AddWave(j, n, q, each);
+      for (const auto& [k, alias] : aliases) AddWave(j, alias.first, q, each * alias.second);
     }
+  }
+
+  // Of chi-square, by a joint that deviates with this phase.
+  static double ReductionBy(const Eigen::ArrayXd& phase, const EvidenceColumns::AlongJoints& sums, int j) {
+    double reduction = 0.0;
+    for (const Eigen::ArrayXd& wave : {Eigen::ArrayXd(phase.cos()), Eigen::ArrayXd(phase.sin())}) {
+      const double along = (wave * sums.residual.col(j).array()).sum();
+      const double square = (wave.square() * sums.square.col(j).array()).sum();
+      reduction += square > 0.0 ? along * along / square : 0.0;
+    }
+    return reduction;
   }
 
   void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {

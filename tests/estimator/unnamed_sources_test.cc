@@ -11,6 +11,7 @@
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/evidence_columns.h"
 #include "estimator/diagnosis/unnamed_functions.h"
+#include "models/constants.h"
 #include "models/effects/learnt_deviation.h"
 #include "models/effects/pose_functions.h"
 #include "tests/support/kr270_experiment.h"
@@ -178,6 +179,38 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
     EXPECT_LT(left, is_sharp ? 0.3 : 2e-3) << group.function.words;
   }
   EXPECT_GE(families.size(), 13u);
+}
+
+// On a lattice of 15 degrees waves of 23, 25, 47, ... per turn are those of 1 per turn: ten orders up to 130, which one
+// stands for with the mass of all. On other angles none is.
+TEST(UnnamedFunctions, OrdersThatALatticeDoesNotTellShareTheProbability) {
+  const auto masses = [](double step) {
+    test::Kr270Design design;
+    design.configurations = 60;
+    design.stations = 1;
+    design.sigma = kSigma;
+    Measurements data = test::DesignMeasurements(design);
+    for (Configuration& configuration : data.configurations) {
+      if (step > 0.0) configuration.q[1] = step * std::round(configuration.q[1] / step);
+    }
+    test::MeasureKr270(test::Kr270Truth(), kSigma, 301, &data);
+    Robot robot;
+    robot.chain = test::Kr270Chain();
+    const CalibrationProblem problem = MakeCalibrationProblem(robot, data, Experiment());
+    EvidenceColumns columns(problem, problem.parameters, {});
+    std::map<std::string, double> of_order;
+    for (const UnnamedGroup& group : ListUnnamed(problem, problem.parameters, &columns)) {
+      if (group.family != "ripple" || group.function.acts_on != "j2") continue;
+      of_order[group.function.effects[0].settings.at("order")] = group.listed;
+    }
+    return of_order;
+  };
+  std::map<std::string, double> lattice = masses(kPi / 12.0), scattered = masses(0.0);
+  ASSERT_EQ(scattered.size(), 6u);
+  for (const auto& [order, listed] : scattered) EXPECT_NEAR(listed, 6.0 / 124.0, 1e-12) << order;
+  ASSERT_EQ(lattice.size(), 12u);  // 1 to 6 have aliases
+  ASSERT_EQ(lattice.count("23"), 1u);
+  EXPECT_NEAR(lattice["23"], 10.0 * 12.0 / 124.0, 1e-12);
 }
 
 TEST(DriverFunctions, StretchesShareTheVisitsEvenly) {
