@@ -92,24 +92,26 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
     return result;
   }
   AddIntervals(result.problem, {options.num_threads, options.progress}, &estimate);
+  const FittedStream fitted(result.problem);
   if (options.method == Method::kJoint) {
     say("comparing parts of the data");
-    between = CheckAgreement(result.problem, {options.seed, RandomHalves(result.problem)}, &estimate);
+    between = CheckAgreement(result.problem, fitted, {options.seed, RandomHalves(result.problem)}, &estimate);
   }
   const std::string misfit = WarningOfMisfit(result.problem, estimate.fit.distance_rms);
   if (!misfit.empty()) estimate.warnings.push_back(misfit);
   const std::string large = WarningOfLargeCorrections(result.problem, estimate.table);
   if (!large.empty()) estimate.warnings.push_back(large);
   say("cross-validating");
-  result.trust = JudgeTrust(result.problem, options.seed, &estimate, between);
+  result.trust = JudgeTrust(result.problem, fitted, options.seed, &estimate, between);
   return result;
 }
 
 Calibration ExtendedCalibration(const Diagnosis& diagnosis, std::uint64_t seed) {
   Calibration extended{*diagnosis.final.problem, diagnosis.final.estimate, {}};
+  const FittedStream fitted(extended.problem);
   const BetweenParts between =
-      CheckAgreement(extended.problem, {seed, RandomHalves(extended.problem)}, &extended.estimate);
-  extended.trust = JudgeTrust(extended.problem, seed, &extended.estimate, between);
+      CheckAgreement(extended.problem, fitted, {seed, RandomHalves(extended.problem)}, &extended.estimate);
+  extended.trust = JudgeTrust(extended.problem, fitted, seed, &extended.estimate, between);
   return extended;
 }
 

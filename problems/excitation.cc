@@ -130,9 +130,8 @@ void DropRoundOff(const std::vector<ModelParameter>& parameters, std::vector<dou
   }
 }
 
-}  // namespace
-
-std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
+std::vector<double> TrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                const LargestMotionsAt& largest_at) {
   std::vector<ParameterSet> at = {parameters};
   for (int axis = 0; axis < 2; ++axis) {
     ParameterSet tilted = parameters;
@@ -144,7 +143,7 @@ std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const 
     }
     at.push_back(tilted);
   }
-  const std::vector<std::vector<double>> largest = ShotBatches(problem).LargestMotions(at);
+  const std::vector<std::vector<double>> largest = largest_at(at);
   std::vector<double> motions = largest[0];
   for (size_t i = 0; i < motions.size(); ++i) {
     for (const std::vector<double>& feigned : {largest[1], largest[2]}) {
@@ -155,11 +154,25 @@ std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const 
   return motions;
 }
 
+LargestMotionsAt OfAllShots(const CalibrationProblem& problem) {
+  return [&problem](const std::vector<ParameterSet>& at) { return ShotBatches(problem).LargestMotions(at); };
+}
+
+}  // namespace
+
+std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const ParameterSet& parameters) {
+  return TrueMotions(problem, parameters, OfAllShots(problem));
+}
+
 void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters) {
+  SetHoldLimits(problem, OfAllShots(problem), parameters);
+}
+
+void SetHoldLimits(const CalibrationProblem& problem, const LargestMotionsAt& largest, ParameterSet* parameters) {
   const auto& model_parameters = problem.model().parameters();
   const bool any = std::any_of(model_parameters.begin(), model_parameters.end(), IsLimitedByMotion);
   if (!any) return;
-  const std::vector<double> motions = LargestTrueMotions(problem, *parameters);
+  const std::vector<double> motions = TrueMotions(problem, *parameters, largest);
   for (size_t i = 0; i < motions.size(); ++i) {
     if (!IsLimitedByMotion(model_parameters[i])) continue;
     Coordinate& coordinate = parameters->coordinate(parameters->model_parameter(static_cast<int>(i)).first_coordinate);

@@ -1,6 +1,7 @@
 // What one unit of a parameter moves where the rows excite it most, and the limits of held directions that follow.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "problems/calibration_problem.h"
@@ -16,5 +17,11 @@ std::vector<double> LargestTrueMotions(const CalibrationProblem& problem, const 
 // Sets Coordinate::hold_limit of compliances, effects and the spring's rate: 5 mm or 5 mrad of what it moves. That of
 // geometric errors, points, poses and lengths is of their kind; so is that of a parameter which no row excites at all.
 void SetHoldLimits(const CalibrationProblem& problem, ParameterSet* parameters);
+
+// The largest motions among the calibration rows at each of some values, as above but as they are; of geometric errors
+// any number.
+using LargestMotionsAt = std::function<std::vector<std::vector<double>>(const std::vector<ParameterSet>& at)>;
+// The same limits where motions are found otherwise.
+void SetHoldLimits(const CalibrationProblem& problem, const LargestMotionsAt& largest, ParameterSet* parameters);
 
 }  // namespace sagitta

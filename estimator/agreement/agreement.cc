@@ -177,30 +177,36 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
 // With one value per group of repeated shots that no model can explain apart:
 //   F = [(r'r - within) / (3 groups - unknowns)] / [within / (3 rows - 3 groups)]
 RepeatFit TestRepeats(const Whole& whole) {
-  struct Group {
-    Matrix3<double> weight = Matrix3<double>::Zero();
+  const Measurements& data = whole.problem.data();
+  const auto key = [&](int i) {
+    const Observation& row = data.observations[i];
+    const Shot& shot = data.shots[row.shot];
+    return std::tie(shot.configuration, row.marker, shot.station, row.kind, shot.visit, shot.load);
+  };
+  std::vector<int> order = whole.observations;
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  RepeatFit fit;
+  double within = 0.0;
+  int groups = 0;
+  for (size_t first = 0, last = 0; first < order.size(); first = last, ++groups) {
+    Matrix3<double> weights = Matrix3<double>::Zero();
     Vector3<double> sum = Vector3<double>::Zero();
     double squares = 0.0;
-  };
-  const Measurements& data = whole.problem.data();
-  const NoiseRoots noise = ObservationNoise(whole.problem, whole.observations, kFallbackSigma);
-  std::map<std::tuple<int, std::string, int, std::string, int, ReadingKind>, Group> groups;
-  for (size_t k = 0; k < whole.observations.size(); ++k) {
-    const Observation& row = data.observations[whole.observations[k]];
-    const Shot& shot = data.shots[row.shot];
-    Group& group = groups[{shot.configuration, shot.visit, row.marker, shot.load, shot.station, row.kind}];
-    const Matrix3<double> weight = (noise[k] * noise[k].transpose()).inverse();
-    const Vector3<double> error =
-        MeasuredMinusPredicted(row.reading(), whole.estimate.predicted.col(whole.observations[k]));
-    group.weight += weight;
-    group.sum += weight * error;
-    group.squares += error.dot(weight * error);
+    while (last < order.size() && key(order[last]) == key(order[first])) ++last;
+    if (last - first == 1) continue;  // it is its own mean
+    for (size_t i = first; i < last; ++i) {
+      const Matrix3<double> noise = ObservationNoise(whole.problem, {order[i]}, kFallbackSigma)[0];
+      const Matrix3<double> weight = (noise * noise.transpose()).inverse();
+      const Vector3<double> error =
+          MeasuredMinusPredicted(data.observations[order[i]].reading(), whole.estimate.predicted.col(order[i]));
+      weights += weight;
+      sum += weight * error;
+      squares += error.dot(weight * error);
+    }
+    // sum e'We - (sum We)' (sum W)^-1 (sum We): scatter of repeats about their weighted mean.
+    within += squares - sum.dot(weights.inverse() * sum);
   }
-  double within = 0.0;
-  // sum e'We - (sum We)' (sum W)^-1 (sum We): scatter of repeats about their weighted mean.
-  for (const auto& [key, group] : groups) within += group.squares - group.sum.dot(group.weight.inverse() * group.sum);
-  RepeatFit fit;
-  const int rows = whole.num_rows(), means = 3 * static_cast<int>(groups.size());
+  const int rows = whole.num_rows(), means = 3 * groups;
   fit.within_dof = rows - means;
   fit.between_dof = means - whole.num_columns();
   fit.known = fit.within_dof > 0 && fit.between_dof > 0 && within > 0.0;
@@ -221,10 +227,10 @@ bool SandwichIsLarger(const Whole& whole, const RobustCovariance& robust, double
   return *ratio > 1.0 + kSurplus * std::sqrt(0.5 / Median({robust.dof.begin(), robust.dof.end()}));
 }
 
-}  // namespace
-
-BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
-  Whole whole(problem, *estimate);
+// fitted: or null.
+BetweenParts CompareParts(const CalibrationProblem& problem, const FittedStream* fitted,
+                          const AgreementOptions& options, Estimate* estimate) {
+  Whole whole(problem, *estimate, fitted);
   AgreementReport& report = estimate->agreement;
   report = AgreementReport();
   report.covariance = whole.by_sandwich ? CovarianceKind::kSandwich : CovarianceKind::kModel;
@@ -246,6 +252,17 @@ BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOp
   report.sandwich_advised = !whole.by_sandwich && (larger || repeats_lie);
   DescribeAgreement(problem, &report);
   return between;
+}
+
+}  // namespace
+
+BetweenParts CheckAgreement(const CalibrationProblem& problem, const AgreementOptions& options, Estimate* estimate) {
+  return CompareParts(problem, nullptr, options, estimate);
+}
+
+BetweenParts CheckAgreement(const CalibrationProblem& problem, const FittedStream& fitted,
+                            const AgreementOptions& options, Estimate* estimate) {
+  return CompareParts(problem, &fitted, options, estimate);
 }
 
 }  // namespace sagitta

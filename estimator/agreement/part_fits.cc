@@ -93,7 +93,7 @@ RobustCovariance SandwichOf(const Whole& whole, const std::vector<int>& observat
 // Calls add(position, three rows of [J r]) for each observation.
 bool ForEachRow(const Whole& whole, const std::function<void(int, const double*)>& add) {
   if (!whole.are_held) {
-    return whole.stream.ForEach(whole.estimate.parameters, whole.columns, [&](const RowPiece& piece) {
+    return whole.stream->ForEach(whole.estimate.parameters, whole.columns, [&](const RowPiece& piece) {
       for (int i = 0; i < piece.num_observations(); ++i) add(piece.positions[i], &piece.rows(3 * i, 0));
     });
   }
@@ -153,23 +153,30 @@ class Cells {
 
 }  // namespace
 
-Whole::Whole(const CalibrationProblem& given, const Estimate& at)
+Whole::Whole(const CalibrationProblem& given, const Estimate& at, const FittedStream* fitted)
     : problem(given),
       estimate(at),
       observations(given.CalibrationObservations()),
       columns(at.estimated),
       turns(at.parameters, columns),
-      clusters(ConfigurationClusters(given.data(), observations)),
+      clusters(fitted != nullptr ? fitted->clusters : ConfigurationClusters(given.data(), observations)),
       is_scaled(!at.sigma.stated || at.sigma.scaled || WeighsByEq14(given.experiment())),
-      by_sandwich(at.intervals.is_empirical()),
-      stream(
-          given, observations,
-          [&given](const std::vector<int>& listed) { return ObservationNoise(given, listed, kFallbackSigma); },
-          LatentTreatment::kMarginalise, clusters) {
-  stream.ChangeRows([this](RowMajorMatrix* piece) { turns.TurnColumns(piece); });
+      by_sandwich(at.intervals.is_empirical()) {
   are_held = AreHeld(num_rows(), num_columns());
   valid = !are_held;
-  if (!are_held) return;
+  if (!are_held) {
+    if (fitted != nullptr && given.weight_roots.empty()) {
+      stream = &fitted->stream;
+      return;
+    }
+    const auto noise = [&given](const std::vector<int>& listed) {
+      return ObservationNoise(given, listed, kFallbackSigma);
+    };
+    own_stream.emplace(given, observations, noise, LatentTreatment::kMarginalise, clusters);
+    own_stream->Keep();
+    stream = &*own_stream;
+    return;
+  }
   rows = Linearize(problem, estimate.parameters, observations, columns,
                    ObservationNoise(problem, observations, kFallbackSigma));
   valid = rows.valid;
@@ -211,6 +218,12 @@ SumsOfParts SumParts(const std::vector<Split>& splits, Whole* whole) {
   });
   whole->sums = none;
   for (Cells& own : cells) whole->sums.matrix = own.AddTo(&sums);
+  if (!whole->are_held) {
+    whole->turns.TurnSums(&whole->sums.matrix);
+    for (std::array<NormalSums, 2>& parts : sums) {
+      for (NormalSums& part : parts) whole->turns.TurnSums(&part.matrix);
+    }
+  }
   whole->squared_residual = whole->sums.squared_residual();
   return sums;
 }
@@ -249,8 +262,12 @@ RobustCovariance AddSandwiches(const Whole& whole, const std::vector<Split>& spl
       answers.push_back(fit);
     }
   }
-  ClusterSandwich sandwich(whole.num_columns(), num_clusters, of_all.solution.covariance_root, std::move(asked));
-  sandwich.Add(whole.stream, whole.estimate.parameters, whole.columns, whole.clusters);
+  const Eigen::Index n = whole.num_columns();
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(n, n);
+  whole.turns.TurnColumns(&turn);
+  const Eigen::MatrixXd normal = whole.turns.TurnBack(of_all.solution.covariance);
+  ClusterSandwich sandwich(whole.num_columns(), num_clusters, normal, std::move(asked), turn);
+  sandwich.Add(*whole.stream, whole.estimate.parameters, whole.columns, whole.clusters);
   for (size_t i = 0; i < answers.size(); ++i) answers[i]->sandwich = sandwich.Result(static_cast<int>(i) + 1);
   return sandwich.Result(0, priors.jacobian);
 }

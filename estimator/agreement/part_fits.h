@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "estimator/agreement/base_turns.h"
@@ -17,14 +18,15 @@ namespace sagitta {
 
 // Everything that is compared, at the estimate; without priors.
 struct Whole {
-  Whole(const CalibrationProblem& problem, const Estimate& estimate);
-  Whole(const Whole&) = delete;  // the stream's rows are turned by this one's turns
+  // fitted: of the problem, or null.
+  Whole(const CalibrationProblem& problem, const Estimate& estimate, const FittedStream* fitted);
+  Whole(const Whole&) = delete;
 
   const CalibrationProblem& problem;
   const Estimate& estimate;
   std::vector<int> observations;
   std::vector<int> columns;   // coordinates
-  BaseTurns turns;            // which the columns of rows have taken
+  BaseTurns turns;            // which the columns of held rows and of sums have taken
   std::vector<int> clusters;  // of each observation, from 0 in the order in which they appear
   bool is_scaled = false;     // the model's covariance takes its scale from residuals
   bool by_sandwich = false;   // the estimate's own intervals do
@@ -32,8 +34,9 @@ struct Whole {
   bool valid = false;     // false: an equilibrium diverges
   bool are_held = false;  // rows are few enough to be kept; else they come by pieces
   Linearization rows;     // where they are held
-  RowStream stream;       // where they are not
-  NormalSums sums;        // of all, where they are many
+  std::optional<RowStream> own_stream;
+  const RowStream* stream = nullptr;  // where they are not; its rows are not turned
+  NormalSums sums;                    // of all, where they are many
   double squared_residual = 0.0;
 
   int num_columns() const { return static_cast<int>(columns.size()); }

@@ -191,16 +191,23 @@ void CheckOptions(const StartingValueOptions& options) {
   CheckIn(allowed::kLength, options.marker_spread, "StartingValueOptions.marker_spread");
 }
 
-double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
-                          const StartingValueOptions& options, ParameterSet* parameters) {
-  CheckOptions(options);
+namespace {
+
+// The best start by a sample of the rows.
+struct Start {
+  std::vector<FramedObservation> framed;  // the sample
+  Candidate best;
+};
+
+Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& observations,
+                    const StartingValueOptions& options, const ParameterSet& given) {
   const std::vector<int> looked_at = RowsOfStarts(problem, observations);
-  const std::vector<FramedObservation> framed = EvaluateFrames(problem, looked_at, *parameters);
+  std::vector<FramedObservation> framed = EvaluateFrames(problem, looked_at, given);
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal(0.0, options.marker_spread);
   std::vector<Candidate> candidates;
   for (int start = 0; start <= options.random_marker_starts; ++start) {
-    ParameterSet trial = *parameters;
+    ParameterSet trial = given;
     for (int m = 0; start > 0 && m < trial.num_markers(); ++m) {
       // One draw after the other: the order of arguments is the compiler's.
       const double z = normal(random), y = normal(random), x = normal(random);
@@ -225,10 +232,29 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   for (Candidate& candidate : candidates) {
     if (candidate.rms < best->rms * (1.0 - kEqual)) best = &candidate;
   }
-  if (looked_at.size() < observations.size()) Polish(EquationsOf(problem, observations), framed, best);
-  *parameters = best->parameters;
-  if (framed.size() == observations.size()) return best->rms;
+  return {std::move(framed), std::move(*best)};
+}
+
+}  // namespace
+
+double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
+                          const StartingValueOptions& options, ParameterSet* parameters) {
+  CheckOptions(options);
+  Start start = StartOfSample(problem, observations, options, *parameters);
+  const bool are_all = start.framed.size() == observations.size();
+  if (!are_all) Polish(EquationsOf(problem, observations), start.framed, &start.best);
+  *parameters = start.best.parameters;
+  if (are_all) return start.best.rms;
   return DistanceRms(EvaluateFrames(problem, observations, *parameters), *parameters);
+}
+
+void FindStartingValues(const CalibrationProblem& problem, const NormalEquations& equations,
+                        const StartingValueOptions& options, ParameterSet* parameters) {
+  CheckOptions(options);
+  const std::vector<int>& observations = equations.batches().observations();
+  Start start = StartOfSample(problem, observations, options, *parameters);
+  if (start.framed.size() < observations.size()) Polish(equations, start.framed, &start.best);
+  *parameters = start.best.parameters;
 }
 
 }  // namespace sagitta

@@ -14,6 +14,8 @@
 
 namespace sagitta {
 
+class NormalEquations;
+
 struct StartingValueOptions {
   int random_marker_starts = 6;
   int alternations = 25;
@@ -28,6 +30,10 @@ void CheckOptions(const StartingValueOptions& options);
 // fixed keeps its value. Returns the RMS of the 3-D distances, m.
 double FindStartingValues(const CalibrationProblem& problem, const std::vector<int>& observations,
                           const StartingValueOptions& options, ParameterSet* parameters);
+
+// The same of all rows of `equations`, where these are at hand; they count joints as exact.
+void FindStartingValues(const CalibrationProblem& problem, const NormalEquations& equations,
+                        const StartingValueOptions& options, ParameterSet* parameters);
 
 // The pose that maps `points` best onto `targets` (3 x N, least squares, no
 // scale, no reflection).

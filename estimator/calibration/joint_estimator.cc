@@ -6,6 +6,7 @@
 
 #include "estimator/alignment/starting_values.h"
 #include "estimator/calibration/held_rest.h"
+#include "estimator/calibration/judge.h"
 #include "estimator/calibration/load_remedy.h"
 #include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/condensed_cost.h"
@@ -69,7 +70,8 @@ bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equati
       RowsOf(equations, parameters, only_add ? parameters.EstimatedCoordinates() : RequestedCoordinates(parameters));
   const Linearization& all = fitted.rows;
   if (!all.valid) return false;
-  SetHoldLimits(problem, &parameters);
+  const auto motions = [&](const std::vector<ParameterSet>& at) { return equations.batches().LargestMotions(at); };
+  SetHoldLimits(problem, motions, &parameters);
   const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all, fitted.equations));
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
   std::vector<bool> hold(parameters.num_coordinates(), false);
@@ -297,40 +299,44 @@ void CheckOptions(const JointOptions& options) {
   CheckIn(allowed::kThreads, options.num_threads, "JointOptions.num_threads");
 }
 
-Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
-  CheckOptions(options);
-  Report(options, AligningNominal());
-  ParameterSet start = problem.parameters;
-  AlignNominal(problem, &start);
-  return EstimateFrom(problem, start, options);
-}
+namespace {
 
-Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start_values,
-                      const JointOptions& options) {
-  CheckOptions(options);
+// What is fitted, put side by side once.
+struct Fitted {
+  Fitted(const CalibrationProblem& problem, const JointOptions& options)
+      : residuals(CalibrationResiduals(problem, kFallbackSigma)),
+        equations(problem, residuals.observations, residuals.noise, LatentTreatment::kMarginalise,
+                  options.num_threads) {
+    residuals.granularity = options.granularity;
+    if (problem.latent.empty()) return;
+    without_deviations.emplace(problem, residuals.observations, residuals.noise, LatentTreatment::kIgnore,
+                               options.num_threads);
+  }
+  const NormalEquations& exact_joints() const { return without_deviations ? *without_deviations : equations; }
+
+  ResidualSelection residuals;
+  NormalEquations equations;
+  std::optional<NormalEquations> without_deviations;  // where joints have some
+};
+
+Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted, const ParameterSet& start_values,
+                        const JointOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   Estimate estimate;
   estimate.parameters = start_values;
   DropImplausibleTie(&estimate.parameters);
   estimate.aligned = options.aligned != nullptr ? *options.aligned : estimate.parameters;
 
-  ResidualSelection residuals = CalibrationResiduals(problem, kFallbackSigma);
-  residuals.granularity = options.granularity;
-  const NormalEquations equations(problem, residuals.observations, residuals.noise, LatentTreatment::kMarginalise,
-                                  options.num_threads);
-  std::optional<NormalEquations> exact_joints;
-  if (!problem.latent.empty()) {
-    exact_joints.emplace(problem, residuals.observations, residuals.noise, LatentTreatment::kIgnore,
-                         options.num_threads);
-  }
+  const ResidualSelection& residuals = fitted.residuals;
+  const NormalEquations& equations = fitted.equations;
   DecideHeld(problem, equations, /*only_add=*/false, &estimate);
 
   MinimizeSummary minimized;
   for (int round = 0; round < kMaxHoldRounds; ++round) {
     Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
                         " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
-    minimized = SolveAtRest(problem, residuals, equations, exact_joints ? *exact_joints : equations, options,
-                            estimate.aligned, &estimate.parameters);
+    minimized = SolveAtRest(problem, residuals, equations, fitted.exact_joints(), options, estimate.aligned,
+                            &estimate.parameters);
     estimate.iterations += minimized.iterations;
     if (!DecideHeld(problem, equations, /*only_add=*/round >= kFreshRounds, &estimate)) break;
   }
@@ -338,10 +344,27 @@ Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& sta
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (IsUsable(estimate.status) && options.judge) {
     Report(options, "intervals, identifiability and hold-out");
-    ComputeStatistics(problem, &estimate);
+    ComputeStatistics(problem, equations, &estimate);
     AddLoadRemedies(problem, &estimate);
   }
   return estimate;
+}
+
+}  // namespace
+
+Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
+  CheckOptions(options);
+  Report(options, AligningNominal());
+  const Fitted fitted(problem, options);
+  ParameterSet start = problem.parameters;
+  FindStartingValues(problem, fitted.exact_joints(), StartingValueOptions(), &start);
+  DropImplausibleTie(&start);
+  return EstimateFitted(problem, fitted, start, options);
+}
+
+Estimate EstimateFrom(const CalibrationProblem& problem, const ParameterSet& start, const JointOptions& options) {
+  CheckOptions(options);
+  return EstimateFitted(problem, Fitted(problem, options), start, options);
 }
 
 }  // namespace sagitta

@@ -1,5 +1,7 @@
 // ComputeStatistics: covariance, intervals, leverage and hold-out of an estimate,
 // all from one Linearization at its parameters.
+#include "estimator/calibration/judge.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -91,7 +93,8 @@ void LeverageBesideDeviations(const CalibrationProblem& problem, const RowPiece&
   }
 }
 
-// Leverage of every row and the parameters' share of the predicted hold-out error, some observations at a time.
+// Leverage and prediction of every row and the parameters' share of the predicted hold-out error, some observations at
+// a time.
 class RowJudge {
  public:
   // normal_root: R of R R' = (J'W^2 J)^-1 of the fit.
@@ -120,7 +123,13 @@ class RowJudge {
       return roots;
     };
     const RowStream stream(problem_, all, noise, LatentTreatment::kIgnore, visits);
+    estimate_->predicted.setConstant(3, static_cast<Eigen::Index>(all.size()), std::nan(""));
     stream.ForEach(estimate_->parameters, columns, [this](const RowPiece& piece) { Judge(piece); });
+    std::vector<int> others;  // rotations, and what was not measured
+    for (const int k : all) {
+      if (!estimate_->predicted.col(k).allFinite()) others.push_back(k);
+    }
+    estimate_->predicted(Eigen::all, others) = PredictPoints(problem_, estimate_->parameters, others);
     estimate_->noise_floor = coordinates_ > 0 ? std::sqrt(floor_ / coordinates_) : 0.0;
     estimate_->validation_predicted_rms = coordinates_ > 0 ? std::sqrt(sum_ / coordinates_) : 0.0;
   }
@@ -153,6 +162,11 @@ class RowJudge {
       // A root of S (1 + L L') S', what one reading scatters by: instrument and joints.
       estimate.scatter[k] = own * LowerRoot(relative);
       const Observation& observation = problem_.data().observations[k];
+      if (observation.is_point()) {
+        // S r = predicted - measured.
+        estimate.predicted.col(k) =
+            observation.point_in_station + own * piece.rows.col(piece.rows.cols() - 1).segment<3>(row);
+      }
       if (observation.excluded || !problem_.data().IsValidation(observation) || !observation.is_point()) continue;
       // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
       const double scatter = own.squaredNorm() + (own * latent).squaredNorm();
@@ -200,7 +214,7 @@ RobustCovariance SandwichOfFit(const CalibrationProblem& problem, const Lineariz
   const auto columns = static_cast<int>(estimate.estimated.size());
   ClusterFit fit;
   fit.solution = solution;
-  ClusterSandwich sandwich(columns, 1 + *std::max_element(clusters.begin(), clusters.end()), solution.covariance_root,
+  ClusterSandwich sandwich(columns, 1 + *std::max_element(clusters.begin(), clusters.end()), solution.covariance,
                            {fit});
   const RowStream stream(problem, observations, RootsOfFit(problem), LatentTreatment::kMarginalise, clusters);
   sandwich.Add(stream, estimate.parameters, estimate.estimated, clusters);
@@ -293,7 +307,10 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
 
 }  // namespace
 
-void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
+namespace {
+
+// equations: of the fit, or null.
+void Judge(const CalibrationProblem& problem, const NormalEquations* equations, Estimate* estimate) {
   const std::vector<int> calibration = problem.CalibrationObservations();
   const std::vector<int> validation = problem.ValidationObservations();
   const ParameterSet& parameters = estimate->parameters;
@@ -304,7 +321,10 @@ void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
   const auto fitted_by = [&](const RowStream::Noise& roots) {
     return FittedOnce(problem, parameters, calibration, estimate->estimated, roots);
   };
-  FittedRows fitted = fitted_by(RootsOfFit(problem));
+  const bool are_held =
+      AreHeld(3.0 * static_cast<double>(calibration.size()), static_cast<double>(estimate->estimated.size()));
+  FittedRows fitted = equations == nullptr || are_held ? fitted_by(RootsOfFit(problem))
+                                                       : RowsOf(*equations, parameters, estimate->estimated);
   const Linearization& fit = fitted.rows;
   if (!fit.valid) {  // the last step to the optimum folded the arm
     estimate->status = Status::kEquilibriumDiverged;
@@ -328,7 +348,6 @@ void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
   std::vector<int> all(problem.data().observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
-  estimate->predicted = PredictPoints(problem, parameters, all);
   RowJudge(problem, normal_root, scale, estimate).Judge();
   if (!estimate->sigma.stated) {
     for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
@@ -350,6 +369,14 @@ void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) {
     estimate->fit_before = SizeOf(problem, before, calibration);
     estimate->validation_before = SizeOf(problem, before, validation);
   }
+}
+
+}  // namespace
+
+void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) { Judge(problem, nullptr, estimate); }
+
+void ComputeStatistics(const CalibrationProblem& problem, const NormalEquations& equations, Estimate* estimate) {
+  Judge(problem, &equations, estimate);
 }
 
 }  // namespace sagitta

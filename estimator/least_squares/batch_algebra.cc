@@ -58,6 +58,43 @@ void AddGramBlock(const double* const* rows, std::size_t n, std::size_t a, std::
   }
 }
 
+// Sums that stay in registers: 4 x 4 vectors with 32 of them, 4 x 2 with 16.
+constexpr int kAside = hn::MaxLanes(Tag()) >= 8 ? 4 : 2;
+
+// sums[a .. a + 4, b .. b + kVectors vectors] += rows' rows
+template <int kVectors>
+HWY_INLINE void AddProductsOf(const double* rows, std::size_t count, std::size_t columns, std::size_t a, std::size_t b,
+                              double* sums) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  V s[kGramBlock][kVectors];
+  for (int i = 0; i < kGramBlock; ++i) {
+    for (int j = 0; j < kVectors; ++j) s[i][j] = hn::Load(d, sums + (a + i) * columns + b + j * lanes);
+  }
+  for (const double* row = rows; row != rows + count * columns; row += columns) {
+    V right[kVectors];
+    for (int j = 0; j < kVectors; ++j) right[j] = hn::Load(d, row + b + j * lanes);
+    for (int i = 0; i < kGramBlock; ++i) {
+      const V left = hn::Set(d, row[a + i]);
+      for (int j = 0; j < kVectors; ++j) s[i][j] = hn::MulAdd(left, right[j], s[i][j]);
+    }
+  }
+  for (int i = 0; i < kGramBlock; ++i) {
+    for (int j = 0; j < kVectors; ++j) hn::Store(s[i][j], d, sums + (a + i) * columns + b + j * lanes);
+  }
+}
+
+void AddProductsOfRows(const double* rows, std::size_t count, std::size_t columns, double* sums) {
+  const std::size_t lanes = hn::Lanes(Tag());
+  for (std::size_t a = 0; a < columns; a += kGramBlock) {
+    std::size_t b = a / lanes * lanes;
+    for (; b + kAside * lanes <= columns; b += kAside * lanes) {
+      AddProductsOf<kAside>(rows, count, columns, a, b, sums);
+    }
+    for (; b < columns; b += lanes) AddProductsOf<1>(rows, count, columns, a, b, sums);
+  }
+}
+
 // A strip of rows stays in the cache while all columns of W go by.
 constexpr std::size_t kStrip = 192;
 // Sums that stay in registers: of 24 vectors by 32 registers, of 8 by 16.
@@ -296,6 +333,7 @@ HWY_AFTER_NAMESPACE();
 namespace sagitta {
 
 HWY_EXPORT(AddGramBlock);
+HWY_EXPORT(AddProductsOfRows);
 HWY_EXPORT(MarginaliseRows);
 HWY_EXPORT(MultiplyLanes);
 HWY_EXPORT(ScoresOfLanes);
@@ -332,6 +370,10 @@ double GramSums::At(int a, int b) const {
   double sum = 0.0;
   for (int i = 0; i < kBatchLanes; ++i) sum += lanes[i];
   return sum;
+}
+
+void AddProducts(const double* rows, std::size_t count, std::size_t columns, double* sums) {
+  HWY_DYNAMIC_DISPATCH(AddProductsOfRows)(rows, count, columns, sums);
 }
 
 std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,

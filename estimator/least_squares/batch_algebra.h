@@ -30,6 +30,10 @@ class GramSums {
   std::vector<double> lanes_;  // unaligned; by block, then column of a, column of b, lane
 };
 
+// sums += rows' rows of `count` rows, one after the other, of `columns` numbers (a multiple of kBatchLanes); both
+// aligned. sums: row by row, of each row those from its diagonal on.
+void AddProducts(const double* rows, std::size_t count, std::size_t columns, double* sums);
+
 // product = X W for matrices stored column by column: x has `rows` rows (of `stride` numbers from column to column) and
 // n columns, w n x k; product as many rows from column to column as x. Returns how many rows were done, all but the
 // last few.

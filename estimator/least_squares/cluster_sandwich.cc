@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
-#include <string>
 #include <tuple>
 #include <utility>
 
@@ -15,7 +14,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSampled = 2000.0;
+constexpr double kSampled = 2000.0, kSampledOfPart = 500.0;
 constexpr int kHeldScores = 32;  // rows of lanes that are summed together
 constexpr Eigen::Index kSampledRowsAtOnce = 512;
 
@@ -35,75 +34,103 @@ RowMajorMatrix Shortened(RowMajorMatrix rows) {
   return Eigen::MatrixXd(qr.matrixQR().topRows(numbers).triangularView<Eigen::Upper>());
 }
 
+// Upper triangular W with W W' = C: the Cholesky factor from the last column on.
+Eigen::MatrixXd UpperRoot(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation =
+      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd lower = Eigen::MatrixXd(correlation.reverse()).llt().matrixL();
+  return scale.asDiagonal() * Eigen::MatrixXd(lower.reverse());
+}
+
+void Pad(const Eigen::MatrixXd& matrix, int padded, std::vector<double>* numbers) {
+  numbers->assign(static_cast<size_t>(padded) * padded, 0.0);
+  for (Eigen::Index a = 0; a < matrix.rows(); ++a) {
+    for (Eigen::Index b = 0; b < matrix.cols(); ++b) {
+      (*numbers)[static_cast<size_t>(a) * padded + static_cast<size_t>(b)] = matrix(a, b);
+    }
+  }
+}
+
 }  // namespace
 
-ClusterSandwich::ClusterSandwich(int columns, int clusters, const Eigen::MatrixXd& root, std::vector<ClusterFit> fits)
-    : columns_(columns), padded_((columns + kGramBlock - 1) / kGramBlock * kGramBlock), clusters_(clusters) {
-  const auto square = static_cast<size_t>(padded_) * padded_;
-  root_.assign(square, 0.0);
-  for (int c = 0; c < columns; ++c) {
-    for (int a = 0; a < columns; ++a) root_[static_cast<size_t>(c) * padded_ + a] = root(c, a);
-  }
+ClusterSandwich::ClusterSandwich(int columns, int clusters, const Eigen::MatrixXd& normal, std::vector<ClusterFit> fits,
+                                 const Eigen::MatrixXd& turn)
+    : columns_(columns),
+      padded_((columns + kGramBlock - 1) / kGramBlock * kGramBlock),
+      clusters_(clusters),
+      in_fits_(static_cast<size_t>(clusters), 0),
+      lanes_(kBatchLanes) {
+  Pad(UpperRoot(normal), padded_, &root_);
+  const Eigen::MatrixXd along = turn.size() > 0 ? turn : Eigen::MatrixXd::Identity(columns, columns);
   const auto count = padded_ / kGramBlock;
+  int different = 1;  // sets of fits
   for (ClusterFit& given : fits) {
     Fit& fit = fits_.emplace_back();
     fit.given = std::move(given);
     std::vector<int>& own = fit.given.columns;
     const bool all = own.empty();
     for (int c = 0; all && c < columns; ++c) own.push_back(c);
-    fit.inverse_normal.assign(square, 0.0);
-    fit.step.assign(padded_, 0.0);
-    for (size_t i = 0; i < own.size(); ++i) {
-      if (fit.given.step.size() > 0) fit.step[own[i]] = fit.given.step[static_cast<Eigen::Index>(i)];
-      for (size_t k = 0; k < own.size(); ++k) {
-        fit.inverse_normal[static_cast<size_t>(own[i]) * padded_ + own[k]] =
-            fit.given.solution.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-      }
-    }
+    fit.basis = along(Eigen::all, own);
+    Pad(fit.basis * fit.given.solution.covariance * fit.basis.transpose(), padded_, &fit.inverse_normal);
+    fit.step.assign(static_cast<size_t>(padded_), 0.0);
+    if (fit.given.step.size() > 0) Eigen::VectorXd::Map(fit.step.data(), columns) = fit.basis * fit.given.step;
     fit.products = GramSums(count, count, true);
     fit.held = fit.memory.Reserve(static_cast<size_t>(kHeldScores) * padded_ * kBatchLanes);
-    fit.clusters =
-        fit.given.has.empty() ? clusters : static_cast<int>(std::count(fit.given.has.begin(), fit.given.has.end(), 1));
+    fit.clusters = clusters;
+    if (fit.given.has.empty()) continue;
+    fit.clusters = static_cast<int>(std::count(fit.given.has.begin(), fit.given.has.end(), 1));
+    std::vector<int> numbers(2 * static_cast<size_t>(different), -1);
+    different = 0;
+    for (int c = 0; c < clusters; ++c) {
+      int& number = numbers[2 * static_cast<size_t>(in_fits_[c]) + (fit.given.has[c] != 0 ? 1 : 0)];
+      if (number < 0) number = different++;
+      in_fits_[c] = number;
+    }
   }
 }
 
 void ClusterSandwich::Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of) {
   // Clusters that the same fits have side by side, by their numbers of rows.
-  std::vector<int> by_cluster(cluster_of.size());
-  std::iota(by_cluster.begin(), by_cluster.end(), 0);
-  std::stable_sort(by_cluster.begin(), by_cluster.end(), [&](int a, int b) { return cluster_of[a] < cluster_of[b]; });
-  struct Own {
-    std::string fits;  // 1 for each that has it
-    std::vector<int> observations;
-    int cluster = 0;
-  };
-  std::vector<Own> order;
-  for (const int k : by_cluster) {
-    if (order.empty() || order.back().cluster != cluster_of[k]) {
-      order.push_back({{}, {}, cluster_of[k]});
-      for (const Fit& fit : fits_) order.back().fits += Has(fit, cluster_of[k]) ? '1' : '0';
-    }
-    order.back().observations.push_back(k);
+  by_cluster_.resize(cluster_of.size());
+  std::iota(by_cluster_.begin(), by_cluster_.end(), 0);
+  const auto is_before = [&](int a, int b) { return cluster_of[a] < cluster_of[b]; };
+  if (!std::is_sorted(cluster_of.begin(), cluster_of.end())) {
+    std::stable_sort(by_cluster_.begin(), by_cluster_.end(), is_before);
   }
-  std::sort(order.begin(), order.end(), [](const Own& a, const Own& b) {
-    const size_t size_a = a.observations.size(), size_b = b.observations.size();
-    return std::tie(a.fits, size_a, a.cluster) < std::tie(b.fits, size_b, b.cluster);
+  members_.clear();
+  for (size_t i = 0; i < by_cluster_.size(); ++i) {
+    const int cluster = cluster_of[by_cluster_[i]];
+    if (members_.empty() || members_.back().cluster != cluster) members_.push_back({in_fits_[cluster], cluster, i, 0});
+    ++members_.back().count;
+  }
+  std::sort(members_.begin(), members_.end(), [](const Member& a, const Member& b) {
+    return std::tie(a.fits, a.count, a.cluster) < std::tie(b.fits, b.count, b.cluster);
   });
-  std::vector<int> clusters;
-  std::vector<RowMajorMatrix> own;
-  for (size_t i = 0; i < order.size(); ++i) {
-    const std::vector<int>& seen = order[i].observations;
-    RowMajorMatrix& block = own.emplace_back(static_cast<Eigen::Index>(3 * seen.size()), columns_ + 1);
-    for (size_t k = 0; k < seen.size(); ++k) {
-      block.middleRows<3>(3 * static_cast<Eigen::Index>(k)) = rows.middleRows<3>(3 * seen[k]);
-    }
-    block = Shortened(std::move(block));
-    clusters.push_back(order[i].cluster);
-    if (clusters.size() < kBatchLanes && i + 1 < order.size()) continue;
-    AddLanes(clusters, own);
-    clusters.clear();
-    own.clear();
+  for (size_t first = 0; first < members_.size(); first += kBatchLanes) {
+    const size_t count = std::min<size_t>(kBatchLanes, members_.size() - first);
+    for (size_t i = 0; i < count; ++i) Fill(members_[first + i], rows, &lanes_[i]);
+    AddLanes(count);
   }
+}
+
+void ClusterSandwich::Fill(const Member& member, const RowMajorMatrix& rows, Lane* lane) const {
+  lane->cluster = member.cluster;
+  lane->rows.clear();
+  for (size_t i = member.first; i < member.first + member.count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) lane->rows.push_back(&rows(3 * by_cluster_[i] + axis, 0));
+  }
+  if (lane->rows.size() <= static_cast<size_t>(columns_) + 1) return;
+  lane->shortened = Shortened(RowsOf(*lane));
+  lane->rows.clear();
+  for (Eigen::Index r = 0; r < lane->shortened.rows(); ++r) lane->rows.push_back(&lane->shortened(r, 0));
+}
+
+RowMajorMatrix ClusterSandwich::RowsOf(const Lane& lane) const {
+  RowMajorMatrix rows(static_cast<Eigen::Index>(lane.rows.size()), columns_ + 1);
+  for (size_t r = 0; r < lane.rows.size(); ++r)
+    std::copy_n(lane.rows[r], columns_ + 1, &rows(static_cast<Eigen::Index>(r), 0));
+  return rows;
 }
 
 void ClusterSandwich::Add(const RowStream& stream, const ParameterSet& parameters, const std::vector<int>& columns,
@@ -116,57 +143,59 @@ void ClusterSandwich::Add(const RowStream& stream, const ParameterSet& parameter
   });
 }
 
-void ClusterSandwich::AddLanes(const std::vector<int>& clusters, const std::vector<RowMajorMatrix>& rows) {
-  ClusterLanes lanes;
-  for (const RowMajorMatrix& own : rows) lanes.rows = std::max(lanes.rows, static_cast<std::size_t>(own.rows()));
-  lanes.columns = static_cast<std::size_t>(padded_);
-  lanes.stride = lanes.columns + 1;
-  double* const cells = cells_.Reserve(lanes.rows * lanes.stride * kBatchLanes);
-  lanes.cells = cells;
-  for (size_t i = 0; i < rows.size(); ++i) {
-    for (Eigen::Index r = 0; r < rows[i].rows(); ++r) {
-      double* const lane = cells + static_cast<size_t>(r) * lanes.stride * kBatchLanes + i;
-      for (int c = 0; c < columns_; ++c) lane[c * kBatchLanes] = rows[i](r, c);
-      lane[lanes.columns * kBatchLanes] = rows[i](r, columns_);
+void ClusterSandwich::AddLanes(std::size_t count) {
+  ClusterLanes cells;
+  for (size_t i = 0; i < count; ++i) cells.rows = std::max(cells.rows, lanes_[i].rows.size());
+  cells.columns = static_cast<std::size_t>(padded_);
+  cells.stride = cells.columns + 1;
+  double* const memory = cells_.Reserve(cells.rows * cells.stride * kBatchLanes);
+  cells.cells = memory;
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t r = 0; r < lanes_[i].rows.size(); ++r) {
+      double* const cell = memory + r * cells.stride * kBatchLanes + i;
+      const double* const row = lanes_[i].rows[r];
+      for (int c = 0; c < columns_; ++c) cell[c * kBatchLanes] = row[c];
+      cell[cells.columns * kBatchLanes] = row[columns_];
     }
   }
   double leverages[kBatchLanes];
-  LeveragesOf(lanes, root_.data(), leverages);
-  for (size_t i = 0; i < clusters.size(); ++i) Draw(clusters[i], leverages[i], rows[i]);
-  for (Fit& fit : fits_) Score(lanes, clusters, rows, &fit);
+  LeveragesOf(cells, root_.data(), leverages);
+  for (size_t i = 0; i < count; ++i) Draw(lanes_[i], leverages[i]);
+  for (Fit& fit : fits_) Score(cells, count, &fit);
 }
 
-void ClusterSandwich::Draw(int cluster, double leverage, const RowMajorMatrix& rows) {
-  // sum_g h_g = tr H = p: about kSampled clusters are drawn. Each stands for 1 / probability of them, which leaves
-  // every sum over clusters unbiased (Horvitz and Thompson 1952).
-  const double expected = clusters_ <= kSampled ? 1.0 : kSampled * leverage / std::max(1, columns_);
-  if (Chance(cluster) >= expected) return;
-  sample_.push_back({cluster, 1.0 / std::min(1.0, expected), rows});
+// sum_g h_g = tr H = p: about kSampled clusters are drawn. Each stands for 1 / probability of them, which leaves every
+// sum over clusters unbiased (Horvitz and Thompson 1952).
+double ClusterSandwich::Expected(double leverage, bool of_part) const {
+  if (clusters_ <= kSampled) return 1.0;
+  return std::min(1.0, (of_part ? kSampledOfPart : kSampled) * leverage / std::max(1, columns_));
 }
 
-void ClusterSandwich::Score(const ClusterLanes& lanes, const std::vector<int>& clusters,
-                            const std::vector<RowMajorMatrix>& rows, Fit* fit) {
+void ClusterSandwich::Draw(const Lane& lane, double leverage) {
+  if (Chance(lane.cluster) < Expected(leverage, false)) sample_.push_back({lane.cluster, leverage, RowsOf(lane)});
+}
+
+void ClusterSandwich::Score(const ClusterLanes& lanes, std::size_t count, Fit* fit) {
   double counts[kBatchLanes] = {};
   bool any = false;
-  for (size_t i = 0; i < clusters.size(); ++i) {
-    if (Has(*fit, clusters[i])) counts[i] = 1.0, any = true;
+  for (size_t i = 0; i < count; ++i) {
+    if (Has(*fit, lanes_[i].cluster)) counts[i] = 1.0, any = true;
   }
   if (!any) return;
   if (fit->num_held == kHeldScores) Flush(fit);
   double* const scores = fit->held + static_cast<size_t>(fit->num_held++) * padded_ * kBatchLanes;
   double* const work = work_.Reserve((2 * lanes.rows + 2 * lanes.columns) * kBatchLanes);
   const unsigned too_long = ScoreClusters(lanes, {fit->inverse_normal.data(), fit->step.data(), counts}, work, scores);
-  for (size_t i = 0; i < clusters.size() && too_long != 0; ++i) {
+  for (size_t i = 0; i < count && too_long != 0; ++i) {
     if ((too_long >> i & 1u) == 0) continue;
-    const Eigen::MatrixXd j = Columns(rows[i], *fit);
-    Eigen::VectorXd residual = rows[i].col(columns_);
-    if (fit->given.step.size() > 0) residual += j * fit->given.step;
-    const Eigen::MatrixXd b = j * fit->given.solution.covariance_root;
+    const RowMajorMatrix rows = RowsOf(lanes_[i]);
+    const Eigen::MatrixXd j = rows.leftCols(columns_);
+    Eigen::VectorXd residual = rows.col(columns_);
+    residual += j * Eigen::VectorXd::Map(fit->step.data(), columns_);
+    const Eigen::MatrixXd b = j * (fit->basis * fit->given.solution.covariance_root);
     residual += (Unshrinking(b * b.transpose()) * residual).eval();
     const Eigen::VectorXd score = j.transpose() * residual;
-    for (size_t c = 0; c < fit->given.columns.size(); ++c) {
-      scores[static_cast<size_t>(fit->given.columns[c]) * kBatchLanes + i] = score[static_cast<Eigen::Index>(c)];
-    }
+    for (int c = 0; c < columns_; ++c) scores[static_cast<size_t>(c) * kBatchLanes + i] = score[c];
   }
 }
 
@@ -177,28 +206,27 @@ void ClusterSandwich::Flush(Fit* fit) {
   fit->num_held = 0;
 }
 
-Eigen::MatrixXd ClusterSandwich::Columns(const RowMajorMatrix& rows, const Fit& fit) const {
-  return rows(Eigen::all, fit.given.columns);
-}
-
 Eigen::VectorXd ClusterSandwich::DegreesOf(const Fit& fit) const {
   const Eigen::MatrixXd& root = fit.given.solution.covariance_root;
+  const Eigen::MatrixXd root_of_rows = fit.basis * root;
+  const bool of_part = !fit.given.has.empty();
   Satterthwaite satterthwaite(static_cast<int>(root.cols()));
   for (size_t first = 0, next = 0; first < sample_.size(); first = next) {
     std::vector<const Sample*> own;
     Eigen::Index count = 0;
     for (; next < sample_.size() && count < kSampledRowsAtOnce; ++next) {
-      if (!Has(fit, sample_[next].cluster)) continue;
-      own.push_back(&sample_[next]);
-      count += sample_[next].rows.rows();
+      const Sample& sample = sample_[next];
+      if (!Has(fit, sample.cluster) || Chance(sample.cluster) >= Expected(sample.leverage, of_part)) continue;
+      own.push_back(&sample);
+      count += sample.rows.rows();
     }
-    Eigen::MatrixXd rows(count, root.rows());
+    Eigen::MatrixXd rows(count, columns_);
     Eigen::Index at = 0;
     for (const Sample* sample : own) {
-      rows.middleRows(at, sample->rows.rows()) = Columns(sample->rows, fit);
+      rows.middleRows(at, sample->rows.rows()) = sample->rows.leftCols(columns_);
       at += sample->rows.rows();
     }
-    const Eigen::MatrixXd b = TallProduct(rows, root);
+    const Eigen::MatrixXd b = TallProduct(rows, root_of_rows);
     Eigen::MatrixXd unshrunk = b;
     std::vector<Eigen::MatrixXd> h;
     at = 0;
@@ -212,7 +240,7 @@ Eigen::VectorXd ClusterSandwich::DegreesOf(const Fit& fit) const {
     at = 0;
     for (size_t i = 0; i < own.size(); ++i) {
       const Eigen::Index n = own[i]->rows.rows();
-      satterthwaite.Add(b.middleRows(at, n), h[i], a.middleRows(at, n), own[i]->weight);
+      satterthwaite.Add(b.middleRows(at, n), h[i], a.middleRows(at, n), 1.0 / Expected(own[i]->leverage, of_part));
       at += n;
     }
   }
@@ -224,10 +252,11 @@ RobustCovariance ClusterSandwich::Result(int which, const Eigen::MatrixXd& prior
   if (fit.num_held > 0) Flush(&fit);
   const std::vector<int>& columns = fit.given.columns;
   const auto n = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd scores(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = i; k < n; ++k) scores(i, k) = scores(k, i) = fit.products.At(columns[i], columns[k]);
+  Eigen::MatrixXd by_rows(columns_, columns_);
+  for (int i = 0; i < columns_; ++i) {
+    for (int k = i; k < columns_; ++k) by_rows(i, k) = by_rows(k, i) = fit.products.At(i, k);
   }
+  const Eigen::MatrixXd scores = fit.basis.transpose() * Eigen::MatrixXd(by_rows * fit.basis);
   const Eigen::MatrixXd& inverse_normal = fit.given.solution.covariance;
   // C = M (sum s_g s_g') M + (M P')(M P')', M = (J'J)^-1: rows of priors P keep the variance 1 that they are whitened
   // to.

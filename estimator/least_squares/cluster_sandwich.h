@@ -2,7 +2,8 @@
 //
 // Scores J_g' A_g r_g are summed over all clusters, eight side by side, A_g by its series: a cluster among many has
 // little leverage. Degrees of freedom are of a sample: cluster g with probability min(1, 2000 h_g / p), h_g its
-// leverage and p the sum of all, weighted by the inverse; those that rule a variance are all in it.
+// leverage and p the sum of all, weighted by the inverse; those that rule a variance are all in it. Of a fit of some
+// clusters 500 in place of 2000: there they only say which of Student's distributions a difference is held against.
 #pragma once
 
 #include <vector>
@@ -16,15 +17,17 @@ namespace sagitta {
 // One of the fits: of some clusters, in some columns, by one step from where the rows are.
 struct ClusterFit {
   LinearSolution solution;   // without rows of priors where parts are fitted alone
-  std::vector<int> columns;  // of the rows; empty: all
+  std::vector<int> columns;  // of the rows as they are turned; empty: all
   Eigen::VectorXd step;      // one per column of the fit; empty: rows are at its optimum
   std::vector<char> has;     // of each cluster; empty: all
 };
 
 class ClusterSandwich {
  public:
-  // columns: of the rows, without the residual. root: upper triangular W of the fit of all clusters, W W' = (J'J)^-1.
-  ClusterSandwich(int columns, int clusters, const Eigen::MatrixXd& root, std::vector<ClusterFit> fits);
+  // columns: of the rows, without the residual. normal: (J'J)^-1 of the fit of all clusters. turn: fits have the rows'
+  // columns times this; empty: those themselves.
+  ClusterSandwich(int columns, int clusters, const Eigen::MatrixXd& normal, std::vector<ClusterFit> fits,
+                  const Eigen::MatrixXd& turn = {});
 
   // rows: [J r] of whole clusters, three per observation; cluster_of: of each observation, 0 .. clusters - 1.
   void Add(const RowMajorMatrix& rows, const std::vector<int>& cluster_of);
@@ -39,32 +42,48 @@ class ClusterSandwich {
  private:
   struct Fit {
     ClusterFit given;
-    std::vector<double> inverse_normal, step;  // padded
+    Eigen::MatrixXd basis;                     // of its columns along those of the rows
+    std::vector<double> inverse_normal, step;  // along the rows' columns, padded
     GramSums products;                         // of scores
     BatchBuffer memory;
     double* held = nullptr;  // scores that are not summed yet
     int num_held = 0, clusters = 0;
   };
+  // Observations of a piece that are one cluster, and in which of the fits it is.
+  struct Member {
+    int fits = 0, cluster = 0;
+    std::size_t first = 0, count = 0;
+  };
+  struct Lane {
+    int cluster = 0;
+    std::vector<const double*> rows;
+    RowMajorMatrix shortened;  // where these are more than needed
+  };
   struct Sample {
     int cluster = 0;
-    double weight = 1.0;
+    double leverage = 0.0;
     RowMajorMatrix rows;
   };
 
   bool Has(const Fit& fit, int cluster) const { return fit.given.has.empty() || fit.given.has[cluster] != 0; }
-  void AddLanes(const std::vector<int>& clusters, const std::vector<RowMajorMatrix>& rows);
-  void Score(const ClusterLanes& lanes, const std::vector<int>& clusters, const std::vector<RowMajorMatrix>& rows,
-             Fit* fit);
-  void Draw(int cluster, double leverage, const RowMajorMatrix& rows);
+  double Expected(double leverage, bool of_part) const;
+  void Fill(const Member& member, const RowMajorMatrix& rows, Lane* lane) const;
+  void AddLanes(std::size_t count);
+  void Score(const ClusterLanes& lanes, std::size_t count, Fit* fit);
+  void Draw(const Lane& lane, double leverage);
   void Flush(Fit* fit);
-  Eigen::MatrixXd Columns(const RowMajorMatrix& rows, const Fit& fit) const;
+  RowMajorMatrix RowsOf(const Lane& lane) const;
   Eigen::VectorXd DegreesOf(const Fit& fit) const;
 
   int columns_, padded_, clusters_;
   std::vector<double> root_;
   std::vector<Fit> fits_;
+  std::vector<int> in_fits_;  // of each cluster: equal numbers, the same fits
   std::vector<Sample> sample_;
-  BatchBuffer cells_, work_, scores_;
+  std::vector<int> by_cluster_;  // observations of the piece
+  std::vector<Member> members_;
+  std::vector<Lane> lanes_;
+  BatchBuffer cells_, work_;
 };
 
 }  // namespace sagitta

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "estimator/least_squares/batch_algebra.h"
+#include "models/excitation.h"
 
 namespace sagitta {
 namespace {
@@ -357,6 +358,48 @@ bool RowBatches::EvaluateByModel(const Request& request, const Group& group, con
     }
   }
   return true;
+}
+
+std::vector<std::vector<double>> RowBatches::LargestMotions(const std::vector<ParameterSet>& at) const {
+  std::vector<std::vector<double>> all;
+  BatchScratch scratch;
+  for (const ParameterSet& values : at) {
+    const Request request(*this, values, {});
+    std::vector<double>& largest = all.emplace_back(problem_.model().num_parameters(), 0.0);
+    for (int g = 0; g < num_groups(); ++g) {
+      const Group& group = *groups_[g];
+      for (int i = 0; i < group.num_batches() * static_cast<int>(group.shots.size()); ++i) {
+        const int batch = i / static_cast<int>(group.shots.size());
+        const auto s = static_cast<size_t>(i) % group.shots.size();
+        const unsigned left = group.by_model
+                                  ? (1u << kBatchLanes) - 1
+                                  : RaiseMotions(group.shots[s].program, request.points_[g][s],
+                                                 group.Data(batch, static_cast<int>(s)), &scratch, largest.data());
+        for (int lane = 0; lane < kBatchLanes; ++lane) {
+          const int unit = batch * kBatchLanes + lane;
+          if ((left >> lane & 1u) != 0 && unit < group.num_units) RaiseByModel(group, s, unit, values, &largest);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+void RowBatches::RaiseByModel(const Group& group, size_t shot, int unit, const ParameterSet& at,
+                              std::vector<double>* largest) const {
+  const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
+  for (size_t s = 0; s < shot; ++s) position += group.shots[s].markers.size();
+  const int index = problem_.data().observations[observations_[*position]].shot;
+  std::vector<MarkerInFrame> markers;
+  for (const int m : group.shots[shot].markers) markers.push_back({problem_.marker_frames()[m], at.MarkerPoint(m), m});
+  const std::vector<double> motion =
+      MotionPerUnit(problem_.model(), problem_.shot_inputs()[index], at.ModelValues().data(),
+                    at.BaseInStation(group.shots[shot].station), markers);
+  for (size_t i = 0; i < largest->size(); ++i) {
+    if (problem_.model().parameters()[i].law != ParameterLaw::kGeometry) {
+      (*largest)[i] = std::max((*largest)[i], motion[i]);
+    }
+  }
 }
 
 double* BatchBuffer::Reserve(std::size_t doubles) {

@@ -76,9 +76,15 @@ class RowBatches {
   // are marginalised here. False: an equilibrium diverges.
   bool Evaluate(const Request& request, int group, int batch, BatchScratch* scratch, double* rows) const;
 
+  // MotionPerUnit (models/excitation.h), the largest over all units, at each of the given values: one number per model
+  // parameter; those of geometric errors are 0.
+  std::vector<std::vector<double>> LargestMotions(const std::vector<ParameterSet>& at) const;
+
  private:
   struct Group;
 
+  void RaiseByModel(const Group& group, size_t shot, int unit, const ParameterSet& at,
+                    std::vector<double>* largest) const;
   bool EvaluateByModel(const Request& request, const Group& group, const BatchColumns& columns, int unit, int lane,
                        double* rows) const;
   BatchColumns ColumnsOf(const Group& group, const ParameterSet& parameters, const std::vector<int>& column_of) const;

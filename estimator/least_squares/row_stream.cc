@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "estimator/least_squares/sandwich.h"
+
 namespace sagitta {
 namespace {
 
@@ -97,20 +99,29 @@ RowStream::RowStream(const CalibrationProblem& problem, std::vector<int> observa
   for (size_t k = 0; k < groups.size(); ++k) order_[first[place[groups[k]]]++] = static_cast<int>(k);
 }
 
+std::unique_ptr<RowBatches> RowStream::BatchesOf(size_t piece) const {
+  std::vector<int> own;
+  for (size_t i = pieces_[piece]; i < pieces_[piece + 1]; ++i) own.push_back(observations_[order_[i]]);
+  return std::make_unique<RowBatches>(problem_, own, noise_(own), treatment_);
+}
+
+void RowStream::Keep() {
+  for (size_t i = kept_.size(); i + 1 < pieces_.size(); ++i) kept_.push_back(BatchesOf(i));
+}
+
 bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
                         const std::function<void(const RowPiece& piece)>& visit) const {
   BatchScratch scratch;
   BatchBuffer buffer;
   RowPiece piece;
-  std::vector<int> own;
   for (size_t i = 0; i + 1 < pieces_.size(); ++i) {
     piece.positions.assign(order_.begin() + static_cast<long>(pieces_[i]),
                            order_.begin() + static_cast<long>(pieces_[i + 1]));
-    own.clear();
-    for (const int k : piece.positions) own.push_back(observations_[k]);
-    const RowBatches batches(problem_, own, noise_(own), treatment_);
+    const std::unique_ptr<RowBatches> made = kept_.empty() ? BatchesOf(i) : nullptr;
+    const RowBatches& batches = kept_.empty() ? *made : *kept_[i];
     const RowBatches::Request request(batches, parameters, columns);
-    piece.rows.setZero(static_cast<Eigen::Index>(3 * own.size()), static_cast<Eigen::Index>(columns.size()) + 1);
+    piece.rows.setZero(static_cast<Eigen::Index>(3 * piece.positions.size()),
+                       static_cast<Eigen::Index>(columns.size()) + 1);
     piece.latent.setZero(piece.rows.rows(), batches.num_latents());
     for (int g = 0; g < batches.num_groups(); ++g) {
       const BatchColumns& layout = request.columns(g);
@@ -124,10 +135,41 @@ bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& 
         unpacker.Unpack(units, rows);
       }
     }
-    if (change_) change_(&piece.rows);
     visit(piece);
   }
   return true;
+}
+
+FittedStream::FittedStream(const CalibrationProblem& problem)
+    : clusters(ConfigurationClusters(problem.data(), problem.CalibrationObservations())),
+      stream(
+          problem, problem.CalibrationObservations(),
+          [&problem](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); },
+          LatentTreatment::kMarginalise, clusters) {
+  stream.Keep();
+}
+
+Eigen::Matrix3Xd FittedStream::Predict(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                       const std::vector<int>& listed) const {
+  const std::vector<int>& fitted = stream.observations();
+  if (!problem.latent.empty() || !std::includes(fitted.begin(), fitted.end(), listed.begin(), listed.end())) {
+    return PredictPoints(problem, parameters, listed);
+  }
+  Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, static_cast<Eigen::Index>(listed.size()), std::nan(""));
+  stream.ForEach(parameters, {}, [&](const RowPiece& piece) {
+    std::vector<int> own;
+    for (const int position : piece.positions) own.push_back(fitted[position]);
+    const NoiseRoots roots = FitRoots(problem, own, kFallbackSigma);
+    for (int i = 0; i < piece.num_observations(); ++i) {
+      const int k = own[i];
+      const auto place = std::lower_bound(listed.begin(), listed.end(), k);
+      const Observation& observation = problem.data().observations[k];
+      if (place == listed.end() || *place != k || !observation.is_point()) continue;
+      // S r = predicted - measured.
+      points.col(place - listed.begin()) = observation.point_in_station + roots[i] * piece.rows.block<3, 1>(3 * i, 0);
+    }
+  });
+  return points.allFinite() ? points : PredictPoints(problem, parameters, listed);
 }
 
 }  // namespace sagitta

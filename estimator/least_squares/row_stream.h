@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -33,21 +34,39 @@ class RowStream {
             const std::vector<int>& together = {});
 
   const std::vector<int>& observations() const { return observations_; }
-  // What happens to the rows of each piece before they are seen.
-  void ChangeRows(std::function<void(RowMajorMatrix*)> change) { change_ = std::move(change); }
+
+  // Keeps what the rows are made from, half a kB per shot, for those who look at them several times.
+  void Keep();
 
   // Calls visit(piece) for piece after piece. False: an equilibrium diverges, and the rest was left out.
   bool ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
                const std::function<void(const RowPiece& piece)>& visit) const;
 
  private:
+  std::unique_ptr<RowBatches> BatchesOf(size_t piece) const;
+
   const CalibrationProblem& problem_;
   const std::vector<int> observations_;
   const Noise noise_;
   const LatentTreatment treatment_;
-  std::function<void(RowMajorMatrix*)> change_;
-  std::vector<int> order_;      // positions, group by group
-  std::vector<size_t> pieces_;  // where each begins in order_, and its end
+  std::vector<int> order_;                         // positions, group by group
+  std::vector<size_t> pieces_;                     // where each begins in order_, and its end
+  std::vector<std::unique_ptr<RowBatches>> kept_;  // of each piece; empty: none is kept
+};
+
+// The rows that were fitted, as the fit weighs them, configuration by configuration, for everything that judges an
+// estimate.
+struct FittedStream {
+  // The problem must outlive this, and its observations stay as they are.
+  explicit FittedStream(const CalibrationProblem& problem);
+
+  // PredictPoints (linearization.h) of the problem at other values, of listed observations in ascending order; of what
+  // was fitted from the rows at hand.
+  Eigen::Matrix3Xd Predict(const CalibrationProblem& problem, const ParameterSet& parameters,
+                           const std::vector<int>& listed) const;
+
+  std::vector<int> clusters;  // of each observation, from 0 in the order in which they appear (sandwich.h)
+  RowStream stream;
 };
 
 }  // namespace sagitta

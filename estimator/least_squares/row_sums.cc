@@ -11,11 +11,11 @@
 namespace sagitta {
 namespace {
 
-constexpr int kHeldRows = 48 * kBatchLanes;  // that are summed together: they stay in the cache
+constexpr int kHeldRows = 48;  // that are summed together: they stay in the cache
 constexpr double kFewEntries = 5e4;
 constexpr int kManyTimes = 4;  // rows per column
 
-int BlocksOf(int columns) { return (columns + kGramBlock - 1) / kGramBlock; }
+int RoundedUp(int columns) { return (columns + kBatchLanes - 1) / kBatchLanes * kBatchLanes; }
 
 double* Aligned(double* p) {
   constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
@@ -27,53 +27,41 @@ double* Aligned(double* p) {
 
 SumOfRows::SumOfRows(int numbers)
     : numbers_(numbers),
-      columns_(BlocksOf(numbers) * kGramBlock),
-      memory_(static_cast<std::size_t>(kHeldRows) * columns_ + kBatchLanes, 0.0),
+      columns_(RoundedUp(numbers)),
+      memory_(static_cast<std::size_t>(kHeldRows + columns_) * columns_ + kBatchLanes, 0.0),
       rows_(Aligned(memory_.data())),
-      sums_(columns_ / kGramBlock, columns_ / kGramBlock, true) {}
+      sums_(rows_ + static_cast<std::size_t>(kHeldRows) * columns_) {}
 
 void SumOfRows::Clear() {
   held_ = 0;
-  sums_.Clear();
+  std::fill(sums_, sums_ + static_cast<std::size_t>(columns_) * columns_, 0.0);
 }
 
-double* SumOfRows::NextLane() {
+double* SumOfRows::NextRow() {
   if (held_ == kHeldRows) Flush();
-  const int held = held_++;
-  return rows_ + static_cast<std::size_t>(held / kBatchLanes) * columns_ * kBatchLanes + held % kBatchLanes;
+  return rows_ + static_cast<std::size_t>(held_++) * columns_;
 }
 
-void SumOfRows::Add(const double* row) {
-  double* const lane = NextLane();
-  for (int c = 0; c < numbers_; ++c) lane[c * kBatchLanes] = row[c];
-}
+void SumOfRows::Add(const double* row) { std::copy(row, row + numbers_, NextRow()); }
 
 void SumOfRows::Add(const Linearization& from, int row, double weight) {
-  double* const lane = NextLane();
+  double* const own = NextRow();
   const int n = from.num_columns();
-  for (int c = 0; c < n; ++c) lane[c * kBatchLanes] = weight * from.jacobian(row, c);
-  lane[n * kBatchLanes] = weight * from.residual[row];
+  for (int c = 0; c < n; ++c) own[c] = weight * from.jacobian(row, c);
+  own[n] = weight * from.residual[row];
 }
 
 void SumOfRows::Flush() {
-  const int last = (held_ + kBatchLanes - 1) / kBatchLanes;
-  for (int i = held_; i < last * kBatchLanes; ++i) {  // lanes that are left over
-    for (int c = 0; c < columns_; ++c) {
-      rows_[(static_cast<std::size_t>(i / kBatchLanes) * columns_ + c) * kBatchLanes + i % kBatchLanes] = 0.0;
-    }
-  }
-  std::vector<const double*> pointers;
-  for (int i = 0; i < last; ++i) pointers.push_back(rows_ + static_cast<std::size_t>(i) * columns_ * kBatchLanes);
-  sums_.Add(pointers, 0, 0);
+  AddProducts(rows_, static_cast<std::size_t>(held_), static_cast<std::size_t>(columns_), sums_);
   held_ = 0;
 }
 
 Eigen::MatrixXd SumOfRows::Total() {
-  if (held_ > 0) Flush();
+  Flush();
   const int n = numbers_;
   Eigen::MatrixXd total(n, n);
   for (int a = 0; a < n; ++a) {
-    for (int b = a; b < n; ++b) total(a, b) = total(b, a) = sums_.At(a, b);
+    for (int b = a; b < n; ++b) total(a, b) = total(b, a) = sums_[static_cast<std::size_t>(a) * columns_ + b];
   }
   return total;
 }

@@ -20,7 +20,7 @@ struct NormalSums {
   double squared_residual() const { return matrix(num_columns(), num_columns()); }
 };
 
-// Sums products of rows [J r], eight rows at a time in vector registers.
+// Sums products of rows [J r], some dozen at a time in vector registers.
 class SumOfRows {
  public:
   // numbers: of a row, residual included.
@@ -36,14 +36,13 @@ class SumOfRows {
   Eigen::MatrixXd Total();
 
  private:
-  double* NextLane();
+  double* NextRow();
   void Flush();
 
-  int numbers_, columns_;  // the latter a multiple of kGramBlock
-  int held_ = 0;
+  int numbers_, columns_;  // the latter a multiple of kBatchLanes; what is beyond the numbers stays zero
+  int held_ = 0;           // rows that are not summed yet
   std::vector<double> memory_;
-  double* rows_;
-  GramSums sums_;
+  double *rows_, *sums_;
 };
 
 // root_weights: of each row; null: once.

@@ -33,8 +33,7 @@ RobustCovariance OfMany(const Linearization& linearization, const LinearSolution
   const std::vector<std::vector<int>> clusters = RowsOfClusters(cluster_of);
   ClusterFit fit;
   fit.solution = solution;
-  ClusterSandwich sandwich(linearization.num_columns(), static_cast<int>(clusters.size()), solution.covariance_root,
-                           {fit});
+  ClusterSandwich sandwich(linearization.num_columns(), static_cast<int>(clusters.size()), solution.covariance, {fit});
   std::vector<int> rows, own;
   const auto take = [&] {
     RowMajorMatrix both(static_cast<Eigen::Index>(rows.size()), linearization.num_columns() + 1);

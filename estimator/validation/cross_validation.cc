@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <set>
 
@@ -99,6 +100,66 @@ Eigen::MatrixXd Leave(const Eigen::MatrixXd& left, const Eigen::VectorXd& scale,
   return root;
 }
 
+using PointRows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;  // m/SI
+
+// Calls visit(place among `quoted`, rows of the point in m) for every fitted point. Joints that deviate have no part in
+// what a step moves.
+void ForEachPoint(const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
+                  const RowStream& fitted, const std::vector<int>& quoted,
+                  const std::function<void(size_t place, const PointRows& rows)>& visit) {
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  if (!problem.latent.empty()) {
+    const auto metres = [](const std::vector<int>& listed) {
+      return NoiseRoots(listed.size(), Matrix3<double>::Identity());
+    };
+    RowStream(problem, quoted, metres, LatentTreatment::kIgnore)
+        .ForEach(parameters, columns, [&](const RowPiece& piece) {
+          for (int i = 0; i < piece.num_observations(); ++i)
+            visit(piece.positions[i], piece.rows.block(3 * i, 0, 3, n));
+        });
+    return;
+  }
+  PointRows own(3, n);
+  fitted.ForEach(parameters, columns, [&](const RowPiece& piece) {
+    std::vector<int> listed;
+    for (const int k : piece.positions) listed.push_back(fitted.observations()[k]);
+    const NoiseRoots roots = FitRoots(problem, listed, kFallbackSigma);
+    for (int i = 0; i < piece.num_observations(); ++i) {
+      if (!problem.data().observations[listed[i]].is_point()) continue;
+      const auto place = std::lower_bound(quoted.begin(), quoted.end(), listed[i]) - quoted.begin();
+      own.noalias() = roots[i] * piece.rows.block(3 * i, 0, 3, n);
+      visit(static_cast<size_t>(place), own);
+    }
+  });
+}
+
+// m, where all of these are the same number on every axis; else 0.
+double CommonSigma(const NoiseRoots& roots) {
+  constexpr double kSame = 1e-12;  // relative
+  const double sigma = roots.front()(0, 0);
+  const bool all = std::all_of(roots.begin(), roots.end(), [&](const Matrix3<double>& root) {
+    return (root - sigma * Matrix3<double>::Identity()).cwiseAbs().maxCoeff() <= kSame * sigma;
+  });
+  return all ? sigma : 0.0;
+}
+
+// What the points of each fold say of predictions, where that follows from what is summed of its rows: all of them
+// points that are weighed by one sigma and err by one. False: it does not.
+bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& scatter, const std::vector<int>& quoted,
+                       const std::vector<int>& points_of_fold, std::vector<Fold>* folds) {
+  const bool are_all = quoted.size() == problem.CalibrationObservations().size();
+  if (!problem.latent.empty() || quoted.empty() || !are_all) return false;
+  const double weighed = CommonSigma(FitRoots(problem, quoted, kFallbackSigma));
+  const double errs = CommonSigma(scatter);
+  if (!(weighed > 0.0 && errs > 0.0)) return false;
+  for (size_t f = 0; f < folds->size(); ++f) {
+    Fold& fold = (*folds)[f];
+    const Eigen::Index n = fold.total.rows() - 1;
+    fold.predicted.Add(errs, points_of_fold[f], weighed * weighed * fold.total.topLeftCorner(n, n));
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) {
@@ -125,6 +186,11 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
 }
 
 CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed) {
+  return CrossValidate(problem, FittedStream(problem), estimate, seed);
+}
+
+CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& given, const Estimate& estimate,
+                              std::uint64_t seed) {
   CrossValidation result;
   const std::vector<int> columns = MovingColumns(estimate);
   const auto n = static_cast<Eigen::Index>(columns.size());
@@ -134,15 +200,14 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   if (count < 2) return result;
   std::vector<Fold> folds;
   for (int f = 0; f < count; ++f) folds.emplace_back(static_cast<int>(n));
-  const std::vector<int> observations = problem.CalibrationObservations();
-  const auto fold_at = [&](int i) -> Fold& {
-    return folds[fold_of[problem.data().shots[problem.data().observations[i].shot].configuration]];
+  const RowStream& fitted = given.stream;
+  const std::vector<int>& observations = fitted.observations();
+  const auto fold_at = [&](int i) {
+    return static_cast<size_t>(fold_of[problem.data().shots[problem.data().observations[i].shot].configuration]);
   };
-  const auto roots = [&](const std::vector<int>& listed) { return FitRoots(problem, listed, kFallbackSigma); };
-  const RowStream fitted(problem, observations, roots, LatentTreatment::kMarginalise);
   const bool valid = fitted.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
     for (int k = 0; k < 3 * piece.num_observations(); ++k) {
-      fold_at(observations[piece.positions[k / 3]]).rows.Add(&piece.rows(k, 0));
+      folds[fold_at(observations[piece.positions[k / 3]])].rows.Add(&piece.rows(k, 0));
     }
   });
   if (!valid) return result;
@@ -157,23 +222,17 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
   }
 
   const std::vector<int> quoted = problem.data().PointsAmong(observations);
+  std::vector<int> points_of_fold(folds.size(), 0);
+  for (const int i : quoted) ++points_of_fold[fold_at(i)];
+  const NoiseRoots scatter = ScatterOf(estimate, quoted);
+  const bool are_predicted = PredictFromTotals(problem, scatter, quoted, points_of_fold, &folds);
   Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
-  // Observation by observation, in m: joints that deviate have no part in what a step moves.
-  const auto metres = [](const std::vector<int>& listed) {
-    return NoiseRoots(listed.size(), Matrix3<double>::Identity());
-  };
-  const RowStream points(problem, quoted, metres, LatentTreatment::kIgnore);
-  points.ForEach(estimate.parameters, columns, [&](const RowPiece& piece) {
-    std::vector<int> listed;
-    for (const int k : piece.positions) listed.push_back(quoted[k]);
-    const NoiseRoots scatter = ScatterOf(estimate, listed);
-    for (int i = 0; i < piece.num_observations(); ++i) {
-      const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> own = piece.rows.block(3 * i, 0, 3, n);
-      Fold& fold = fold_at(listed[i]);
-      errors.col(piece.positions[i]) =
-          problem.data().observations[listed[i]].point_in_station - estimate.predicted.col(listed[i]) - own * fold.step;
-      fold.predicted.Add(scatter[i], own);
-    }
+  ForEachPoint(problem, estimate.parameters, columns, fitted, quoted, [&](size_t place, const PointRows& own) {
+    const int i = quoted[place];
+    Fold& fold = folds[fold_at(i)];
+    errors.col(static_cast<Eigen::Index>(place)) =
+        problem.data().observations[i].point_in_station - estimate.predicted.col(i) - own * fold.step;
+    if (!are_predicted) fold.predicted.Add(scatter[place], own);
   });
   // What is held besides moves what was held before: no step from the whole finds that. A fold without which something
   // is not measured is calibrated without.
@@ -181,7 +240,7 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate&
     if (!folds[static_cast<size_t>(f)].loses) continue;
     std::vector<int> left_out;
     for (const int i : observations) {
-      if (&fold_at(i) == &folds[static_cast<size_t>(f)]) left_out.push_back(i);
+      if (fold_at(i) == static_cast<size_t>(f)) left_out.push_back(i);
     }
     const std::optional<ParameterSet> rest = CalibrateWithout(problem, left_out);
     if (!rest) continue;

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 
+#include "estimator/least_squares/row_stream.h"
 #include "estimator/validation/unseen.h"
 
 namespace sagitta {
@@ -27,5 +28,8 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed);
 
 // Of a judged estimate.
 CrossValidation CrossValidate(const CalibrationProblem& problem, const Estimate& estimate, std::uint64_t seed);
+// The same where the rows that were fitted are at hand.
+CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStream& fitted, const Estimate& estimate,
+                              std::uint64_t seed);
 
 }  // namespace sagitta

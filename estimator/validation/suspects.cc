@@ -21,7 +21,8 @@ constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
 
 struct Rows {
   const CalibrationProblem& problem;
-  ParameterSet parameters;  // what the residuals are of, but for a linear step
+  const FittedStream* fitted;  // or null
+  ParameterSet parameters;     // what the residuals are of, but for a linear step
   std::vector<int> observations;
   Eigen::Matrix3Xd residuals;  // predicted - measured, m
 
@@ -138,8 +139,10 @@ bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
   for (const int c : seen) moved.push_back(columns[c]);
   ParameterSet there = parameters;
   Move(moved, step, 1.0, &there);
-  rows->residuals =
-      -ResidualsOf(rows->problem.data(), rows->observations, PredictPoints(rows->problem, there, rows->observations));
+  const Eigen::Matrix3Xd predicted = rows->fitted != nullptr
+                                         ? rows->fitted->Predict(rows->problem, there, rows->observations)
+                                         : PredictPoints(rows->problem, there, rows->observations);
+  rows->residuals = -ResidualsOf(rows->problem.data(), rows->observations, predicted);
   return rows->residuals.allFinite();
 }
 
@@ -182,11 +185,10 @@ bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outlier
   return true;
 }
 
-}  // namespace
-
-std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
+// fitted: or null.
+std::vector<Suspect> Find(const CalibrationProblem& problem, const FittedStream* fitted, const Estimate& estimate) {
   std::vector<Suspect> suspects = LeftOut(problem, estimate);
-  Rows rows{problem, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}};
+  Rows rows{problem, fitted, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}};
   std::vector<int> outliers;
   if (!FitRobustly(estimate, &rows, &outliers)) return suspects;
   std::vector<double> distances;
@@ -210,6 +212,17 @@ std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estim
   std::stable_sort(suspects.begin(), suspects.end(),
                    [](const Suspect& a, const Suspect& b) { return a.observation < b.observation; });
   return suspects;
+}
+
+}  // namespace
+
+std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
+  return Find(problem, nullptr, estimate);
+}
+
+std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const FittedStream& fitted,
+                                  const Estimate& estimate) {
+  return Find(problem, &fitted, estimate);
 }
 
 }  // namespace sagitta

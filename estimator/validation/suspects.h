@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimator/estimate/estimate.h"
+#include "estimator/least_squares/row_stream.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -18,5 +19,8 @@ struct Suspect {
 
 // Of the calibration rows, outliers that the noise model left out included.
 std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate);
+// The same where the rows that were fitted are at hand.
+std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const FittedStream& fitted,
+                                  const Estimate& estimate);
 
 }  // namespace sagitta

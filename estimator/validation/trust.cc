@@ -32,18 +32,15 @@ constexpr double kBetter = 0.05;
 constexpr double kWrongWeights = 2.0;
 constexpr double kSamePose = 1e-3;  // rad or m, of every joint: what points show there they show at the other too
 
-Eigen::Matrix3Xd Errors(const CalibrationProblem& problem, const ParameterSet& parameters,
+Eigen::Matrix3Xd Errors(const CalibrationProblem& problem, const FittedStream& fitted, const ParameterSet& parameters,
                         const std::vector<int>& observations) {
-  const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, observations);
-  Eigen::Matrix3Xd errors(3, predicted.cols());
-  for (Eigen::Index k = 0; k < predicted.cols(); ++k)
-    errors.col(k) = problem.data().observations[observations[k]].point_in_station - predicted.col(k);
-  return errors;
+  return ResidualsOf(problem.data(), observations, fitted.Predict(problem, parameters, observations));
 }
 
 UnseenPoints JudgeHoldout(const CalibrationProblem& problem, const Estimate& estimate) {
   const std::vector<int> observations = problem.data().PointsAmong(problem.ValidationObservations());
-  UnseenPoints holdout = MeasureUnseen(problem, observations, Errors(problem, estimate.parameters, observations));
+  UnseenPoints holdout = MeasureUnseen(
+      problem, observations, ResidualsOf(problem.data(), observations, estimate.predicted(Eigen::all, observations)));
   if (observations.empty()) return holdout;
   const auto metres = [](const std::vector<int>& listed) {
     return NoiseRoots(listed.size(), Matrix3<double>::Identity());
@@ -269,16 +266,22 @@ std::vector<std::string> LimitsOf(const CalibrationProblem& problem, const Estim
 
 Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
                  const BetweenParts& between) {
+  return JudgeTrust(problem, FittedStream(problem), seed, estimate, between);
+}
+
+Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed, Estimate* estimate,
+                 const BetweenParts& between) {
   Trust trust;
   trust.between = between;
-  trust.suspects = FindSuspects(problem, *estimate);
-  trust.cross_validation = CrossValidate(problem, *estimate, seed);
+  trust.suspects = FindSuspects(problem, fitted, *estimate);
+  trust.cross_validation = CrossValidate(problem, fitted, *estimate, seed);
   trust.holdout = JudgeHoldout(problem, *estimate);
   trust.repeatability = MeasurePoseRepeatability(problem);
   const std::vector<int> quoted = problem.data().PointsAmong(
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
-  if (estimate->aligned.num_coordinates() > 0)
-    trust.nominal = MeasureUnseen(problem, quoted, Errors(problem, estimate->aligned, quoted));
+  if (estimate->aligned.num_coordinates() > 0) {
+    trust.nominal = MeasureUnseen(problem, quoted, Errors(problem, fitted, estimate->aligned, quoted));
+  }
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);
   trust.verdict.trusted = trust.verdict.reasons.empty();

@@ -46,5 +46,8 @@ struct Trust {
 // model error.
 Trust JudgeTrust(const CalibrationProblem& problem, std::uint64_t seed, Estimate* estimate,
                  const BetweenParts& between = {});
+// The same where the rows that were fitted are at hand.
+Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, std::uint64_t seed, Estimate* estimate,
+                 const BetweenParts& between);
 
 }  // namespace sagitta

@@ -47,6 +47,21 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   return unseen;
 }
 
+PredictedSums::PredictedSums(int columns)
+    : columns_(columns),
+      points_(columns),
+      by_noise_(columns),
+      alike_(Eigen::MatrixXd::Zero(columns, columns)),
+      alike_by_noise_(alike_) {}
+
+void PredictedSums::Add(double sigma, int points, const Eigen::MatrixXd& products) {
+  const double variance = sigma * sigma;
+  trace_ += 3.0 * points * variance;
+  square_ += 3.0 * points * variance * variance;
+  alike_ += products;
+  alike_by_noise_ += variance * products;
+}
+
 void PredictedSums::Add(const Matrix3<double>& noise,
                         const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian) {
   const Matrix3<double> own = noise * noise.transpose();
@@ -61,8 +76,8 @@ void PredictedSums::Add(const Matrix3<double>& noise,
 
 // tr V = tr N + tr R'SR, tr V^2 = tr N^2 + 2 tr R'QR + |R'SR|^2 with S = J'J, Q = J'NJ, N = diag(noise).
 PredictedSquares PredictedSums::Squares(const Eigen::MatrixXd& root) {
-  const Eigen::MatrixXd moved = root.transpose() * points_.Total() * root;
-  const Eigen::MatrixXd mixed = root.transpose() * by_noise_.Total() * root;
+  const Eigen::MatrixXd moved = root.transpose() * (points_.Total() + alike_) * root;
+  const Eigen::MatrixXd mixed = root.transpose() * (by_noise_.Total() + alike_by_noise_) * root;
   return {trace_ + moved.trace(), square_ + 2.0 * mixed.trace() + moved.squaredNorm()};
 }
 

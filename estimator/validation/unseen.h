@@ -47,17 +47,20 @@ struct PredictedSquares {
 // V = diag(noise) + J C J' of points, of which none is kept: both traces follow from J'J and from J' diag(noise) J.
 class PredictedSums {
  public:
-  explicit PredictedSums(int columns) : columns_(columns), points_(columns), by_noise_(columns) {}
+  explicit PredictedSums(int columns);
 
   // jacobian: three rows, m/SI, of one point; noise: its root, m.
   void Add(const Matrix3<double>& noise, const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>& jacobian);
+  // Points that err by the same sigma (m) on every axis; products: their J'J, m^2/SI^2.
+  void Add(double sigma, int points, const Eigen::MatrixXd& products);
   // Of the points so far; root: R of C = R R'. To be asked once.
   PredictedSquares Squares(const Eigen::MatrixXd& root);
 
  private:
   int columns_;
   SumOfRows points_, by_noise_;
-  double trace_ = 0.0, square_ = 0.0;  // of the noise
+  Eigen::MatrixXd alike_, alike_by_noise_;  // of points that came by their products
+  double trace_ = 0.0, square_ = 0.0;       // of the noise
 };
 
 // Sets predicted_rms and p_value; nothing where the noise is not known.

@@ -223,7 +223,7 @@ TEST_P(NormalEquationsOf, ClustersSideBySideAreThoseOneByOne) {
   fit.solution = SolveLinearization(rows);
   if (!fit.solution.full_rank) GTEST_SKIP() << "nothing to compare";
   const RobustCovariance alone = SandwichCovariance(rows, clusters);
-  ClusterSandwich together(static_cast<int>(columns_.size()), alone.clusters, fit.solution.covariance_root, {fit});
+  ClusterSandwich together(static_cast<int>(columns_.size()), alone.clusters, fit.solution.covariance, {fit});
   const RowStream stream(problem_, rows_.observations, noise, LatentTreatment::kMarginalise, clusters);
   together.Add(stream, parameters_, columns_, clusters);
   const RobustCovariance side_by_side = together.Result(0);

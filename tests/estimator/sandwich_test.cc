@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "estimator/least_squares/cluster_sandwich.h"
@@ -78,7 +79,7 @@ TEST(Sandwich, OfManyIsTheSameSideBySide) {
   half.solution = SolveLinearization(part);
   half.step = half.solution.step;
   part.residual += part.jacobian * half.step;
-  ClusterSandwich together(kColumns, kClusters, whole.solution.covariance_root, {whole, half});
+  ClusterSandwich together(kColumns, kClusters, whole.solution.covariance, {whole, half});
   together.Add(rows, cluster_of);
   const auto expect_same = [](const RobustCovariance& a, const RobustCovariance& b) {
     ASSERT_EQ(a.covariance.rows(), b.covariance.rows());
@@ -89,6 +90,44 @@ TEST(Sandwich, OfManyIsTheSameSideBySide) {
   };
   expect_same(together.Result(0), SandwichCovariance(all, cluster_of));
   expect_same(together.Result(1), SandwichCovariance(part, own));
+}
+
+// Fits of columns that are turned: the same as of rows that were.
+TEST(Sandwich, TurnsWhatItSumsAsRowsAreTurned) {
+  constexpr int kClusters = 60, kColumns = 4;
+  NormalNumbers normal(11);
+  std::vector<int> cluster_of;
+  for (int g = 0; g < kClusters; ++g) cluster_of.insert(cluster_of.end(), 1 + g % 2, g);
+  Eigen::MatrixXd jacobian(3 * static_cast<Eigen::Index>(cluster_of.size()), kColumns);
+  Eigen::VectorXd y(jacobian.rows());
+  for (double& value : jacobian.reshaped()) value = normal();
+  for (double& value : y) value = normal();
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(kColumns, kColumns);
+  turn.block<2, 2>(1, 1) = Eigen::Rotation2Dd(0.7).toRotationMatrix();
+  const Linearization plain = Rows(jacobian, y), turned = Rows(jacobian * turn, y);
+  ClusterFit whole, half;
+  whole.solution = SolveLinearization(turned);
+  half.columns = {0, 2, 3};
+  half.has.assign(kClusters, 0);
+  std::vector<int> own, own_rows;
+  for (size_t k = 0; k < cluster_of.size(); ++k) {
+    if (cluster_of[k] % 3 == 0) continue;
+    half.has[cluster_of[k]] = 1;
+    own.push_back(cluster_of[k]);
+    for (int axis = 0; axis < 3; ++axis) own_rows.push_back(3 * static_cast<int>(k) + axis);
+  }
+  Linearization part = Rows(turned.jacobian(own_rows, half.columns), turned.residual(own_rows));
+  half.solution = SolveLinearization(part);
+  half.step = half.solution.step;
+  part.residual += part.jacobian * half.step;
+  RowMajorMatrix rows(plain.num_rows(), kColumns + 1);
+  rows << plain.jacobian, plain.residual;
+  ClusterSandwich together(kColumns, kClusters, SolveLinearization(plain).covariance, {whole, half}, turn);
+  together.Add(rows, cluster_of);
+  const RobustCovariance of_all = SandwichCovariance(turned, cluster_of), of_part = SandwichCovariance(part, own);
+  EXPECT_LT((together.Result(0).covariance - of_all.covariance).norm(), 1e-6 * of_all.covariance.norm());
+  EXPECT_LT((together.Result(1).covariance - of_part.covariance).norm(), 1e-6 * of_part.covariance.norm());
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(together.Result(1).dof[c], of_part.dof[c], 1e-6 * of_part.dof[c]);
 }
 
 // Of 12,000 clusters some 2,000 say how many degrees of freedom there are: G - 1 of a mean, within four standard

@@ -60,6 +60,18 @@ TEST(CrossValidation, AgreesWithTenRefits) {
   EXPECT_NEAR(found.unseen.Excess(), 1.0, 0.17);
 }
 
+// Where all rows err by one sigma, from what is summed of each fold; else row by row.
+TEST(CrossValidation, PredictsTheSameFromSumsAndRowByRow) {
+  const CalibrationProblem problem = Problem();
+  Estimate estimate = EstimateJointly(problem);
+  const CrossValidation from_sums = CrossValidate(problem, estimate, 1);
+  estimate.scatter[0] *= 1.0 + 1e-9;
+  const CrossValidation row_by_row = CrossValidate(problem, estimate, 1);
+  ASSERT_GT(row_by_row.unseen.predicted_rms, 0.0);
+  EXPECT_NEAR(from_sums.unseen.predicted_rms / row_by_row.unseen.predicted_rms, 1.0, 1e-8);
+  EXPECT_NEAR(from_sums.unseen.p_value, row_by_row.unseen.p_value, 1e-6);
+}
+
 TEST(Suspects, EachIsNamedWithWhatWouldMakeItFit) {
   const CalibrationProblem problem = Problem([](Measurements* data) {
     auto& rows = data->observations;
