@@ -16,9 +16,9 @@ constexpr int kConfigurations = 60;
 
 // Sixty poses with that noise; `point` and `rotation`: what the rows state.
 Measurements NoisyPoses(double point, double rotation) {
-  Kr270Design design;
+  test::Kr270Design design;
   design.configurations = kConfigurations;
-  const Kr270Truth truth = test::TurnedTruth();
+  const test::Kr270Truth truth = test::TurnedTruth();
   const test::TargetTruth target;
   NormalNumbers normal(83);
   Measurements data = test::PoseRows(design);
