@@ -130,6 +130,7 @@ class BreakSearch {
       first.try_emplace(&shot, k);
     }
     num_configurations_ = static_cast<int>(configurations.size());
+    for (const auto& [load, some] : of_load) num_states_ += static_cast<int>(some.size());
     for (const auto& [load, some] : of_load) {
       if (some.size() >= 2 * kFewest) loads_.push_back(load);
     }
@@ -224,8 +225,10 @@ class BreakSearch {
 
   bool Improves(const Cause& cause, const Sums& sums, Best* best) const {
     const auto d = static_cast<double>(sums.along.size()), n = static_cast<double>(num_configurations_);
+    // A configuration under several loads is one alone: what the model lacks of it is in all of them.
     const auto by_loads = static_cast<double>(sums.shared.cols() - basis_.cols());
-    const double freedom = std::min(n, static_cast<double>(rows_.num_rows() - basis_.cols())) - by_loads - d;
+    const double rows = std::min(num_states_ - by_loads, static_cast<double>(rows_.num_rows() - sums.shared.cols()));
+    const double freedom = std::min(n, rows) - d;
     if (freedom < 1.0) return false;
     const Step step = Explained(sums.own, sums.own - sums.shared * sums.shared.transpose(), sums.along);
     const double share = std::min(step.gain / squares_, 1.0 - 1e-12);
@@ -278,6 +281,7 @@ class BreakSearch {
   Eigen::VectorXd residual_;  // beside it
   double squares_ = 0.0;
   int num_configurations_ = 0;
+  int num_states_ = 0;              // configurations, each load of one counted
   std::vector<std::string> loads_;  // that enough configurations have
   std::vector<int> order_;          // positions in rows_.observations
 };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "estimator/alignment/aligned_misfit.h"
+#include "estimator/calibration/unit_guess.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/statistics/median.h"
@@ -18,22 +19,14 @@ constexpr size_t kEquationsPerUnknown = 2;  // from here on a fit of places alon
 
 bool HasPoint(const Observation& row) { return row.is_point() && row.point_in_station.allFinite(); }
 
-// Base poses and markers are unknown, and only what was read counts.
+// Base poses and markers alone are unknown, and only what was read counts.
 CalibrationProblem WithFreePlaces(const CalibrationProblem& known) {
   CalibrationProblem problem = known;
   for (Observation& row : problem.mutable_data()->observations)
     row.excluded |= !(row.point_in_station.allFinite() && row.rotation_in_station.allFinite());
-  ParameterSet& parameters = problem.parameters;
-  const auto set_free = [&](const ParameterBlock& block) {
-    for (int i = 0; i < block.tangent_size; ++i) parameters.coordinate(block.first_coordinate + i).free = true;
-  };
-  for (int s = 0; s < parameters.num_stations(); ++s) {
-    set_free(parameters.station_translation(s));
-    set_free(parameters.station_rotation(s));
-  }
-  for (int m = 0; m < parameters.num_markers(); ++m) {
-    set_free(parameters.marker(m));
-    if (parameters.is_oriented(m)) set_free(parameters.marker_rotation(m));
+  for (int i = 0; i < problem.parameters.num_coordinates(); ++i) {
+    Coordinate& coordinate = problem.parameters.coordinate(i);
+    coordinate.free = problem.parameters.blocks()[coordinate.block].kind != BlockKind::kModelParameter;
   }
   return problem;
 }
@@ -79,6 +72,10 @@ Finding ExplainKnown(const CalibrationProblem& known, const KnownMisfit& misfit)
   const double fitted = AlignedMisfit(free, sample);
   if (fitted <= SuspiciousMisfit(free.robot().chain))
     return Found(Severity::kSerious, "stands_elsewhere", StandsElsewhere(misfit.median, fitted));
+  if (const std::optional<UnitFinding> unit = GuessWrongUnit(free)) {
+    const std::string why = unit->column + ": " + unit->words;
+    return {Severity::kSerious, "unit", MissesAndWhy(misfit.median, why), unit->hint, {}};
+  }
   const ReadingLint lint = LintReadingsOfGoodRows(free);
   if (!lint.is_explained) return Found(Severity::kSerious, "not_this_robot", NotThisRobot(misfit.median, fitted));
   Finding finding = lint.findings.front();

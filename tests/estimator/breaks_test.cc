@@ -8,6 +8,7 @@
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/validation/trust.h"
 #include "tests/support/kr270_experiment.h"
+#include "tests/support/loaded_kr270.h"
 
 namespace sagitta {
 namespace {
@@ -150,6 +151,101 @@ TEST(Breaks, TimesGoBeforeTheOrderOfRows) {
     shot.time = 60.0 * ((shot.configuration * 17) % kConfigurations);  // 17 and 60 have no common factor
   }
   EXPECT_FALSE(FindBreak(problem, EstimateJointly(problem)));
+}
+
+// Loads change from shot to shot, or once: 250 kg and two sideways pulls beside none, one station, by the generator of
+// tests/support/loaded_kr270.h.
+test::LoadedTruth LoadedArm() {
+  test::LoadedTruth truth = test::Everything();
+  truth.spring.reset();
+  truth.link_markers.clear();
+  return truth;
+}
+
+const std::vector<std::string> kLoads = {"none", "V250", "PX", "PY"};
+
+struct LoadedCampaign {
+  test::LoadedTruth truth = LoadedArm();
+  Measurements data;
+
+  // Each configuration under one of the loads: in turn, or one load after the other.
+  LoadedCampaign(const std::vector<std::string>& loads, bool in_turn) {
+    test::LoadedDesign design;
+    design.configurations = kConfigurations;
+    design.stations = 1;
+    design.sigma = 5e-5;
+    data = test::DesignMeasurements(design);
+    for (size_t s = 0; s < data.shots.size(); ++s) {
+      Shot& shot = data.shots[s];
+      shot.load = loads[in_turn ? s % loads.size() : s * loads.size() / kConfigurations];
+      if (shot.load != "none") shot.wrench.force = truth.loads.at(shot.load).force;
+    }
+  }
+  // From the shot `at` on the world is `after`.
+  void Measure(const test::LoadedTruth& after, int at) {
+    std::vector<Vector3<double>> points = test::ExactPoints(truth, data), later = test::ExactPoints(after, data);
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (data.observations[i].shot >= at) points[i] = later[i];
+    }
+    test::Measure(points, 5e-5, 501, &data);
+  }
+  CalibrationProblem Problem() const {
+    const test::LoadedSetup setup = test::SetupFor(truth);
+    return MakeCalibrationProblem(setup.robot, data, setup.experiment);
+  }
+};
+
+// A zero that jumps by 0.15 mrad, 0.2 mm at the markers, four times the noise: no load alone has enough of the squared
+// residuals to show it.
+TEST(Breaks, AreSeenWhereLoadsAlternate) {
+  LoadedCampaign campaign(kLoads, true);
+  test::LoadedTruth after = campaign.truth;
+  after.errors[7] += 0.15e-3;
+  campaign.Measure(after, kAt);
+  const CalibrationProblem problem = campaign.Problem();
+  const std::optional<Break> found = FindBreak(problem, EstimateJointly(problem));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->of, BreakOf::kJoint);
+  EXPECT_EQ(found->index, 2);
+  EXPECT_NEAR(problem.data().observations[found->first].shot, kAt, 3);
+  EXPECT_LT(found->p_value, 1e-4);
+}
+
+// First none, then 250 kg, and what loads do is not in the model: where it begins an arm that reaches forward sinks by
+// millimetres, as if the zero of A2 had jumped.
+TEST(Breaks, ALoadThatBeginsIsNone) {
+  LoadedCampaign campaign({"none", "V250"}, false);
+  for (Configuration& configuration : campaign.data.configurations) configuration.q.segment(1, 2) *= 0.3;
+  campaign.Measure(campaign.truth, 0);
+  test::LoadedSetup setup = test::SetupFor(campaign.truth);
+  setup.experiment.estimate.compliance.kind = Selection::Kind::kNone;
+  const CalibrationProblem problem = MakeCalibrationProblem(setup.robot, campaign.data, setup.experiment);
+  const Estimate estimate = EstimateJointly(problem);
+  ASSERT_TRUE(IsUsable(estimate.status));
+  EXPECT_GT(estimate.fit.distance_rms, 0.5e-3);
+  EXPECT_FALSE(FindBreak(problem, estimate));
+}
+
+// All forces reversed: compliances want to be negative, which no choice of weights makes up for.
+TEST(Verdict, LoadsOfTheWrongSignAreNamed) {
+  const auto verdict_with = [](double sign, double factor) {
+    LoadedCampaign campaign(kLoads, true);
+    campaign.Measure(campaign.truth, 0);
+    for (Shot& shot : campaign.data.shots) shot.wrench.force *= sign;
+    for (Observation& row : campaign.data.observations) {
+      if (row.shot < kAt) row.sigma *= factor;
+    }
+    const CalibrationProblem problem = campaign.Problem();
+    Estimate estimate = EstimateJointly(problem);
+    return JudgeTrust(problem, 1, &estimate).verdict;
+  };
+  for (const double factor : {1.0, 0.3}) {
+    const Verdict reversed = verdict_with(-1.0, factor);
+    EXPECT_FALSE(reversed.trusted);
+    EXPECT_THAT(reversed.words, ::testing::ContainsRegex("compliance/A[1-6] comes out negative"));
+    EXPECT_THAT(reversed.words, ::testing::Not(HasSubstr("contradict each other"))) << factor;
+  }
+  EXPECT_TRUE(verdict_with(1.0, 1.0).trusted);
 }
 
 }  // namespace
