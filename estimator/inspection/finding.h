@@ -14,6 +14,7 @@ namespace sagitta {
 enum class Severity { kSerious, kWarning, kNote };
 const char* SeverityName(Severity severity);
 
+// One thing that is wrong, or worth knowing.
 struct Finding {
   Severity severity = Severity::kNote;
   std::string code;  // "sign_flip", "outliers", …; stable, for programs

@@ -13,6 +13,7 @@ namespace sagitta {
 std::string ReadingOtherwise();
 std::string LinearizingAtNominal();
 
+// What is wrong, and what to do about it.
 struct Advice {
   std::string words;
   std::string remedy;
@@ -63,6 +64,7 @@ Advice ArmFolds(const std::string& folded);
 struct TorqueGroups {
   std::vector<std::string> agree, opposite, scaled, differ, untold;
 };
+// measured_count: the estimate goes by the measured ones.
 std::string TorquesInWords(bool measured_count, const TorqueGroups& joints);
 
 }  // namespace sagitta
