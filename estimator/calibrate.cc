@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -64,6 +66,35 @@ void NameSuspects(Calibration* failed) {
   estimate.identifiability.unidentifiable.clear();
 }
 
+// What is freed lies between what stays. Where rows are many its pages go back to the system before as many others are
+// asked for: 33,333 configurations end with 190 MB in place of 240.
+void GiveBackFreed() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+// All that judges a usable estimate.
+void JudgeCalibration(const CalibrateOptions& options, Calibration* result) {
+  const auto say = [&](const std::string& what) {
+    if (options.progress) options.progress(what);
+  };
+  Estimate& estimate = result->estimate;
+  AddIntervals(result->problem, {options.num_threads, options.progress}, &estimate);
+  BetweenParts between;
+  const FittedStream fitted(result->problem);
+  if (options.method == Method::kJoint) {
+    say("comparing parts of the data");
+    between = CheckAgreement(result->problem, fitted, {options.seed, RandomHalves(result->problem)}, &estimate);
+  }
+  const std::string misfit = WarningOfMisfit(result->problem, estimate.fit.distance_rms);
+  if (!misfit.empty()) estimate.warnings.push_back(misfit);
+  const std::string large = WarningOfLargeCorrections(result->problem, estimate.table);
+  if (!large.empty()) estimate.warnings.push_back(large);
+  say("cross-validating");
+  result->trust = JudgeTrust(result->problem, fitted, options.seed, &estimate, between);
+}
+
 }  // namespace
 
 void CheckOptions(const CalibrateOptions& options) {
@@ -80,7 +111,6 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
   joint.num_threads = options.num_threads;
   joint.progress = options.progress;
   ResolvedEstimate resolved = EstimateWithNoise(std::move(problem), joint);
-  BetweenParts between;
   Calibration result{std::move(resolved.problem), std::move(resolved.estimate), {}};
   Estimate& estimate = result.estimate;
   if (options.method != Method::kJoint && IsUsable(estimate.status)) {
@@ -91,18 +121,9 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
     NameSuspects(&result);
     return result;
   }
-  AddIntervals(result.problem, {options.num_threads, options.progress}, &estimate);
-  const FittedStream fitted(result.problem);
-  if (options.method == Method::kJoint) {
-    say("comparing parts of the data");
-    between = CheckAgreement(result.problem, fitted, {options.seed, RandomHalves(result.problem)}, &estimate);
-  }
-  const std::string misfit = WarningOfMisfit(result.problem, estimate.fit.distance_rms);
-  if (!misfit.empty()) estimate.warnings.push_back(misfit);
-  const std::string large = WarningOfLargeCorrections(result.problem, estimate.table);
-  if (!large.empty()) estimate.warnings.push_back(large);
-  say("cross-validating");
-  result.trust = JudgeTrust(result.problem, fitted, options.seed, &estimate, between);
+  GiveBackFreed();
+  JudgeCalibration(options, &result);
+  GiveBackFreed();
   return result;
 }
 

@@ -142,7 +142,8 @@ class RowJudge {
     const auto held = static_cast<Eigen::Index>(estimate.held.coordinates.size());
     const Eigen::MatrixXd jacobian = piece.rows.leftCols(estimated);
     const Eigen::MatrixXd open = piece.rows.middleCols(estimated, held) + jacobian * estimate.held.slopes;
-    const NoiseRoots weights = FitRoots(problem_, observations, kFallbackSigma);
+    const bool weighed_by_noise = problem_.weight_roots.empty(), exact_joints = problem_.latent.empty();
+    const NoiseRoots weights = weighed_by_noise ? NoiseRoots() : FitRoots(problem_, observations, kFallbackSigma);
     const Eigen::MatrixXd by_normal = TallProduct(jacobian, normal_root_);
     const bool any_held_out = by_covariance_.size() > 0;
     const auto moved_by = [&](const Eigen::MatrixXd& rows, const Eigen::MatrixXd& root) {
@@ -154,13 +155,17 @@ class RowJudge {
       const int k = observations[i];
       const auto row = 3 * static_cast<Eigen::Index>(i);
       const Matrix3<double>& own = estimate.noise[k];
-      const Matrix3<double> weight = weights[i].inverse() * own;
       // tr(W J C_n J' W) / 3, C_n = (J'W^2 J)^-1: the mean over the three axes of a reading's hat matrix.
-      estimate.leverage[k] = (weight * RowBlock(by_normal, row, 3)).squaredNorm() / 3.0;
+      estimate.leverage[k] = by_normal.middleRows<3>(row).squaredNorm() / 3.0;
+      if (!weighed_by_noise) {
+        estimate.leverage[k] = (weights[i].inverse() * own * RowBlock(by_normal, row, 3)).squaredNorm() / 3.0;
+      }
       const Eigen::MatrixXd latent = RowBlock(piece.latent, row, 3);  // in units of the instrument's noise
-      const Matrix3<double> relative = Matrix3<double>::Identity() + latent * latent.transpose();
       // A root of S (1 + L L') S', what one reading scatters by: instrument and joints.
-      estimate.scatter[k] = own * LowerRoot(relative);
+      estimate.scatter[k] = own;
+      if (!exact_joints) {
+        estimate.scatter[k] = own * LowerRoot(Matrix3<double>::Identity() + latent * latent.transpose());
+      }
       const Observation& observation = problem_.data().observations[k];
       if (observation.is_point()) {
         // S r = predicted - measured.

@@ -142,6 +142,7 @@ std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows,
 constexpr int kMostTerms = 12;
 // Of the residuals: what later terms would add. A score moves by as much at most, a standard deviation by half of it.
 constexpr double kNegligible = 1e-7;
+constexpr double kSurely = 10.0;  // times what the last two terms say of the next
 
 // From a cell of one lane on.
 struct Lanes {
@@ -226,6 +227,9 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
       coefficient *= (2.0 * k - 1.0) / (2.0 * k);
       TransposeTimes(j, rest, by_column);
       SymmetricTimes(fit.inverse_normal, clusters.columns, by_column, moved);
+      // The first power of H shows a direction of large leverage only as far as r has it: it does not tell what
+      // follows.
+      const V before = k == 1 ? hn::Zero(d) : size;
       size = hn::Zero(d);
       for (std::size_t r = 0; r < clusters.rows; ++r) {
         const V own = RowTimes(j, r, moved);
@@ -234,7 +238,9 @@ unsigned ScoresOfLanes(const ClusterLanes& clusters, const ScoreFit& fit, double
                   sum + r * kBatchLanes);
         size = hn::MulAdd(own, own, size);
       }
-      settled = hn::Le(size, limit);
+      // Settled, or the next term would be: |H^k+1 r| is about |H^k r|^2 / |H^k-1 r|.
+      const V next = hn::Mul(hn::Mul(hn::Set(d, kSurely * kSurely), size), size);
+      settled = hn::Or(hn::Le(size, limit), hn::Le(next, hn::Mul(limit, before)));
     }
     TransposeTimes(j, sum, scores + lane);
     std::uint8_t bits[8] = {};

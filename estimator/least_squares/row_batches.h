@@ -37,6 +37,7 @@ struct BatchColumns {
 // What the residuals are against: the points as measured, or the origin (then they are the whitened predictions).
 enum class RowsAgainst { kMeasured, kOrigin };
 
+// Listed observations, grouped by structure and packed lane by lane.
 class RowBatches {
  public:
   // noise: one root per observation, m. The problem must outlive this, its observations stay as they are.

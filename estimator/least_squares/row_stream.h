@@ -22,6 +22,7 @@ struct RowPiece {
   int num_observations() const { return static_cast<int>(positions.size()); }
 };
 
+// Rows of listed observations, piece by piece.
 class RowStream {
  public:
   // Noise roots of listed observations, m.

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "estimator/least_squares/linearization.h"
 #include "problems/io/text_checks.h"
@@ -53,6 +54,7 @@ std::vector<AddedColumn> AxisColumns(const std::string& prefix, const std::strin
     for (int axis = 0; axis < 3; ++axis) {
       AddedColumn column{prefix + (of_rotation ? "r" : "") + "xyz"[axis] + (of_rotation ? rotation_suffix : suffix),
                          {}};
+      column.numbers.reserve(static_cast<size_t>(numbers.cols()));
       for (int i = 0; i < numbers.cols(); ++i) {
         const int source = of_rotation ? data.observations[i].partner : i;
         column.numbers.push_back(source < 0 ? std::nan("") : numbers(axis, source));
@@ -130,8 +132,8 @@ Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Esti
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
   const Measurements& data = problem.data();
   std::vector<AddedColumn> added = ReadingColumns("pred_", data, estimate.predicted);
-  const auto append = [&added](const std::vector<AddedColumn>& columns) {
-    added.insert(added.end(), columns.begin(), columns.end());
+  const auto append = [&added](std::vector<AddedColumn> columns) {  // a tracker stream's are not copied
+    for (AddedColumn& column : columns) added.push_back(std::move(column));
   };
   append(ResidualColumns(data, estimate.predicted));
   append(AxisColumns("whitened_", "", "", data, WhitenedResiduals(problem, estimate)));
@@ -142,8 +144,9 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
     leverage.numbers.push_back(partner < 0 ? own : 0.5 * (own + estimate.leverage[partner]));
     set.cells.push_back(data.IsValidation(data.observations[i]) ? "validation" : "calibration");
   }
-  append({leverage, set});
-  if (estimate.noise_report.loss != LossKind::kNone) append({OutlierColumn(data, estimate.noise_report)});
+  added.push_back(std::move(leverage));
+  added.push_back(std::move(set));
+  if (estimate.noise_report.loss != LossKind::kNone) added.push_back(OutlierColumn(data, estimate.noise_report));
   return RowsToCsv(data, added);
 }
 

@@ -167,20 +167,21 @@ std::vector<int> FoldsOf(const CalibrationProblem& problem, std::uint64_t seed) 
   std::vector<bool> fitted(data.configurations.size(), false);
   for (const int i : problem.CalibrationObservations())
     fitted[data.shots[data.observations[i].shot].configuration] = true;
-  std::vector<std::pair<std::string, std::vector<int>>> groups;
-  for (const std::vector<int>& group : GroupsOfEqualJointValues(data)) {
-    std::vector<int> own;
-    for (const int c : group) {
-      if (fitted[c]) own.push_back(c);
-    }
-    if (own.empty()) continue;
-    groups.emplace_back(Sha256(std::to_string(seed) + ":" + data.configurations[group.front()].id), own);
-  }
-  std::sort(groups.begin(), groups.end());
-  std::vector<int> folds(data.configurations.size(), -1);
-  const int count = std::min(kFolds, static_cast<int>(groups.size()));
+  const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(data);
+  std::vector<std::pair<std::string, int>> order;  // of the groups that are fitted
   for (size_t g = 0; g < groups.size(); ++g) {
-    for (const int c : groups[g].second) folds[c] = static_cast<int>(g) % count;
+    const auto first = std::find_if(groups[g].begin(), groups[g].end(), [&](int c) { return fitted[c]; });
+    if (first == groups[g].end()) continue;
+    order.emplace_back(Sha256(std::to_string(seed) + ":" + data.configurations[groups[g].front()].id),
+                       static_cast<int>(g));
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<int> folds(data.configurations.size(), -1);
+  const int count = std::min(kFolds, static_cast<int>(order.size()));
+  for (size_t i = 0; i < order.size(); ++i) {
+    for (const int c : groups[order[i].second]) {
+      if (fitted[c]) folds[c] = static_cast<int>(i) % count;
+    }
   }
   return folds;
 }
