@@ -41,7 +41,7 @@ struct Best {
   Break found;
   const Cause* cause = nullptr;  // none: nothing has moved
   Eigen::VectorXd by;            // per unit of its columns
-  double score = 0.0;            // n log(1 - share) + columns log n, Schwarz's criterion; 0: nothing has moved
+  double score = 0.0;            // ScoreOf; 0: nothing has moved
 };
 
 class BreakSearch {
@@ -56,7 +56,7 @@ class BreakSearch {
     Best best;
     int tried = 0;
     for (const Cause& cause : causes) tried += Try(cause, 1 + order_.size() / kPlaces, &best);
-    if (best.cause == nullptr) return std::nullopt;
+    if (best.cause == nullptr || ScoreOfPose() < best.score) return std::nullopt;
     tried = std::max(tried, Try(*best.cause, 1, &best));
     Break& found = best.found;
     found.p_value = std::min(1.0, found.p_value * tried);
@@ -223,6 +223,33 @@ class BreakSearch {
     return tried;
   }
 
+  // The best score of a joint that deviates with waves of once and twice per turn of its angle: what a model lacks that
+  // follows the pose (a spring, a gear) is no movement, though poses that go with the order of the rows make it look
+  // like one.
+  double ScoreOfPose() const {
+    double best = 0.0;
+    for (int j = 0; j < problem_.robot().num_joints(); ++j) {
+      Eigen::MatrixXd waves(rows_.num_rows(), 4);
+      for (int k = 0; k < static_cast<int>(rows_.observations.size()); ++k) {
+        const double q = problem_.data().configurations[ShotOf(k).configuration].q[j];
+        waves.middleRows(3 * k, 3) = rows_.latent.col(j).segment<3>(3 * k) *
+                                     Eigen::RowVector4d(std::cos(q), std::sin(q), std::cos(2.0 * q), std::sin(2.0 * q));
+      }
+      const Eigen::MatrixXd own = waves.transpose() * waves, shared = waves.transpose() * basis_;
+      const Step step = Explained(own, own - shared * shared.transpose(), waves.transpose() * residual_);
+      best = std::min(best, ScoreOf(step, 4.0));
+    }
+    return best;
+  }
+
+  // Schwarz's criterion, over configurations: n log(1 - share) + columns log n.
+  double ScoreOf(const Step& step, double columns) const {
+    const auto n = static_cast<double>(num_configurations_);
+    return n * std::log(1.0 - ShareOf(step)) + columns * std::log(n);
+  }
+
+  double ShareOf(const Step& step) const { return std::min(step.gain / squares_, 1.0 - 1e-12); }
+
   bool Improves(const Cause& cause, const Sums& sums, Best* best) const {
     const auto d = static_cast<double>(sums.along.size()), n = static_cast<double>(num_configurations_);
     // A configuration under several loads is one alone: what the model lacks of it is in all of them.
@@ -231,8 +258,7 @@ class BreakSearch {
     const double freedom = std::min(n, rows) - d;
     if (freedom < 1.0) return false;
     const Step step = Explained(sums.own, sums.own - sums.shared * sums.shared.transpose(), sums.along);
-    const double share = std::min(step.gain / squares_, 1.0 - 1e-12);
-    const double score = n * std::log(1.0 - share) + d * std::log(n);
+    const double share = ShareOf(step), score = ScoreOf(step, d);
     if (!(score < best->score)) return false;
     best->score = score;
     best->cause = &cause;

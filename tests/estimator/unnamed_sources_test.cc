@@ -200,7 +200,7 @@ TEST(UnnamedFunctions, OrdersThatALatticeDoesNotTellShareTheProbability) {
     EvidenceColumns columns(problem, problem.parameters, {});
     std::map<std::string, double> of_order;
     for (const UnnamedGroup& group : ListUnnamed(problem, problem.parameters, &columns)) {
-      if (group.family != "ripple" || group.function.acts_on != "j2") continue;
+      if (group.family != "ripple" || group.function.acts_on != "A2") continue;
       of_order[group.function.effects[0].settings.at("order")] = group.listed;
     }
     return of_order;

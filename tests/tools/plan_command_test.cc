@@ -107,7 +107,7 @@ TEST_F(PlanCommandTest, WhatCannotBePlannedIsNamed) {
   ExpectRefused({"--poses=16", "--candidates=" + Path("nowhere.csv")}, "nowhere.csv");
   ExpectRefused({"--poses=16", "--tests=" + Write("no_tests.csv", head)}, "no_tests.csv");
   ExpectRefused({"--accuracy_mm=0.0001"}, "even 500 poses leave");
-  ExpectRefused({"--poses=0"}, "between 1 and");
+  ExpectRefused({"--poses=0"}, "from 1 to");
   ExpectRefused({"--poses=16", "--accuracy_mm=0.1"}, "one of --poses and --accuracy_mm");
   ExpectRefused({"--poses=16", "--criterion=Z"}, "there is no criterion 'Z'");
   ExpectRefused({"--poses=16", "--discriminate=encoder_gain/A3"}, "two effects are expected");
