@@ -1,4 +1,4 @@
-// Bad input: thrown by problems/io and the data set checks only, exit status 2.
+// Bad input: of a file, of an option or of a problem that is put together in memory. Exit status 2.
 #pragma once
 
 #include <stdexcept>

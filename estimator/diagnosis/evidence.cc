@@ -84,13 +84,18 @@ Evidence::Evidence(const CalibrationProblem& problem, const ParameterSet& parame
   Explore(&searches);
 }
 
-std::optional<Evidence::Trial> Evidence::NextView() const {
+std::optional<Evidence::Trial> Evidence::NextView() {
   const WeightedModel& best = models_[0];
   const double of_pose = std::log(kOfUnnamed * masses_.unnamed / masses_.nothing);
   std::vector<Trial> trials;
+  const auto try_kind = [&](NoiseView::Kind kind, double log_prior, const WeightedSet& set) {
+    const auto [known, is_new] = tried_.try_emplace({kind, set.members, set.scales});
+    if (is_new) known->second = BestView(kind, log_prior, set);
+    trials.push_back(known->second);
+  };
   const auto try_beside = [&](const WeightedSet& set) {
-    trials.push_back(BestView(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set));
-    if (columns_.HasRevisits()) trials.push_back(BestView(NoiseView::Kind::kPose, of_pose, set));
+    try_kind(NoiseView::Kind::kVisit, std::log(kNoiseIsWrong), set);
+    if (columns_.HasRevisits()) try_kind(NoiseView::Kind::kPose, of_pose, set);
   };
   try_beside(best.set);
   if (!best.set.members.empty()) try_beside(BestOfNothing().set);  // which other noise may be enough for

@@ -12,8 +12,10 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "estimator/diagnosis/explanations.h"
@@ -102,7 +104,7 @@ class Evidence {
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
   // The view that is most likely beside one of two sets, the best one and nothing; nothing where none is worth a
   // search.
-  std::optional<Trial> NextView() const;
+  std::optional<Trial> NextView();
   // What the best set of another evidence is called here.
   WeightedSet BestOf(const Evidence& other) const;
   // In one more view, from a set; what is best there is added to the models. False: it was not reached.
@@ -123,6 +125,8 @@ class Evidence {
   JointScatter stated_;
   std::deque<ViewedNormal> views_;  // stay where they are
   std::vector<WeightedModel> models_;
+  // Best views beside sets, by kind, members and scales: the set of nothing is asked every time.
+  std::map<std::tuple<NoiseView::Kind, std::vector<int>, std::vector<double>>, Trial> tried_;
 };
 
 }  // namespace sagitta
