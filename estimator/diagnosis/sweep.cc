@@ -237,11 +237,9 @@ Eigen::VectorXd Sweep::Gradient(const ColumnGroup& group) const {
 
 MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const ColumnGroup*>& given,
                          const std::vector<double>& scales)
-    : normal_(&normal), members_(normal, given), gradient_(normal.gradient) {
+    : members_(normal, given), gradient_(normal.gradient) {
   members_.Condition(scales);
   rows_ = members_.ScaledRows();
-  solved_ = rows_;
-  if (given.empty()) return;
   solved_ = TallProduct(rows_.transpose(), members_.inverse_).transpose();
   gradient_ -= rows_.transpose() * members_.solved_;
 }
@@ -249,7 +247,7 @@ MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const 
 // rows: W = L^-1 s M'G, then T_k = L^-T W;  along: w;  beside: U = s T M, M of the new group.
 void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const long count = members_.num_columns(), more = group.size();
-  const Eigen::MatrixXd own = ScaledRowsOf(*normal_, group, scale);
+  const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
   Eigen::MatrixXd rows = own;  // s M'G of what is left
   rows.noalias() -= scale * (ColumnsOf(group, rows_).transpose() * solved_);
   Eigen::MatrixXd inner = scale * ColumnsOf(group, rows);
@@ -288,7 +286,7 @@ Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group) const {
 }
 
 Eigen::MatrixXd MovingSweep::Information(const ColumnGroup& group) const {
-  return OwnInformation(*normal_, group) - Taken(group);
+  return OwnInformation(*members_.normal_, group) - Taken(group);
 }
 
 Eigen::VectorXd MovingSweep::Gradient(const ColumnGroup& group) const {

@@ -142,7 +142,6 @@ class MovingSweep {
   WithoutOne Without(size_t group) const;
 
  private:
-  const ProjectedNormal* normal_;
   Members members_;
   Eigen::MatrixXd rows_, solved_;  // Z and T
   Eigen::VectorXd gradient_;       // g that is left
