@@ -27,21 +27,17 @@ Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders) {
   return waves;
 }
 
-Eigen::MatrixXd Jumps(const Eigen::VectorXd& x, const std::vector<double>& places) {
-  Eigen::MatrixXd jumps(x.size(), static_cast<long>(places.size()));
-  for (size_t p = 0; p < places.size(); ++p) {
-    jumps.col(static_cast<long>(p)) = (x.array() > places[p]).cast<double>();
-  }
-  return jumps;
-}
-
-std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most) {
+std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most) {
   const std::set<double> distinct(x.data(), x.data() + x.size());
   const std::vector<double> sorted(distinct.begin(), distinct.end());
-  std::vector<double> places;
+  std::vector<Gap> gaps;
   const size_t stride = sorted.size() / static_cast<size_t>(most) + 1;
-  for (size_t i = stride; i < sorted.size(); i += stride) places.push_back(0.5 * (sorted[i - 1] + sorted[i]));
-  return places;
+  for (size_t i = stride; i < sorted.size(); i += stride) gaps.emplace_back(sorted[i - 1], sorted[i]);
+  return gaps;
+}
+
+Eigen::VectorXd Jump(const Eigen::VectorXd& x, const Gap& gap) {
+  return ((x.array() - gap.first) / (gap.second - gap.first)).cwiseMax(0.0).cwiseMin(1.0);
 }
 
 Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other) {

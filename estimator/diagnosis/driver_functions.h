@@ -12,10 +12,11 @@ namespace sagitta {
 Eigen::MatrixXd Bumps(const Eigen::VectorXd& x, double low, double high, int count);
 // cos and sin of n x for n = 1 .. orders, in pairs.
 Eigen::MatrixXd Waves(const Eigen::VectorXd& x, int orders);
-// One where x is above the place.
-Eigen::MatrixXd Jumps(const Eigen::VectorXd& x, const std::vector<double>& places);
-// Middles between distinct values, at most so many.
-std::vector<double> PlacesBetween(const Eigen::VectorXd& x, int most);
+// Neighbours among the distinct values of x, at most so many pairs.
+using Gap = std::pair<double, double>;
+std::vector<Gap> Gaps(const Eigen::VectorXd& x, int most);
+// A jump somewhere in a gap: 0 below, 1 above, within it the probability that it lies before x.
+Eigen::VectorXd Jump(const Eigen::VectorXd& x, const Gap& gap);
 
 // Every column of the one times every column of the other.
 Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& other);

@@ -4,12 +4,13 @@
 #include <set>
 
 #include "estimator/diagnosis/selected_effects.h"
+#include "estimator/diagnosis/unnamed_list.h"
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
 namespace {
 
-constexpr size_t kMostFunctions = 12;  // each costs a refit
+constexpr size_t kMostTried = 12;  // functions: each costs a refit
 
 Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) {
   Candidate candidate{spec};
@@ -18,6 +19,19 @@ Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) 
   }
   candidate.prior_scale = scale;
   return candidate;
+}
+
+// Between poses that lie far apart narrow bumps by themselves are zero: wider ones beside them carry the function over.
+// Each level with the prior that makes it as steep as the others are.
+std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale) {
+  std::vector<std::pair<EffectSpec, double>> levels = {{spec, scale}};
+  for (const int wide : kUnnamedBumps) {
+    const int own = spec.IntegerSetting("knots", 0);
+    if (own <= wide) continue;
+    levels.emplace_back(spec, scale * own / wide);
+    levels.back().first.settings["knots"] = std::to_string(wide);
+  }
+  return levels;
 }
 
 // A spring's shape is a narrow valley, and flat beside smooth functions: it stays where it was found.
@@ -44,32 +58,43 @@ class Learner {
         joint_(joint) {}
 
   std::optional<LearntModel> Run(const DiagnosedModel& baseline) {
+    WeightedSet kept;
     for (size_t k = 0; k < set_.members.size(); ++k) {
-      if (evidence_.list().IsUnnamed(set_.members[k])) Take(set_.members[k], set_.scales[k]);
+      const int member = set_.members[k];
+      if (evidence_.list().IsUnnamed(member) && !Take(member, set_.scales[k])) continue;
+      kept.members.push_back(member);
+      kept.scales.push_back(set_.scales[k]);
     }
-    set_ = search_.Evaluate(set_.members, set_.scales);
-    while (added_.size() < kMostFunctions && TakeNext()) continue;
+    set_ = search_.Evaluate(kept.members, kept.scales);
+    while (passed_.size() < kMostTried && TakeNext()) continue;
     if (added_.empty()) return std::nullopt;
     LearntModel learnt;
     const ParameterSet& start = with_.estimate.parameters;
     learnt.model = JudgeFully(with_.problem, start, start, joint_);
-    const bool is_no_better = HoldoutRms(learnt.model) >= HoldoutRms(final_);  // false without a hold-out
-    if (!IsUsable(learnt.model.estimate.status) || is_no_better) return std::nullopt;
+    if (!IsUsable(learnt.model.estimate.status) || IsNoBetter(learnt.model, final_)) return std::nullopt;
     learnt.gap = JudgeGap(baseline, learnt.model, evidence_.IsSigmaStated());
     for (const Candidate& candidate : added_) learnt.functions.push_back(WithValues(candidate.spec, learnt.model));
     return learnt;
   }
 
  private:
-  // Adds it to the model unless that does untouched rows harm, or the model has it. False: it is not taken.
+  // On untouched rows; without any it may be.
+  static bool IsNoBetter(const DiagnosedModel& with, const DiagnosedModel& without) {
+    return HoldoutRms(with) >= HoldoutRms(without);
+  }
+
+  // Adds it to the model where that does untouched rows good and the model has it not. False: it is not taken.
   bool Take(int explanation, double scale) {
+    passed_.insert(evidence_.list().name[explanation]);
     std::vector<Candidate> fresh;
     for (const EffectSpec& spec : evidence_.list().functions[evidence_.list().unnamed[explanation]].effects) {
-      if (!Has(spec)) fresh.push_back(CandidateOf(spec, final_.problem->robot(), scale));
+      for (const auto& [level, size] : LevelsOf(spec, scale)) {
+        if (!Has(level)) fresh.push_back(CandidateOf(level, final_.problem->robot(), size));
+      }
     }
     if (fresh.empty()) return false;
     DiagnosedModel with = Extend(with_, fresh, joint_);
-    if (!IsUsable(with.estimate.status) || MakesHoldoutWorse(with_, with)) return false;
+    if (!IsUsable(with.estimate.status) || IsNoBetter(with, with_)) return false;
     with_ = std::move(with);
     added_.insert(added_.end(), fresh.begin(), fresh.end());
     return true;
@@ -80,11 +105,11 @@ class Learner {
                        [&](const Candidate& candidate) { return candidate.spec.Path() == spec.Path(); });
   }
 
-  // The best that is left, by the evidence; what does harm is passed over. False: none stands out.
+  // The best that is left, by the evidence; what does no good is passed over. False: none stands out.
   bool TakeNext() {
     std::vector<double> scales;
     const std::vector<double> weights = search_.Additions(set_, &scales);
-    while (true) {
+    while (passed_.size() < kMostTried) {
       int best = -1;
       for (size_t k = 0; k < weights.size(); ++k) {
         const int explanation = static_cast<int>(k);
@@ -93,13 +118,13 @@ class Learner {
         if (best < 0 || weights[k] > weights[static_cast<size_t>(best)]) best = explanation;
       }
       if (best < 0) return false;
-      passed_.insert(evidence_.list().name[best]);
       if (!Take(best, scales[static_cast<size_t>(best)])) continue;
       std::vector<int> members = set_.members;
       members.insert(std::lower_bound(members.begin(), members.end(), best), best);
       set_ = search_.Evaluate(members);
       return true;
     }
+    return false;
   }
 
   static EffectSpec WithValues(EffectSpec spec, const DiagnosedModel& model) {

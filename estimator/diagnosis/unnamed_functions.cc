@@ -10,7 +10,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kAlike = 1e-3;  // of the largest: directions of functions that add less are dropped
-constexpr int kDigits = 7;       // of a range, in the settings of an effect
 
 // As the setting `by` names it; "" where none does.
 const char* SettingOf(DriverKind kind) {
@@ -32,14 +31,12 @@ const char* SettingOf(DriverKind kind) {
 
 }  // namespace
 
-void GroupedFunctions::Append(const Eigen::MatrixXd& more, const std::string& kind, int per_group,
-                              const Settings& settings) {
+void GroupedFunctions::Append(const Eigen::MatrixXd& more, const std::string& kind, const Settings& settings,
+                              const std::string& effect, double listed) {
   const long before = columns.cols();
   columns.conservativeResize(more.rows(), before + more.cols());
   columns.rightCols(more.cols()) = more;
-  for (int c = 0; c < more.cols(); c += per_group) {
-    groups.push_back({kind, static_cast<int>(before) + c, per_group, settings});
-  }
+  groups.push_back({kind, static_cast<int>(before), static_cast<int>(more.cols()), settings, effect, listed});
 }
 
 UnnamedList::UnnamedList(const CalibrationProblem& problem, EvidenceColumns* columns)
@@ -56,8 +53,7 @@ bool UnnamedList::Smooth(const Eigen::VectorXd& x, const std::string& kind, Grou
 void UnnamedList::AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count,
                               GroupedFunctions* functions) const {
   const Eigen::VectorXd fitted = OnFitted(x);
-  functions->Append(Bumps(x, fitted.minCoeff(), fitted.maxCoeff(), count), kind, count,
-                    {{"knots", std::to_string(count)}});
+  functions->Append(Bumps(x, fitted.minCoeff(), fitted.maxCoeff(), count), kind, {{"knots", std::to_string(count)}});
 }
 
 EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, const std::string& target) const {
@@ -70,7 +66,7 @@ EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, co
 }
 
 void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what,
-                               const std::string& family, double listed) {
+                               const std::string& family) {
   const Compressed compressed = Compress(functions.columns, kAlike);
   std::vector<std::vector<int>> own;
   for (const Source& source : what.sources) own.push_back(columns_->Add({source, compressed.basis}));
@@ -85,8 +81,11 @@ void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedF
     }
     UnnamedFunction function = what;
     function.kind = group.kind;
-    for (EffectSpec& effect : function.effects) effect.settings.insert(group.settings.begin(), group.settings.end());
-    list_.push_back({std::move(columns), std::move(function), family, listed});
+    for (EffectSpec& effect : function.effects) {
+      if (!group.effect.empty()) effect = {group.effect, effect.target, {}, {}};
+      effect.settings.insert(group.settings.begin(), group.settings.end());
+    }
+    list_.push_back({std::move(columns), std::move(function), family, group.listed});
   }
 }
 

@@ -5,12 +5,15 @@
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/unnamed_list.h"
 #include "estimator/report/diagnosis_function_words.h"
+#include "models/constants.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
-constexpr int kOrders = 6;       // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
-constexpr int kPlaces = 24;      // of a jump along a joint's angle
+constexpr int kOrders = 6;     // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr size_t kJumps = 8;     // along a joint's angle, of all gaps between poses, kMostGaps at most
+constexpr int kMostGaps = 200;
 constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: phases within 2.6 degrees
 constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
 constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections goes over lie that close
@@ -18,7 +21,7 @@ constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections
 class JointFunctions : public UnnamedList {
  public:
   JointFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
-      : UnnamedList(problem, columns), parameters_(parameters) {}
+      : UnnamedList(problem, columns), parameters_(parameters), along_(columns->SumAlongJoints()) {}
 
   void Add() {
     AddJointFunctions();
@@ -43,8 +46,8 @@ class JointFunctions : public UnnamedList {
         const Eigen::VectorXd q = OfShots(problem_, [k](const ShotConditions& shot) { return shot.q[k]; });
         if (!Smooth(q, "smooth", &functions)) continue;
         if (k == j) AppendBumps(q, "smooth", kFineBumps, &functions);
-        if (k == j) functions.Append(Jumps(q, PlacesBetween(OnFitted(q), kPlaces)), "step", 1, Fine());
-        if (k != j && IsRevolute(problem_, k)) functions.Append(Waves(q, kOrders), "periodic", 2, Fine());
+        if (k == j) AppendJumps(q, j, &functions);
+        if (k != j && IsRevolute(problem_, k)) AppendWaves(q, k, &functions);
         const Driver angle = AngleOf(problem_, k);
         AddFunctions(functions,
                      {"",
@@ -75,6 +78,31 @@ class JointFunctions : public UnnamedList {
     }
   }
 
+  // Of the gaps between poses those that the rows say most of, each by itself.
+  void AppendJumps(const Eigen::VectorXd& q, int j, GroupedFunctions* functions) const {
+    const std::vector<Gap> gaps = Gaps(OnFitted(q), kMostGaps);
+    std::vector<std::pair<double, Gap>> reductions;
+    for (const Gap& gap : gaps) reductions.emplace_back(-ReductionByJump(Jump(q, gap), j), gap);
+    std::sort(reductions.begin(), reductions.end());
+    reductions.resize(std::min<size_t>(reductions.size(), kJumps));
+    const double unit = IsRevolute(problem_, j) ? kDegree : 1e-3;
+    const double listed = static_cast<double>(reductions.size()) / static_cast<double>(gaps.size());
+    for (const auto& [reduction, gap] : reductions) {
+      functions->Append(Jump(q, gap), "step",
+                        {{"driver", JointName(j)},
+                         {"from", Significant(gap.first / unit, kDigits)},
+                         {"to", Significant(gap.second / unit, kDigits)}},
+                        "learnt_jump_deviation", listed);
+    }
+  }
+
+  void AppendWaves(const Eigen::VectorXd& q, int driver, GroupedFunctions* functions) const {
+    for (int n = 1; n <= kOrders; ++n) {
+      functions->Append(Waves(n * q, 1), "periodic", {{"driver", JointName(driver)}, {"order", std::to_string(n)}},
+                        "learnt_wave_deviation");
+    }
+  }
+
   // The heat of the drives: each joint deviates in its own way.
   void AddAllJoints() {
     const Driver time = TimeOf(problem_);
@@ -101,7 +129,6 @@ class JointFunctions : public UnnamedList {
   // nothing else considered (they are as good as orthogonal to whatever is smooth); and for each order of the catalogue
   // one that these poses cannot tell from it, for all of them. The prior counts them all.
   void AddRipple() {
-    const EvidenceColumns::AlongJoints sums = columns_->SumAlongJoints();
     const int first = ResolvedOrders(problem_) + 1, orders = kMostHarmonicOrders + 1 - first;
     for (int j = 0; j < joints(); ++j) {
       if (!IsRevolute(problem_, j) || orders < kRipples) continue;
@@ -115,7 +142,7 @@ class JointFunctions : public UnnamedList {
         if (k < first) {
           ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
         } else {
-          reductions.emplace_back(-ReductionBy(n * q, sums, j), n);
+          reductions.emplace_back(-ReductionByWave(n * q, j), n);
         }
       }
       std::sort(reductions.begin(), reductions.end());
@@ -127,30 +154,37 @@ class JointFunctions : public UnnamedList {
   }
 
   // Of chi-square, by a joint that deviates with this phase.
-  static double ReductionBy(const Eigen::ArrayXd& phase, const EvidenceColumns::AlongJoints& sums, int j) {
-    double reduction = 0.0;
-    for (const Eigen::ArrayXd& wave : {Eigen::ArrayXd(phase.cos()), Eigen::ArrayXd(phase.sin())}) {
-      const double along = (wave * sums.residual.col(j).array()).sum();
-      const double square = (wave.square() * sums.square.col(j).array()).sum();
-      reduction += square > 0.0 ? along * along / square : 0.0;
-    }
-    return reduction;
+  double ReductionByWave(const Eigen::ArrayXd& phase, int j) const {
+    return ReductionBy(phase.cos(), j, 0.0) + ReductionBy(phase.sin(), j, 0.0);
+  }
+
+  // The same by one that jumps: its mean is the joint's zero, which is believed.
+  double ReductionByJump(const Eigen::ArrayXd& jump, int j) const {
+    const Eigen::ArrayXd weights = along_.square.col(j).array();
+    return ReductionBy(jump, j, (weights * jump).sum() / weights.sum());
+  }
+
+  // (f'b)^2 / sum a (f - mean)^2: the residual is orthogonal to what is believed.
+  double ReductionBy(const Eigen::ArrayXd& function, int j, double mean) const {
+    const double along = (function * along_.residual.col(j).array()).sum();
+    const double square = ((function - mean).square() * along_.square.col(j).array()).sum();
+    return square > 0.0 ? along * along / square : 0.0;
   }
 
   void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {
     GroupedFunctions functions;
-    functions.Append(Waves(order * q, 1), "periodic", 2, {});
+    functions.Append(Waves(order * q, 1), "periodic", {}, "", listed);
     const std::string& name = JointName(j);
     const EffectSpec effect{"joint_harmonic", name, {{"order", std::to_string(order)}}, {}};
     AddFunctions(functions,
                  {"", name, {name}, RepeatsPerTurn(name, order), {{Source::Kind::kJoint, j, 0}}, {}, {effect}},
-                 "ripple", listed);
+                 "ripple");
   }
 
   // The effect; its knots go by the group of functions.
-  EffectSpec Surface(int j, int a, int b) const {
-    const EffectSpec with = Over(AngleOf(problem_, b), "learnt_surface_deviation", JointName(j));
-    EffectSpec effect = Over(AngleOf(problem_, a), "learnt_surface_deviation", JointName(j));
+  EffectSpec OverBoth(const std::string& name, int j, int a, int b) const {
+    const EffectSpec with = Over(AngleOf(problem_, b), name, JointName(j));
+    EffectSpec effect = Over(AngleOf(problem_, a), name, JointName(j));
     effect.settings.erase("by");
     effect.settings["with"] = JointName(b);
     effect.settings["from_with"] = with.settings.at("from");
@@ -167,7 +201,7 @@ class JointFunctions : public UnnamedList {
         if (!Smooth(one.of_shot, "other", &along) || !Smooth(other.of_shot, "other", &across)) continue;
         GroupedFunctions surface;
         surface.Append(Products(along.columns.leftCols(kUnnamedBumps[0]), across.columns.leftCols(kUnnamedBumps[0])),
-                       "other", kUnnamedBumps[0] * kUnnamedBumps[0], {{"knots", std::to_string(kUnnamedBumps[0])}});
+                       "other", {{"knots", std::to_string(kUnnamedBumps[0])}});
         for (const int j : {a, b}) {
           AddFunctions(surface,
                        {"",
@@ -176,11 +210,20 @@ class JointFunctions : public UnnamedList {
                         DeviatesOver(JointName(j), JointName(a), JointName(b)),
                         {{Source::Kind::kJoint, j, 0}},
                         {},
-                        {Surface(j, a, b)}},
+                        {OverBoth("learnt_surface_deviation", j, a, b)}},
                        "surface");
         }
       }
     }
+  }
+
+  bool Varies(const Eigen::VectorXd& x) const { return OnFitted(x).maxCoeff() > OnFitted(x).minCoeff(); }
+
+  // -1 to 1 over the range of the fitted shots.
+  Eigen::VectorXd OverItsRange(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd seen = OnFitted(x);
+    const double low = seen.minCoeff(), high = seen.maxCoeff();
+    return (2.0 * x.array() - low - high) / (high - low);
   }
 
   // A joint deviates with two joints' angles together.
@@ -189,16 +232,16 @@ class JointFunctions : public UnnamedList {
       for (int b = a + 1; b < joints(); ++b) {
         const Eigen::VectorXd p = OfShots(problem_, [a](const ShotConditions& shot) { return shot.q[a]; });
         const Eigen::VectorXd q = OfShots(problem_, [b](const ShotConditions& shot) { return shot.q[b]; });
-        const Eigen::ArrayXd u = p.array() - OnFitted(p).mean(), v = q.array() - OnFitted(q).mean();
-        if (!(OnFitted(p).maxCoeff() > OnFitted(p).minCoeff()) || !(OnFitted(q).maxCoeff() > OnFitted(q).minCoeff())) {
-          continue;
-        }
+        if (!Varies(p) || !Varies(q)) continue;
+        const Eigen::VectorXd u = OverItsRange(p), v = OverItsRange(q);
         GroupedFunctions product, waves;
-        product.Append((u * v).matrix(), "other", 1, {{"knots", std::to_string(kUnnamedBumps[0])}});
+        Eigen::MatrixXd bilinear(p.size(), 3);
+        bilinear << u, v, u.cwiseProduct(v);
+        product.Append(bilinear, "other", {});
         Eigen::MatrixXd turning(p.size(), 4);
         turning << (p + q).array().cos().matrix(), (p + q).array().sin().matrix(), (p - q).array().cos().matrix(),
             (p - q).array().sin().matrix();
-        waves.Append(turning, "other", 4, {});
+        waves.Append(turning, "other", {});
         for (int j = 0; j < joints(); ++j) {
           UnnamedFunction what{"",
                                JointName(j),
@@ -206,7 +249,7 @@ class JointFunctions : public UnnamedList {
                                DeviatesWithBoth(JointName(j), JointName(a), JointName(b)),
                                {{Source::Kind::kJoint, j, 0}},
                                {},
-                               {Surface(j, a, b)}};
+                               {OverBoth("learnt_product_deviation", j, a, b)}};
           AddFunctions(product, what, "two angles");
           what.effects = {
               {"learnt_pair_deviation", JointName(j), {{"driver", JointName(a)}, {"with", JointName(b)}}, {}}};
@@ -217,6 +260,7 @@ class JointFunctions : public UnnamedList {
   }
 
   const ParameterSet& parameters_;
+  const EvidenceColumns::AlongJoints along_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace sagitta {
 // Random smooth functions bend over a third or a ninth of the driver's range: a sag and a ripple.
 constexpr int kUnnamedBumps[] = {4, 10};
 constexpr int kFineBumps = 25;  // of a joint's own angle: a bump of 10 degrees
+constexpr int kDigits = 7;      // of a range, a place or a direction, in the settings of an effect
 
 using Settings = std::map<std::string, std::string>;
 
@@ -24,12 +25,15 @@ struct GroupedFunctions {
   struct Group {
     std::string kind;
     int first, count;
-    Settings settings;  // of the effect that is the same function
+    Settings settings;   // of the effect that is the same function
+    std::string effect;  // its name; empty: that of the whole list, over the driver's range
+    double listed;       // UnnamedGroup::listed
   };
   Eigen::MatrixXd columns;
   std::vector<Group> groups;
 
-  void Append(const Eigen::MatrixXd& more, const std::string& kind, int per_group, const Settings& settings);
+  void Append(const Eigen::MatrixXd& more, const std::string& kind, const Settings& settings,
+              const std::string& effect = "", double listed = 1.0);
 };
 
 // A list while it grows.
@@ -50,8 +54,7 @@ class UnnamedList {
   // An effect over the range of a driver; its knots go by the group of functions.
   EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
   // Every group of functions on one source or on several that move together.
-  void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family,
-                    double listed = 1.0);
+  void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family);
 
   const CalibrationProblem& problem_;
   EvidenceColumns* columns_;

@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kPeriods = 8;  // of waves over the time of the campaign
 constexpr int kSeats = 25;   // stretches of visits in which a loose part stays in its seat
-constexpr int kDigits = 7;   // of a place or a direction, in the settings of an effect
 
 std::string InMillimetres(double value) { return Significant(1e3 * value, kDigits); }
 
@@ -55,7 +54,9 @@ class PlaceFunctions : public UnnamedList {
         turn.settings["about_z_mm"] = InMillimetres(foot.z());
         const double span = time.of_shot.maxCoeff() - time.of_shot.minCoeff();
         AppendBumps(time.of_shot, "time", kFineBumps, &functions);
-        functions.Append(Waves(2.0 * kPi / span * time.of_shot, kPeriods), "time", 2, Fine());
+        for (int n = 1; n <= kPeriods; ++n) {
+          functions.Append(Waves(2.0 * kPi * n / span * time.of_shot, 1), "time", Fine());
+        }
         AddFunctions(functions,
                      {"",
                       station,
@@ -120,7 +121,7 @@ class PlaceFunctions : public UnnamedList {
       functions.row(static_cast<long>(s)) = FieldFunctions((places[s] - middle) / spread);
     }
     GroupedFunctions field;
-    field.Append(functions, "other", kNumFieldFunctions, {});
+    field.Append(functions, "other", {});
     const EffectSpec effect{"learnt_station_field",
                             name,
                             {{"x_mm", InMillimetres(middle.x())},
@@ -208,12 +209,11 @@ class PlaceFunctions : public UnnamedList {
         const Eigen::VectorXd& q = problem_.shot_inputs()[static_cast<size_t>(s)].conditions.q;
         functions.row(s) = DirectionFunctions(DownInFlange(problem_.robot().chain, q, down_in_base_), degree);
       }
-      down.Append(functions, "other", static_cast<int>(functions.cols()), {{"degree", std::to_string(degree)}});
+      down.Append(functions, "other", {{"degree", std::to_string(degree)}});
     }
     AddFunctions(down, leans, "loose");
     GroupedFunctions seats;
-    const Eigen::MatrixXd stretches = Stretches(order.of_shot, kSeats);
-    seats.Append(stretches, "other", static_cast<int>(stretches.cols()), Fine());
+    seats.Append(Stretches(order.of_shot, kSeats), "other", Fine());
     AddFunctions(seats, jumps, "loose");
   }
 

@@ -38,7 +38,10 @@ const EffectDefinition& MarkerAcceptance();
 const EffectDefinition& StationRefraction();
 // What has no name (learnt_deviation.cc, learnt_by_two.cc).
 const EffectDefinition& LearntDeviation();
+const EffectDefinition& LearntWaveDeviation();
+const EffectDefinition& LearntJumpDeviation();
 const EffectDefinition& LearntPairDeviation();
+const EffectDefinition& LearntProductDeviation();
 const EffectDefinition& LearntSurfaceDeviation();
 const EffectDefinition& LearntGrowth();
 const EffectDefinition& LearntStationMotion();

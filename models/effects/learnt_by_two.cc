@@ -1,5 +1,6 @@
 // Deviations of a joint that have no name and follow two joints together: waves of the sum and of the difference of
 // their angles, or a smooth surface over both, products of bumps (bump.h). As learnt_deviation.cc.
+#include <algorithm>
 #include <cmath>
 
 #include "models/effects/bump.h"
@@ -43,6 +44,10 @@ void DeviateByPair(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
+std::vector<EffectParameter> ProductWeights(const Robot& robot, const EffectSpec& spec) {
+  return {WeightOf(robot, spec, "u"), WeightOf(robot, spec, "v"), WeightOf(robot, spec, "uv")};
+}
+
 int KnotCount(const EffectSpec& spec) { return spec.IntegerSetting("knots", 2); }
 
 // w<i>_<k>: of the i-th knot of the driver and the k-th of the other.
@@ -63,6 +68,20 @@ Knots KnotsOf(const EffectContext& context, const char* joint, const char* from,
   return {unit * spec.NumberSetting(from, 0.0), unit * spec.NumberSetting(to, 1.0), KnotCount(spec)};
 }
 
+// Encoder side: u w_u + v w_v + u v w_uv, u and v from -1 to 1 over the joints' ranges, and no more beyond.
+void DeviateByProduct(const EffectContext& context, ShotTerms* terms) {
+  const auto over_range = [&](const char* joint, const char* from, const char* to) {
+    const Knots ends = KnotsOf(context, joint, from, to);
+    const double at = std::clamp(ValueOf(context, joint), ends.low, ends.high);
+    return (2.0 * at - ends.low - ends.high) / (ends.high - ends.low);
+  };
+  const double u = over_range("driver", "from", "to"), v = over_range("with", "from_with", "to_with");
+  int parameter = context.first_parameter;
+  for (const double function : {u, v, u * v}) {
+    terms->slots.push_back({context.joint_slot(), parameter++, context.joint_sign() * function});
+  }
+}
+
 void DeviateBySurface(const EffectContext& context, ShotTerms* terms) {
   const Knots one = KnotsOf(context, "driver", "from", "to");
   const Knots other = KnotsOf(context, "with", "from_with", "to_with");
@@ -73,6 +92,18 @@ void DeviateBySurface(const EffectContext& context, ShotTerms* terms) {
       terms->slots.push_back({context.joint_slot(), parameter++, sign * one.Value(i, a) * other.Value(k, b)});
     }
   }
+}
+
+// Two joints and the range of each.
+EffectDefinition OverRanges(EffectDefinition effect) {
+  SettingDefinition to{"to", Kind::kNumber, "", {}}, to_with{"to_with", Kind::kNumber, "", {}};
+  to.greater_than = "from";
+  to_with.greater_than = "from_with";
+  effect.settings = {{"driver", Kind::kJoint, "", {}},     {"with", Kind::kJoint, "", {}},
+                     {"from", Kind::kNumber, "", {}},      to,
+                     {"from_with", Kind::kNumber, "", {}}, to_with};
+  effect.on_prismatic = true;
+  return Empirical(std::move(effect));
 }
 
 }  // namespace
@@ -92,28 +123,22 @@ const EffectDefinition& LearntPairDeviation() {
   return definition;
 }
 
+const EffectDefinition& LearntProductDeviation() {
+  static const EffectDefinition definition =
+      OverRanges({"learnt_product_deviation", "learnt deviation of a joint with two", "bilinear function of two joints",
+                  EffectTarget::kJoint, ProductWeights, DeviateByProduct});
+  return definition;
+}
+
 const EffectDefinition& LearntSurfaceDeviation() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"learnt_surface_deviation",
-                            "learnt deviation of a joint over two",
-                            "smooth function of two joints together",
-                            EffectTarget::kJoint,
-                            SurfaceWeights,
-                            DeviateBySurface};
-    SettingDefinition to{"to", Kind::kNumber, "", {}}, to_with{"to_with", Kind::kNumber, "", {}};
+    EffectDefinition effect =
+        OverRanges({"learnt_surface_deviation", "learnt deviation of a joint over two",
+                    "smooth function of two joints together", EffectTarget::kJoint, SurfaceWeights, DeviateBySurface});
     SettingDefinition knots{"knots", Kind::kInteger, "", {}};
-    to.greater_than = "from";
-    to_with.greater_than = "from_with";
     knots.least = 2;
-    effect.settings = {{"driver", Kind::kJoint, "", {}},
-                       {"with", Kind::kJoint, "", {}},
-                       {"from", Kind::kNumber, "", {}},
-                       to,
-                       {"from_with", Kind::kNumber, "", {}},
-                       to_with,
-                       knots};
-    effect.on_prismatic = true;
-    return Empirical(std::move(effect));
+    effect.settings.push_back(knots);
+    return effect;
   }();
   return definition;
 }

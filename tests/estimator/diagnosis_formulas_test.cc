@@ -343,13 +343,19 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
   const CandidateList candidates = ListCandidates(problem, problem.parameters);
   EvidenceColumns columns(problem, problem.parameters, candidates.candidates);
   const ExplanationList list = ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns);
+  std::set<int> fitted;  // configurations, none with the angles of another
+  for (const int i : problem.CalibrationObservations()) {
+    fitted.insert(problem.data().shots[problem.data().observations[i].shot].configuration);
+  }
+  const double of_jumps = 8.0 / (static_cast<double>(fitted.size()) - 1.0), of_ripples = 6.0 / 124.0;
   std::map<bool, double> masses;
   std::map<std::pair<bool, std::string>, std::map<std::string, double>> targets;
   std::map<std::pair<bool, std::string>, std::map<std::string, std::set<double>>> settings;
   for (size_t k = 0; k < list.math.size(); ++k) {
     const bool unnamed = list.IsUnnamed(static_cast<int>(k));
     const double listed = list.place[k].listed, share = list.math[k].share / listed;
-    EXPECT_NEAR(listed, list.place[k].family == "ripple" ? 6.0 / 124.0 : 1.0, 1e-12);
+    const bool is_jump = unnamed && list.functions[list.unnamed[k]].kind == "step";
+    EXPECT_NEAR(listed, list.place[k].family == "ripple" ? of_ripples : is_jump ? of_jumps : 1.0, 1e-12);
     masses[unnamed] += share;
     targets[{unnamed, list.place[k].family}][list.place[k].target] += share;
     settings[{unnamed, list.place[k].family}][list.place[k].target].insert(share);

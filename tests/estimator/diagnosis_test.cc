@@ -325,18 +325,20 @@ TEST(Diagnosis, WhatHasNoNameIsLearntAndPredicts) {
   const LearntModel& learnt = *diagnosis.learnt;
   EXPECT_GT(learnt.gap.closed, 0.8);
   EXPECT_LT(HoldoutRms(learnt.model), 0.6 * HoldoutRms(diagnosis.final));
-  const EffectSpec& function = learnt.functions.at(0);
-  EXPECT_EQ(function.effect, "learnt_deviation");
-  EXPECT_EQ(function.target, "A3");
-  EXPECT_EQ(function.settings.at("driver"), "A3");
-  const double from = function.NumberSetting("from", 0.0) * kDegree, to = function.NumberSetting("to", 0.0) * kDegree;
-  const int count = function.IntegerSetting("knots", 0);
-  ASSERT_EQ(function.values.size(), static_cast<size_t>(count));
   const auto value = [&](double q) {
     double sum = 0.0;
-    for (int k = 0; k < count; ++k) {
-      const double apart = (to - from) / (count - 1), off = (q - from - k * apart) / apart;
-      sum += function.values[static_cast<size_t>(k)] * std::pow(kPi, -0.25) * std::exp(-0.5 * off * off);
+    for (const EffectSpec& function : learnt.functions) {  // bumps of several widths
+      EXPECT_EQ(function.effect, "learnt_deviation");
+      EXPECT_EQ(function.target, "A3");
+      EXPECT_EQ(function.settings.at("driver"), "A3");
+      const double from = function.NumberSetting("from", 0.0) * kDegree,
+                   to = function.NumberSetting("to", 0.0) * kDegree;
+      const size_t count = static_cast<size_t>(function.IntegerSetting("knots", 0));
+      EXPECT_EQ(function.values.size(), count);
+      for (size_t k = 0; k < count; ++k) {
+        const double apart = (to - from) / (count - 1.0), off = (q - from - k * apart) / apart;
+        sum += function.values[k] * std::pow(kPi, -0.25) * std::exp(-0.5 * off * off);
+      }
     }
     return sum;
   };

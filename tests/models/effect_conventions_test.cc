@@ -298,6 +298,52 @@ TEST(Conventions, LearntDeviationByAPair) {
   }
 }
 
+// Order 2 of J1 at 30 deg: cos(60 deg) = 0.5, sin(60 deg) = 0.8660254; at q2 = 0 the end rises by 0.4 m per rad.
+TEST(Conventions, LearntWave) {
+  const double sizes[2] = {0.5, 0.86602540378};
+  for (size_t k = 0; k < 2; ++k) {
+    TwoLinkScene scene;
+    scene.shot().q << 30 * kDegree, 0.0;
+    const double rigid = scene.Seen().z();
+    std::vector<double> values(2, 0.0);
+    values[k] = 100e-6;
+    scene.Add({"learnt_wave_deviation", "J2", {{"driver", "J1"}, {"order", "2"}}, values});
+    EXPECT_NEAR(scene.Seen().z(), rigid + 40e-6 * sizes[k], 4e-9) << k;
+  }
+}
+
+// Nothing up to 20 deg, half of it at 22 deg, all from 24 deg on.
+TEST(Conventions, LearntJump) {
+  const double at[5] = {-90.0, 20.0, 22.0, 24.0, 170.0}, share[5] = {0.0, 0.0, 0.5, 1.0, 1.0};
+  for (int k = 0; k < 5; ++k) {
+    TwoLinkScene scene;
+    scene.shot().q << at[k] * kDegree, 0.0;
+    const double rigid = scene.Seen().z();
+    scene.Add({"learnt_jump_deviation", "J2", {{"driver", "J1"}, {"from", "20"}, {"to", "24"}}, {100e-6}});
+    EXPECT_NEAR(scene.Seen().z(), rigid + 40e-6 * share[k], 4e-9) << k;
+  }
+}
+
+// J1 at 30 deg of [-60, 60] is u = 0.5, J2 at 60 deg of [0, 80] v = 0.5; beyond the ranges both stay 1.
+TEST(Conventions, LearntProduct) {
+  const double inside[3] = {0.5, 0.5, 0.25}, beyond[3] = {1.0, 1.0, 1.0};
+  for (size_t k = 0; k < 3; ++k) {
+    std::vector<double> values(3, 0.0);
+    values[k] = 100e-6;
+    for (const bool is_beyond : {false, true}) {
+      TwoLinkScene scene;
+      scene.shot().q << (is_beyond ? 80.0 : 30.0) * kDegree, (is_beyond ? 90.0 : 60.0) * kDegree;
+      const double rise = 0.4 * std::cos(scene.shot().q[1]), rigid = scene.Seen().z();
+      scene.Add(
+          {"learnt_product_deviation",
+           "J2",
+           {{"driver", "J1"}, {"with", "J2"}, {"from", "-60"}, {"to", "60"}, {"from_with", "0"}, {"to_with", "80"}},
+           values});
+      EXPECT_NEAR(scene.Seen().z(), rigid + rise * 100e-6 * (is_beyond ? beyond : inside)[k], 4e-9) << k;
+    }
+  }
+}
+
 // -100 N at 0.4 m are 40 N m about the transform's axis (y, down). Knots at 40 and 120 N m: the first is at its middle,
 // pi^(-1/4) = 0.75112554: 75.112554 urad, 30.045022 um up; the second a distance away, exp(-1/2): 18.223227 um.
 TEST(Conventions, LearntDeviationByTheTorque) {

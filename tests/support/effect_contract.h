@@ -70,8 +70,10 @@ inline std::vector<EffectSpec> ContractUses(const std::vector<const EffectDefini
       std::vector<std::string> texts = setting.choices;
       if (setting.kind == SettingDefinition::Kind::kInteger) texts = {std::to_string(setting.least), "3"};
       if (setting.kind == SettingDefinition::Kind::kNumber) texts = {setting.choices.empty() ? "100" : texts.back()};
-      if (setting.name.rfind("from", 0) == 0) texts = {"-9000"};  // seen by every driver of ContractShot
-      if (setting.name.rfind("to", 0) == 0) texts = {"9000"};
+      // Seen by every driver of ContractShot; of two joints their range.
+      const std::string reach = spec.effect == "learnt_product_deviation" ? "180" : "9000";
+      if (setting.name.rfind("from", 0) == 0) texts = {"-" + reach};
+      if (setting.name.rfind("to", 0) == 0) texts = {reach};
       if (setting.kind == SettingDefinition::Kind::kMoment) texts = {"100"};
       if (setting.kind == SettingDefinition::Kind::kJoint) texts = {setting.name == "with" ? "A4" : "A2"};
       for (EffectSpec variant : before) {
