@@ -23,6 +23,9 @@ Eigen::MatrixXd Products(const Eigen::MatrixXd& one, const Eigen::MatrixXd& othe
 // One in each of so many stretches of equally many distinct values, in ascending order; fewer where there are fewer.
 Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most);
 
+// So many unit vectors, evenly over half of the sphere (z >= 0).
+std::vector<Eigen::Vector3d> HalfOfAllDirections(int count);
+
 // functions = basis * mixing to within `tolerance` of the largest singular value: fewer columns where many functions
 // are alike.
 struct Compressed {

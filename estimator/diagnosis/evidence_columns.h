@@ -124,12 +124,16 @@ class EvidenceColumns {
   // returned.
   BesideBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
 
-  // Of a unit deviation of each joint in each shot, over the fitted rows: its square, and its product with the residual
-  // (shots x joints); noise as stated, nothing eliminated.
-  struct AlongJoints {
+  // Of a unit of each source in each shot, over the fitted rows: its square, and its product with the residual (shots x
+  // sources); noise as stated, nothing eliminated.
+  struct AlongSources {
     Eigen::MatrixXd square, residual;
+
+    // Of chi-square, by a function of the shots that one source follows: (f'b)^2 / sum a f^2, as the residual is
+    // orthogonal to what is believed. is_offset: a constant is believed, and f counts from its mean.
+    double Reduction(Eigen::ArrayXd function, long source, bool is_offset = false) const;
   };
-  AlongJoints SumAlongJoints() const;
+  AlongSources SumAlong(const std::vector<Source>& sources) const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
   // Rows [believed, columns] of one pose that need not be fitted, whitened, for each list of columns; and products of

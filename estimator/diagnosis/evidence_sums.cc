@@ -104,22 +104,33 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
   return sums;
 }
 
-EvidenceColumns::AlongJoints EvidenceColumns::SumAlongJoints() const {
+EvidenceColumns::AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const {
   const Measurements& data = extended_.data();
   const Eigen::MatrixXd none =
-      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), extended_.robot().num_joints());
-  AlongJoints sums{none, none};
+      Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), static_cast<long>(sources.size()));
+  AlongSources sums{none, none};
   Block scratch;
   for (size_t b = 0; b < poses_of_block_.size(); ++b) {
     const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    for (size_t o = 0; o < block.observations.size(); ++o) {
-      const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
-      const auto moved = block.here->latent.middleRows(top, 3);
-      sums.square.row(shot) += moved.colwise().squaredNorm();
-      sums.residual.row(shot) += block.here->residual.segment<3>(top).transpose() * moved;
+    for (size_t s = 0; s < sources.size(); ++s) {
+      const Eigen::VectorXd moved = SourceRows(block, sources[s]);
+      for (size_t o = 0; o < block.observations.size(); ++o) {
+        const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
+        const auto own = moved.segment<3>(top);
+        sums.square(shot, static_cast<long>(s)) += own.squaredNorm();
+        sums.residual(shot, static_cast<long>(s)) += block.here->residual.segment<3>(top).dot(own);
+      }
     }
   }
   return sums;
+}
+
+double EvidenceColumns::AlongSources::Reduction(Eigen::ArrayXd function, long source, bool is_offset) const {
+  const Eigen::ArrayXd weights = square.col(source).array();
+  if (is_offset) function -= (weights * function).sum() / std::max(weights.sum(), 1e-300);
+  const double along = (function * residual.col(source).array()).sum();
+  const double all = (weights * function.square()).sum();
+  return all > 0.0 ? along * along / all : 0.0;
 }
 
 std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every) const {

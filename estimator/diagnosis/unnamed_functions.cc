@@ -67,6 +67,7 @@ EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, co
 
 void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what,
                                const std::string& family) {
+  if (functions.groups.empty()) return;
   const Compressed compressed = Compress(functions.columns, kAlike);
   std::vector<std::vector<int>> own;
   for (const Source& source : what.sources) own.push_back(columns_->Add({source, compressed.basis}));

@@ -11,8 +11,8 @@
 namespace sagitta {
 namespace {
 
-constexpr int kOrders = 6;     // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
-constexpr size_t kJumps = 8;     // along a joint's angle, of all gaps between poses, kMostGaps at most
+constexpr int kOrders = 6;    // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr size_t kJumps = 8;  // along a joint's angle, of all gaps between poses, kMostGaps at most
 constexpr int kMostGaps = 200;
 constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: phases within 2.6 degrees
 constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
@@ -21,7 +21,7 @@ constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections
 class JointFunctions : public UnnamedList {
  public:
   JointFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
-      : UnnamedList(problem, columns), parameters_(parameters), along_(columns->SumAlongJoints()) {}
+      : UnnamedList(problem, columns), parameters_(parameters), along_(columns->SumAlong(Joints())) {}
 
   void Add() {
     AddJointFunctions();
@@ -32,6 +32,12 @@ class JointFunctions : public UnnamedList {
   }
 
  private:
+  std::vector<Source> Joints() const {
+    std::vector<Source> sources;
+    for (int j = 0; j < joints(); ++j) sources.push_back({Source::Kind::kJoint, j, 0});
+    return sources;
+  }
+
   // A joint deviates with a driver.
   void AddJointFunctions() {
     const bool loaded = std::any_of(problem_.shot_inputs().begin(), problem_.shot_inputs().end(),
@@ -82,7 +88,7 @@ class JointFunctions : public UnnamedList {
   void AppendJumps(const Eigen::VectorXd& q, int j, GroupedFunctions* functions) const {
     const std::vector<Gap> gaps = Gaps(OnFitted(q), kMostGaps);
     std::vector<std::pair<double, Gap>> reductions;
-    for (const Gap& gap : gaps) reductions.emplace_back(-ReductionByJump(Jump(q, gap), j), gap);
+    for (const Gap& gap : gaps) reductions.emplace_back(-along_.Reduction(Jump(q, gap), j, true), gap);
     std::sort(reductions.begin(), reductions.end());
     reductions.resize(std::min<size_t>(reductions.size(), kJumps));
     const double unit = IsRevolute(problem_, j) ? kDegree : 1e-3;
@@ -142,7 +148,7 @@ class JointFunctions : public UnnamedList {
         if (k < first) {
           ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
         } else {
-          reductions.emplace_back(-ReductionByWave(n * q, j), n);
+          reductions.emplace_back(-along_.Reduction((n * q).cos(), j) - along_.Reduction((n * q).sin(), j), n);
         }
       }
       std::sort(reductions.begin(), reductions.end());
@@ -151,24 +157,6 @@ class JointFunctions : public UnnamedList {
       for (const auto& [reduction, n] : reductions) AddWave(j, n, q, each);
       for (const auto& [k, alias] : aliases) AddWave(j, alias.first, q, each * alias.second);
     }
-  }
-
-  // Of chi-square, by a joint that deviates with this phase.
-  double ReductionByWave(const Eigen::ArrayXd& phase, int j) const {
-    return ReductionBy(phase.cos(), j, 0.0) + ReductionBy(phase.sin(), j, 0.0);
-  }
-
-  // The same by one that jumps: its mean is the joint's zero, which is believed.
-  double ReductionByJump(const Eigen::ArrayXd& jump, int j) const {
-    const Eigen::ArrayXd weights = along_.square.col(j).array();
-    return ReductionBy(jump, j, (weights * jump).sum() / weights.sum());
-  }
-
-  // (f'b)^2 / sum a (f - mean)^2: the residual is orthogonal to what is believed.
-  double ReductionBy(const Eigen::ArrayXd& function, int j, double mean) const {
-    const double along = (function * along_.residual.col(j).array()).sum();
-    const double square = ((function - mean).square() * along_.square.col(j).array()).sum();
-    return square > 0.0 ? along * along / square : 0.0;
   }
 
   void AddWave(int j, int order, const Eigen::ArrayXd& q, double listed) {
@@ -260,7 +248,7 @@ class JointFunctions : public UnnamedList {
   }
 
   const ParameterSet& parameters_;
-  const EvidenceColumns::AlongJoints along_;
+  const EvidenceColumns::AlongSources along_;
 };
 
 }  // namespace

@@ -14,12 +14,33 @@ namespace {
 constexpr int kPeriods = 8;  // of waves over the time of the campaign
 constexpr int kSeats = 25;   // stretches of visits in which a loose part stays in its seat
 
+constexpr int kPlateAxes = 6;
+// Of the seats of a loose part: directions 10 degrees apart, and gaps between shots.
+constexpr int kDirections = 200;
+constexpr int kMostGaps = 50;
+constexpr int kFewestOfASide = 3;  // shots: of fewer it is a few bad rows
+constexpr size_t kSides = 6;
+
+// A jump of gravity's component along a direction of the flange, and what it explains of chi-square.
+struct Side {
+  double reduction;
+  Vector3<double> along;
+  Gap gap;
+};
+
 std::string InMillimetres(double value) { return Significant(1e3 * value, kDigits); }
 
 class PlaceFunctions : public UnnamedList {
  public:
   PlaceFunctions(const CalibrationProblem& problem, const ParameterSet& parameters, EvidenceColumns* columns)
-      : UnnamedList(problem, columns), parameters_(parameters), down_in_base_(DownInBase(problem, parameters)) {}
+      : UnnamedList(problem, columns),
+        parameters_(parameters),
+        down_in_base_(DownInBase(problem, parameters)),
+        along_(columns->SumAlong(LooseParts())) {
+    for (const ShotInput& shot : problem.shot_inputs()) {
+      down_.push_back(DownInFlange(problem.robot().chain, shot.conditions.q, down_in_base_));
+    }
+  }
 
   void Add() {
     AddStations();
@@ -181,33 +202,51 @@ class PlaceFunctions : public UnnamedList {
                       {Over(driver, "learnt_marker_motion", marker)}},
                      "marker");
       }
-      AddLoose("marker " + marker, marker, sources, {static_cast<int>(m)});
+      AddLoose("marker " + marker, marker, {static_cast<int>(m)}, 3 * static_cast<int>(m), 3);
     }
   }
 
-  // What sits loose goes to the side that is down, or to another seat between visits.
-  void AddLoose(const std::string& what, const std::string& acts_on, const std::vector<Source>& sources,
-                const std::vector<int>& markers) {
+  // Along the axes of every marker, then of what carries them.
+  std::vector<Source> LooseParts() const {
+    std::vector<Source> sources;
+    for (size_t m = 0; m < problem_.data().markers.size(); ++m) {
+      for (const Source& axis : Axes(Source::Kind::kMarker, static_cast<int>(m))) sources.push_back(axis);
+    }
+    for (int axis = 0; axis < kPlateAxes; ++axis) sources.push_back({Source::Kind::kPlate, 0, axis});
+    return sources;
+  }
+
+  Settings DownSettings() const {
+    return {{"down_x", Significant(down_in_base_.x(), kDigits)},
+            {"down_y", Significant(down_in_base_.y(), kDigits)},
+            {"down_z", Significant(down_in_base_.z(), kDigits)}};
+  }
+
+  // What sits loose goes to the side that is down, smoothly or at once, or to another seat between visits. first,
+  // count: of its axes among LooseParts.
+  void AddLoose(const std::string& what, const std::string& acts_on, const std::vector<int>& markers, int first,
+                int count) {
+    const std::vector<Source> all = LooseParts();
+    const std::vector<Source> sources(all.begin() + first, all.begin() + first + count);
+    UnnamedFunction falls{"", acts_on, {"gravity"}, FallsIntoAnotherSeat(what), sources, {}, {}};
+    for (const int m : markers) {
+      falls.effects.push_back({"learnt_marker_seat", problem_.data().markers[static_cast<size_t>(m)], {}, {}});
+    }
+    AddFunctions(Sides(first, count), falls, "loose");
     UnnamedFunction leans{"", acts_on, {"gravity"}, MovesWithGravity(what), sources, {}, {}};
     UnnamedFunction jumps{"", acts_on, {"visits"}, ChangesItsSeat(what), sources, {}, {}};
     const Driver order = OrderOf(problem_);
     for (const int m : markers) {
       const std::string& marker = problem_.data().markers[static_cast<size_t>(m)];
-      leans.effects.push_back({"learnt_marker_motion",
-                               marker,
-                               {{"by", "gravity"},
-                                {"down_x", Significant(down_in_base_.x(), kDigits)},
-                                {"down_y", Significant(down_in_base_.y(), kDigits)},
-                                {"down_z", Significant(down_in_base_.z(), kDigits)}},
-                               {}});
+      leans.effects.push_back({"learnt_marker_motion", marker, DownSettings(), {}});
+      leans.effects.back().settings["by"] = "gravity";
       if (order.kind == DriverKind::kTime) jumps.effects.push_back(Over(order, "learnt_marker_motion", marker));
     }
     GroupedFunctions down;
     for (const int degree : {1, 3}) {
-      Eigen::MatrixXd functions(static_cast<long>(problem_.shot_inputs().size()), NumDirectionFunctions(degree));
-      for (long s = 0; s < functions.rows(); ++s) {
-        const Eigen::VectorXd& q = problem_.shot_inputs()[static_cast<size_t>(s)].conditions.q;
-        functions.row(s) = DirectionFunctions(DownInFlange(problem_.robot().chain, q, down_in_base_), degree);
+      Eigen::MatrixXd functions(static_cast<long>(down_.size()), NumDirectionFunctions(degree));
+      for (size_t s = 0; s < down_.size(); ++s) {
+        functions.row(static_cast<long>(s)) = DirectionFunctions(down_[s], degree);
       }
       down.Append(functions, "other", {{"degree", std::to_string(degree)}});
     }
@@ -217,17 +256,60 @@ class PlaceFunctions : public UnnamedList {
     AddFunctions(seats, jumps, "loose");
   }
 
+  // A jump of gravity's component along a direction: of all directions and gaps between shots those that the rows say
+  // most of, each by itself.
+  GroupedFunctions Sides(int first, int count) const {
+    std::vector<Side> sides;
+    double tried = 0.0;
+    for (const Vector3<double>& along : HalfOfAllDirections(kDirections)) {
+      const Eigen::VectorXd component = Component(along), fitted = OnFitted(component);
+      Side best{0.0, along, {}};
+      for (const Gap& gap : Gaps(fitted, kMostGaps)) {
+        const double beyond = static_cast<double>((fitted.array() >= gap.second).count());
+        if (std::min(beyond, static_cast<double>(fitted.size()) - beyond) < kFewestOfASide) continue;
+        ++tried;
+        const Eigen::VectorXd jump = Jump(component, gap);
+        double reduction = 0.0;
+        for (int axis = first; axis < first + count; ++axis) reduction += along_.Reduction(jump, axis, true);
+        if (reduction > best.reduction) best = {reduction, along, gap};
+      }
+      if (best.reduction > 0.0) sides.push_back(best);
+    }
+    std::stable_sort(sides.begin(), sides.end(),
+                     [](const Side& a, const Side& b) { return a.reduction > b.reduction; });
+    sides.resize(std::min(sides.size(), kSides));
+    GroupedFunctions functions;
+    for (const Side& side : sides) {
+      Settings settings = DownSettings();
+      settings["along_x"] = Significant(side.along.x(), kDigits);
+      settings["along_y"] = Significant(side.along.y(), kDigits);
+      settings["along_z"] = Significant(side.along.z(), kDigits);
+      settings["from"] = Significant(side.gap.first, kDigits);
+      settings["to"] = Significant(side.gap.second, kDigits);
+      functions.Append(Jump(Component(side.along), side.gap), "step", settings, "learnt_marker_seat",
+                       static_cast<double>(sides.size()) / tried);
+    }
+    return functions;
+  }
+
+  Eigen::VectorXd Component(const Vector3<double>& along) const {
+    Eigen::VectorXd component(static_cast<long>(down_.size()));
+    for (size_t s = 0; s < down_.size(); ++s) component[static_cast<long>(s)] = along.dot(down_[s]);
+    return component;
+  }
+
   // With one marker it is that marker. As an effect it is one of each marker.
   void AddPlate() {
     const std::vector<int> markers = MarkersOnFlange(problem_);
     if (markers.size() < 2) return;
-    std::vector<Source> axes;
-    for (int axis = 0; axis < 6; ++axis) axes.push_back({Source::Kind::kPlate, 0, axis});
-    AddLoose("what carries the markers", "flange", axes, markers);
+    AddLoose("what carries the markers", "flange", markers, 3 * static_cast<int>(problem_.data().markers.size()),
+             kPlateAxes);
   }
 
   const ParameterSet& parameters_;
-  Vector3<double> down_in_base_;
+  const Vector3<double> down_in_base_;
+  const EvidenceColumns::AlongSources along_;  // LooseParts
+  std::vector<Vector3<double>> down_;          // of each shot, in the flange
 };
 
 }  // namespace

@@ -48,6 +48,8 @@ std::string MarkerMovesWith(const std::string& marker, const std::string& driver
 
 std::string MovesWithGravity(const std::string& what) { return what + " moves with the direction of gravity"; }
 
+std::string FallsIntoAnotherSeat(const std::string& what) { return what + " falls into another seat as gravity turns"; }
+
 std::string ChangesItsSeat(const std::string& what) { return what + " changes its seat between visits"; }
 
 std::string WaveInWords(const std::string& size, int per_turn, const std::string& driver) {

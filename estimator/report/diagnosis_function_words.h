@@ -20,6 +20,7 @@ std::string StationIsDistorted(const std::string& station);
 std::string MarkerMovesWith(const std::string& marker, const std::string& driver);
 // `what` sits loose.
 std::string MovesWithGravity(const std::string& what);
+std::string FallsIntoAnotherSeat(const std::string& what);
 std::string ChangesItsSeat(const std::string& what);
 
 // Shapes of a learnt function; sizes come as text with their units.

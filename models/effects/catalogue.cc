@@ -44,6 +44,7 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &LearntGrowth(),
       &LearntStationMotion(),
       &LearntMarkerMotion(),
+      &LearntMarkerSeat(),
       &LearntStationField(),
   };
   return catalogue;

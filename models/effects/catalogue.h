@@ -46,6 +46,7 @@ const EffectDefinition& LearntSurfaceDeviation();
 const EffectDefinition& LearntGrowth();
 const EffectDefinition& LearntStationMotion();
 const EffectDefinition& LearntMarkerMotion();
+const EffectDefinition& LearntMarkerSeat();
 const EffectDefinition& LearntStationField();
 
 // EffectDefinition::separate_by of several effects.

@@ -1,11 +1,13 @@
-// Deviations of a joint that have no name and no width: a wave over another joint's angle, a jump at a place. As
-// learnt_deviation.cc, but a sum of bumps would follow neither between its knots nor where no pose was measured.
+// Deviations that have no name and no width: a wave over another joint's angle, a jump at a place, a loose marker that
+// falls to the side that is down. As learnt_deviation.cc, but a sum of smooth functions would follow none of them
+// between its knots or where no pose was measured.
 #include <algorithm>
 #include <cmath>
 
 #include "models/constants.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
+#include "models/effects/pose_functions.h"
 
 namespace sagitta {
 namespace {
@@ -40,14 +42,51 @@ std::vector<EffectParameter> JumpWeight(const Robot& robot, const EffectSpec& sp
   return {WeightOf(robot, spec, "jump")};
 }
 
-// Encoder side: the jump beyond `to`, nothing before `from`, and evenly more between them, where it lies somewhere.
+// 0 before `from`, 1 beyond `to`, evenly more between them, where the jump lies somewhere.
+double ShareBeyond(const EffectSpec& spec, double unit, double at) {
+  const double from = unit * spec.NumberSetting("from", 0.0), to = unit * spec.NumberSetting("to", 1.0);
+  return std::clamp((at - from) / (to - from), 0.0, 1.0);
+}
+
+// Encoder side.
 void DeviateByJump(const EffectContext& context, ShotTerms* terms) {
   const int driver = Driver(*context.robot, *context.spec);
   const double unit = Slides(*context.robot, driver) ? 1e-3 : kDegree;
-  const double from = unit * context.spec->NumberSetting("from", 0.0),
-               to = unit * context.spec->NumberSetting("to", 1.0);
-  const double share = std::clamp((context.shot->q[driver] - from) / (to - from), 0.0, 1.0);
+  const double share = ShareBeyond(*context.spec, unit, context.shot->q[driver]);
   terms->slots.push_back({context.joint_slot(), context.first_parameter, share * context.joint_sign()});
+}
+
+std::vector<EffectParameter> SeatWeights(const Robot&, const EffectSpec&) {
+  return {{"x", Quantity::kShift, kTypicalMovement},
+          {"y", Quantity::kShift, kTypicalMovement},
+          {"z", Quantity::kShift, kTypicalMovement}};
+}
+
+Vector3<double> DirectionOf(const EffectSpec& spec, const char* name) {
+  const auto of = [&](const char* axis) { return spec.NumberSetting(std::string(name) + axis, 0.0); };
+  return Vector3<double>(of("_x"), of("_y"), of("_z")).normalized();
+}
+
+// The marker is off its seat where gravity's component along a direction of the nominal flange is beyond `to`, on it
+// before `from`, evenly between them.
+void MoveToSeat(const EffectContext& context, ShotTerms* terms) {
+  const EffectSpec& spec = *context.spec;
+  const Vector3<double> down = DownInFlange(context.chain(), context.shot->q, DirectionOf(spec, "down"));
+  const double share = ShareBeyond(spec, 1.0, DirectionOf(spec, "along").dot(down));
+  for (size_t m = 0; m < context.markers->size(); ++m) {
+    if ((*context.markers)[m] != spec.target) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      terms->markers.push_back(
+          {static_cast<int>(m), context.first_parameter + axis, share * Vector3<double>::Unit(axis)});
+    }
+  }
+}
+
+// Where a jump lies.
+std::vector<SettingDefinition> Between() {
+  SettingDefinition to{"to", Kind::kNumber, "", {}};
+  to.greater_than = "from";
+  return {{"from", Kind::kNumber, "", {}}, to};
 }
 
 EffectDefinition OfJoint(EffectDefinition effect, const std::vector<SettingDefinition>& settings) {
@@ -69,11 +108,26 @@ const EffectDefinition& LearntWaveDeviation() {
 
 const EffectDefinition& LearntJumpDeviation() {
   static const EffectDefinition definition = [] {
-    SettingDefinition to{"to", Kind::kNumber, "", {}};
-    to.greater_than = "from";
     return OfJoint({"learnt_jump_deviation", "learnt jump of a joint", "jump between two places of a joint",
                     EffectTarget::kJoint, JumpWeight, DeviateByJump},
-                   {{"from", Kind::kNumber, "", {}}, to});
+                   Between());
+  }();
+  return definition;
+}
+
+const EffectDefinition& LearntMarkerSeat() {
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"learnt_marker_seat",
+                            "learnt second seat of a marker",
+                            "jump as gravity turns",
+                            EffectTarget::kMarker,
+                            SeatWeights,
+                            MoveToSeat};
+    for (const char* name : {"along_x", "along_y", "along_z", "down_x", "down_y", "down_z"}) {
+      effect.settings.push_back({name, Kind::kNumber, "", {}});
+    }
+    for (const SettingDefinition& setting : Between()) effect.settings.push_back(setting);
+    return Empirical(std::move(effect));
   }();
   return definition;
 }

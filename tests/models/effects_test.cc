@@ -52,6 +52,7 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "learnt_growth",
                                              "learnt_station_motion",
                                              "learnt_marker_motion",
+                                             "learnt_marker_seat",
                                              "learnt_station_field"};
   EXPECT_EQ(EffectNames(), expected);
 }

@@ -104,6 +104,29 @@ TEST(InstrumentConventions, LearntMotionsOfAStationAndAMarker) {
 }
 
 // 100 urad times pi^(-1/4) about z of the station: (0, 3.4) moves by -3.4 * 75.112554 urad along x.
+// The nominal flange of the scene turns with J1 and J2 about -y and has the axes of the base at 0 deg: down, -z of the
+// base, is -sin of their sum along x of the flange. At q2 = -30 deg that is 0.5, at -20 deg 0.3420201, at 0 nothing.
+TEST(InstrumentConventions, LearntSeatOfAMarkerIsTheSideThatIsDown) {
+  const double q2[3] = {-30.0, -20.0, 0.0}, share[3] = {1.0, 0.2101007, 0.0};
+  for (int k = 0; k < 3; ++k) {
+    TwoLinkScene scene;
+    scene.shot().q << 0.0, q2[k] * kDegree;
+    const Vector3<double> rigid = scene.Seen();
+    scene.Add({"learnt_marker_seat",
+               "M1",
+               {{"along_x", "1"},
+                {"along_y", "0"},
+                {"along_z", "0"},
+                {"down_x", "0"},
+                {"down_y", "0"},
+                {"down_z", "-1"},
+                {"from", "0.3"},
+                {"to", "0.5"}},
+               {0.0, 30e-6, 0.0}});
+    EXPECT_NEAR(scene.Seen().y() - rigid.y(), 30e-6 * share[k], 1e-11) << k;
+  }
+}
+
 TEST(InstrumentConventions, LearntTurnOfAStationIsAboutTheMeasurementFrame) {
   TwoLinkScene scene = Seen2mAway();
   scene.shot().time = 0.0;
