@@ -122,13 +122,12 @@ class JointFunctions : public UnnamedList {
     AddFunctions(functions, what, "joints in time");
   }
 
-  // Whether waves of two orders are the same functions on these angles, as on a lattice of poses: (n - k) q or (n + k)
-  // q is the same everywhere. Where phases scatter by v, |mean exp(i phase)| = 1 - v / 2.
-  static bool AreAliases(const Eigen::ArrayXd& q, int n, int k) {
-    const auto agree = [&](int order) {
-      return std::hypot((order * q).cos().mean(), (order * q).sin().mean()) > kSame;
-    };
-    return agree(n - k) || agree(n + k);
+  // Orders d of which d q is the same at all poses, as on a lattice; up to `most`. Where phases scatter by v,
+  // |mean exp(i phase)| = 1 - v / 2.
+  static std::vector<bool> SameEverywhere(const Eigen::ArrayXd& q, int most) {
+    std::vector<bool> same;
+    for (int d = 0; d <= most; ++d) same.push_back(std::hypot((d * q).cos().mean(), (d * q).sin().mean()) > kSame);
+    return same;
   }
 
   // Teeth beyond the orders of the catalogue: of many, those that the rows say most of, each joint by itself and
@@ -139,12 +138,13 @@ class JointFunctions : public UnnamedList {
     for (int j = 0; j < joints(); ++j) {
       if (!IsRevolute(problem_, j) || orders < kRipples) continue;
       const Eigen::ArrayXd q = OfShots(problem_, [j](const ShotConditions& shot) { return shot.q[j]; });
-      const Eigen::ArrayXd fitted = OnFitted(q.matrix()).array();
+      // Waves of orders n and k are the same functions on these angles where (n - k) q or (n + k) q is the same.
+      const std::vector<bool> same = SameEverywhere(OnFitted(q.matrix()).array(), kMostHarmonicOrders + first);
       std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
       std::vector<std::pair<double, int>> reductions;
       for (int n = first; n <= kMostHarmonicOrders; ++n) {
         int k = 1;
-        while (k < first && !AreAliases(fitted, n, k)) ++k;
+        while (k < first && !same[static_cast<size_t>(n - k)] && !same[static_cast<size_t>(n + k)]) ++k;
         if (k < first) {
           ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
         } else {
