@@ -161,10 +161,10 @@ class Session {
     working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
     const CalibrationProblem& working = *working_;
     const ParameterSet& parameters = d_.baseline.estimate.parameters;
-    candidates_ = ListCandidates(working, parameters);
-    RefineMoments(working, parameters, &candidates_);
+    CandidateList candidates = ListCandidates(working, parameters);
+    RefineMoments(working, parameters, &candidates);
     const double sigma_dof = is_stated ? SigmaDof(problem_.repeat_scatter) : 0.0;
-    evidence_ = std::make_unique<Evidence>(working, parameters, candidates_, options_.prior, sigma_dof,
+    evidence_ = std::make_unique<Evidence>(working, parameters, candidates, options_.prior, sigma_dof,
                                            options_.progress, evidence_.get());
     d_.not_testable = evidence_->list().not_testable;
     posterior_ = PosteriorOf(*evidence_, evidence_->models());
@@ -298,8 +298,7 @@ class Session {
       }
       before = effect.holdout_after;
     }
-    d_.next =
-        ProposeNext(*evidence_, posterior_, *working_, d_.baseline.estimate.parameters, candidates_, kSeedOfPoses);
+    d_.next = ProposeNext(*evidence_, posterior_, *working_, d_.baseline.estimate.parameters, kSeedOfPoses);
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, IsSigmaStated(problem_));
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, joint_);
@@ -396,7 +395,6 @@ class Session {
   Diagnosis& d_;
   SetAside aside_;
   std::unique_ptr<CalibrationProblem> working_;  // what the evidence is made of
-  CandidateList candidates_;
   std::unique_ptr<Evidence> evidence_;
   Posterior posterior_;
   bool named_ = false;

@@ -74,9 +74,9 @@ class ListBuilder {
     list_.not_testable = candidates.not_testable;
   }
 
-  ExplanationList Build(const PriorMasses& prior) {
+  ExplanationList Build(const PriorMasses& prior, bool with_unnamed) {
     AddCatalogue();
-    AddUnnamed();
+    if (with_unnamed) AddUnnamed();
     SetShares(prior, &list_);
     return std::move(list_);
   }
@@ -94,7 +94,6 @@ class ListBuilder {
     list_.unnamed.push_back(unnamed);
     list_.start.push_back(start);
     list_.place.push_back(place);
-    list_.listed_as.push_back(static_cast<int>(list_.listed_as.size()));
   }
 
   void AddCatalogue() {
@@ -183,8 +182,9 @@ class ListBuilder {
 }  // namespace
 
 ExplanationList ListExplanations(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns) {
-  return ListBuilder(problem, parameters, candidates, columns).Build(prior);
+                                 const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns,
+                                 bool with_unnamed) {
+  return ListBuilder(problem, parameters, candidates, columns).Build(prior, with_unnamed);
 }
 
 void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, ExplanationList* list) {
@@ -209,7 +209,6 @@ void DropInvisible(const ProjectedNormal& normal, const PriorMasses& prior, Expl
   list->start = Kept(std::move(list->start), kept);
   list->name = Kept(std::move(list->name), kept);
   list->place = Kept(std::move(list->place), kept);
-  list->listed_as = Kept(std::move(list->listed_as), kept);
   SetShares(prior, list);
 }
 

@@ -30,7 +30,6 @@ struct ExplanationList {
   std::vector<EffectSpec> start;      // of each of the catalogue: a compensator's shape is in its values
   std::vector<std::string> name;      // of each: the same for all change points, and for all shapes of a compensator
   std::vector<PlaceInPrior> place;    // of each
-  std::vector<int> listed_as;         // of each, its number before DropInvisible
   std::vector<Candidate> candidates;  // as listed
   std::vector<UnnamedFunction> functions;
   std::vector<NotTestable> not_testable;
@@ -39,9 +38,10 @@ struct ExplanationList {
   const EffectSpec& SpecOf(int explanation) const { return candidates[candidate[explanation]].spec; }
 };
 
-// Adds the columns that the explanations need beyond the catalogue's.
+// Adds the columns that the explanations need beyond the catalogue's. with_unnamed: also what has no name.
 ExplanationList ListExplanations(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns);
+                                 const CandidateList& candidates, const PriorMasses& prior, EvidenceColumns* columns,
+                                 bool with_unnamed = true);
 
 // Drops what these rows cannot show and shares the prior among the rest: three times its typical size, an explanation
 // would not stand out by one standard deviation. Effects of which nothing is left become not testable.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
 
 #include "estimator/statistics/mutual_information.h"
 #include "problems/loads.h"
@@ -12,7 +13,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kPosesDrawn = 80;
+constexpr int kPosesDrawn = 400;
 constexpr double kDecided = 0.95;        // of the leading explanation: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an explanation
 constexpr size_t kMostRivals = 5;
@@ -86,6 +87,60 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
   extended.latent = MakeLatentModel(extended.robot().chain, extended.data(), extended.experiment());
   return extended;
 }
+
+// The explanations that some sets have, in columns of their own over the rows of a problem with more poses.
+class FewColumns {
+ public:
+  FewColumns(const Evidence& evidence, const std::vector<const WeightedSet*>& sets, const CalibrationProblem& extended,
+             const ParameterSet& parameters)
+      : given_(evidence.list()),
+        candidates_(CandidatesOf(sets)),
+        columns_(extended, parameters, candidates_.candidates, &evidence.columns()),
+        list_(ListExplanations(extended, parameters, candidates_, evidence.masses(), &columns_, AnyUnnamed(sets))) {}
+
+  const EvidenceColumns& columns() const { return columns_; }
+  const ExplanationList& list() const { return list_; }
+
+  // The same set by the numbers of this list.
+  WeightedSet Here(WeightedSet set) const {
+    for (int& member : set.members) member = NumberOf(member);
+    return set;
+  }
+
+ private:
+  CandidateList CandidatesOf(const std::vector<const WeightedSet*>& sets) const {
+    std::set<int> used;
+    for (const WeightedSet* set : sets) {
+      for (const int m : set->members) used.insert(given_.candidate[m]);
+    }
+    CandidateList few;
+    for (const int candidate : used) {
+      if (candidate >= 0) few.candidates.push_back(given_.candidates[candidate]);
+    }
+    return few;
+  }
+
+  bool AnyUnnamed(const std::vector<const WeightedSet*>& sets) const {
+    return std::any_of(sets.begin(), sets.end(), [&](const WeightedSet* set) {
+      return std::any_of(set->members.begin(), set->members.end(), [&](int m) { return given_.IsUnnamed(m); });
+    });
+  }
+
+  // What has no name comes last in both lists, all of it in the same order; of the catalogue one start has one place.
+  int NumberOf(int member) const {
+    const int here = static_cast<int>(list_.math.size());
+    if (given_.IsUnnamed(member)) return here - static_cast<int>(given_.functions.size()) + given_.unnamed[member];
+    const EffectSpec& start = given_.start[member];
+    int k = 0;
+    while (list_.IsUnnamed(k) || list_.start[k].Path() != start.Path() || list_.start[k].values != start.values) ++k;
+    return k;
+  }
+
+  const ExplanationList& given_;
+  const CandidateList candidates_;
+  EvidenceColumns columns_;
+  const ExplanationList list_;
+};
 
 struct Rival {
   double probability = 0.0;
@@ -208,7 +263,7 @@ class Choice {
 
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& posterior,
                                      const CalibrationProblem& problem, const ParameterSet& parameters,
-                                     const CandidateList& candidates, unsigned long long seed) {
+                                     unsigned long long seed) {
   if (posterior.sets.empty()) return std::nullopt;
   struct Held {
     int model;
@@ -243,14 +298,15 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
 
   const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
   const CalibrationProblem extended = WithPoses(problem, drawn);
-  EvidenceColumns columns(extended, parameters, candidates.candidates, &evidence.columns());
-  const ExplanationList list = ListExplanations(extended, parameters, candidates, evidence.masses(), &columns);
+  std::vector<const WeightedSet*> sets;
+  for (const Held& each : held) sets.push_back(&evidence.models()[each.model].set);
+  const FewColumns few(evidence, sets, extended, parameters);
+  const EvidenceColumns& columns = few.columns();
   const JointScatter& scatter = evidence.views()[evidence.models()[held[0].model].view].scatter;
   std::vector<Rival> rivals;
   for (const Held& each : held) {
-    WeightedSet set = evidence.models()[each.model].set;
-    for (int& member : set.members) member = evidence.list().listed_as[static_cast<size_t>(member)];
-    rivals.push_back(MakeRival(columns, list, scatter, set, each.probability / sum));
+    const WeightedSet set = few.Here(evidence.models()[each.model].set);
+    rivals.push_back(MakeRival(columns, few.list(), scatter, set, each.probability / sum));
   }
   std::vector<Shown> shown(drawn.size());
   const int first = static_cast<int>(problem.data().configurations.size());

@@ -32,9 +32,9 @@ struct NextPoses {
 
 constexpr int kPosesProposed = 6;
 
-// None where one explanation has it all. problem, parameters, candidates: what the evidence was made of.
+// None where one explanation has it all. problem, parameters: what the evidence was made of.
 std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& posterior,
                                      const CalibrationProblem& problem, const ParameterSet& parameters,
-                                     const CandidateList& candidates, unsigned long long seed);
+                                     unsigned long long seed);
 
 }  // namespace sagitta
