@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "estimator/diagnosis/drivers.h"
@@ -15,7 +16,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of freedom
+constexpr double kMedianOfOne = 0.4549, kMedianOfTwo = 1.3863;  // of chi-square with 1 and 2 degrees of freedom
 constexpr double kOfTheWorst = 0.05;
 constexpr double kAlone = 4.0;           // times the other markers of the shot
 constexpr double kSingleMarker = 3.0;    // times the limit, where no other marker tells
@@ -25,8 +26,9 @@ constexpr size_t kSharedRows = 10;  // beyond one per visit
 
 struct ShotResidual {
   std::vector<int> observations;
-  Eigen::VectorXd residual;  // whitened
-  Eigen::MatrixXd rigid;     // whitened, 6 columns
+  Eigen::VectorXd residual;             // whitened
+  Eigen::MatrixXd rigid;                // whitened, 6 columns
+  std::vector<Eigen::Vector3d> sights;  // unit vectors from the instrument to each point
 };
 
 // A small motion (t, w) of the body moves a marker at arm a from the centre by t + w x a = t - [a]x w.
@@ -56,6 +58,9 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
       result.observations.push_back(all[ks[i]]);
       result.residual.segment<3>(3 * i) =
           whitener * MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i]));
+      const bool has_sight = observation.is_point() && predicted.col(ks[i]).norm() > 0.0;
+      result.sights.push_back(has_sight ? Eigen::Vector3d(predicted.col(ks[i]).normalized())
+                                        : Eigen::Vector3d::UnitZ());
       if (!observation.is_point()) {  // turns with the body, wherever it is
         result.rigid.block<3, 6>(3 * i, 0) << Matrix3<double>::Zero(), whitener;
         continue;
@@ -133,41 +138,82 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
   return noise;
 }
 
-// limit = scatter chi^2_3(1 - significance / n): among n points one without cause in 1 / significance experiments
-// (Bonferroni). scatter: median of the squares over that of chi^2_3, at least 1.
+namespace {
+
+// An instrument scatters differently along its line of sight and across it, or along the axes of its frame, and stated
+// is often one figure for all. Each direction has its own factor, the median of the squares over that of chi-square
+// with 1 or 2 degrees of freedom, at least 1. A point is far off only where it is by either description.
+struct DirectedScatter {
+  double along = 1.0, across = 1.0;                     // of the line of sight
+  Eigen::Array3d axes = Eigen::Array3d::Constant(1.0);  // of the station's frame
+
+  double SquareOf(const Eigen::Vector3d& residual, const Eigen::Vector3d& sight) const {
+    const double own = std::pow(residual.dot(sight), 2);
+    return std::min(own / along + (residual.squaredNorm() - own) / across, (residual.array().square() / axes).sum());
+  }
+  double Most() const { return std::max({along, across, axes.maxCoeff()}); }
+};
+
+double Factor(const std::vector<double>& squares, double median) { return std::max(1.0, Median(squares) / median); }
+
+DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots) {
+  std::vector<double> along, across, axes[3];
+  for (const ShotResidual& shot : shots) {
+    for (size_t i = 0; i < shot.observations.size(); ++i) {
+      const Eigen::Vector3d residual = shot.residual.segment<3>(static_cast<long>(3 * i));
+      along.push_back(std::pow(residual.dot(shot.sights[i]), 2));
+      across.push_back(residual.squaredNorm() - along.back());
+      for (int axis = 0; axis < 3; ++axis) axes[axis].push_back(residual[axis] * residual[axis]);
+    }
+  }
+  if (along.empty()) return {};
+  return {Factor(along, kMedianOfOne),
+          Factor(across, kMedianOfTwo),
+          {Factor(axes[0], kMedianOfOne), Factor(axes[1], kMedianOfOne), Factor(axes[2], kMedianOfOne)}};
+}
+
+}  // namespace
+
+// limit = chi^2_3(1 - significance / n) for squares over their scatter: among n points one without cause in
+// 1 / significance experiments (Bonferroni).
 std::vector<int> FindOutliers(const CalibrationProblem& problem, const ParameterSet& parameters,
                               const std::vector<int>& observations, double significance, bool held_out,
                               size_t removed) {
   struct Entry {
     int observation;
-    double squared;  // whitened, 3 degrees of freedom
+    double squared;  // over the scatter, 3 degrees of freedom
     double others;   // mean of the other markers on the body; 0: there are none
     double least;    // of them
-    double rigid;    // what the body's best motion leaves of all of them
+    double rigid;    // what the body's best motion leaves of all of them, over the larger scatter
   };
+  const std::vector<ShotResidual> shots = ResidualsByShot(problem, parameters, observations);
+  const DirectedScatter scatter = ScatterOf(shots);
   std::vector<Entry> entries;
-  for (const ShotResidual& shot : ResidualsByShot(problem, parameters, observations)) {
-    const int n = static_cast<int>(shot.observations.size());
+  for (const ShotResidual& shot : shots) {
+    const size_t n = shot.observations.size();
     int dof = 0;
-    const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm();
-    for (int i = 0; i < n; ++i) {
-      const double own = shot.residual.segment<3>(3 * i).squaredNorm();
-      const double others = n > 1 ? (shot.residual.squaredNorm() - own) / (n - 1) : 0.0;
+    const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm() / scatter.Most();
+    std::vector<double> squares;
+    for (size_t i = 0; i < n; ++i) {
+      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(static_cast<long>(3 * i)), shot.sights[i]));
+    }
+    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+    for (size_t i = 0; i < n; ++i) {
+      const double others = n > 1 ? (sum - squares[i]) / static_cast<double>(n - 1) : 0.0;
       double least = others;
-      for (int k = 0; k < n; ++k) {
-        if (k != i) least = std::min(least, shot.residual.segment<3>(3 * k).squaredNorm());
+      for (size_t k = 0; k < n; ++k) {
+        if (k != i) least = std::min(least, squares[k]);
       }
-      entries.push_back({shot.observations[i], own, others, least, dof > 0 ? rigid : 0.0});
+      entries.push_back({shot.observations[i], squares[i], others, least, dof > 0 ? rigid : 0.0});
     }
   }
   if (entries.size() < 20) return {};
-  std::vector<double> squares;
-  for (const Entry& entry : entries) squares.push_back(entry.squared);
-  const double scale = std::max(1.0, Median(squares) / kMedianOfThree);
-  const double scatter = held_out ? kHeldOutScatter * scale : scale;
-  const double limit = scatter * ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
+  const double own_limit = ChiSquareQuantile(1.0 - significance / static_cast<double>(entries.size()), 3.0);
+  const double limit = held_out ? kHeldOutScatter * own_limit : own_limit;
   // The worst first: they pull the fit, and the others with it.
-  const double floor = std::max(limit, kOfTheWorst * *std::max_element(squares.begin(), squares.end()));
+  double worst = 0.0;
+  for (const Entry& entry : entries) worst = std::max(worst, entry.squared);
+  const double floor = std::max(limit, kOfTheWorst * worst);
   std::vector<int> outliers;
   for (const Entry& entry : entries) {
     const bool alone =

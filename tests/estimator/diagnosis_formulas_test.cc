@@ -17,6 +17,7 @@
 #include "estimator/diagnosis/posterior.h"
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/selected_effects.h"
+#include "problems/simulation.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
@@ -218,6 +219,39 @@ TEST(DiagnosisFormulas, OutliersAreJudgedAsTheWorstOfAll) {
   };
   EXPECT_TRUE(found(20.0).empty());
   EXPECT_EQ(found(40.0), std::vector<int>{rows[31]});
+}
+
+// Of 200 experiments 2 have an outlier by chance (significance 0.01), more than 6 one time in 200. noise: of a point,
+// of 3 normal numbers, in units of what is stated.
+int ExperimentsWithOutliers(
+    const std::function<Vector3<double>(const Vector3<double>&, const Vector3<double>&)>& noise) {
+  const DiagnosedModel fit = FitFully(Healthy(), JointOptions());
+  const std::vector<int> rows = fit.problem->CalibrationObservations();
+  NormalNumbers normal(77);
+  int experiments = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    CalibrationProblem problem = *fit.problem;
+    for (const int i : rows) {
+      const Vector3<double> point = fit.estimate.predicted.col(i), drawn(normal(), normal(), normal());
+      problem.mutable_data()->observations[static_cast<size_t>(i)].point_in_station =
+          point + kSigma * noise(point, drawn);
+    }
+    experiments += !FindOutliers(problem, fit.estimate.parameters, rows, 0.01, false, 0).empty();
+  }
+  return experiments;
+}
+
+// A tracker that reads ranges well and angles badly, stated as one figure; an instrument that reads one axis badly.
+TEST(DiagnosisFormulas, ScatterInSomeDirectionsMakesNoOutliers) {
+  EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>& point, const Vector3<double>& drawn) -> Vector3<double> {
+              const Vector3<double> sight = point.normalized();
+              return 1.5 * drawn - 1.3 * drawn.dot(sight) * sight;
+            }),
+            6);
+  EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>&, const Vector3<double>& drawn) -> Vector3<double> {
+              return drawn.cwiseProduct(Vector3<double>(0.5, 0.8, 1.5));
+            }),
+            6);
 }
 
 // Middles between the times of fitted visits; held-out visits make none.
