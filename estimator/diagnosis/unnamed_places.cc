@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/unnamed_list.h"
@@ -11,8 +12,10 @@
 namespace sagitta {
 namespace {
 
-constexpr int kPeriods = 8;  // of waves over the time of the campaign
-constexpr int kSeats = 25;   // stretches of visits in which a loose part stays in its seat
+// Waves in time, in halves over the campaign, and how many of them are weighed.
+constexpr int kMostWaves = 200;
+constexpr size_t kWaves = 6;
+constexpr int kSeats = 25;  // stretches of visits in which a loose part stays in its seat
 
 constexpr int kPlateAxes = 6;
 // Of the seats of a loose part: directions 10 degrees apart, and gaps between shots.
@@ -73,11 +76,16 @@ class PlaceFunctions : public UnnamedList {
         turn.settings["about_x_mm"] = InMillimetres(foot.x());
         turn.settings["about_y_mm"] = InMillimetres(foot.y());
         turn.settings["about_z_mm"] = InMillimetres(foot.z());
-        const double span = time.of_shot.maxCoeff() - time.of_shot.minCoeff();
         AppendBumps(time.of_shot, "time", kFineBumps, &functions);
-        for (int n = 1; n <= kPeriods; ++n) {
-          functions.Append(Waves(2.0 * kPi * n / span * time.of_shot, 1), "time", Fine());
-        }
+        AddFunctions(WavesOf(time.of_shot, Axes(Source::Kind::kStation, owner)),
+                     {"",
+                      station,
+                      {"time"},
+                      StationMoves(station),
+                      Axes(Source::Kind::kStation, owner),
+                      time,
+                      {{"learnt_station_wave", station, {}, {}}}},
+                     "station in time");
         AddFunctions(functions,
                      {"",
                       station,
@@ -115,6 +123,36 @@ class PlaceFunctions : public UnnamedList {
       }
       AddField(owner);
     }
+  }
+
+  // Waves in time: of all periods down to two visits those that the rows say most of, each by itself; half a wave more
+  // over the campaign is another one.
+  GroupedFunctions WavesOf(const Eigen::VectorXd& time, const std::vector<Source>& axes) const {
+    const EvidenceColumns::AlongSources along = columns_->SumAlong(axes);
+    const Eigen::VectorXd fitted = OnFitted(time);
+    const double span = fitted.maxCoeff() - fitted.minCoeff();
+    const int count =
+        std::min<int>(kMostWaves, static_cast<int>(std::set<double>(fitted.begin(), fitted.end()).size()));
+    std::vector<std::pair<double, double>> waves;  // reduction, period
+    for (int n = 2; n <= count; ++n) {
+      const double period = 2.0 * span / n;
+      const Eigen::ArrayXd phase = 2.0 * kPi / period * time.array();
+      double reduction = 0.0;
+      for (long axis = 0; axis < static_cast<long>(axes.size()); ++axis) {
+        reduction += along.Reduction(phase.cos(), axis, true) + along.Reduction(phase.sin(), axis, true);
+      }
+      waves.emplace_back(-reduction, period);
+    }
+    std::sort(waves.begin(), waves.end());
+    const size_t kept = std::min(waves.size(), kWaves);
+    const double listed = static_cast<double>(kept) / std::max(1.0, static_cast<double>(waves.size()));
+    GroupedFunctions functions;
+    for (size_t k = 0; k < kept; ++k) {
+      const std::string period = Significant(waves[k].second, kDigits);
+      functions.Append(Waves(2.0 * kPi / std::stod(period) * time, 1), "time", {{"period_s", period}},
+                       "learnt_station_wave", listed);
+    }
+    return functions;
   }
 
   // Where the readings of a station are is where the flange is: linear and quadratic functions of that, from the middle

@@ -43,6 +43,7 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &LearntSurfaceDeviation(),
       &LearntGrowth(),
       &LearntStationMotion(),
+      &LearntStationWave(),
       &LearntMarkerMotion(),
       &LearntMarkerSeat(),
       &LearntStationField(),

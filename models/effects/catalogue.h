@@ -45,6 +45,7 @@ const EffectDefinition& LearntProductDeviation();
 const EffectDefinition& LearntSurfaceDeviation();
 const EffectDefinition& LearntGrowth();
 const EffectDefinition& LearntStationMotion();
+const EffectDefinition& LearntStationWave();
 const EffectDefinition& LearntMarkerMotion();
 const EffectDefinition& LearntMarkerSeat();
 const EffectDefinition& LearntStationField();

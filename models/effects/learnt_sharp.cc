@@ -1,6 +1,6 @@
-// Deviations that have no name and no width: a wave over another joint's angle, a jump at a place, a loose marker that
-// falls to the side that is down. As learnt_deviation.cc, but a sum of smooth functions would follow none of them
-// between its knots or where no pose was measured.
+// Deviations that have no name and no width: a wave over another joint's angle or in time, a jump at a place, a loose
+// marker that falls to the side that is down. As learnt_deviation.cc, but a sum of smooth functions would follow none
+// of them between its knots or where no pose was measured.
 #include <algorithm>
 #include <cmath>
 
@@ -89,6 +89,26 @@ std::vector<SettingDefinition> Between() {
   return {{"from", Kind::kNumber, "", {}}, to};
 }
 
+std::vector<EffectParameter> StationWaveWeights(const Robot&, const EffectSpec&) {
+  std::vector<EffectParameter> weights;
+  for (const char* name : {"x_cos", "x_sin", "y_cos", "y_sin", "z_cos", "z_sin"}) {
+    weights.push_back({name, Quantity::kShift, kTypicalMovement});
+  }
+  return weights;
+}
+
+// Measured points of the station move along its axes by waves of one period, from the campaign's first row on.
+void MoveStationByWave(const EffectContext& context, ShotTerms* terms) {
+  if (context.shot->station != context.spec->target) return;
+  const double phase = 2.0 * kPi * context.shot->time / context.spec->NumberSetting("period_s", 1.0);
+  int parameter = context.first_parameter;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double wave : {std::cos(phase), std::sin(phase)}) {
+      terms->station.push_back({parameter++, Matrix3<double>::Zero(), wave * Vector3<double>::Unit(axis)});
+    }
+  }
+}
+
 EffectDefinition OfJoint(EffectDefinition effect, const std::vector<SettingDefinition>& settings) {
   effect.settings = {{"driver", Kind::kJoint, "", {}}};
   effect.settings.insert(effect.settings.end(), settings.begin(), settings.end());
@@ -127,6 +147,18 @@ const EffectDefinition& LearntMarkerSeat() {
       effect.settings.push_back({name, Kind::kNumber, "", {}});
     }
     for (const SettingDefinition& setting : Between()) effect.settings.push_back(setting);
+    return Empirical(std::move(effect));
+  }();
+  return definition;
+}
+
+const EffectDefinition& LearntStationWave() {
+  static const EffectDefinition definition = [] {
+    EffectDefinition effect{"learnt_station_wave",  "learnt wave of a station", "wave in time",
+                            EffectTarget::kStation, StationWaveWeights,         MoveStationByWave};
+    effect.settings = {{"period_s", Kind::kNumber, "", {}}};
+    effect.settings[0].above = 0.0;
+    effect.missing = [](const EffectContext& context) { return std::string(context.shot->has_time ? "" : "time_s"); };
     return Empirical(std::move(effect));
   }();
   return definition;

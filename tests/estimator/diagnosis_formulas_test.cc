@@ -381,22 +381,24 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
   for (const int i : problem.CalibrationObservations()) {
     fitted.insert(problem.data().shots[problem.data().observations[i].shot].configuration);
   }
-  // Of all gaps; of a loose part's, with three shots beyond either end, in 200 directions; of all orders.
+  // Of all gaps; of a loose part's, with three shots beyond either end, in 200 directions; of all orders; of waves in
+  // time, in halves, from one over the campaign to one over two visits.
   const double n = static_cast<double>(fitted.size());
-  const double of_jumps = 8.0 / (n - 1.0), of_seats = 6.0 / (200.0 * (n - 5.0)), of_ripples = 6.0 / 124.0;
+  const std::map<std::string, double> share_listed = {{"learnt_jump_deviation", 8.0 / (n - 1.0)},
+                                                      {"learnt_marker_seat", 6.0 / (200.0 * (n - 5.0))},
+                                                      {"joint_harmonic", 6.0 / 124.0},
+                                                      {"learnt_station_wave", 6.0 / (n - 1.0)}};
   std::map<bool, double> masses;
   std::map<std::pair<bool, std::string>, std::map<std::string, double>> targets;
   std::map<std::pair<bool, std::string>, std::map<std::string, std::set<double>>> settings;
   for (size_t k = 0; k < list.math.size(); ++k) {
     const bool unnamed = list.IsUnnamed(static_cast<int>(k));
     const double listed = list.place[k].listed, share = list.math[k].share / listed;
-    const bool is_jump = unnamed && list.functions[list.unnamed[k]].kind == "step";
-    const std::string& family = list.place[k].family;
-    const double expected = family == "ripple" ? of_ripples : !is_jump ? 1.0 : family == "loose" ? of_seats : of_jumps;
-    EXPECT_NEAR(listed, expected, 1e-12) << family;
+    const std::string effect = unnamed ? list.functions[list.unnamed[k]].effects.at(0).effect : "";
+    EXPECT_NEAR(listed, share_listed.count(effect) > 0 ? share_listed.at(effect) : 1.0, 1e-12) << effect;
     masses[unnamed] += share;
     targets[{unnamed, list.place[k].family}][list.place[k].target] += share;
-    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(share);
+    settings[{unnamed, list.place[k].family}][list.place[k].target].insert(std::round(1e12 * share));
   }
   EXPECT_NEAR(masses[false], 0.38 / 0.5, 1e-9);
   EXPECT_NEAR(masses[true], 0.12 / 0.5, 1e-9);

@@ -51,6 +51,7 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "learnt_surface_deviation",
                                              "learnt_growth",
                                              "learnt_station_motion",
+                                             "learnt_station_wave",
                                              "learnt_marker_motion",
                                              "learnt_marker_seat",
                                              "learnt_station_field"};

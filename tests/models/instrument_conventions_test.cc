@@ -127,6 +127,23 @@ TEST(InstrumentConventions, LearntSeatOfAMarkerIsTheSideThatIsDown) {
   }
 }
 
+// A sixth of the period: cos(60 deg) = 0.5, sin(60 deg) = 0.8660254.
+TEST(InstrumentConventions, LearntWaveOfAStation) {
+  const double sizes[2] = {0.5, 0.86602540378};
+  for (size_t k = 0; k < 6; ++k) {
+    TwoLinkScene scene;
+    scene.shot().has_time = true;
+    scene.shot().time = 50.0;
+    const Vector3<double> rigid = scene.Seen();
+    std::vector<double> values(6, 0.0);
+    values[k] = 30e-6;
+    scene.Add({"learnt_station_wave", scene.shot().station, {{"period_s", "300"}}, values});
+    const Vector3<double> moved = scene.Seen() - rigid;
+    EXPECT_NEAR(moved[static_cast<long>(k / 2)], 30e-6 * sizes[k % 2], 1e-14) << k;
+    EXPECT_NEAR(moved.norm(), 30e-6 * sizes[k % 2], 1e-14) << k;
+  }
+}
+
 TEST(InstrumentConventions, LearntTurnOfAStationIsAboutTheMeasurementFrame) {
   TwoLinkScene scene = Seen2mAway();
   scene.shot().time = 0.0;
