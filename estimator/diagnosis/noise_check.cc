@@ -28,7 +28,7 @@ struct ShotResidual {
   std::vector<int> observations;
   Eigen::VectorXd residual;             // whitened
   Eigen::MatrixXd rigid;                // whitened, 6 columns
-  std::vector<Eigen::Vector3d> sights;  // unit vectors from the instrument to each point
+  std::vector<Eigen::Vector3d> places;  // of each point from the instrument, m; of a rotation zero
 };
 
 // A small motion (t, w) of the body moves a marker at arm a from the centre by t + w x a = t - [a]x w.
@@ -58,9 +58,7 @@ std::vector<ShotResidual> ResidualsByShot(const CalibrationProblem& problem, con
       result.observations.push_back(all[ks[i]]);
       result.residual.segment<3>(3 * i) =
           whitener * MeasuredMinusPredicted(observation.reading(), predicted.col(ks[i]));
-      const bool has_sight = observation.is_point() && predicted.col(ks[i]).norm() > 0.0;
-      result.sights.push_back(has_sight ? Eigen::Vector3d(predicted.col(ks[i]).normalized())
-                                        : Eigen::Vector3d::UnitZ());
+      result.places.push_back(observation.is_point() ? Eigen::Vector3d(predicted.col(ks[i])) : Eigen::Vector3d::Zero());
       if (!observation.is_point()) {  // turns with the body, wherever it is
         result.rigid.block<3, 6>(3 * i, 0) << Matrix3<double>::Zero(), whitener;
         continue;
@@ -140,36 +138,50 @@ std::optional<NoiseScale> InstrumentNoiseScale(const CalibrationProblem& problem
 
 namespace {
 
-// An instrument scatters differently along its line of sight and across it, or along the axes of its frame, and stated
-// is often one figure for all. Each direction has its own factor, the median of the squares over that of chi-square
-// with 1 or 2 degrees of freedom, at least 1. A point is far off only where it is by either description.
+// An instrument scatters differently along its line of sight and across it, there in proportion to the range (angles)
+// or not, or along the axes of its frame, and stated is often one figure for all. Each direction has its own factor,
+// the median of the squares over that of chi-square with 1 or 2 degrees of freedom, at least 1. A point is far off only
+// where it is by each of these descriptions.
 struct DirectedScatter {
-  double along = 1.0, across = 1.0;                     // of the line of sight
+  double along = 1.0, across = 1.0, by_angle = 1.0;     // of the line of sight; by_angle: at the median range
+  double range = 1.0;                                   // median, m
   Eigen::Array3d axes = Eigen::Array3d::Constant(1.0);  // of the station's frame
 
-  double SquareOf(const Eigen::Vector3d& residual, const Eigen::Vector3d& sight) const {
-    const double own = std::pow(residual.dot(sight), 2);
-    return std::min(own / along + (residual.squaredNorm() - own) / across, (residual.array().square() / axes).sum());
+  double SquareOf(const Eigen::Vector3d& residual, const Eigen::Vector3d& place) const {
+    const double at = place.norm(), own = at > 0.0 ? std::pow(residual.dot(place) / at, 2) : 0.0;
+    const double other = residual.squaredNorm() - own, nearer = at > 0.0 ? std::pow(range / at, 2) : 1.0;
+    return std::min({own / along + other / across, own / along + nearer * other / by_angle,
+                     (residual.array().square() / axes).sum()});
   }
-  double Most() const { return std::max({along, across, axes.maxCoeff()}); }
+  double Most() const { return std::max({along, across, by_angle, axes.maxCoeff()}); }
 };
 
-double Factor(const std::vector<double>& squares, double median) { return std::max(1.0, Median(squares) / median); }
+double Factor(const std::vector<double>& squares, double median) {
+  return squares.empty() ? 1.0 : std::max(1.0, Median(squares) / median);
+}
 
 DirectedScatter ScatterOf(const std::vector<ShotResidual>& shots) {
-  std::vector<double> along, across, axes[3];
+  std::vector<double> along, across, by_angle, axes[3], ranges;
   for (const ShotResidual& shot : shots) {
     for (size_t i = 0; i < shot.observations.size(); ++i) {
       const Eigen::Vector3d residual = shot.residual.segment<3>(static_cast<long>(3 * i));
-      along.push_back(std::pow(residual.dot(shot.sights[i]), 2));
-      across.push_back(residual.squaredNorm() - along.back());
       for (int axis = 0; axis < 3; ++axis) axes[axis].push_back(residual[axis] * residual[axis]);
+      const double at = shot.places[i].norm();
+      if (!(at > 0.0)) continue;
+      along.push_back(std::pow(residual.dot(shot.places[i]) / at, 2));
+      across.push_back(residual.squaredNorm() - along.back());
+      by_angle.push_back(across.back() / (at * at));
+      ranges.push_back(at);
     }
   }
-  if (along.empty()) return {};
-  return {Factor(along, kMedianOfOne),
-          Factor(across, kMedianOfTwo),
-          {Factor(axes[0], kMedianOfOne), Factor(axes[1], kMedianOfOne), Factor(axes[2], kMedianOfOne)}};
+  DirectedScatter scatter;
+  if (!ranges.empty()) scatter.range = Median(ranges);
+  for (double& square : by_angle) square *= scatter.range * scatter.range;
+  scatter.along = Factor(along, kMedianOfOne);
+  scatter.across = Factor(across, kMedianOfTwo);
+  scatter.by_angle = Factor(by_angle, kMedianOfTwo);
+  for (int axis = 0; axis < 3; ++axis) scatter.axes[axis] = Factor(axes[axis], kMedianOfOne);
+  return scatter;
 }
 
 }  // namespace
@@ -195,7 +207,7 @@ std::vector<int> FindOutliers(const CalibrationProblem& problem, const Parameter
     const double rigid = WithoutRigidMotion(shot, &dof).squaredNorm() / scatter.Most();
     std::vector<double> squares;
     for (size_t i = 0; i < n; ++i) {
-      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(static_cast<long>(3 * i)), shot.sights[i]));
+      squares.push_back(scatter.SquareOf(shot.residual.segment<3>(static_cast<long>(3 * i)), shot.places[i]));
     }
     const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
     for (size_t i = 0; i < n; ++i) {

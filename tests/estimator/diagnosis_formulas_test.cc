@@ -248,6 +248,11 @@ TEST(DiagnosisFormulas, ScatterInSomeDirectionsMakesNoOutliers) {
               return 1.5 * drawn - 1.3 * drawn.dot(sight) * sight;
             }),
             6);
+  EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>& point, const Vector3<double>& drawn) -> Vector3<double> {
+              const Vector3<double> sight = point.normalized();  // by angles: it grows with the range
+              return point.norm() * (drawn - drawn.dot(sight) * sight) + 0.3 * drawn.dot(sight) * sight;
+            }),
+            6);
   EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>&, const Vector3<double>& drawn) -> Vector3<double> {
               return drawn.cwiseProduct(Vector3<double>(0.5, 0.8, 1.5));
             }),
