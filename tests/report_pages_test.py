@@ -3,6 +3,7 @@
 
 usage: report_pages_test.py PROGRAM   (skips where Chromium is not installed)
 """
+import contextlib
 import html.parser
 import json
 import os
@@ -26,9 +27,35 @@ COMMANDS = {
     'few': ['calibrate', EXPERIMENT, '--holdout=0.1', '--seed=1'],
 }
 ROWS = 10008       # of the page whose loading is timed
-MOST_SECONDS = 2.0  # of one core, from the address to the last picture
+MOST_SECONDS = 2.0  # of one core, from the address to the last picture on the screen, in a browser just started
 PROGRAM = ''
 CHROMIUM = shutil.which('chromium')
+
+
+DRAWN = 'document.documentElement.dataset.drawn'
+CLOSED = "document.querySelectorAll('body > details:not([open])').length"
+FIGURES = '''JSON.stringify([...document.querySelectorAll('figure.picture')].map((figure) => {
+  const picture = JSON.parse(figure.querySelector('script').textContent);
+  return {kind: picture.kind, data: picture.data, labels: picture.menus.x ? picture.menus.x.labels : [],
+          texts: [...figure.querySelectorAll('svg text')].map((text) => text.textContent),
+          points: figure.querySelectorAll('.points path').length,
+          path: [...figure.querySelectorAll('.points path')].map((path) => path.getAttribute('transform')).join()};
+}))'''
+CHOOSE = '''(() => {
+  const menu = [...document.querySelectorAll('.menus select')].find((one) => one.options[0].text.startsWith('A1'));
+  menu.selectedIndex = %d;
+  menu.dispatchEvent(new Event('change'));
+})()'''
+# What a page complains of, and what it asks for.
+EVENTS = ('Runtime.consoleAPICalled', 'Runtime.exceptionThrown', 'Log.entryAdded', 'Network.requestWillBeSent')
+# Of a picture with one bar or row for each name, the names that are shown at first.
+NAMES = {
+    'bars': lambda data: [name for name, group in zip(data['rows']['name'], data['rows']['group'])
+                          if group == data['rows']['group'][0]],
+    'waterfall': lambda data: data['stages']['stage'],
+    'parameters': lambda data: [name for name, group in zip(data['rows']['name'], data['rows']['group'])
+                                if group == data['rows']['group'][0]],
+}
 
 
 class Figures(html.parser.HTMLParser):
@@ -51,17 +78,6 @@ class Figures(html.parser.HTMLParser):
         self.inside = self.inside and tag != 'figure'
 
 
-def open_page(path):
-    """The page's elements after its scripts have run, and what the console says."""
-    with tempfile.TemporaryDirectory() as profile:
-        run = subprocess.run(
-            [CHROMIUM, '--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-             '--enable-logging=stderr', '--user-data-dir=' + profile, '--host-resolver-rules=MAP * ~NOTFOUND',
-             '--window-size=1100,900', '--virtual-time-budget=60000', '--timeout=300000', '--dump-dom',
-             path.as_uri()], capture_output=True, text=True, timeout=580)
-    return run.stdout, re.findall(r'.*CONSOLE.*', run.stderr)
-
-
 class Browser:
     """Chromium by its own protocol over a pipe: numbers that a dump of the page does not have."""
 
@@ -81,7 +97,7 @@ class Browser:
              'about:blank'], preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
-        self.unread, self.calls, self.session = b'', 0, None
+        self.unread, self.calls, self.session, self.said = b'', 0, None, []
         target = self.call('Target.createTarget', url='about:blank')['targetId']
         self.session = self.call('Target.attachToTarget', targetId=target, flatten=True)['sessionId']
 
@@ -96,18 +112,30 @@ class Browser:
                 self.unread += os.read(self.read_end, 1 << 16)
             text, self.unread = self.unread.split(b'\0', 1)
             answer = json.loads(text)
+            if answer.get('method') in EVENTS:
+                self.said.append(answer)
             if answer.get('id') == self.calls:
                 return answer.get('result', {})
 
     def value(self, expression):
         return self.call('Runtime.evaluate', expression=expression, returnByValue=True)['result'].get('value')
 
+    def open(self, path):
+        """Loads a page with all of it unfolded and drawn; its elements, and what it complains of or asks for."""
+        for domain in ('Runtime', 'Log', 'Network'):
+            self.call(domain + '.enable')
+        self.load(path)
+        self.value("window.dispatchEvent(new Event('beforeprint'))")
+        asked = [one for one in self.said
+                 if one.get('params', {}).get('request', {}).get('url', '') not in (path.as_uri(), 'about:blank')]
+        return self.value('document.documentElement.outerHTML'), asked
+
     def seconds_of_pages(self):
         processes = self.call('SystemInfo.getProcessInfo', on_browser=True)['processInfo']
         return sum(one['cpuTime'] for one in processes if one['type'] == 'renderer')
 
     def load(self, path):
-        """Seconds of the processor that the page takes, and of the clock, until its last picture is drawn."""
+        """Seconds of the processor that the page takes, and of the clock, until every picture on the screen is drawn."""
         before = self.seconds_of_pages()
         self.call('Page.navigate', url=path.as_uri())
         for _ in range(3000):
@@ -125,26 +153,50 @@ class Browser:
         os.close(self.read_end)
 
 
-def ten_thousand_rows(folder):
-    """The page of a calibration of ROWS simulated rows."""
+ROBOT = str(ROOT / 'problems/published/kr270/robot.yaml')
+
+
+def run(*words):
+    subprocess.run([PROGRAM, *words, '--quiet'], check=True, capture_output=True)
+
+
+def write_poses(path, poses, stations):
+    """Poses at random, three markers each."""
     random.seed(5)
     ranges = [(-150, 150), (-140, -10), (-100, 140), (-170, 170), (-110, 110), (-170, 170)]
     lines = ['config,marker,station,' + ','.join('q%d_deg' % (j + 1) for j in range(6))]
-    for pose in range(ROWS // 6):
+    for pose in range(poses):
         values = ','.join('%.3f' % random.uniform(*ends) for ends in ranges)
         lines += ['C%d,%s,%s,%s' % (pose, marker, station, values)
-                  for station in ('S1', 'S2') for marker in ('P1', 'P2', 'P3')]
-    (folder / 'poses.csv').write_text('\n'.join(lines) + '\n')
-    robot = str(ROOT / 'problems/published/kr270/robot.yaml')
+                  for station in stations for marker in ('P1', 'P2', 'P3')]
+    path.write_text('\n'.join(lines) + '\n')
 
-    def run(*words):
-        subprocess.run([PROGRAM, *words, '--quiet'], check=True, capture_output=True)
 
+def ten_thousand_rows(folder):
+    """The page of a calibration of ROWS simulated rows."""
+    write_poses(folder / 'poses.csv', ROWS // 6, ('S1', 'S2'))
     run('calibrate', EXPERIMENT, '--out=%s' % (folder / 'truth'))
-    run('simulate', robot, str(folder / 'poses.csv'), '--truth=%s' % (folder / 'truth/estimate.json'),
+    run('simulate', ROBOT, str(folder / 'poses.csv'), '--truth=%s' % (folder / 'truth/estimate.json'),
         '--sigma_mm=0.05', '--out=%s' % (folder / 'rows.csv'))
-    run('calibrate', robot, str(folder / 'rows.csv'), '--sigma_mm=0.05', '--out=%s' % (folder / 'many'))
+    run('calibrate', ROBOT, str(folder / 'rows.csv'), '--sigma_mm=0.05', '--out=%s' % (folder / 'many'))
     return folder / 'many/report.html'
+
+
+def two_effects(folder):
+    """The page of a diagnosis that finds two effects with names longer than a phone is wide."""
+    write_poses(folder / 'few_poses.csv', 60, ('S1',))
+    effects = ('effects: [{effect: joint_harmonic, joint: A3, order: 1, cos_urad: 210, sin_urad: 60}, '
+               '{effect: axis_wobble, joint: A1, order: 2, u_cos_urad: 200, v_sin_urad: 150}]\n')
+    (folder / 'wavy.yaml').write_text(re.sub(r'(?m)^effects:.*\n', '', pathlib.Path(ROBOT).read_text()) + effects)
+    (folder / 'wavy_experiment.yaml').write_text(
+        'schema: sagitta/experiment/1\nrobot: wavy.yaml\nmeasurements: [few_poses.csv]\n'
+        'stations: {S1: {xyz_mm: [0, 0, 0]}}\n'
+        'markers: {P1: {xyz_mm: [280, -40, -90]}, P2: {xyz_mm: [280, -50, 90]}, P3: {xyz_mm: [280, 100, 0]}}\n')
+    wavy = str(folder / 'wavy_experiment.yaml')
+    run('simulate', wavy, '--truth=%s' % wavy, '--sigma_mm=0.03', '--out=%s' % (folder / 'wavy.csv'))
+    run('diagnose', ROBOT, str(folder / 'wavy.csv'), '--sigma_mm=0.03', '--holdout=0.3',
+        '--out=%s' % (folder / 'effects'))
+    return folder / 'effects/report.html'
 
 
 class ReportPages(unittest.TestCase):
@@ -156,6 +208,7 @@ class ReportPages(unittest.TestCase):
             out = pathlib.Path(cls.folder.name) / name
             subprocess.run([PROGRAM, *command, '--quiet', '--out=%s' % out], check=True, capture_output=True)
             cls.pages[name] = out / 'report.html'
+        cls.pages['effects'] = two_effects(pathlib.Path(cls.folder.name))
 
     @classmethod
     def tearDownClass(cls):
@@ -174,48 +227,86 @@ class ReportPages(unittest.TestCase):
             text = re.sub(r'<script.*?</script>', '', path.read_text(), flags=re.S)
             self.assertEqual(text.count('<details open><summary>Table'), text.count('<figure class="picture">'), name)
 
-    def test_ten_thousand_rows_load_quickly(self):
-        page = ten_thousand_rows(pathlib.Path(self.folder.name))
-        self.assertLess(page.stat().st_size, 4 << 20)
+    @contextlib.contextmanager
+    def browser(self, width):
         if CHROMIUM is None:
             self.skipTest('chromium is not installed (tools/install-dependencies --tests)')
-        if 'id="templates"' not in page.read_text():
+        if 'id="templates"' not in self.pages['calibrate'].read_text():
             self.skipTest('built without libjs-vega and libjs-three')
         with tempfile.TemporaryDirectory() as profile:
             browser = Browser(profile)
-            loads = [browser.load(page) for _ in range(3)]
+            browser.call('Emulation.setDeviceMetricsOverride', width=width, height=900, deviceScaleFactor=1, mobile=False)
+            yield browser
             browser.close()
+
+    def test_on_paper_every_section_is_open_and_drawn(self):
+        with self.browser(1000) as browser:
+            browser.load(self.pages['diagnose'])
+            figures = browser.value("document.querySelectorAll('figure.picture').length")
+            closed = browser.value(CLOSED)
+            self.assertGreater(closed, 0)
+            self.assertLess(int(browser.value(DRAWN)), figures)
+            browser.value("window.dispatchEvent(new Event('beforeprint'))")
+            self.assertEqual(browser.value(CLOSED), 0)
+            self.assertEqual(int(browser.value(DRAWN)), figures)
+            browser.value("window.dispatchEvent(new Event('afterprint'))")
+            self.assertEqual(browser.value(CLOSED), closed)
+
+    def test_on_a_phone_every_name_of_a_bar_stands_whole(self):
+        with self.browser(360) as browser:
+            browser.load(self.pages['effects'])
+            browser.value("window.dispatchEvent(new Event('beforeprint'))")
+            pictures = 0
+            for figure in json.loads(browser.value(FIGURES)):
+                names = NAMES.get(figure['kind'], lambda data: [])(figure['data'])
+                pictures += len(names) > 0
+                for name in names:
+                    self.assertIn(name, figure['texts'], figure['kind'])
+            self.assertGreater(pictures, 2)
+
+    def test_a_scatter_shows_the_columns_that_are_chosen(self):
+        with self.browser(1000) as browser:
+            browser.load(self.pages['calibrate'])
+            browser.value("window.dispatchEvent(new Event('beforeprint'))")
+            seen = set()
+            for option in range(3):
+                browser.value(CHOOSE % option)
+                time.sleep(0.5)
+                figure = [one for one in json.loads(browser.value(FIGURES)) if one['kind'] == 'scatter'][0]
+                self.assertEqual(figure['points'], 54)
+                self.assertIn(figure['labels'][option], figure['texts'])
+                seen.add(figure['path'])
+            self.assertEqual(len(seen), 3)
+
+    def test_ten_thousand_rows_load_quickly(self):
+        page = ten_thousand_rows(pathlib.Path(self.folder.name))
+        self.assertLess(page.stat().st_size, 4 << 20)
+        loads = []
+        for _ in range(2):
+            with self.browser(1100) as browser:
+                loads.append(browser.load(page))
+                self.assertGreater(int(browser.value(DRAWN)), 0)
         print('%.1f MB, %d rows: %s' % (page.stat().st_size / 1e6, ROWS, ', '.join(
             '%.2f s of the processor, %.2f s by the clock' % load for load in loads)))
         # Not by the clock: other work on the machine is no matter of the page.
         self.assertLess(min(processor for processor, _ in loads), MOST_SECONDS)
 
-    def test_every_picture_is_drawn_and_nothing_is_complained_of(self):
-        if CHROMIUM is None:
-            self.skipTest('chromium is not installed (tools/install-dependencies --tests)')
-        if 'id="templates"' not in self.pages['calibrate'].read_text():
-            self.skipTest('built without libjs-vega and libjs-three')
+    def test_every_picture_is_drawn_and_nothing_is_complained_of_or_asked_for(self):
         for name, path in self.pages.items():
-            # Everything unfolded: what is folded is drawn when it is opened.
-            page = path.with_name('open.html')
-            page.write_text(path.read_text().replace('<details>', '<details open>'))
-            shown, said = open_page(page)
+            with self.browser(1100) as browser:
+                shown, said = browser.open(path)
             self.assertEqual(said, [], name)
-            self.assertIn('data-ready="yes"', shown, name)
             figures = shown.count('<figure class="picture">')
             self.assertGreater(figures, 0)
-            self.assertIn('data-drawn="%d"' % figures, shown, name)
+            self.assertTrue('data-ready="yes"' in shown and 'data-drawn="%d"' % figures in shown, name)
             places = re.findall(r'<div class="place"[^>]*>(.{0,40})', shown, re.S)
             self.assertEqual(len(places), figures)
             for place in places:
                 self.assertRegex(place, r'^(<svg|<canvas|<div class="|<form)', name)
 
     def test_few_held_out_points_lie_on_top_of_the_fitted(self):
-        if CHROMIUM is None:
-            self.skipTest('chromium is not installed (tools/install-dependencies --tests)')
-        if 'id="templates"' not in self.pages['few'].read_text():
-            self.skipTest('built without libjs-vega and libjs-three')
-        shown, _ = open_page(self.pages['few'])
+        with self.browser(1100) as browser:
+            shown, _ = browser.open(self.pages['few'])
         points = re.search(r'role-mark points".*?</g>', shown, re.S).group(0)
         drawn = re.findall(r'fill="([^"]*)" fill-opacity="([^"]*)"', points)
         self.assertEqual(len(drawn), 54)

@@ -73,6 +73,7 @@ Plan PlanWithProgress(const ExperimentInputs& inputs, PlanRequest request) {
 
 void Summarise(const Plan& plan) {
   std::cout << PlanInWords(plan);
+  if (!plan.curve.empty()) std::cout << CurveInWords(plan) << "\n";
   for (const PosesAndAccuracy& point : plan.curve) std::cout << LineOf(point);
   for (const std::string& words : plan.words) std::cout << words << "\n";
 }

@@ -42,7 +42,7 @@ std::vector<std::string> AssumptionsInWords(const Plan& plan, bool candidates_ar
         "Candidates are poses spread evenly in the joint limits, each with every way in which the rows measure one" +
         std::string(plan.found_beside > 0 ? ", and better ones found from them by local search." : "."));
   }
-  if (plan.moved) words.push_back("The poses chosen were moved to where they tell more.");
+  if (plan.moved) words.push_back("The poses chosen were moved to where they determine more.");
   words.push_back(plan.order);
   if (plan.knee > 0) {
     words.push_back("From " + std::to_string(plan.knee) +
@@ -88,6 +88,18 @@ std::string BodiesAreNotStated() {
 }
 
 std::string BoxesAreNotStated() { return "obstacles (no keep-out boxes are stated)"; }
+
+std::string CurveInWords(const Plan& plan) {
+  std::string words = "Plans of as many poses, by a brief search among the candidates";
+  const int poses = static_cast<int>(plan.rows.configurations.size());
+  for (const PosesAndAccuracy& point : plan.curve) {
+    if (point.poses != poses || point.position_rms <= plan.position_rms) continue;
+    words += ". The plan itself was searched for longer" + std::string(plan.moved ? ", and its poses were moved" : "") +
+             ": " + Significant(1e3 * plan.position_rms, 3) + " mm instead of " +
+             Significant(1e3 * point.position_rms, 3) + " mm";
+  }
+  return words + ".";
+}
 
 std::string CertificateInWords(const Plan& plan) {
   if (!plan.criterion.HasCertificate()) {

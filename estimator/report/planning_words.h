@@ -47,6 +47,8 @@ std::string HasNoEquilibrium();
 
 // How near the plan is to the best one; of a criterion without a certificate, why that is not known.
 std::string CertificateInWords(const Plan& plan);
+// What the accuracies over the number of poses are, and why the plan's own is another one.
+std::string CurveInWords(const Plan& plan);
 // What the numbers of a plan that tells effects apart mean.
 std::string SeparationInWords();
 

@@ -67,7 +67,7 @@ Section Infeasible(const Plan& plan) {
 }
 
 Section Accuracy(const Plan& plan) {
-  Section section{"Accuracy over the number of poses", {}, {"poses", "RMS, mm"}, {}};
+  Section section{"Accuracy over the number of poses", {CurveInWords(plan)}, {"poses", "RMS, mm"}, {}};
   std::vector<double> poses, rms;
   for (const PosesAndAccuracy& point : plan.curve) {
     section.rows.push_back({std::to_string(point.poses), Significant(kMillimetresPerMetre * point.position_rms, 3)});

@@ -1,8 +1,9 @@
-// Draws the pictures of a report: specifications and numbers lie in the page as JSON, Vega and three.js draw them.
-// Without this script every picture remains the table below it, which stands open until the picture is there.
+// Draws the pictures of a report: specifications and numbers lie in the page as JSON, Vega and three.js draw them, each
+// when it comes near the screen. Without this script every picture remains the table below it, which then stands open.
 (function () {
   'use strict';
   const kPlainMarks = 1500;  // more rows than these are drawn as pixels, not as elements
+  const kNarrow = 480;       // px: below, a name stands above its bar
   const templates = JSON.parse(document.getElementById('templates').textContent);
   const darkness = window.matchMedia('(prefers-color-scheme: dark)');
   let printing = false;
@@ -41,6 +42,43 @@
     return (columns[names[0]] || []).map((_, i) => Object.fromEntries(names.map((name) => [name, columns[name][i]])));
   }
 
+  // Of a scatter the points of the columns that are chosen, and its axes: up to three times what 95 % of the points reach.
+  // What is farther lies at the edge, framed; groups of few points lie on top, larger. Made here and not by expressions
+  // of the template, which take ten times as long for each point.
+  function pointsOf(picture, choice, colours) {
+    const {rows} = picture.data, groups = rows[choice.colour] || [], points = [], members = {};
+    const us = rows[choice.x] || [], vs = rows[choice.y] || [];
+    us.forEach((u, i) => {
+      const v = vs[i], group = groups[i] === undefined || groups[i] === null ? '' : groups[i];
+      if (u === null || v === undefined || v === null) return;
+      members[group] = (members[group] || 0) + 1;
+      points.push({u, v, group, pose: rows.pose ? rows.pose[i] : null, id: rows.id ? rows.id[i] + ': ' : ''});
+    });
+    const sizes = Float64Array.from(points, (point) => Math.abs(point.v)).sort();
+    const usual = sizes[Math.floor(0.95 * (sizes.length - 1))], most = sizes[sizes.length - 1];
+    const reach = (usual > 0 ? Math.min(most, 3 * usual) : most) || 1;
+    const along = [Infinity, -Infinity];
+    let least = 0, beyond = 0;
+    for (const point of points) {
+      const isFar = Math.abs(point.v) > reach, isOfFew = members[point.group] < 0.2 * points.length;
+      along[0] = Math.min(along[0], point.u);
+      along[1] = Math.max(along[1], point.u);
+      least = Math.min(least, point.v);
+      beyond += isFar;
+      point.at = Math.max(-reach, Math.min(reach, point.v));
+      point.edge = isFar ? colours.ink : null;
+      point.opacity = isOfFew ? 1 : 0.6;
+      point.area = isOfFew ? 60 : 22;  // px^2
+      point.words = point.id + Number(point.v.toPrecision(4)) + ' at ' + Number(point.u.toPrecision(4));
+    }
+    points.sort((a, b) => members[b.group] - members[a.group]);
+    const curve = picture.settings.joined ? [...points].sort((a, b) => a.u - b.u) : [];
+    return {
+      data: {rows: points, curve},
+      signals: {along: points.length ? along : [0, 1], across: [least < 0 ? -reach : 0, reach], beyond},
+    };
+  }
+
   // The template with its data, the values of its signals, and a menu for each signal that has one.
   function specificationOf(picture, colours) {
     const spec = JSON.parse(JSON.stringify(templates[picture.kind]));
@@ -48,7 +86,7 @@
     spec.autosize = {type: 'fit-x', contains: 'padding'};
     let most = 0;
     for (const set of spec.data) {
-      if (!(set.name in picture.data)) continue;
+      if (picture.kind === 'scatter' || !(set.name in picture.data)) continue;
       set.values = rowsOf(picture.data[set.name]);
       most = Math.max(most, set.values.length);
     }
@@ -61,20 +99,43 @@
         signal.bind = {input: 'select', name: menu.name, options: menu.options, labels: menu.labels};
     }
     for (const name of ['ink', 'paper', 'blue', 'red']) spec.signals.push({name, value: colours[name]});
+    if (picture.kind === 'scatter') {
+      const choice = Object.fromEntries(spec.signals.map((signal) => [signal.name, signal.value]));
+      const {data, signals} = pointsOf(picture, choice, colours);
+      for (const set of spec.data) if (set.name in data) set.values = data[set.name];
+      for (const signal of spec.signals) if (signal.name in signals) signal.value = signals[signal.name];
+      most = data.rows.length;
+    }
     return {spec, renderer: most > kPlainMarks ? 'canvas' : 'svg'};
   }
 
+  // Other columns of a scatter were chosen.
+  function chooseAgain(picture, view, colours) {
+    const choice = {x: view.signal('x'), y: view.signal('y'), colour: view.signal('colour')};
+    const {data, signals} = pointsOf(picture, choice, colours);
+    for (const name in signals) view.signal(name, signals[name]);
+    for (const name in data) view.data(name, data[name]);
+    view.runAsync();
+  }
+
   const widthOf = (place) => Math.max(240, place.clientWidth);
+  const isNarrow = (place) => widthOf(place) < kNarrow;
 
   function drawWithVega(picture, place, menus) {
     const colours = theme();
     const {spec, renderer} = specificationOf(picture, colours);
+    spec.signals.unshift({name: 'narrow', value: isNarrow(place)});
     const view = new vega.View(vega.parse(spec, vegaConfig(colours), {ast: true}),
       {expr: vega.expressionInterpreter, renderer, hover: false});
     view.width(widthOf(place)).initialize(place, menus).run();
-    if (picture.kind === 'scatter') view.addSignalListener('picked', (_, pose) => showPose(pose));
+    if (picture.kind === 'scatter') {
+      view.addSignalListener('picked', (_, pose) => showPose(pose));
+      for (const name of ['x', 'y', 'colour']) {
+        view.addSignalListener(name, () => chooseAgain(picture, view, colours));
+      }
+    }
     return {
-      resize: () => view.width(widthOf(place)).run(),
+      resize: () => view.signal('narrow', isNarrow(place)).width(widthOf(place)).run(),
       read: () => Object.fromEntries(Object.keys(picture.menus).map((name) => [name, view.signal(name)])),
       take: (values) => { for (const name in values) view.signal(name, values[name]); view.run(); },
       end: () => view.finalize(),
@@ -308,6 +369,8 @@
     }
   }
 
+  const tablesOf = (figure) => figure.querySelectorAll('details');
+
   function draw(figure) {
     const place = figure.querySelector('.place'), menus = figure.querySelector('.menus');
     const before = drawn.get(figure);
@@ -318,7 +381,7 @@
     const picture = JSON.parse(figure.querySelector('script').textContent);
     const now = drawnOrExcused(picture, place, menus);
     if (before) now.take(values);
-    else if (now.end !== nothing) figure.querySelectorAll('details').forEach((table) => { table.open = false; });
+    else if (now.end === nothing) tablesOf(figure).forEach((table) => { table.open = true; });
     drawn.set(figure, now);
     menus.querySelectorAll('.vega-bind-name').forEach((name) => {
       const input = name.parentElement.querySelector('select');
@@ -327,33 +390,77 @@
     document.documentElement.dataset.drawn = drawn.size;
   }
 
-  const isHidden = (figure) => figure.parentElement.closest('details:not([open])') !== null;
-  const waiting = () => [...document.querySelectorAll('figure.picture')].filter((f) => !drawn.has(f) && !isHidden(f));
+  const figures = [...document.querySelectorAll('figure.picture')];
+  const near = new Set();  // figures on the screen or next to it, not drawn yet
+  let isDrawing = false;
 
   // One after the other, so that the page answers in between.
   function drawNext() {
-    const next = waiting()[0];
-    if (!next) {
+    const next = figures.find((figure) => near.has(figure));
+    isDrawing = next !== undefined;
+    if (!isDrawing) {
       document.documentElement.dataset.ready = 'yes';
       if (performance.getEntriesByName('drawn').length === 0) performance.mark('drawn');
       return;
     }
+    near.delete(next);
     draw(next);
     setTimeout(drawNext, 0);
   }
 
-  function redraw() {
-    [...drawn.keys()].forEach(draw);
+  // A figure in a section that is folded is not near until it is opened.
+  const watch = new IntersectionObserver((entries) => {
+    for (const {target, isIntersecting} of entries) {
+      if (isIntersecting && !drawn.has(target)) near.add(target);
+      else near.delete(target);
+    }
+    if (!isDrawing) drawNext();
+  }, {rootMargin: '50px'});
+
+  // What was folded meanwhile has no width; it is drawn anew when it is opened.
+  const isHidden = (figure) => figure.parentElement.closest('details:not([open])') !== null;
+  function onEachDrawn(change) {
+    for (const figure of [...drawn.keys()]) {
+      if (!isHidden(figure)) {
+        change(figure);
+        continue;
+      }
+      drawn.get(figure).end();
+      drawn.delete(figure);
+    }
+  }
+  const redraw = () => onEachDrawn(draw);
+
+  // On paper nothing can be opened: every section is, with its pictures; tables of pictures stay as they are.
+  const folded = 'body > details:not([open])';
+  let opened = [];
+  function unfold() {
+    printing = true;
+    opened = [...document.querySelectorAll(folded)];
+    opened.forEach((section) => { section.open = true; });
+    near.clear();
+    redraw();
+    figures.filter((figure) => !drawn.has(figure)).forEach(draw);
   }
 
-  document.querySelectorAll('details').forEach((details) => details.addEventListener('toggle', drawNext));
+  function fold() {
+    printing = false;
+    opened.forEach((section) => { section.open = false; });
+    redraw();
+  }
+
+  document.documentElement.dataset.drawn = 0;  // from here on, room is kept for what is not drawn yet (page.css)
+  figures.forEach((figure) => {
+    tablesOf(figure).forEach((table) => { table.open = false; });
+    watch.observe(figure);
+  });
   darkness.addEventListener('change', redraw);
-  window.addEventListener('beforeprint', () => { printing = true; waiting().forEach(draw); redraw(); });
-  window.addEventListener('afterprint', () => { printing = false; redraw(); });
+  window.addEventListener('beforeprint', unfold);
+  window.addEventListener('afterprint', fold);
   let soon = 0;
   window.addEventListener('resize', () => {
     clearTimeout(soon);
-    soon = setTimeout(() => drawn.forEach((picture) => picture.resize()), 150);
+    soon = setTimeout(() => onEachDrawn((figure) => drawn.get(figure).resize()), 150);
   });
-  drawNext();
+  if (figures.length === 0) drawNext();
 })();
