@@ -152,7 +152,7 @@ void SayRotationSigmas(CalibrationProblem* problem) {
   problem->mutable_data()->warnings.push_back(
       std::to_string(unstated) + " poses state no standard deviation of their rotation: " +
       (is_stated ? "1 mrad is assumed, that of 1 mm over 1 m"
-                 : "calibrate estimates it, diagnose takes that of the points over 1 m") +
+                 : "calibrate estimates it, diagnose assumes that of the points over 1 m") +
       "; add the column sigma_rot_urad");
 }
 

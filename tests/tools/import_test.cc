@@ -93,6 +93,9 @@ TEST_F(Import, ForeignUnits) {
   Table gons = in_unit("[mm]", 1.0, 10.0 / 9.0);
   for (int j = 0; j < 6; ++j) gons.header[static_cast<size_t>(j)] = "J" + std::to_string(j + 1) + " [gon]";
   ExpectRefused(gons.ToText(), {"'J1 [gon]'", "the unit is not one that is read", "deg, rad"});
+  Table grads = in_unit("[mm]", 1.0, 1.0);  // a degree in German, a gon elsewhere
+  for (int j = 0; j < 6; ++j) grads.header[static_cast<size_t>(j)] = "J" + std::to_string(j + 1) + " [Grad]";
+  ExpectRefused(grads.ToText(), {"'J1 [Grad]'", "a degree in German and a gon elsewhere"});
 }
 
 TEST_F(Import, NumbersThatAreNone) {

@@ -12,29 +12,29 @@ namespace {
 
 const std::map<std::string, std::string>& UnitWords() {
   static const std::map<std::string, std::string> kWords = {
-      {"mm", "mm"},        {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
-      {"m", "m"},          {"meter", "m"},       {"meters", "m"},       {"metre", "m"},       {"metres", "m"},
-      {"um", "um"},        {"µm", "um"},         {"μm", "um"},          {"micron", "um"},     {"microns", "um"},
-      {"cm", "cm"},        {"centimeter", "cm"}, {"centimeters", "cm"}, {"centimetre", "cm"}, {"centimetres", "cm"},
-      {"in", "in"},        {"inch", "in"},       {"inches", "in"},      {"deg", "deg"},       {"degree", "deg"},
-      {"degrees", "deg"},  {"°", "deg"},         {"grad", "deg"},       {"rad", "rad"},       {"radian", "rad"},
-      {"radians", "rad"},  {"mrad", "mrad"},     {"urad", "urad"},      {"µrad", "urad"},     {"s", "s"},
-      {"sec", "s"},        {"seconds", "s"},     {"degc", "degC"},      {"°c", "degC"},       {"c", "degC"},
-      {"celsius", "degC"}, {"n", "N"},           {"nm", "Nm"},          {"kg", "kg"}};
+      {"mm", "mm"},       {"millimeter", "mm"}, {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
+      {"m", "m"},         {"meter", "m"},       {"meters", "m"},       {"metre", "m"},       {"metres", "m"},
+      {"um", "um"},       {"µm", "um"},         {"μm", "um"},          {"micron", "um"},     {"microns", "um"},
+      {"cm", "cm"},       {"centimeter", "cm"}, {"centimeters", "cm"}, {"centimetre", "cm"}, {"centimetres", "cm"},
+      {"in", "in"},       {"inch", "in"},       {"inches", "in"},      {"deg", "deg"},       {"degree", "deg"},
+      {"degrees", "deg"}, {"°", "deg"},         {"rad", "rad"},        {"radian", "rad"},    {"radians", "rad"},
+      {"mrad", "mrad"},   {"urad", "urad"},     {"µrad", "urad"},      {"s", "s"},           {"sec", "s"},
+      {"seconds", "s"},   {"degc", "degC"},     {"°c", "degC"},        {"c", "degC"},        {"celsius", "degC"},
+      {"n", "N"},         {"nm", "Nm"},         {"kg", "kg"}};
   return kWords;
 }
 
 // Units that tables come in and that are not read.
 const std::set<std::string>& UnreadUnits() {
-  static const std::set<std::string> kWords = {"ft",     "foot", "feet",  "yd",     "mil",   "mils",
-                                               "thou",   "gon",  "gons",  "rev",    "revs",  "turns",
+  static const std::set<std::string> kWords = {"ft",     "foot", "feet",  "yd",     "mil",   "mils", "thou",
+                                               "gon",    "gons", "grad",  "grads",  "rev",   "revs", "turns",
                                                "counts", "incr", "ticks", "arcmin", "arcsec"};
   return kWords;
 }
 
 // Units that nobody uses as a name's last word by accident.
 bool MayFollowAName(const std::string& word) {
-  return word != "c" && word != "n" && word != "grad" && word != "sec" && word != "s" && word != "°c";
+  return word != "c" && word != "n" && word != "sec" && word != "s" && word != "°c";
 }
 
 std::string WithoutBars(const std::string& text) { return std::string(Trimmed(text, " \t_")); }
