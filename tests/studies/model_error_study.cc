@@ -8,13 +8,16 @@
 // squared halves of the two intervals. A value that depends on a held one counts by its unconditional interval.
 //
 // Each half also predicts the other one's points, as `sagitta predict` does: coordinates within 1.96 standard
-// deviations of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without.
+// deviations of the sum psig^2 + parm^2 + pnoise^2, with model error in psig and without. Halves by a joint predict
+// beyond what that joint measured; three random thirds of the configurations, each predicted by the rest, lie within.
 //
 // simulated: so many clean data sets of the KR 270 besides (60 configurations): how often ci95 holds the truth, and in
 // how many data sets any of it differs from ci95_noise_only.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
+#include <random>
 
 #include "estimator/sagitta.h"
 #include "estimator/statistics/distributions.h"
@@ -142,6 +145,23 @@ Tally Halves(const CalibrationProblem& problem, int by, Predicted* predicted) {
   return Compare(low, high);
 }
 
+// Every third configuration, in an order by chance, by the calibration of the others; three times.
+Predicted RandomThirds(const CalibrationProblem& problem) {
+  Predicted predicted;
+  std::vector<size_t> order(problem.data().configurations.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 generator(1);
+  for (size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[generator() % (i + 1)]);
+  std::vector<size_t> third(order.size());
+  for (size_t k = 0; k < order.size(); ++k) third[order[k]] = k % 3;
+  for (size_t t = 0; t < 3; ++t) {
+    const Calibration rest = Calibrate(
+        Part(problem, [&](const Observation& o) { return third[problem.data().shots[o.shot].configuration] != t; }));
+    if (IsUsable(rest.estimate.status)) predicted.Add(PredictTheRest(rest));
+  }
+  return predicted;
+}
+
 void StudyClean(int trials) {
   test::Kr270Design design;
   design.configurations = 60;
@@ -179,7 +199,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   Tally regions, series;
-  Predicted points;
+  Predicted points, thirds;
   std::vector<Calibration> alone;
   for (const auto& [folder, file] : {std::pair<const char*, const char*>{"ur5_gts3800", "measurements.csv"},
                                      {"ur10_leica", "series_A.csv"},
@@ -191,7 +211,10 @@ int main(int argc, char** argv) {
     Predicted of_halves;
     for (int by = 0; by < problem.robot().chain.num_joints() + 3; ++by) own.Add(Halves(problem, by, &of_halves));
     own.Print(std::string("halves of ") + folder + " " + file);
-    of_halves.Print("");
+    of_halves.Print("  the other half");
+    Predicted of_thirds = RandomThirds(problem);
+    of_thirds.Print("  a random third");
+    thirds.Add(of_thirds);
     regions.Add(own);
     points.Add(of_halves);
     if (std::string(folder) == "ur10_leica") alone.push_back(Calibrate(problem));
@@ -204,6 +227,7 @@ int main(int argc, char** argv) {
     }
   }
   points.Print("the other half");
+  thirds.Print("a random third");
   regions.Print("between regions");
   series.Print("between series");
   return 0;

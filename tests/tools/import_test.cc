@@ -95,7 +95,7 @@ TEST_F(Import, ForeignUnits) {
   ExpectRefused(gons.ToText(), {"'J1 [gon]'", "the unit is not one that is read", "deg, rad"});
   Table grads = in_unit("[mm]", 1.0, 1.0);  // a degree in German, a gon elsewhere
   for (int j = 0; j < 6; ++j) grads.header[static_cast<size_t>(j)] = "J" + std::to_string(j + 1) + " [Grad]";
-  ExpectRefused(grads.ToText(), {"'J1 [Grad]'", "a degree in German and a gon elsewhere"});
+  ExpectRefused(grads.ToText(), {"'J1 [Grad]'", "grad: degrees in German, gon elsewhere"});
 }
 
 TEST_F(Import, NumbersThatAreNone) {

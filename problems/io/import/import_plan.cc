@@ -7,7 +7,6 @@
 
 #include "problems/input_error.h"
 #include "problems/io/import/column_meaning.h"
-#include "problems/io/import/header_words.h"
 #include "problems/io/import/mapped_columns.h"
 #include "problems/text.h"
 
@@ -90,17 +89,12 @@ class Planner {
   // Nothing is found for `what`, perhaps because of units.
   [[noreturn]] void FailMissing(const std::string& what) const {
     std::vector<std::string> columns;
-    bool any_grad = false;
     for (int c = 0; c < static_cast<int>(meanings_.size()); ++c) {
-      if (meanings_[c].unread_unit.empty()) continue;
-      columns.push_back("'" + HeaderOf(c) + "'");
-      any_grad |= LowerCaseOf(meanings_[c].unread_unit) == "grad";
+      if (!meanings_[c].unread_unit.empty()) columns.push_back("'" + HeaderOf(c) + "'");
     }
     if (columns.empty()) Fail("", what, kMapHint);
     Fail("", what + "; of " + Joined(columns) + " the unit is not one that is read",
-         "lengths in mm, cm, m, um or in, angles in deg, rad, mrad or urad" +
-             std::string(any_grad ? "; 'grad' is a degree in German and a gon elsewhere: write deg, or convert gon"
-                                  : ""));
+         "lengths in mm, cm, m, um or in, angles in deg, rad, mrad or urad (grad: degrees in German, gon elsewhere)");
   }
 
   bool IsMapped(const std::string& stem) const { return plan_.Find(stem) != nullptr; }

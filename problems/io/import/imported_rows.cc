@@ -6,6 +6,7 @@
 #include <set>
 
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/units.h"
@@ -105,6 +106,7 @@ TimeColumn LookAtTime(const TextTable& table, const PlannedColumn& column) {
   bool numbers = true;
   time.stamps = true;
   for (const TextTable::Row& row : table.rows) {
+    CheckInterruption();
     const std::string& cell = row.cells[column.source];
     if (IsLostCell(cell)) continue;
     different.insert(cell);
@@ -249,6 +251,7 @@ void ImportedRows::NameConfigurations(std::vector<Row>* rows, bool has_column, i
   };
   std::map<std::string, std::string> config_of, joints_of;
   for (const Row& row : rows_) {
+    CheckInterruption();
     config_of.emplace(joint_key(row), row.at("config"));
     joints_of.emplace(row.at("config"), joint_key(row));
   }
@@ -295,6 +298,7 @@ std::string ImportedRows::ToCsv(int joints) const {
   for (const std::string& column : order) text += (text.empty() ? "" : ",") + column;
   text += "\n";
   for (const Row& row : rows_) {
+    CheckInterruption();
     for (size_t c = 0; c < order.size(); ++c) {
       const auto cell = row.find(order[c]);
       const std::string value = cell == row.end() ? "" : cell->second;

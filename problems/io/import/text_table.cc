@@ -5,6 +5,7 @@
 #include <map>
 
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/import/header_words.h"
 #include "problems/io/text_checks.h"
@@ -117,6 +118,7 @@ struct Layout {
 Layout LayoutWith(char separator, const std::vector<Line>& lines) {
   std::map<size_t, size_t> numbers_by_columns;
   for (const Line& line : lines) {
+    CheckInterruption();
     if (line.is_comment) continue;
     const std::vector<std::string> cells = Split(line.text, separator);
     size_t numeric = 0;
@@ -180,10 +182,12 @@ class Builder {
     size_t header = first;
     TakeHeader(first, &header);
     for (size_t i = 0; i < lines_.size(); ++i) {
+      CheckInterruption();
       const bool is_title = table_.has_header() && i >= header && i < first;
       if (!is_title && (i < first || lines_[i].is_comment)) table_.preamble.push_back(lines_[i].text);
     }
     for (size_t i = first; i < lines_.size(); ++i) {
+      CheckInterruption();
       if (!lines_[i].is_comment) AddRow(lines_[i]);
     }
     DropEmptyLastColumn();
