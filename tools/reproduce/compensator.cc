@@ -1,6 +1,7 @@
 // Paper 002, sections III-D and III-E: geometry and spring of the gravity compensator.
 #include <cmath>
 
+#include "tools/reproduce/compensator_geometry.h"
 #include "tools/reproduce/data.h"
 #include "tools/reproduce/equivalent_spring.h"
 
@@ -9,50 +10,37 @@ namespace {
 
 constexpr double kAnchorSigma = 0.23;  // mm, what P2 must have had beside the tracker's noise
 
-struct GeometryIntervals {
-  double L, ax, ay;  // 3 sigma, mm
-};
-
-// P1 on link 2 rides on a circle of radius L about joint 2, P2 stands still. In the
-// plane p_i = c + L R(phi) u(q_i) + e, P2 - c = R(phi) (a_x, a_y) + e2. Linear
-// covariance of (c, phi, L) from the points and of P2, carried over to (a_x, a_y).
-GeometryIntervals PredictGeometry(const nlohmann::json& given, double sigma, double anchor_sigma) {
-  const double L = given.at("L_mm"), ax = given.at("ax_mm"), ay = given.at("ay_mm");
-  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();  // c_x, c_y, phi, L
-  for (const nlohmann::json& q2 : given.at("q2_deg")) {
-    const double q = kDegree * q2.get<double>();
-    Eigen::Matrix<double, 2, 4> rows;
-    rows << 1, 0, -L * std::sin(q), std::cos(q), 0, 1, L * std::cos(q), std::sin(q);
-    information += rows.transpose() * rows / (sigma * sigma);
+// P1 on link 2 rides on a circle of radius L about joint 2, P2 stands still: their points without noise, the anchor at
+// (a_x, a_y) in the plane of (cos q, sin q), as the paper prints it. That is (-a_y, -a_x) of compensator_geometry.h.
+CompensatorGeometry GeometryOf(const nlohmann::json& given, double sigma, double anchor_sigma) {
+  const auto metres = [&](const char* key) { return kMillimetre * given.at(key).get<double>(); };
+  CompensatorMarkers markers;
+  markers.point_sigma = kMillimetre * sigma;
+  markers.anchor_sigma = kMillimetre * anchor_sigma;
+  for (const nlohmann::json& q2 : given.at("q2_deg")) markers.q.push_back(kDegree * q2.get<double>());
+  markers.lever_points.resize(3, static_cast<Eigen::Index>(markers.q.size()));
+  for (size_t i = 0; i < markers.q.size(); ++i) {
+    const Vector3<double> direction(std::cos(markers.q[i]), std::sin(markers.q[i]), 0.0);
+    markers.lever_points.col(static_cast<Eigen::Index>(i)) = metres("L_mm") * direction;
   }
-  const Eigen::Matrix4d covariance = information.inverse();
-  // a = R(phi)' (P2 - c): da = dP2 - dc - phi x a.
-  Eigen::Matrix<double, 2, 4> moves;
-  moves << -1, 0, ay, 0, 0, -1, -ax, 0;
-  Eigen::Matrix2d anchor = moves * covariance * moves.transpose();
-  anchor.diagonal().array() += sigma * sigma + anchor_sigma * anchor_sigma;
-  return {3.0 * std::sqrt(covariance(3, 3)), 3.0 * std::sqrt(anchor(0, 0)), 3.0 * std::sqrt(anchor(1, 1))};
+  markers.anchor_points = Vector3<double>(metres("ax_mm"), metres("ay_mm"), 0.0);
+  return FitCompensatorGeometry(markers);
 }
 
-// sum |u~|^2 over the angles: var(L) = sigma^2 / that.
-double CentredSquares(const nlohmann::json& q2_deg) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  double squares = 0.0;
-  for (const nlohmann::json& q2 : q2_deg) {
-    const double q = kDegree * q2.get<double>();
-    mean += Eigen::Vector2d(std::cos(q), std::sin(q));
-    squares += 1.0;
-  }
-  return squares - mean.squaredNorm() / squares;
+// 3 sigma of (L, a_x, a_y) as printed, mm.
+Eigen::Vector3d IntervalsOf(const CompensatorGeometry& geometry) {
+  const Eigen::Vector3d sigma = geometry.covariance.diagonal().cwiseSqrt() / kMillimetre;
+  return 3.0 * Eigen::Vector3d(sigma[0], sigma[2], sigma[1]);
 }
 
 ReproducedTable TableV(Reproduction* reproduction) {
   ReproducedTable table{"002-V", "Compensator geometry", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("002-V");
-  const double squares = CentredSquares(given.at("q2_deg"));
+  // sum |u~|^2 over the angles: var(L) = sigma^2 / that.
+  const double squares = GeometryOf(given, 0.0, 0.0).sum_of_directions;
   const double sigma = given.at("L_ci_mm").get<double>() / 3.0 * std::sqrt(squares);
-  const GeometryIntervals plain = PredictGeometry(given, sigma, 0.0);
-  const GeometryIntervals with_anchor = PredictGeometry(given, sigma, kAnchorSigma);
+  const Eigen::Vector3d plain = IntervalsOf(GeometryOf(given, sigma, 0.0));
+  const Eigen::Vector3d with_anchor = IntervalsOf(GeometryOf(given, sigma, kAnchorSigma));
   for (const char* key : {"L_mm", "ax_mm", "ay_mm"}) {
     const std::string value = Fixed(given.at(key), 2);
     table.State(key, value, value, Verdict::kInput, "a value drives the simulation");
@@ -61,16 +49,16 @@ ReproducedTable TableV(Reproduction* reproduction) {
   const std::string why_plain =
       "noise that gives the interval of L (" + Fixed(sigma, 3) + " mm per averaged point) gives the anchor no more";
   const std::string why_anchor = "with " + Fixed(kAnchorSigma, 2) + " mm on P2 added, which is not printed";
-  table.Compare("interval of L, mm", given.at("L_ci_mm"), plain.L, 2, "the noise is fitted to it: not a test").verdict =
-      Verdict::kInput;
+  table.Compare("interval of L, mm", given.at("L_ci_mm"), plain[0], 2, "the noise is fitted to it: not a test")
+      .verdict = Verdict::kInput;
   for (const bool is_x : {true, false}) {
     ReproducedRow& row = table.Compare(is_x ? "interval of a_x, mm" : "interval of a_y, mm", is_x ? ax : ay,
-                                       is_x ? plain.ax : plain.ay, 2, why_plain);
+                                       plain[is_x ? 1 : 2], 2, why_plain);
     // Short by a factor of 5 and of 2.7: one cause, one verdict.
     if (row.verdict != Verdict::kReproduced) row.verdict = Verdict::kNotReproducible;
   }
-  table.Compare("interval of a_x, mm, noisy anchor", ax, with_anchor.ax, 2, why_anchor, Verdict::kOrderOfMagnitude);
-  table.Compare("interval of a_y, mm, noisy anchor", ay, with_anchor.ay, 2, why_anchor, Verdict::kOrderOfMagnitude);
+  table.Compare("interval of a_x, mm, noisy anchor", ax, with_anchor[1], 2, why_anchor, Verdict::kOrderOfMagnitude);
+  table.Compare("interval of a_y, mm, noisy anchor", ay, with_anchor[2], 2, why_anchor, Verdict::kOrderOfMagnitude);
   table.notes.push_back("Sum of centred squares of the six angles: " + Fixed(squares, 3) + "; var(L) = sigma^2 / " +
                         Fixed(squares, 3) + ".");
   return table;
