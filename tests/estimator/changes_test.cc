@@ -7,7 +7,7 @@
 #include "estimator/changes/sparse_search.h"
 #include "estimator/sagitta.h"
 #include "problems/input_error.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta {
 namespace {
@@ -17,17 +17,13 @@ using ::testing::HasSubstr;
 
 KnownRobot Estimated(const Kr270Truth& truth, std::uint64_t seed, const std::vector<std::string>& fixed = {},
                      const std::string& robot_name = "KR 270") {
-  test::Kr270Design design;
-  design.seed = seed;  // other poses every time
-  design.configurations = 24;
-  design.sigma = 3e-5;
+  const test::Kr270Design design = test::CampaignOf(24, 2, 3e-5, seed);  // other poses every time
   Measurements data = test::DesignMeasurements(design);
   test::MeasureKr270(truth, design.sigma, 1000 + seed, &data);
   Experiment experiment;
   experiment.estimate.fixed = fixed;
-  Robot robot;
+  Robot robot = test::Kr270Robot();
   robot.name = robot_name;
-  robot.chain = test::Kr270Chain();
   const CalibrationProblem problem = MakeCalibrationProblem(robot, data, experiment);
   const Calibration calibration{problem, EstimateJointly(problem), {}};
   EXPECT_TRUE(IsUsable(calibration.estimate.status)) << calibration.estimate.message;

@@ -18,7 +18,7 @@
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "problems/simulation.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta {
 namespace {
@@ -30,18 +30,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // the joints really are.
 template <typename Move>
 CalibrationProblem Moved(const Move& move, const Robot& believed) {
-  test::Kr270Design design;
-  design.configurations = 40;
-  design.stations = 1;
-  design.sigma = kSigma;
-  design.seed = 7;
-  Measurements data = test::DesignMeasurements(design);
-  Measurements moved = data;
-  for (Configuration& configuration : moved.configurations) move(&configuration.q);
-  test::MeasureKr270(test::Kr270Truth(), kSigma, 107, &moved);
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    data.observations[i].point_in_station = moved.observations[i].point_in_station;
-  }
+  Measurements data = test::MeasuredAfter(test::CampaignOf(40, 1, kSigma, 7), 107, move);
   for (size_t s = 0; s < data.shots.size(); ++s) {
     data.shots[s].has_time = true;
     data.shots[s].time = 1000.0 + 60.0 * static_cast<double>(s);
@@ -52,11 +41,7 @@ CalibrationProblem Moved(const Move& move, const Robot& believed) {
   return MakeCalibrationProblem(believed, data, experiment);
 }
 
-Robot Kr270() {
-  Robot robot;
-  robot.chain = test::Kr270Chain();
-  return robot;
-}
+Robot Kr270() { return test::Kr270Robot(); }
 
 CalibrationProblem Healthy() {
   return Moved([](Eigen::VectorXd*) {}, Kr270());

@@ -12,7 +12,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/parallel.h"
 #include "problems/loads.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta {
 namespace {
@@ -22,18 +22,12 @@ constexpr double kSignificance = 1e-3;  // of outliers
 
 // 40 configurations, three markers on the flange, a quarter held out; joint 6 stands still where asked.
 DiagnosedModel Healthy(std::uint64_t seed, bool parked = false) {
-  test::Kr270Design design;
-  design.configurations = 40;
-  design.stations = 1;
-  design.sigma = kSigma;
-  design.seed = seed;
-  Measurements data = test::DesignMeasurements(design);
+  Measurements data = test::DesignMeasurements(test::CampaignOf(40, 1, kSigma, seed));
   for (Configuration& configuration : data.configurations) {
     if (parked) configuration.q[5] = 0.5;
   }
   test::MeasureKr270(test::Kr270Truth(), kSigma, 300 + seed, &data);
-  Robot robot;
-  robot.chain = test::Kr270Chain();
+  const Robot robot = test::Kr270Robot();
   Experiment experiment;
   experiment.validation.kind = ValidationSpec::Kind::kFraction;
   experiment.validation.fraction = 0.25;

@@ -12,7 +12,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/diagnosis/noise_check.h"
 #include "models/constants.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta {
 namespace {
@@ -24,24 +24,11 @@ constexpr double kSigma = 2e-5;  // m
 // 50 configurations from one station, 15 of them held out; `move` changes where the joints really are.
 template <typename Move>
 CalibrationProblem Moved(std::uint64_t seed, const Move& move) {
-  test::Kr270Design design;
-  design.configurations = 50;
-  design.stations = 1;
-  design.sigma = kSigma;
-  design.seed = seed;
-  Measurements data = test::DesignMeasurements(design);
-  Measurements moved = data;
-  for (Configuration& configuration : moved.configurations) move(&configuration.q);
-  test::MeasureKr270(Kr270Truth(), kSigma, 100 + seed, &moved);
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    data.observations[i].point_in_station = moved.observations[i].point_in_station;
-  }
-  Robot robot;
-  robot.chain = test::Kr270Chain();
+  const Measurements data = test::MeasuredAfter(test::CampaignOf(50, 1, kSigma, seed), 100 + seed, move);
   Experiment experiment;
   experiment.validation.kind = ValidationSpec::Kind::kFraction;
   experiment.validation.fraction = 0.3;
-  return MakeCalibrationProblem(robot, data, experiment);
+  return MakeCalibrationProblem(test::Kr270Robot(), data, experiment);
 }
 
 // Joint 3 off by `deviation(q3)`.

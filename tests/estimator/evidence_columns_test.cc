@@ -7,26 +7,21 @@
 
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/explanations.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta {
 namespace {
 
 // Two stations see each pose, so that rows of one visit and of one pose are not the same.
 CalibrationProblem Campaign() {
-  test::Kr270Design design;
-  design.configurations = 25;
-  design.stations = 2;
-  design.sigma = 2e-5;
+  const test::Kr270Design design = test::CampaignOf(25, 2, 2e-5, 1);
   Measurements data = test::DesignMeasurements(design);
   for (size_t s = 0; s < data.shots.size(); ++s) {
     data.shots[s].has_time = true;
     data.shots[s].time = 100.0 * static_cast<double>(s);
   }
   test::MeasureKr270(test::Kr270Truth(), design.sigma, 302, &data);
-  Robot robot;
-  robot.chain = test::Kr270Chain();
-  return MakeCalibrationProblem(robot, data, Experiment());
+  return MakeCalibrationProblem(test::Kr270Robot(), data, Experiment());
 }
 
 JointScatter Scatter(int joints, double visit, double pose) {

@@ -11,7 +11,7 @@
 #include "problems/io/robot_file.h"
 #include "tests/support/driven_harmonic.h"
 #include "tests/support/effect_contract.h"
-#include "tests/support/kr270_experiment.h"
+#include "tests/support/moved_kr270.h"
 
 namespace sagitta {
 namespace {
@@ -27,20 +27,9 @@ const char* const kPath = "effect/driven_harmonic[driver=A2,order=2]/A3";
 
 // 40 configurations from one station; joint 3 is off with twice the angle of joint 2.
 CalibrationProblem Hidden(const Robot& robot) {
-  test::Kr270Design design;
-  design.configurations = 40;
-  design.stations = 1;
-  design.sigma = kSigma;
-  design.seed = 31;
-  Measurements data = test::DesignMeasurements(design);
-  Measurements moved = data;
-  for (Configuration& configuration : moved.configurations) {
-    configuration.q[2] += kCos * std::cos(2 * configuration.q[1]) + kSin * std::sin(2 * configuration.q[1]);
-  }
-  test::MeasureKr270(test::Kr270Truth(), kSigma, 131, &moved);
-  for (size_t i = 0; i < data.observations.size(); ++i) {
-    data.observations[i].point_in_station = moved.observations[i].point_in_station;
-  }
+  const Measurements data = test::MeasuredAfter(test::CampaignOf(40, 1, kSigma, 31), 131, [](Eigen::VectorXd* q) {
+    (*q)[2] += kCos * std::cos(2 * (*q)[1]) + kSin * std::sin(2 * (*q)[1]);
+  });
   Experiment experiment;
   experiment.validation.kind = ValidationSpec::Kind::kFraction;
   experiment.validation.fraction = 0.3;
@@ -48,8 +37,7 @@ CalibrationProblem Hidden(const Robot& robot) {
 }
 
 Robot ArmThatKnowsIt() {
-  Robot robot;
-  robot.chain = test::Kr270Chain();
+  Robot robot = test::Kr270Robot();
   robot.own_effects = Own();
   return robot;
 }
