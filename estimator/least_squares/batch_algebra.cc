@@ -272,63 +272,102 @@ void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* 
   }
 }
 
-// Forward substitution, y_r = (c_r - sum_k<r F_rk y_k) / F_rr; kRows of them in registers, or any number (0).
+// column <- G column, G lower triangular: from the last row on, each needs those before it; kRows of them in registers,
+// or any number (0).
 template <int kRows>
-void SolveColumn(int num_rows, const double* factor, std::size_t step, double* column) {
+void MultiplyColumn(int num_rows, const double* g, std::size_t step, double* column) {
   const Tag d;
   const int rows = kRows > 0 ? kRows : num_rows;
-  const auto entry = [&](int r, int k) HWY_ATTR {
-    return hn::Load(d, factor + (static_cast<std::size_t>(r) * rows + k) * kBatchLanes);
-  };
-  V solved[kRows > 0 ? kRows : 1];
-  for (int r = 0; r < rows; ++r) {
-    V value = hn::Load(d, column + r * step);
-    for (int k = 0; k < r; ++k) {
-      const V above = kRows > 0 ? solved[kRows > 0 ? k : 0] : hn::Load(d, column + k * step);
-      value = hn::NegMulAdd(entry(r, k), above, value);
+  V before[kRows > 0 ? kRows : 1];
+  for (int r = 0; r < kRows; ++r) before[r] = hn::Load(d, column + r * step);
+  for (int r = rows - 1; r >= 0; --r) {
+    V sum = hn::Zero(d);
+    for (int k = 0; k <= r; ++k) {
+      const V value = kRows > 0 ? before[kRows > 0 ? k : 0] : hn::Load(d, column + k * step);
+      sum = hn::MulAdd(hn::Load(d, g + (static_cast<std::size_t>(r) * rows + k) * kBatchLanes), value, sum);
     }
-    value = hn::Mul(value, entry(r, r));
-    solved[kRows > 0 ? r : 0] = value;
-    hn::Store(value, d, column + r * step);
+    hn::Store(sum, d, column + r * step);
   }
 }
 
-// C = 1 + L L' = F F' (Cholesky, row by row; the diagonal is kept as its inverse); then F^-1 of all columns but L.
-void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
+// A matrix of lanes, of which the lower triangle counts; f(lane) for all registers that its cells take.
+struct LowerLanes {
+  int rows;
+  double* cells;
+  double* At(int r, int c) const { return cells + (static_cast<std::size_t>(r) * rows + c) * kBatchLanes; }
+};
+template <typename Function>
+HWY_INLINE void ForAllLanes(const Function& f) {
+  for (std::size_t lane = 0; lane < kBatchLanes; lane += hn::Lanes(Tag())) f(lane);
+}
+
+// C <- F, C = F F' (Cholesky); the diagonal as its inverse.
+void Factor(const LowerLanes& c) {
   const Tag d;
-  const std::size_t step = hn::Lanes(d);
-  const auto cell = [&](int row, int column) {
-    return (static_cast<std::size_t>(row) * columns + column) * kBatchLanes;
-  };
-  const auto entry = [&](int row, int column) {
-    return factor + (static_cast<std::size_t>(row) * num_rows + column) * kBatchLanes;
-  };
-  for (std::size_t lane = 0; lane < kBatchLanes; lane += step) {
-    double* const own = rows + lane;
-    for (int r = 0; r < num_rows; ++r) {
-      for (int k = 0; k <= r; ++k) {
-        V sum = hn::Set(d, r == k ? 1.0 : 0.0);
-        for (int c = latent; c < latent + count; ++c) {
-          sum = hn::MulAdd(hn::Load(d, own + cell(r, c)), hn::Load(d, own + cell(k, c)), sum);
-        }
-        for (int i = 0; i < k; ++i) {
-          sum = hn::NegMulAdd(hn::Load(d, entry(r, i) + lane), hn::Load(d, entry(k, i) + lane), sum);
-        }
-        const V value =
-            r == k ? hn::Div(hn::Set(d, 1.0), hn::Sqrt(sum)) : hn::Mul(sum, hn::Load(d, entry(k, k) + lane));
-        hn::Store(value, d, entry(r, k) + lane);
+  for (int k = 0; k < c.rows; ++k) {
+    double* const pivot = c.At(k, k);
+    ForAllLanes([&](std::size_t lane) HWY_ATTR {
+      hn::Store(hn::Div(hn::Set(d, 1.0), hn::Sqrt(hn::Load(d, pivot + lane))), d, pivot + lane);
+    });
+    for (int r = k + 1; r < c.rows; ++r) {
+      double* const own = c.At(r, k);
+      ForAllLanes([&](std::size_t lane) HWY_ATTR {
+        hn::Store(hn::Mul(hn::Load(d, own + lane), hn::Load(d, pivot + lane)), d, own + lane);
+      });
+      for (int i = k + 1; i <= r; ++i) {
+        double* const to = c.At(r, i);
+        const double* const other = c.At(i, k);
+        ForAllLanes([&](std::size_t lane) HWY_ATTR {
+          const V product = hn::NegMulAdd(hn::Load(d, own + lane), hn::Load(d, other + lane), hn::Load(d, to + lane));
+          hn::Store(product, d, to + lane);
+        });
       }
     }
-    const auto solve = num_rows == 9   ? SolveColumn<9>
-                       : num_rows == 6 ? SolveColumn<6>
-                       : num_rows == 3 ? SolveColumn<3>
-                                       : SolveColumn<0>;
-    for (int c = 0; c < columns; ++c) {
-      if (c == latent) c += count;
-      if (c < columns)
-        solve(num_rows, factor + lane, static_cast<std::size_t>(columns) * kBatchLanes, own + cell(0, c));
+  }
+}
+
+// F <- F^-1, the diagonal as its inverse before: G_rk = -1 / F_rr sum_{k <= i < r} F_ri G_ik.
+void Invert(const LowerLanes& f) {
+  const Tag d;
+  for (int r = 1; r < f.rows; ++r) {
+    for (int k = 0; k < r; ++k) {  // F_ri, i >= k, are still there
+      ForAllLanes([&](std::size_t lane) HWY_ATTR {
+        V sum = hn::Zero(d);
+        for (int i = k; i < r; ++i) {
+          sum = hn::NegMulAdd(hn::Load(d, f.At(r, i) + lane), hn::Load(d, f.At(i, k) + lane), sum);
+        }
+        hn::Store(hn::Mul(hn::Load(d, f.At(r, r) + lane), sum), d, f.At(r, k) + lane);
+      });
     }
   }
+}
+
+// C = 1 + L L' = F F'; then F^-1 of the columns before L. By the inverse and not by substitution: nothing waits for
+// the row before.
+void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
+  const Tag d;
+  const std::size_t row = static_cast<std::size_t>(columns) * kBatchLanes;
+  const LowerLanes c = {num_rows, factor};
+  for (int r = 0; r < num_rows; ++r) {
+    for (int k = 0; k <= r; ++k) {
+      ForAllLanes([&](std::size_t lane) HWY_ATTR {
+        V sum = hn::Set(d, r == k ? 1.0 : 0.0);
+        for (std::size_t i = latent * kBatchLanes + lane; i < (latent + count) * kBatchLanes + lane; i += kBatchLanes) {
+          sum = hn::MulAdd(hn::Load(d, rows + r * row + i), hn::Load(d, rows + k * row + i), sum);
+        }
+        hn::Store(sum, d, c.At(r, k) + lane);
+      });
+    }
+  }
+  Factor(c);
+  Invert(c);
+  const auto multiply = num_rows == 9   ? MultiplyColumn<9>
+                        : num_rows == 6 ? MultiplyColumn<6>
+                        : num_rows == 3 ? MultiplyColumn<3>
+                                        : MultiplyColumn<0>;
+  ForAllLanes([&](std::size_t lane) HWY_ATTR {
+    for (int i = 0; i < latent; ++i) multiply(num_rows, factor + lane, row, rows + i * kBatchLanes + lane);
+  });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -395,11 +434,7 @@ void LeveragesOf(const ClusterLanes& clusters, const double* root, double* lever
   HWY_DYNAMIC_DISPATCH(LeveragesOfLanes)(clusters, root, leverages);
 }
 
-void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows) {
-  std::vector<double> memory(static_cast<std::size_t>(num_rows) * num_rows * kBatchLanes + kBatchLanes);
-  const auto at = reinterpret_cast<std::size_t>(memory.data());
-  constexpr std::size_t kWidest = kBatchLanes * sizeof(double);
-  auto* const factor = reinterpret_cast<double*>((at + kWidest - 1) / kWidest * kWidest);
+void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
   HWY_DYNAMIC_DISPATCH(MarginaliseRows)(num_rows, columns, latent, count, rows, factor);
 }
 

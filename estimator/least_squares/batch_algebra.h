@@ -62,7 +62,8 @@ unsigned ScoreClusters(const ClusterLanes& clusters, const ScoreFit& fit, double
 void LeveragesOf(const ClusterLanes& clusters, const double* root, double* leverages);
 
 // Whitens rows that share deviations L (columns latent .. latent + count of each row, times their sigmas):
-// rows <- chol(I + L L')^-1 rows, all columns. num_rows rows of `columns` columns.
-void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows);
+// rows <- chol(I + L L')^-1 rows, the columns before L. num_rows rows of `columns` columns. factor: num_rows x num_rows
+// x kBatchLanes numbers to work in; both aligned.
+void MarginaliseLanes(int num_rows, int columns, int latent, int count, double* rows, double* factor);
 
 }  // namespace sagitta

@@ -17,8 +17,7 @@ constexpr int kRowsAtOnce = 48;      // of lanes that are summed together: they 
 class GroupSums {
  public:
   explicit GroupSums(const BatchColumns& columns)
-      : columns_(columns),
-        shared_((columns.latent < 0 ? columns.columns : columns.latent) / kGramBlock - columns.first / kGramBlock) {
+      : columns_(columns), shared_((columns.last - columns.first) / kGramBlock) {
     dense_ = GramSums(shared_, shared_, true);
     for (size_t m = 0; m < columns.own.size(); ++m) own_.emplace_back(1, 1 + shared_, false);
   }
@@ -106,10 +105,10 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
     for (int first = block.first; first < block.last; first += at_once) {
       const int last = std::min(block.last, first + at_once);
       pointers.clear();
-      // Marginalising fills cells that no derivative belongs to.
-      if (own.latent >= 0) std::fill(memory, memory + at_once * doubles, 0.0);
       for (int b = first; b < last; ++b) {
         double* const at = memory + (b - first) * doubles;
+        // Marginalising fills cells that no derivative belongs to.
+        if (own.latent >= 0) std::fill(at, at + doubles, 0.0);
         if (!batches_.Evaluate(request, block.group, b, &scratches[worker], at)) {
           valid = false;
           return;

@@ -232,13 +232,16 @@ BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& param
     if (column >= 0) theta[i] = append({column});
   }
   result.residual = append({-1});
-  result.of.resize(RoundedUp(static_cast<int>(result.of.size())), -1);
+  result.last = RoundedUp(static_cast<int>(result.of.size()));
+  result.of.resize(result.last, -1);
   const bool deviate = !problem_.latent.empty();
   if (deviate) {
     result.latents = problem_.latent.size();
     result.latent = append(std::vector<int>(result.latents, -1));
     result.of.resize(RoundedUp(static_cast<int>(result.of.size())), -1);
   }
+  // An odd number of blocks: rows that are summed together would else fall into few sets of the cache.
+  if (result.of.size() / kGramBlock % 2 == 0) result.of.resize(result.of.size() + kGramBlock, -1);
   result.columns = static_cast<int>(result.of.size());
   int row = 0;
   for (const Group::ShotPart& shot : group.shots) {
@@ -302,7 +305,10 @@ bool RowBatches::Evaluate(const Request& request, int group, int batch, BatchScr
       return false;
     }
   }
-  if (marginalises_) MarginaliseLanes(own.rows, columns.columns, columns.latent, columns.latents, rows);
+  if (marginalises_) {
+    double* const factor = scratch->Reserve(static_cast<std::size_t>(own.rows) * own.rows * kBatchLanes);
+    MarginaliseLanes(own.rows, columns.columns, columns.latent, columns.latents, rows, factor);
+  }
   return true;
 }
 

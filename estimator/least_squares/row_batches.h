@@ -25,6 +25,7 @@ struct BatchColumns {
   std::vector<std::vector<int>> own;
   int columns = 0;  // a multiple of kGramBlock; unused ones are zero
   int first = 0;    // of those that all rows share
+  int last = 0;     // where they end; deviations and unused ones follow
   int residual = 0;
   int latent = -1, latents = 0;  // deviations of joints, times their sigmas, as they were before they are marginalised
 
