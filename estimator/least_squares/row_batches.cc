@@ -78,8 +78,9 @@ struct RowBatches::Group {
   bool by_model = false;
   int rows = 0;
   int num_units = 0;
-  std::vector<int> observations;  // unit by unit, positions in the list
-  std::vector<double> memory;     // numbers of all batches: per batch the shots' blocks one after the other
+  std::vector<int> observations;           // unit by unit, positions in the list
+  std::vector<Matrix3<double>> whiteners;  // of these, where only the model itself evaluates them
+  std::vector<double> memory;              // numbers of all batches: per batch the shots' blocks one after the other
   int batch_doubles = 0;
 
   int per_unit() const { return rows / 3; }
@@ -99,8 +100,6 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       observations_(observations),
       marginalises_(treatment == LatentTreatment::kMarginalise && !problem.latent.empty()),
       against_(against) {
-  whiteners_.reserve(noise.size());
-  for (const Matrix3<double>& root : noise) whiteners_.push_back(root.inverse());
   std::vector<BatchReading> readings;  // of the run that is looked at
   const auto read = [&](const Run& run) {
     readings.clear();
@@ -108,7 +107,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       const Observation& row = problem.data().observations[observations[k]];
       const Vector3<double> target =
           against_ == RowsAgainst::kMeasured ? row.point_in_station : Vector3<double>::Zero().eval();
-      readings.push_back({row.marker, problem.marker_frames()[row.marker], target, whiteners_[k]});
+      readings.push_back({row.marker, problem.marker_frames()[row.marker], target, noise[k].inverse()});
     }
   };
   const auto shot_of = [&](const Run& run) { return problem.data().observations[observations[run.first]].shot; };
@@ -166,7 +165,10 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       // Lanes that are left over repeat the last unit; nobody reads them.
       const Run* const runs = &units.runs[units.first[members[g][std::min(i, group.num_units - 1)]]];
       for (size_t s = 0; s < group.shots.size(); ++s) {
-        for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) group.observations.push_back(k);
+        for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) {
+          group.observations.push_back(k);
+          if (group.by_model) group.whiteners.push_back(noise[k].inverse());
+        }
         if (group.by_model) continue;
         read(runs[s]);
         PackShot(problem.model(), group.shots[s].program, problem.shot_inputs()[shot_of(runs[s])], readings,
@@ -337,7 +339,10 @@ bool RowBatches::EvaluateByModel(const Request& request, const Group& group, con
       const bool is_measured = against_ == RowsAgainst::kMeasured;
       const Vector3<double> misfit =
           is_measured ? Vector3<double>(-MeasuredMinusPredicted(observation.reading(), point.point)) : point.point;
-      Matrix3<double> whitener = whiteners_[*position];  // of what was not measured: the prediction's own derivative
+      const Matrix3<double> root = group.by_model ? group.whiteners[position - group.observations.data()]
+                                                  : PackedWhitener(group.shots[s].program.markers[m], lane,
+                                                                   group.Data(unit / kBatchLanes, static_cast<int>(s)));
+      Matrix3<double> whitener = root;  // of what was not measured: the prediction's own derivative
       if (misfit.allFinite()) whitener *= MisfitByPrediction(observation.kind, misfit);
       const int row = layout.first_row + 3 * static_cast<int>(m);
       const auto write = [&](int column, const Vector3<double>& derivative) {
@@ -356,7 +361,7 @@ bool RowBatches::EvaluateByModel(const Request& request, const Group& group, con
         write(layout.latent + static_cast<int>(i),
               layout.latent_sigmas[i] * point.d_latent.col(layout.latent_joints[i]));
       }
-      const Vector3<double> residual = whiteners_[*position] * misfit;
+      const Vector3<double> residual = root * misfit;
       for (int i = 0; i < 3; ++i) {
         rows[(static_cast<std::size_t>(row + i) * columns.columns + layout.residual) * kBatchLanes + lane] =
             residual[i];

@@ -95,7 +95,6 @@ class RowBatches {
   const std::vector<int> observations_;
   const bool marginalises_;
   const RowsAgainst against_;
-  std::vector<Matrix3<double>> whiteners_;
   std::vector<std::unique_ptr<Group>> groups_;
 };
 

@@ -83,6 +83,12 @@ class LaneShots {
     return rows_ + static_cast<std::size_t>(layout_.first_row + 3 * marker) * layout_.columns * kBatchLanes;
   }
 
+  M3 WhitenerOf(const ShotProgram::Marker& marker) const {
+    if (!marker.sees_equally) return AtMatrix(data_, marker.whitener, 0);
+    const V w = statics_.Datum(marker.whitener), zero = Of(0.0);
+    return {{{w, zero, zero}, {zero, w, zero}, {zero, zero, w}}};
+  }
+
   // The instrument's side of one marker.
   void See(int m) {
     const ShotProgram::Marker& marker = p_.markers[m];
@@ -101,11 +107,11 @@ class LaneShots {
     }
     const Vector3<double>& t = at_.base_in_station.translation;
     const V3 truth = Fma(scale, from_base, V3{Of(t.x()), Of(t.y()), Of(t.z())});
-    const V3 measured = At3(data_, marker.data + 9, 0);
+    const V3 measured = At3(data_, marker.point, 0);
     if (marker.sees_equally && !MovesDirectly(marker)) {
-      const V w = statics_.Datum(marker.data), zero = Of(0.0);
+      const V w = statics_.Datum(marker.whitener);
       equal_[num_equal_++] = {{w, Times(w, from_base)}, Times(w, truth - measured), cells};
-      if (layout_.station >= 0) Write({{{w, zero, zero}, {zero, w, zero}, {zero, zero, w}}}, layout_.station, cells);
+      if (layout_.station >= 0) Write(WhitenerOf(marker), layout_.station, cells);
       for (int c = 0; c < 3 && layout_.markers[m] >= 0; ++c) {
         Write(Times(w, frame.rotation.column[c]), layout_.markers[m] + c, cells);
       }
@@ -119,7 +125,7 @@ class LaneShots {
       point = Fma(theta, gradient * truth + At3(data_, term.data + 9, 0), point);
       for (int c = 0; c < 3; ++c) from_true.column[c] = Fma(theta, gradient.column[c], from_true.column[c]);
     }
-    const M3 whitener = AtMatrix(data_, marker.data, 0);
+    const M3 whitener = WhitenerOf(marker);
     const M3 from_station = p_.station.empty() ? whitener : whitener * from_true;
     seen = {from_base, truth, scale, from_station};
     for (V3& column : seen.from_arm.column) column = Times(scale, column);
@@ -247,8 +253,8 @@ class LaneShots {
     }
     for (const ShotProgram::Station& term : p_.station) {
       if (layout_.theta[term.parameter] < 0) continue;
-      add(term.parameter, AtMatrix(data_, marker.data, 0) *
-                              (AtMatrix(data_, term.data, 0) * seen.truth + At3(data_, term.data + 9, 0)));
+      add(term.parameter,
+          WhitenerOf(marker) * (AtMatrix(data_, term.data, 0) * seen.truth + At3(data_, term.data + 9, 0)));
     }
   }
 

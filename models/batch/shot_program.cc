@@ -203,7 +203,8 @@ class Builder {
       marker.kept_frame = KeptFrame(reading.frame);
       marker.frame_class = found->second;
       marker.sees_equally = SeesEqually(reading);
-      marker.data = Take(12);
+      marker.whitener = Take(marker.sees_equally ? 1 : 9);
+      marker.point = Take(3);
       marker.grows = reading.frame > chain_.BaseFrame();
       for (const MarkerTerm& term : shot_.terms.markers) {
         if (term.marker == reading.id) marker.terms.push_back({term.parameter, Take(3)});
@@ -290,6 +291,14 @@ ShotProgram MakeShotProgram(const ForwardModel& model, const ShotInput& shot,
   return Builder(model, shot, readings).Take();
 }
 
+Matrix3<double> PackedWhitener(const ShotProgram::Marker& marker, int lane, const double* data) {
+  const auto at = [&](int i) { return data[(marker.whitener + i) * kBatchLanes + lane]; };
+  if (marker.sees_equally) return at(0) * Matrix3<double>::Identity();
+  Matrix3<double> whitener;
+  for (int i = 0; i < 9; ++i) whitener(i / 3, i % 3) = at(i);
+  return whitener;
+}
+
 void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotInput& shot,
               const std::vector<BatchReading>& readings, int lane, double* data) {
   const auto set = [&](int index, double value) { data[index * kBatchLanes + lane] = value; };
@@ -332,11 +341,14 @@ void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotI
     }
   }
   for (size_t m = 0; m < readings.size(); ++m) {
-    set_matrix(program.markers[m].data, readings[m].whitener);
-    set_vector(program.markers[m].data + 9, readings[m].point_in_station);
+    const ShotProgram::Marker& marker = program.markers[m];
+    for (int i = 0; i < (marker.sees_equally ? 1 : 9); ++i) {
+      set(marker.whitener + i, readings[m].whitener(i / 3, i % 3));
+    }
+    set_vector(marker.point, readings[m].point_in_station);
     size_t own = 0;
     for (const MarkerTerm& term : shot.terms.markers) {
-      if (term.marker == readings[m].id) set_vector(program.markers[m].terms[own++].data, term.direction);
+      if (term.marker == readings[m].id) set_vector(marker.terms[own++].data, term.direction);
     }
   }
   for (size_t i = 0; i < program.growth.size(); ++i) set(program.growth[i].data, shot.terms.base[i].factor);

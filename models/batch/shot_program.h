@@ -78,7 +78,8 @@ struct ShotProgram {
     int frame_class = 0;
     bool grows = false;
     bool sees_equally = false;  // its whitener is a number times the identity, in all lanes
-    int data = 0;               // whitener, row by row, then measured point: 12 numbers
+    int whitener = 0;           // data: that number, or 9, row by row
+    int point = 0;              // data: measured
     std::vector<MarkerDirection> terms;
   };
   struct FrameClass {  // a frame that bears markers
@@ -146,6 +147,9 @@ bool AppendStructure(const ForwardModel& model, const ShotInput& shot, const std
 // `shot` stands for all of its structure.
 ShotProgram MakeShotProgram(const ForwardModel& model, const ShotInput& shot,
                             const std::vector<BatchReading>& readings);
+
+// The whitener of one of its markers in a lane of such a block.
+Matrix3<double> PackedWhitener(const ShotProgram::Marker& marker, int lane, const double* data);
 
 // Writes the numbers of one shot into its lane of a block of num_data * kBatchLanes doubles.
 void PackShot(const ForwardModel& model, const ShotProgram& program, const ShotInput& shot,
