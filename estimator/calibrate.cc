@@ -149,10 +149,9 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
   files.emplace_back(
       "robot.calibrated.yaml",
       RunComment(provenance) + RobotToYaml(problem.model().WithValues(estimate.parameters.ModelValues())));
-  files.emplace_back("residuals.csv", ResidualsToCsv(problem, estimate));
   files.emplace_back("estimate.json", DumpJson(CalibrationToJson(calibration, provenance)));
   const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
-  out.Write(files);
+  out.Write(files, {{"residuals.csv", [&](const TextSink& write) { ResidualsToCsv(problem, estimate, write); }}});
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {

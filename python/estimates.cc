@@ -33,10 +33,13 @@ struct CalibratedExperiment {
   // The files of `sagitta calibrate`, all or none.
   void Write(const std::string& folder) const {
     const std::vector<NamedText> files = {{"robot.calibrated.yaml", RunComment(provenance) + RobotYaml()},
-                                          {"residuals.csv", ResidualsToCsv(calibration.problem, calibration.estimate)},
                                           {"report.html", ReportHtml()},
                                           {"estimate.json", Json()}};
-    OutputFolder(folder, {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"}).Write(files);
+    const auto rows = [this](const TextSink& write) {
+      ResidualsToCsv(calibration.problem, calibration.estimate, write);
+    };
+    OutputFolder(folder, {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"})
+        .Write(files, {{"residuals.csv", rows}});
   }
 };
 

@@ -37,14 +37,13 @@ int ReportFailure(const Calibration& failed) {
   return kNumericalFailure;
 }
 
-// Everything is text before the first file is written.
+// Everything but the rows is text before the first file is written.
 struct ResultFiles {
   nlohmann::ordered_json json;
-  std::string residuals, robot, report;
+  std::string robot, report;
 
   ResultFiles(const Calibration& calibration, const Provenance& provenance)
       : json(CalibrationToJson(calibration, provenance)),
-        residuals(ResidualsToCsv(calibration.problem, calibration.estimate)),
         robot(RunComment(provenance) +
               RobotToYaml(calibration.problem.model().WithValues(calibration.estimate.parameters.ModelValues()))),
         report(CalibrationToHtml(calibration, provenance)) {}
@@ -52,14 +51,15 @@ struct ResultFiles {
   static std::vector<std::string> Names() {
     return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
   }
-  // Hands the texts over: rows of a tracker stream are not copied.
-  void Write(const OutputFolder& folder) {
+  void Write(const OutputFolder& folder, const Calibration& calibration) {
+    const auto rows = [&calibration](const TextSink& write) {
+      ResidualsToCsv(calibration.problem, calibration.estimate, write);
+    };
     std::vector<NamedText> files;
     files.emplace_back("robot.calibrated.yaml", robot);
-    files.emplace_back("residuals.csv", std::move(residuals));
     files.emplace_back("report.html", std::move(report));
     files.emplace_back("estimate.json", DumpJson(json));
-    folder.Write(files);
+    folder.Write(files, {{"residuals.csv", rows}});
   }
 };
 
@@ -91,7 +91,7 @@ int RunCalibrate(const CommandLine& line) {
   if (FLAGS_out.empty()) {
     std::cout << NothingIsWritten();
   } else {
-    files.Write(*out);
+    files.Write(*out, result);
     std::cout << "\n"
               << ResultsIn(FLAGS_out, {"report.html", "estimate.json", "robot.calibrated.yaml", "residuals.csv"});
   }

@@ -12,6 +12,8 @@
 namespace sagitta {
 namespace {
 
+constexpr size_t kPiece = 1 << 16;  // bytes that are handed on together
+
 std::vector<std::string> UnionOfColumns(const Measurements& data, const std::vector<AddedColumn>& added) {
   std::vector<std::string> names;
   const auto add = [&names](const std::string& name) {
@@ -79,6 +81,12 @@ AddedColumn OutlierColumn(const Measurements& data, const NoiseReport& report) {
 }  // namespace
 
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added) {
+  std::string csv;
+  RowsToCsv(data, added, [&csv](const std::string& piece) { csv += piece; });
+  return csv;
+}
+
+void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write) {
   const std::vector<std::string> names = UnionOfColumns(data, added);
   std::vector<const AddedColumn*> replaced;
   std::vector<std::vector<int>> index(data.files.size());  // of each column in each file, -1: none
@@ -89,7 +97,6 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
     for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
   }
   csv += "\n";
-  size_t first = 0;  // bytes with the first row
   for (size_t i = 0; i < data.observations.size(); ++i) {
     const Observation& observation = data.observations[i];
     if (!observation.is_point()) continue;  // in the line of its point
@@ -106,12 +113,11 @@ std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& 
       }
     }
     csv += "\n";
-    if (first == 0) {
-      first = csv.size();
-      csv.reserve(first * data.observations.size() / 8 * 9);  // as if all were as long
-    }
+    if (csv.size() < kPiece) continue;
+    write(csv);
+    csv.clear();
   }
-  return csv;
+  write(csv);
 }
 
 std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measurements& data,
@@ -130,6 +136,12 @@ Eigen::Matrix3Xd WhitenedResiduals(const CalibrationProblem& problem, const Esti
 }
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate) {
+  std::string csv;
+  ResidualsToCsv(problem, estimate, [&csv](const std::string& piece) { csv += piece; });
+  return csv;
+}
+
+void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write) {
   const Measurements& data = problem.data();
   std::vector<AddedColumn> added = ReadingColumns("pred_", data, estimate.predicted);
   const auto append = [&added](std::vector<AddedColumn> columns) {  // a tracker stream's are not copied
@@ -147,7 +159,7 @@ std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& es
   added.push_back(std::move(leverage));
   added.push_back(std::move(set));
   if (estimate.noise_report.loss != LossKind::kNone) added.push_back(OutlierColumn(data, estimate.noise_report));
-  return RowsToCsv(data, added);
+  RowsToCsv(data, added, write);
 }
 
 }  // namespace sagitta

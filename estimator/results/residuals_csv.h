@@ -7,6 +7,7 @@
 
 #include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
+#include "problems/io/output_files.h"
 
 namespace sagitta {
 
@@ -21,6 +22,8 @@ struct AddedColumn {
 // A column that the rows already have is replaced where it stands. Several
 // files: every column of any of them, in order of first appearance.
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added);
+// The same piece by piece: the rows of a tracker stream are not held as text.
+void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, const TextSink& write);
 
 // Readings of all observations (3 x N: points, m, and rotation vectors, rad) as columns <prefix>x_mm … and, where any
 // row is a pose, <prefix>rx_mrad ….
@@ -30,6 +33,7 @@ std::vector<AddedColumn> ReadingColumns(const std::string& prefix, const Measure
 std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::Matrix3Xd& predicted);
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
+void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write);
 
 // measured - predicted over its standard deviation, joint repeatability included, 3 x N: each row by itself (rows of
 // one visit share what their joints did).

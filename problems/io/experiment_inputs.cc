@@ -59,7 +59,7 @@ ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths, con
   inputs.data = ReadMeasurementsFor(inputs.robot, experiment.measurement_files, options);
   if (!experiment.file.empty()) inputs.files.push_back(DescribeInput(experiment.file));
   inputs.files.push_back(DescribeInput(experiment.robot_file));
-  for (const std::string& path : experiment.measurement_files) inputs.files.push_back(DescribeInput(path));
+  for (const MeasurementFile& file : inputs.data.files) inputs.files.push_back({file.path, file.sha256});
   return inputs;
 }
 

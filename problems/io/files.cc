@@ -127,8 +127,10 @@ std::string ReadOwnFile(const std::string& path) {
   return ReadAll(descriptor, path);
 }
 
-std::string ReadTextFile(const std::string& path) {
-  if (session == nullptr) return ReadOwnFile(path);
+namespace {
+
+// In the session.
+const std::string& RememberedText(const std::string& path) {
   const auto known = session->bytes.find(path);
   if (known != session->bytes.end()) return known->second;
   const Identity input = IdentityOf(path);
@@ -138,6 +140,18 @@ std::string ReadTextFile(const std::string& path) {
   std::string bytes = ReadOwnFile(path);
   session->inputs.push_back(input);
   return session->bytes[path] = std::move(bytes);
+}
+
+}  // namespace
+
+std::string ReadTextFile(const std::string& path) {
+  return session == nullptr ? ReadOwnFile(path) : RememberedText(path);
+}
+
+std::string TakeTextFile(const std::string& path) {
+  if (session == nullptr) return ReadOwnFile(path);
+  RememberedText(path);
+  return std::move(session->bytes.extract(path).mapped());
 }
 
 int LineOfInvalidUtf8(const std::string& bytes) {

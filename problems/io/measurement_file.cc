@@ -18,24 +18,28 @@ namespace {
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
 
-// Ids by number, in order of appearance. Most rows say what the row before said, or one of few.
+// Ids by number, in order of appearance. Most rows say what the row before said, or what followed that when it was
+// said last.
 class Words {
  public:
   int IndexOf(std::string_view word) {
-    if (last_ < words_.size() && words_[last_] == word) return static_cast<int>(last_);
-    last_ = words_.size();
-    for (size_t i = 0; i < std::min(words_.size(), kFew); ++i) {
-      if (words_[i] == word) last_ = i;
+    if (!words_.empty() && words_[last_].text == word) return static_cast<int>(last_);
+    size_t index = words_.empty() ? 0 : words_[last_].followed_by;
+    if (words_.empty() || words_[index].text != word) {
+      index = indices_.try_emplace(word, words_.size()).first->second;
+      if (index == words_.size()) words_.push_back({word, index});
+      words_[last_].followed_by = index;
     }
-    if (last_ == words_.size()) last_ = indices_.try_emplace(word, words_.size()).first->second;
-    if (last_ == words_.size()) words_.push_back(word);
-    return static_cast<int>(last_);
+    last_ = index;
+    return static_cast<int>(index);
   }
-  int size() const { return static_cast<int>(words_.size()); }
 
  private:
-  static constexpr size_t kFew = 4;
-  std::vector<std::string_view> words_;  // in the memory of the rows
+  struct Word {
+    std::string_view text;  // in the memory of the rows
+    size_t followed_by;
+  };
+  std::vector<Word> words_;
   std::unordered_map<std::string_view, size_t> indices_;
   size_t last_ = 0;
 };
@@ -120,11 +124,11 @@ class MeasurementsBuilder {
   std::string SourceOf(int observation) const { return data_.SourceOf(data_.observations[observation]); }
   [[noreturn]] void Fail(const std::string& key, const std::string& what, const std::string& hint) const;
 
-  // Shots of equal ids: rows that repeat a marker begin another one.
+  // Shots of equal ids, once one of them has a row that repeats a marker: that begins another.
   struct Repeated {
     std::vector<int> shots;
     std::vector<std::pair<int, size_t>> rows;  // marker, and how many rows it has; ascending
-    std::unordered_map<size_t, int> seen;      // observations by hash, once a marker is repeated
+    std::unordered_map<size_t, int> seen;      // observations by hash
 
     // One more row of a marker; returns how many it had.
     size_t Count(int marker) {
@@ -135,6 +139,9 @@ class MeasurementsBuilder {
   };
 
   void RefuseCopy(Repeated* shots);
+  int FirstShot(const Ids& ids);
+  bool HasMarker(int shot, int marker) const;
+  Repeated RepeatedFrom(int shot) const;
   int ConfigurationIndex(const MeasurementRow& row);
   int ShotIndex(const MeasurementRow& row, int configuration, int station, int marker);
   int BeginShot(const MeasurementRow& row, int configuration, int station);
@@ -143,10 +150,11 @@ class MeasurementsBuilder {
 
   Measurements data_;
   int current_ = 0;  // the observation that is being added
-  Words stations_, markers_, configurations_, visits_, repeats_, loads_;
-  std::unordered_map<Ids, Repeated, IdsHash> shots_;
-  std::pair<const Ids, Repeated>* latest_ = nullptr;  // of shots_: of the row before
-  std::vector<std::vector<size_t>> headers_;          // hashes of each file's names
+  Words stations_, markers_, configurations_, visits_, repeat_ids_, loads_;
+  std::unordered_map<Ids, int, IdsHash> first_shots_;  // of the shots of equal ids
+  std::pair<Ids, int> latest_ = {Ids(), -1};           // of these: of the row before
+  std::unordered_map<int, Repeated> repeats_;          // by the first shot
+  std::vector<std::vector<size_t>> headers_;           // hashes of each file's names
   std::vector<int> first_of_configuration_;
   std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;
@@ -198,14 +206,44 @@ int MeasurementsBuilder::ConfigurationIndex(const MeasurementRow& row) {
   return index;
 }
 
+// The first shot of these ids; the next one that begins, where there is none.
+int MeasurementsBuilder::FirstShot(const Ids& ids) {
+  if (latest_.second < 0 || latest_.first != ids) {
+    latest_ = {ids, first_shots_.try_emplace(ids, static_cast<int>(data_.shots.size())).first->second};
+  }
+  return latest_.second;
+}
+
+bool MeasurementsBuilder::HasMarker(int shot, int marker) const {
+  const std::vector<int>& own = data_.shots[shot].observations;
+  return std::any_of(own.begin(), own.end(), [&](int i) { return data_.observations[i].marker == marker; });
+}
+
+MeasurementsBuilder::Repeated MeasurementsBuilder::RepeatedFrom(int shot) const {
+  Repeated repeated;
+  repeated.shots.push_back(shot);
+  for (const int i : data_.shots[shot].observations) {
+    if (data_.observations[i].is_point()) repeated.Count(data_.observations[i].marker);
+  }
+  return repeated;
+}
+
 // A row goes into the first shot of its ids that has no row of its marker yet.
 int MeasurementsBuilder::ShotIndex(const MeasurementRow& row, int configuration, int station, int marker) {
-  const Ids ids = {configuration, visits_.IndexOf(row.visit), repeats_.IndexOf(row.repeat), station,
-                   loads_.IndexOf(row.load)};
-  if (latest_ == nullptr || latest_->first != ids) latest_ = &*shots_.try_emplace(ids).first;
-  Repeated& own = latest_->second;
+  const int first = FirstShot(
+      {configuration, visits_.IndexOf(row.visit), repeat_ids_.IndexOf(row.repeat), station, loads_.IndexOf(row.load)});
+  if (first == static_cast<int>(data_.shots.size())) return BeginShot(row, configuration, station);
+  auto repeated = repeats_.find(first);
+  if (repeated == repeats_.end()) {
+    if (!HasMarker(first, marker)) {
+      CheckShot(row, data_.shots[first]);
+      return first;
+    }
+    repeated = repeats_.emplace(first, RepeatedFrom(first)).first;
+  }
+  Repeated& own = repeated->second;
   const size_t occurrence = own.Count(marker);
-  if (occurrence > 0 || !own.seen.empty()) RefuseCopy(&own);
+  RefuseCopy(&own);
   if (occurrence > 0 && repeated_++ == 0) first_repeated_ = SourceOf(current_);
   if (occurrence == own.shots.size()) own.shots.push_back(BeginShot(row, configuration, station));
   const int shot = own.shots[occurrence];

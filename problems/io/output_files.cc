@@ -90,14 +90,26 @@ void TakeOver(int folder, const std::string& name, int file, const std::string& 
   if (fchmod(file, NewFileMode()) != 0) FailToWrite(path, LastError());
 }
 
-void WriteAll(int file, const std::string& text, const std::string& path) {
+void WritePiece(int file, const std::string& text, const std::string& path) {
   for (size_t done = 0; done < text.size();) {
     const ssize_t count = write(file, text.data() + done, text.size() - done);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) FailToWrite(path, LastError());
     done += static_cast<size_t>(count);
   }
-  if (!text.empty() && fsync(file) != 0) FailToWrite(path, LastError());
+}
+
+void WriteAll(int file, const LongText& text, const std::string& path) {
+  bool any = false;
+  text.text([&](const std::string& piece) {
+    any |= !piece.empty();
+    WritePiece(file, piece, path);
+  });
+  if (any && fsync(file) != 0) FailToWrite(path, LastError());
+}
+
+LongText InOnePiece(const std::string& name, const std::string& text) {
+  return {name, [&text](const TextSink& write) { write(text); }};
 }
 
 // A new file that is locked while the run lives, so that others tell it from what a killed run has left. One of them
@@ -124,7 +136,8 @@ class Temporaries {
   Temporaries(const Temporaries&) = delete;
   Temporaries& operator=(const Temporaries&) = delete;
 
-  void Add(const std::string& start, const std::string& name, const std::string& text) {
+  void Add(const std::string& start, const LongText& text) {
+    const std::string& name = text.name;
     const std::string path = Joined(path_, name);
     std::string temporary;
     Descriptor file = NewLockedFile(folder_, start, &temporary);
@@ -136,7 +149,7 @@ class Temporaries {
   }
 
   // Proves that a file of that name could be written; removed with the rest.
-  void Probe(const std::string& start, const std::string& name) { Add(start, name, ""); }
+  void Probe(const std::string& start, const std::string& name) { Add(start, InOnePiece(name, "")); }
 
   void Rename() {
     while (!to_rename_.empty()) {
@@ -228,10 +241,10 @@ void SweepTemporaries(int opened, const std::string& folder, bool all) {
   }
 }
 
-void CommitOne(int folder, const std::string& path, const std::string& name, const std::string& text) {
+void CommitOne(int folder, const std::string& path, const LongText& text) {
   const DeferredSignals deferred;
   Temporaries temporaries(folder, path);
-  temporaries.Add(kOfOneFile, name, text);
+  temporaries.Add(kOfOneFile, text);
   temporaries.Rename();
 }
 
@@ -248,7 +261,7 @@ void WriteTextFile(const std::string& path, const std::string& text) {
   if (name.empty()) FailToWrite(path, "this is a folder");
   const Descriptor folder(OpenFolder(folder_path));
   if (folder.value() < 0) FailToWrite(path, LastError());
-  CommitOne(folder.value(), folder_path, name, text);
+  CommitOne(folder.value(), folder_path, InOnePiece(name, text));
 }
 
 NewFolders::NewFolders(const std::string& folder) {
@@ -315,15 +328,17 @@ OutputFolder::~OutputFolder() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void OutputFolder::Write(const std::vector<NamedText>& files) const {
+void OutputFolder::Write(const std::vector<NamedText>& files, const std::vector<LongText>& long_files) const {
   CheckInterruption();
-  if (files.size() == 1) return CommitOne(descriptor_, path_, files[0].first, files[0].second);
+  std::vector<LongText> all = long_files;
+  for (const auto& [name, text] : files) all.push_back(InOnePiece(name, text));
+  if (all.size() == 1) return CommitOne(descriptor_, path_, all[0]);
   const DeferredSignals deferred;
   Temporaries results(descriptor_, path_);
-  for (const auto& [name, text] : files) results.Add(kTemporary, name, text);
+  for (const LongText& text : all) results.Add(kTemporary, text);
   const std::string list = results.Note();
   Temporaries note(descriptor_, path_);
-  note.Add(kTemporary, kNote, list);
+  note.Add(kTemporary, InOnePiece(kNote, list));
   note.Rename();
   results.Keep();
   FinishNote(descriptor_, path_);

@@ -6,6 +6,7 @@
 // keep their permissions.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,13 @@
 namespace sagitta {
 
 using NamedText = std::pair<std::string, std::string>;  // file name, text
+
+// A text too long to be held: hands it on piece by piece.
+using TextSink = std::function<void(const std::string& piece)>;
+struct LongText {
+  std::string name;  // of the file
+  std::function<void(const TextSink& write)> text;
+};
 
 // Throws InputError; then the file is as it was.
 void WriteTextFile(const std::string& path, const std::string& text);
@@ -53,7 +61,7 @@ class OutputFolder {
 
   const std::string& path() const { return path_; }
   // All files or none; none, and an Interruption, where the work was interrupted.
-  void Write(const std::vector<NamedText>& files) const;
+  void Write(const std::vector<NamedText>& files, const std::vector<LongText>& long_files = {}) const;
 
  private:
   std::string path_;
