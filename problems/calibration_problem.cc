@@ -157,24 +157,28 @@ bool CalibrationProblem::sigma_is_stated() const {
   return false;
 }
 
-std::vector<int> CalibrationProblem::CalibrationObservations() const {
+namespace {
+
+// Of configurations that are set aside, or of the others; none that is excluded.
+std::vector<int> ObservationsOf(const Measurements& data, bool validation) {
   std::vector<int> indices;
-  indices.reserve(data_->observations.size());
-  for (size_t i = 0; i < data_->observations.size(); ++i) {
-    const Observation& observation = data_->observations[i];
-    if (!observation.excluded && !data_->IsValidation(observation)) indices.push_back(i);
+  if (!validation) indices.reserve(data.observations.size());
+  int latest = -1;  // shot: rows of one follow each other
+  bool own = false;
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const Observation& observation = data.observations[i];
+    if (observation.shot != latest) own = data.IsValidation(observation) == validation;
+    latest = observation.shot;
+    if (own && !observation.excluded) indices.push_back(static_cast<int>(i));
   }
   return indices;
 }
 
-std::vector<int> CalibrationProblem::ValidationObservations() const {
-  std::vector<int> indices;
-  for (size_t i = 0; i < data_->observations.size(); ++i) {
-    const Observation& observation = data_->observations[i];
-    if (!observation.excluded && data_->IsValidation(observation)) indices.push_back(i);
-  }
-  return indices;
-}
+}  // namespace
+
+std::vector<int> CalibrationProblem::CalibrationObservations() const { return ObservationsOf(*data_, false); }
+
+std::vector<int> CalibrationProblem::ValidationObservations() const { return ObservationsOf(*data_, true); }
 
 CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>& specs) const {
   Robot extended = robot();

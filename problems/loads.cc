@@ -120,20 +120,31 @@ ConditionOrigins OriginsOf(const Measurements& data, const Experiment& experimen
 bool IsLoaded(const Shot& shot) { return shot.load != kNoLoad; }
 
 void CheckLoadStates(Measurements* data) {
-  bool any_loaded = false, any_unloaded = false;
-  std::set<std::pair<int, int>> together;  // markers with a shot in common
+  constexpr int kLoaded = 1, kUnloaded = 2;
+  int states = 0;                                                    // of all shots
+  std::vector<int> states_of_poses(data->configurations.size(), 0);  // where both meet a load can be on some markers
+  for (const Shot& shot : data->shots) {
+    const int state = IsLoaded(shot) ? kLoaded : kUnloaded;
+    states |= state;
+    states_of_poses[shot.configuration] |= state;
+  }
   std::map<std::tuple<int, std::string, std::string, int>, const Shot*> unloaded;
   for (const Shot& shot : data->shots) {
+    if (IsLoaded(shot) || states_of_poses[shot.configuration] != (kLoaded | kUnloaded)) continue;
+    unloaded[{shot.configuration, shot.visit, shot.repeat, shot.station}] = &shot;
+  }
+  std::set<std::pair<int, int>> together;  // markers with a shot in common
+  for (const Shot& shot : data->shots) {
+    if (unloaded.empty()) break;
     const std::set<int> markers = MarkersOf(*data, shot);
     for (const int a : markers) {
       for (const int b : markers) together.insert({a, b});
     }
-    (IsLoaded(shot) ? any_loaded : any_unloaded) = true;
-    if (!IsLoaded(shot)) unloaded[{shot.configuration, shot.visit, shot.repeat, shot.station}] = &shot;
   }
   for (const Shot& shot : data->shots) {
+    if (!IsLoaded(shot) || unloaded.empty()) continue;
     const auto found = unloaded.find({shot.configuration, shot.visit, shot.repeat, shot.station});
-    if (!IsLoaded(shot) || found == unloaded.end()) continue;
+    if (found == unloaded.end()) continue;
     bool overlap = false, elsewhere_together = false;
     for (const int a : MarkersOf(*data, shot)) {
       for (const int b : MarkersOf(*data, *found->second)) {
@@ -147,7 +158,7 @@ void CheckLoadStates(Measurements* data) {
                data->configurations[shot.configuration].id + "' are unloaded",
            "every marker of a shot bears the same load; give all its rows the same load and wrench");
   }
-  if (any_loaded && !any_unloaded) {
+  if (states == kLoaded) {
     data->warnings.push_back(
         "every row is loaded: without unloaded rows a deflection is told from geometry only by how it varies with "
         "torque; measure some configurations unloaded too");
