@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimator/least_squares/normal_algebra.h"
 
@@ -11,7 +12,9 @@ namespace {
 // The Gauss-Newton step of the columns listed in `active`; the others move by `delta`.
 bool SolveActive(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, const std::vector<int>& active,
                  BoundedStep* step) {
-  const Eigen::MatrixXd reduced = normal(active, active);
+  const bool are_all = active.size() == static_cast<size_t>(normal.cols());
+  const Eigen::MatrixXd some = are_all ? Eigen::MatrixXd() : Eigen::MatrixXd(normal(active, active));
+  const Eigen::MatrixXd& reduced = are_all ? normal : some;
   // N_aa d_a = -(g + N_ap d_p): a active, p on their bounds. Solved in columns of unit norm, S^-1 N S^-1, so that
   // Cholesky loses digits to what depends on each other and not to units.
   const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt();
@@ -20,10 +23,15 @@ bool SolveActive(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient,
   // U'U = S^-1 N S^-1, hence N^-1 = W W' with W = S^-1 U^-1.
   const Eigen::MatrixXd inverse = InverseRoot(scaled);
   if (inverse.cols() != scaled.cols()) return false;
+  Eigen::MatrixXd root = scale.cwiseInverse().asDiagonal() * inverse;
+  if (are_all) {
+    step->delta = -(root * (root.transpose() * gradient));
+    step->root = std::move(root);
+    return true;
+  }
   Eigen::VectorXd pinned = step->delta;
   pinned(active).setZero();
   const Eigen::VectorXd right = -(gradient + normal * pinned)(active);
-  const Eigen::MatrixXd root = scale.cwiseInverse().asDiagonal() * inverse;
   step->delta(active) = root * (root.transpose() * right);
   step->root.setZero(normal.rows(), root.cols());
   step->root(active, Eigen::all) = root;

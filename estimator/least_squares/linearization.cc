@@ -116,9 +116,7 @@ bool SolveByProducts(const Linearization& rows, LinearSolution* solution) {
   const Eigen::VectorXd unit = rows.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd scaled = rows.jacobian * unit.asDiagonal();
   const Eigen::MatrixXd products = SelfProduct(scaled);
-  const Eigen::VectorXd squares =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly).eigenvalues();
-  const double least = squares[0], largest = squares[squares.size() - 1];
+  const auto [least, largest] = EndsOfSpectrum(products);
   if (!(least > kFarFromDependent * largest)) return false;
   const Eigen::MatrixXd root = InverseRoot(products);
   if (root.size() == 0) return false;

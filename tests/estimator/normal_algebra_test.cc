@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/instruction_sets.h"
@@ -46,6 +48,25 @@ TEST(NormalAlgebra, WhatIsNotPositiveDefiniteHasNoRoot) {
     EXPECT_EQ(InverseRoot(Eigen::MatrixXd(0, 0)).size(), 0);
     EXPECT_EQ(SelfProduct(Eigen::MatrixXd(3, 0)).size(), 0);
     EXPECT_EQ(SelfProduct(Eigen::MatrixXd(0, 3)), Eigen::MatrixXd::Zero(3, 3));
+  });
+}
+
+// To the round-off of the largest, whatever lies between: wide spectra, equal eigenvalues, one number.
+TEST(NormalAlgebra, EndsOfSpectrumAreThoseOfAllEigenvalues) {
+  test::OnEveryInstructionSet([] {
+    for (const int n : {1, 2, 3, 9, 45, 101}) {
+      for (const double spread : {0.0, 1e-8, 1.0, 1e6}) {
+        const Eigen::MatrixXd j = Random(n + 3, n);
+        const Eigen::VectorXd weights = Eigen::VectorXd::LinSpaced(n, 1.0, 1.0 + spread);
+        const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(j.topRows(n)).householderQ();
+        const Eigen::MatrixXd a = q * weights.asDiagonal() * q.transpose() - 0.5 * Eigen::MatrixXd::Identity(n, n);
+        const Eigen::VectorXd all = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a).eigenvalues();
+        const auto [least, largest] = EndsOfSpectrum(a);
+        const double round_off = 1e-14 * n * all.cwiseAbs().maxCoeff();
+        EXPECT_NEAR(least, all[0], round_off) << n << " " << spread;
+        EXPECT_NEAR(largest, all[n - 1], round_off) << n << " " << spread;
+      }
+    }
   });
 }
 
