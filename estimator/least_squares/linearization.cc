@@ -95,17 +95,22 @@ Eigen::Matrix3Xd PointsByModel(const CalibrationProblem& problem, const Paramete
   return points;
 }
 
-// One lane's unit of a batch into its rows.
+// One lane's unit of a batch into its rows, column by column as these lie in memory.
 void Unpack(const BatchColumns& columns, const std::vector<int>& unit, const double* lane, Linearization* result) {
-  for (int row = 0; row < 3 * static_cast<int>(unit.size()); ++row) {
-    const int to = 3 * unit[row / 3] + row % 3;
-    const double* const from = lane + static_cast<size_t>(row) * columns.columns * kBatchLanes;
-    for (int c = 0; c < columns.columns; ++c) {
-      const int column = columns.Of(row, c);
-      if (column >= 0) result->jacobian(to, column) = from[c * kBatchLanes];
+  const std::size_t next_row = static_cast<size_t>(columns.columns) * kBatchLanes;
+  const auto copy = [&](size_t m, int column, double* to) {
+    const double* const from = lane + 3 * m * next_row + static_cast<size_t>(column) * kBatchLanes;
+    for (size_t axis = 0; axis < 3; ++axis) to[axis] = from[axis * next_row];
+  };
+  for (int c = 0; c < columns.columns; ++c) {
+    for (size_t m = 0; m < unit.size(); ++m) {
+      const int column = columns.Of(static_cast<int>(3 * m), c);
+      if (column >= 0) copy(m, c, &result->jacobian(3 * unit[m], column));
     }
-    result->residual[to] = from[columns.residual * kBatchLanes];
-    for (int i = 0; i < columns.latents; ++i) result->latent(to, i) = from[(columns.latent + i) * kBatchLanes];
+  }
+  for (size_t m = 0; m < unit.size(); ++m) {
+    copy(m, columns.residual, &result->residual[3 * unit[m]]);
+    for (int i = 0; i < columns.latents; ++i) copy(m, columns.latent + i, &result->latent(3 * unit[m], i));
   }
 }
 

@@ -175,7 +175,7 @@ void CheckHeader(const std::string& path, const Line& line, const std::vector<st
 
 }  // namespace
 
-CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(TakeTextFile(path), path); }
+CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFile(path), path); }
 
 CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   if (const int bad_line = LineOfInvalidUtf8(text))

@@ -59,7 +59,10 @@ ExperimentInputs ReadExperimentInputs(const std::vector<std::string>& paths, con
   inputs.data = ReadMeasurementsFor(inputs.robot, experiment.measurement_files, options);
   if (!experiment.file.empty()) inputs.files.push_back(DescribeInput(experiment.file));
   inputs.files.push_back(DescribeInput(experiment.robot_file));
-  for (const MeasurementFile& file : inputs.data.files) inputs.files.push_back({file.path, file.sha256});
+  for (const MeasurementFile& file : inputs.data.files) {
+    inputs.files.push_back({file.path, file.sha256});
+    ForgetText(file.path);
+  }
   return inputs;
 }
 

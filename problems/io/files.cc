@@ -127,10 +127,8 @@ std::string ReadOwnFile(const std::string& path) {
   return ReadAll(descriptor, path);
 }
 
-namespace {
-
-// In the session.
-const std::string& RememberedText(const std::string& path) {
+std::string ReadTextFile(const std::string& path) {
+  if (session == nullptr) return ReadOwnFile(path);
   const auto known = session->bytes.find(path);
   if (known != session->bytes.end()) return known->second;
   const Identity input = IdentityOf(path);
@@ -142,16 +140,8 @@ const std::string& RememberedText(const std::string& path) {
   return session->bytes[path] = std::move(bytes);
 }
 
-}  // namespace
-
-std::string ReadTextFile(const std::string& path) {
-  return session == nullptr ? ReadOwnFile(path) : RememberedText(path);
-}
-
-std::string TakeTextFile(const std::string& path) {
-  if (session == nullptr) return ReadOwnFile(path);
-  RememberedText(path);
-  return std::move(session->bytes.extract(path).mapped());
+void ForgetText(const std::string& path) {
+  if (session != nullptr) session->bytes.erase(path);
 }
 
 int LineOfInvalidUtf8(const std::string& bytes) {

@@ -26,8 +26,8 @@ void DeclareOutput(const std::string& path);
 // At most limits::kFileBytes. Throws InputError when the file is absent, longer, or cannot be read.
 std::string ReadTextFile(const std::string& path);
 
-// The same where nobody reads it again: the session does not keep what may be long.
-std::string TakeTextFile(const std::string& path);
+// Nobody reads it again: the session keeps that it is an input, not what may be long.
+void ForgetText(const std::string& path);
 
 // The same, of a file that is the session's own and may change: neither remembered nor an input.
 std::string ReadOwnFile(const std::string& path);

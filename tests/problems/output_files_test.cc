@@ -46,6 +46,26 @@ TEST_F(OutputFilesTest, ASetIsWrittenAndNothingElse) {
   EXPECT_EQ(ReadTextFile(Path("out/b")), "2");
 }
 
+// Piece by piece or all at once makes no difference; a text that breaks off leaves the set as it was.
+TEST_F(OutputFilesTest, ALongTextIsWholeOrAsItWas) {
+  const auto write = [this](const std::string& text, int pieces, bool breaks) {
+    const auto in_pieces = [&](const TextSink& sink) {
+      for (int i = 0; i < pieces; ++i) sink(text);
+      if (breaks) throw std::runtime_error("no more");
+    };
+    OutputFolder(Path("out"), {"a", "long"}).Write({{"a", text}}, {{"long", in_pieces}});
+  };
+  write("old", 3, false);
+  EXPECT_EQ(ReadTextFile(Path("out/long")), "oldoldold");
+  EXPECT_THROW(write("new", 2, true), std::runtime_error);
+  EXPECT_EQ(ReadTextFile(Path("out/long")), "oldoldold");
+  EXPECT_EQ(ReadTextFile(Path("out/a")), "old");
+  write("new", 0, false);
+  EXPECT_EQ(ReadTextFile(Path("out/long")), "");
+  EXPECT_EQ(ReadTextFile(Path("out/a")), "new");
+  EXPECT_EQ(Names("out"), (std::set<std::string>{"a", "long"}));
+}
+
 TEST_F(OutputFilesTest, WhatWasInterruptedIsNotWritten) {
   std::atomic<bool> stop{false};
   const Interruptible scope(&stop);
@@ -340,6 +360,7 @@ TEST_F(OutputFilesTest, NoOutputIsAnInputByWhateverName) {
     {
       const FileSession session;
       ReadTextFile(Path("rows.csv"));
+      ForgetText(Path("rows.csv"));
       EXPECT_TRUE(SaysInOrder(ErrorOf([&] { OutputFile(Path(name)); }), {"rows.csv", "overwritten", name})) << name;
     }
     const FileSession session;
@@ -357,6 +378,8 @@ TEST_F(OutputFilesTest, ASessionReadsEachFileOnce) {
     Write("rows.csv", "replaced");
     EXPECT_EQ(ReadTextFile(Path("rows.csv")), "before");
     EXPECT_EQ(ReadOwnFile(Path("rows.csv")), "replaced");
+    ForgetText(Path("rows.csv"));
+    EXPECT_EQ(ReadTextFile(Path("rows.csv")), "replaced");
   }
   EXPECT_EQ(ReadTextFile(Path("rows.csv")), "replaced");
 }
