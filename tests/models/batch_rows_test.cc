@@ -61,6 +61,7 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
     const int frame = setup.frames.empty() ? model.chain().FlangeFrame() : setup.frames[m];
     Matrix3<double> whitener;
     for (int i = 0; i < 9; ++i) whitener(i / 3, i % 3) = random.Uniform(-1.0, 1.0);
+    if (m == seed % 2) whitener = whitener(0, 0) * Matrix3<double>::Identity();  // one sees equally in all directions
     readings.push_back({m, frame, random.Vector(2.0), whitener});
     points.push_back(random.Vector(0.3));
     markers.push_back({frame, points.back(), m});
@@ -87,6 +88,10 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
   std::fill(rows, rows + 6 * layout.columns * kBatchLanes, 0.0);
   for (int lane = 0; lane < kBatchLanes; ++lane) {
     PackShot(model, program, shots[std::min(lane, kShots - 1)], readings, lane, data);
+  }
+  for (int m = 0; m < 2; ++m) {
+    EXPECT_EQ(program.markers[m].sees_equally, m == seed % 2);
+    EXPECT_EQ(PackedWhitener(program.markers[m], kShots - 1, data), readings[m].whitener);
   }
   const BatchPoint at(program, theta.data(), base, points);
   const auto check = [&] {
