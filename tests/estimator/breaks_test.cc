@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/statistics/distributions.h"
 #include "estimator/validation/trust.h"
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/loaded_kr270.h"
@@ -89,6 +91,96 @@ TEST(Breaks, NothingIsFoundWhereNothingMoved) {
     found += FindBreak(problem, EstimateJointly(problem)).has_value();
   }
   EXPECT_LE(found, 2);
+}
+
+// Share of the squared residuals that a step of the only station explains from configuration `at` on: two dense least
+// squares, all columns at once.
+double ShareOfStep(const Linearization& rows, const Measurements& data, const std::vector<int>& station, int at) {
+  const Eigen::Index known = rows.num_columns();
+  const Eigen::MatrixXd& own = rows.jacobian;
+  Eigen::MatrixXd both(rows.num_rows(), known + 6);
+  both << own, own(Eigen::all, station);
+  for (size_t k = 0; k < rows.observations.size(); ++k) {
+    const Observation& row = data.observations[rows.observations[k]];
+    if (data.shots[row.shot].configuration < at) both.block(3 * static_cast<Eigen::Index>(k), known, 3, 6).setZero();
+  }
+  const auto left = [&rows](const Eigen::MatrixXd& columns) {
+    const Eigen::VectorXd scale = columns.colwise().norm().cwiseInverse();
+    const Eigen::MatrixXd scaled = columns * scale.asDiagonal();
+    const Eigen::VectorXd best = scaled.colPivHouseholderQr().solve(rows.residual);
+    return (rows.residual - scaled * best).squaredNorm();
+  };
+  return 1.0 - left(both) / left(own);
+}
+
+// Tried were a station, three markers and six joints, at the 51 places that have five of the sixty configurations on
+// either side. A configuration is one alone.
+TEST(Breaks, PIsOfTheLikeliestOfAllPlaces) {
+  Kr270Truth after;
+  after.base_xyz[0] += Vector3<double>(0.2e-3, 0.0, -0.2e-3);
+  const CalibrationProblem problem = Measured(after);
+  const Estimate estimate = EstimateJointly(problem);
+  const std::optional<Break> found = FindBreak(problem, estimate);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->of, BreakOf::kStation);
+  const std::vector<int>& columns = estimate.estimated;
+  std::vector<int> station;  // its place in the columns: its base is estimated
+  for (size_t c = 0; c < columns.size(); ++c) {
+    if (estimate.parameters.coordinates()[columns[c]].name.rfind("base/S1/", 0) == 0)
+      station.push_back(static_cast<int>(c));
+  }
+  ASSERT_EQ(station.size(), 6u);
+  const std::vector<int> fitted = problem.CalibrationObservations();
+  NoiseRoots roots;
+  for (const int i : fitted) roots.push_back(estimate.scatter[i]);
+  const Linearization rows = Linearize(problem, estimate.parameters, fitted, columns, roots, LatentTreatment::kIgnore);
+  double share = 0.0;
+  int best = -1;
+  for (int at = 5; at <= kConfigurations - 5; ++at) {
+    const double here = ShareOfStep(rows, problem.data(), station, at);
+    if (here > share) share = here, best = at;
+  }
+  EXPECT_EQ(problem.data().shots[problem.data().observations[found->first].shot].configuration, best);
+  EXPECT_NEAR(found->share, share, 1e-6);
+  const double freedom = kConfigurations - 6, f = share / 6 / ((1.0 - share) / freedom);
+  const double p = 51 * (1 + 3 + 6) * FSurvival(f, 6, freedom);
+  EXPECT_LT(p, 0.01);
+  EXPECT_NEAR(std::log(found->p_value), std::log(p), 1e-4);
+}
+
+// An arm that is folded first, then stretched: what the zero of A2 does to the markers is more, the farther they are.
+TEST(Breaks, WhatMovedIsWhatComesAfter) {
+  Kr270Truth after;
+  after.errors[3] += 0.3e-3;  // dq2
+  test::Kr270Design design;
+  design.configurations = kConfigurations;
+  design.stations = 1;
+  design.sigma = 5e-5;
+  Measurements data = test::DesignMeasurements(design);
+  for (size_t c = 0; c < data.configurations.size(); ++c) {
+    double& q3 = data.configurations[c].q[2];
+    q3 = (static_cast<int>(c) < kAt ? 120.0 : 10.0) * kDegree + 0.2 * q3;
+  }
+  Measurements later = data;
+  test::MeasureKr270(Kr270Truth(), design.sigma, 501, &data);
+  test::MeasureKr270(after, design.sigma, 901, &later);
+  double squares[2] = {0.0, 0.0};
+  int rows[2] = {0, 0};
+  for (size_t i = 0; i < data.observations.size(); ++i) {
+    const Observation& row = data.observations[i];
+    const bool is_after = data.shots[row.shot].configuration >= kAt;
+    squares[is_after] += (test::ExactPoint(after, data, row) - test::ExactPoint(Kr270Truth(), data, row)).squaredNorm();
+    ++rows[is_after];
+    if (is_after) data.observations[i] = later.observations[i];
+  }
+  const double before = std::sqrt(squares[0] / rows[0]), moved = std::sqrt(squares[1] / rows[1]);
+  ASSERT_GT(moved, 1.5 * before);
+  const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
+  const std::optional<Break> found = FindBreak(problem, EstimateJointly(problem));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->of, BreakOf::kJoint);
+  EXPECT_EQ(found->index, 1);
+  EXPECT_NEAR(found->moved / moved, 1.0, 0.15);
 }
 
 // What a verdict needs besides: rows that are held out but have been seen.

@@ -5,8 +5,11 @@
 
 #include <set>
 
+#include "estimator/calibration/joint_estimator.h"
 #include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/explanations.h"
+#include "estimator/least_squares/linearization.h"
+#include "tests/support/kr270_experiment.h"
 #include "tests/support/moved_kr270.h"
 
 namespace sagitta {
@@ -57,6 +60,105 @@ TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
           1e-8 * row.norm());
     }
   }
+}
+
+// [J r]'C^-1 [J r] and log |C| with C = I + sum of sigma^2 l l' within visits and within poses, C as one dense matrix
+// and l by differences of predicted points. Each pose is visited twice.
+TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
+  test::Kr270Design design;
+  design.configurations = 12;
+  design.stations = 1;
+  design.sigma = 2e-5;
+  Measurements data = test::DesignMeasurements(design);
+  for (int c = 0; c < design.configurations; ++c) {
+    Configuration again = data.configurations[c];
+    again.id += "-again";
+    Shot shot = data.shots[c];
+    shot.configuration = static_cast<int>(data.configurations.size());
+    data.configurations.push_back(again);
+    test::AddShot(shot, 3, design.sigma, &data);
+  }
+  test::MeasureKr270(test::Kr270Truth(), design.sigma, 303, &data);
+  const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
+  const ParameterSet parameters = EstimateJointly(problem).parameters;  // residuals of noise, not of decimetres
+  const EvidenceColumns columns(problem, parameters, {});
+  ASSERT_EQ(columns.num_poses(), design.configurations);
+
+  const std::vector<int> fitted = problem.CalibrationObservations(), believed = parameters.EstimatedCoordinates();
+  const auto count = static_cast<long>(fitted.size());
+  const Linearization rows = Linearize(problem, parameters, fitted, believed,
+                                       ObservationNoise(problem, fitted, kFallbackSigma), LatentTreatment::kIgnore);
+  const double sigma[2] = {2e-5, 4e-5}, step = 1e-6;  // rad
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(3 * count, 3 * count);
+  for (int j = 0; j < 6; ++j) {
+    Eigen::VectorXd along(3 * count);
+    Eigen::Matrix3Xd shifted[2];
+    for (const int side : {0, 1}) {
+      Measurements turned = data;
+      for (Configuration& configuration : turned.configurations) configuration.q[j] += side == 0 ? step : -step;
+      shifted[side] = PredictPoints(test::Kr270ProblemOf(turned, Experiment()), parameters, fitted);
+    }
+    const Eigen::Matrix3Xd by_step = (shifted[0] - shifted[1]) / (2.0 * step * design.sigma);
+    for (long i = 0; i < count; ++i) along.segment<3>(3 * i) = by_step.col(i);
+    const auto visit_of = [&](long row) { return data.observations[fitted[row / 3]].shot; };
+    const auto pose_of = [&](long row) { return data.shots[visit_of(row)].configuration % design.configurations; };
+    for (long a = 0; a < 3 * count; ++a) {
+      for (long b = 0; b < 3 * count; ++b) {
+        const double product = along[a] * along[b];
+        if (visit_of(a) == visit_of(b)) covariance(a, b) += sigma[0] * sigma[0] * product;
+        if (pose_of(a) == pose_of(b)) covariance(a, b) += sigma[1] * sigma[1] * product;
+      }
+    }
+  }
+  const long known = columns.num_believed();
+  ASSERT_EQ(known, static_cast<long>(believed.size()));
+  Eigen::MatrixXd all(3 * count, known + 1);
+  all << rows.jacobian, rows.residual;
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+  const Eigen::MatrixXd products = all.transpose() * root.solve(all);
+  const RowSums sums = columns.Sum(Scatter(6, sigma[0], sigma[1]));
+  EXPECT_EQ(sums.rows, 3 * count);
+  const double log_det = 2.0 * root.matrixLLT().diagonal().array().log().sum();
+  ASSERT_GT(log_det, 1.0);
+  EXPECT_NEAR(sums.log_det, log_det, 1e-5 * log_det);
+  const Eigen::VectorXd size = products.diagonal().cwiseSqrt();
+  for (long i = 0; i <= known; ++i) {
+    for (long k = i; k <= known; ++k)
+      EXPECT_NEAR(sums.products(i, k), products(i, k), 1e-8 * size[i] * size[k]) << i << " " << k;
+  }
+  // Beside what is believed: rows less what these tell of unknowns, and what no value of these explains.
+  const BesideBelieved beside = columns.Project(sums);
+  const Eigen::MatrixXd white = root.matrixL().solve(all);
+  const Eigen::VectorXd scale = white.colwise().norm().cwiseInverse();
+  const Eigen::MatrixXd scaled = white.leftCols(known) * scale.head(known).asDiagonal();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+  qr.setThreshold(1e-9);
+  EXPECT_EQ(beside.normal.dof, static_cast<double>(3 * count - qr.rank()));
+  EXPECT_GT(qr.rank(), 20);
+  const double left = (white.col(known) - scaled * qr.solve(white.col(known))).squaredNorm();
+  EXPECT_NEAR(beside.normal.residual, left, 1e-4 * left);
+}
+
+// Whatever is asked for first, and in whatever order, is a part of the same symmetric matrix.
+TEST(ColumnProducts, AreThoseOfTheWholeInAnyOrder) {
+  Eigen::MatrixXd whole(7, 7);
+  for (int a = 0; a < 7; ++a) {
+    for (int b = 0; b < 7; ++b) whole(a, b) = std::cos(1.0 + a * b) + 0.1 * (a + b);
+  }
+  int asked = 0;
+  const auto rows_of = [&](const std::vector<int>& columns) -> Eigen::MatrixXd {
+    asked += static_cast<int>(columns.size());
+    return whole(columns, Eigen::all);
+  };
+  const ColumnProducts products({{{5, 6}, whole({5, 6}, {5, 6})}}, rows_of);
+  EXPECT_EQ(products.Own({5, 6}), Eigen::MatrixXd(whole({5, 6}, {5, 6})));
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(products.Rows({3, 1}), Eigen::MatrixXd(whole({3, 1}, Eigen::all)));
+  EXPECT_EQ(products.Between({1}, {0, 2, 4}), Eigen::MatrixXd(whole({1}, {0, 2, 4})));
+  EXPECT_EQ(products.Between({0, 2, 4}, {3, 1}), Eigen::MatrixXd(whole({0, 2, 4}, {3, 1})));
+  EXPECT_EQ(asked, 2);  // the rows of 3 and 1 hold all of these
+  EXPECT_EQ(products.Own({4, 0}), Eigen::MatrixXd(whole({4, 0}, {4, 0})));
+  EXPECT_EQ(asked, 4);
 }
 
 // Rows of what is fitted are those of a problem with the same rows.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "estimator/calibration/noise_loop.h"
+#include "estimator/statistics/distributions.h"
 #include "tests/support/kr270_poses.h"
 
 namespace sagitta {
@@ -72,6 +73,13 @@ TEST(RotationNoise, EachKindHasItsOwnWhereNothingIsStated) {
   EXPECT_LT(point.low, kPoint);
   EXPECT_GT(point.high, kPoint);
   EXPECT_EQ(found.noise_report.source, "estimated");
+  // Both variances come from these rows: Student's interval, half a per cent wider than the normal one.
+  const double student = StudentQuantile(0.975, found.dof);
+  ASSERT_GT(student, 1.001 * NormalQuantile(0.975));
+  for (const ParameterEstimate& row : found.table) {
+    if (!row.free || row.conditional || row.at_bound) continue;
+    EXPECT_NEAR((row.ci95.high - row.value) / row.sigma, student, 1e-6) << row.name;
+  }
 }
 
 // An instrument's sigmas far below what the robot leaves, at another ratio: points stay the unit of chi-square.

@@ -138,6 +138,11 @@ TEST_F(OtherReadingsTest, OneRowIsNamedAndNotRefused) {
   const std::string warnings = ReadJson("out/validation.json")["warnings"].dump();
   EXPECT_THAT(warnings, HasSubstr("1 of " + std::to_string(rows.size() - 1) + " rows is off by more than"));
   EXPECT_THAT(warnings, HasSubstr("bad.csv:4 by 500 mm"));
+  rows[6][Column(rows, "y_mm")] = std::to_string(std::stod(rows[6][Column(rows, "y_mm")]) - 700.0);
+  ASSERT_EQ(Run({"validate", Path("fit/estimate.json"), Write("bad.csv", Csv(rows)), "--out=" + Path("two")}).status,
+            0);
+  EXPECT_THAT(ReadJson("two/validation.json")["warnings"].dump(),
+              HasSubstr("2 of " + std::to_string(rows.size() - 1) + " rows are off by more than"));
 }
 
 // A robot that is only worse than its file: said, and no input error.
