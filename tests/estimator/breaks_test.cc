@@ -5,6 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/statistics/distributions.h"
@@ -181,6 +185,34 @@ TEST(Breaks, WhatMovedIsWhatComesAfter) {
   EXPECT_EQ(found->of, BreakOf::kJoint);
   EXPECT_EQ(found->index, 1);
   EXPECT_NEAR(found->moved / moved, 1.0, 0.15);
+}
+
+// The eccentric encoder of A2 while poses go from one end of its range to the other: most of it is like a jump in the
+// middle of the campaign, and all of it follows the angle. A zero that jumps in the same poses is named.
+TEST(Breaks, WhatFollowsTheAngleIsNone) {
+  test::Kr270Design design;
+  design.configurations = kConfigurations;
+  design.stations = 1;
+  design.sigma = 5e-5;
+  Measurements data = test::DesignMeasurements(design);
+  std::sort(data.configurations.begin(), data.configurations.end(),
+            [](const Configuration& a, const Configuration& b) { return a.q[1] < b.q[1]; });
+  const auto found_with = [&](const std::function<double(int configuration, double q2)>& deviation) {
+    Measurements measured = data, turned = data;
+    for (size_t c = 0; c < data.configurations.size(); ++c) {
+      double& q2 = turned.configurations[c].q[1];
+      q2 += deviation(static_cast<int>(c), q2);
+    }
+    test::MeasureKr270(Kr270Truth(), design.sigma, 502, &turned);
+    measured.observations = turned.observations;
+    const CalibrationProblem problem = test::Kr270ProblemOf(measured, Experiment());
+    return FindBreak(problem, EstimateJointly(problem));
+  };
+  EXPECT_FALSE(found_with([](int, double q2) { return 4e-4 * std::cos(q2); }));
+  const std::optional<Break> jumped = found_with([](int c, double) { return c < kAt ? 0.0 : 4e-4; });
+  ASSERT_TRUE(jumped);
+  EXPECT_EQ(jumped->of, BreakOf::kJoint);
+  EXPECT_EQ(jumped->index, 1);
 }
 
 // What a verdict needs besides: rows that are held out but have been seen.
