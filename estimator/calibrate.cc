@@ -1,5 +1,3 @@
-#include <malloc.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -66,14 +64,6 @@ void NameSuspects(Calibration* failed) {
   estimate.identifiability.unidentifiable.clear();
 }
 
-// What is freed lies between what stays. Where rows are many its pages go back to the system before as many others are
-// asked for: 33,333 configurations take 229 MB in place of 243.
-void GiveBackFreed() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
-}
-
 // All that judges a usable estimate.
 void JudgeCalibration(const CalibrateOptions& options, Calibration* result) {
   const auto say = [&](const std::string& what) {
@@ -121,9 +111,7 @@ Calibration Calibrate(CalibrationProblem problem, const CalibrateOptions& option
     NameSuspects(&result);
     return result;
   }
-  GiveBackFreed();
   JudgeCalibration(options, &result);
-  GiveBackFreed();
   return result;
 }
 
