@@ -5,6 +5,7 @@
 
 #include "estimator/least_squares/linearization.h"
 #include "models/matrix_functions.h"
+#include "problems/noise_model.h"
 
 namespace sagitta {
 namespace {
@@ -20,10 +21,11 @@ struct AlongAxes {
   std::vector<double> variance, square;  // m^2
 };
 
-AlongAxes Residuals(const CalibrationProblem& problem, const Estimate& estimate) {
+template <typename RootOf>
+AlongAxes Residuals(const CalibrationProblem& problem, const Estimate& estimate, const RootOf& root_of) {
   AlongAxes along;
   for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
-    const Matrix3<double> root = problem.SqrtCovariance(i);
+    const Matrix3<double> root = root_of(i);
     const PrincipalAxes own = PrincipalAxesOf(root * root.transpose());
     const Eigen::Vector3d residual = problem.data().observations[i].point_in_station - estimate.predicted.col(i);
     const Eigen::Vector3d turned = own.axes.transpose() * residual;
@@ -77,7 +79,8 @@ bool ScattersByRobot(const CalibrationProblem& problem, const Estimate& estimate
 }
 
 RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate& estimate) {
-  const double variance = VarianceOfRobot(Residuals(problem, estimate));
+  const double variance =
+      VarianceOfRobot(Residuals(problem, estimate, [&](int i) { return problem.SqrtCovariance(i); }));
   RobotScatter scatter{std::sqrt(variance), {}};
   double stated = 0.0, both = 0.0;  // of the calibration points
   for (const int i : problem.data().PointsAmong(problem.CalibrationObservations())) {
@@ -94,6 +97,21 @@ RobotScatter FindRobotScatter(const CalibrationProblem& problem, const Estimate&
     scatter.roots.push_back(root);
   }
   return scatter;
+}
+
+double ScatterBesideStated(const CalibrationProblem& problem, const Estimate& estimate) {
+  const SigmaReport& sigma = estimate.sigma;
+  const std::vector<int> rows = problem.CalibrationObservations();
+  const bool is_asked = IsUsable(estimate.status) && sigma.stated && sigma.scaled && problem.latent.empty() &&
+                        estimate.noise_report.components.empty() && estimate.dof > 0 &&
+                        problem.data().PointsAmong(rows).size() == rows.size();
+  if (!is_asked || sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return 0.0;
+  const auto stated = [&](int i) {
+    const Observation& observation = problem.data().observations[i];
+    return StatedRoot(problem.experiment(), problem.data(), observation, observation.point_in_station);
+  };
+  if (!std::all_of(rows.begin(), rows.end(), [&](int i) { return IsStated(stated(i)); })) return 0.0;
+  return std::sqrt(VarianceOfRobot(Residuals(problem, estimate, stated)) * estimate.rows / estimate.dof);
 }
 
 }  // namespace sagitta

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/noise/robot_scatter.h"
 #include "estimator/noise/rotation_noise.h"
+#include "models/matrix_functions.h"
 
 namespace sagitta {
 namespace {
@@ -74,7 +76,9 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   const bool is_factor = instrument != nullptr && estimate.noise_report.instrument_is_factor;
   json["instrument_factor"] = is_factor ? instrument->value : 1.0;
-  json["scale"] = sigma.stated && sigma.scaled ? sigma.a_posteriori : 1.0;
+  const double scatter = ScatterBesideStated(problem, estimate);
+  json["scale"] = sigma.stated && sigma.scaled && scatter == 0.0 ? sigma.a_posteriori : 1.0;
+  if (scatter > 0.0) json["scatter_mm"] = 1e3 * scatter;
   json["repeatability_urad"] = Json::object();
   json["repeatability_um"] = Json::object();
   for (int i = 0; i < problem.latent.size(); ++i) {
@@ -96,6 +100,7 @@ PredictionNoise ReadPredictionNoise(const JsonValue& json, Experiment* experimen
   }
   if (const auto rotation = json.Find("sigma_rot_urad")) noise.sigma_rotation = rotation->PositiveNumber() / 1e6;
   if (const auto factor = json.Find("instrument_factor")) noise.instrument_factor = factor->NotNegativeNumber();
+  if (const auto scatter = json.Find("scatter_mm")) noise.scatter = scatter->NotNegativeNumber() / 1e3;
   const auto read = [&json](const char* key, RepeatabilitySpec::OfKind* kind) {
     const auto joints = json.Find(key);
     if (!joints) return;
@@ -117,7 +122,11 @@ NoiseRoots PredictionRoots(const CalibrationProblem& problem, const PredictionNo
     const bool is_open = !observation.is_point() && !(observation.rotation_sigma.minCoeff() > 0.0);
     if (!IsStated(root) && noise.sigma_axis) root = noise.sigma_axis->asDiagonal();
     if (is_open && noise.sigma_rotation > 0.0) root = noise.sigma_rotation * Matrix3<double>::Identity();
-    roots.push_back(noise.instrument_factor * root);
+    root *= noise.instrument_factor;
+    if (noise.scatter > 0.0 && observation.is_point() && IsStated(root)) {
+      root = LowerRoot(root * root.transpose() + noise.scatter * noise.scatter * Matrix3<double>::Identity());
+    }
+    roots.push_back(root);
   }
   return roots;
 }

@@ -13,14 +13,15 @@ namespace sagitta {
 
 struct PredictionNoise {
   double scale = 1.0;              // of stated sigmas and repeatability
+  double scatter = 0.0;            // m, of every coordinate besides what is stated (noise/robot_scatter.h)
   double instrument_factor = 1.0;  // of the instrument alone, rows' sigmas included: found by variance components
   // m, where neither row, instrument nor one sigma says it: spread of repeats, of residuals
   std::optional<Vector3<double>> sigma_axis;
   double sigma_rotation = 0.0;  // rad, of rotations that state none; 0: as everywhere (problems/noise_model.h)
 };
 
-// {"sigma_mm", "sigma_axis_mm", "sigma_rot_urad", "instrument", "instrument_factor", "scale", "repeatability_urad",
-// "repeatability_um"}.
+// {"sigma_mm", "sigma_axis_mm", "sigma_rot_urad", "instrument", "instrument_factor", "scale", "scatter_mm",
+// "repeatability_urad", "repeatability_um"}; `scale` is 1 where there is a scatter.
 nlohmann::ordered_json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& estimate);
 
 // The inverse; sigma, instrument and repeatability go to `experiment`. Throws InputError.

@@ -13,9 +13,11 @@
 #include "estimator/baselines/full_pose.h"
 #include "estimator/baselines/paper_stages.h"
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/calibration/noise_loop.h"
 #include "estimator/changes/changes.h"
 #include "estimator/diagnosis/gap.h"
 #include "estimator/least_squares/sandwich.h"
+#include "estimator/noise/robot_scatter.h"
 #include "estimator/results/intervals_json.h"
 #include "estimator/results/prediction_noise.h"
 #include "estimator/results/residuals_csv.h"
@@ -49,6 +51,33 @@ TEST(RecomputedResults, APredictionGoesByTheNoiseOfTheResiduals) {
   }
   const double scale = std::sqrt(squares / 1e-8 / (162 - 39));
   EXPECT_NEAR(PredictionNoiseToJson(problem, estimate)["scale"].get<double>(), scale, 1e-9);
+}
+
+// Sigmas of an instrument, between 2 and 40 um, and a robot that scatters by 0.3 mm wherever it is: so does the next
+// measurement, however well its row was seen.
+TEST(RecomputedResults, APredictionAddsTheRobotsScatterToTheStatedNoise) {
+  test::Kr270Design design;
+  design.configurations = 60;
+  Measurements data = test::DesignMeasurements(design);
+  test::MeasureKr270(test::Kr270Truth(), 3e-4, 4, &data);
+  for (size_t i = 0; i < data.observations.size(); ++i) data.observations[i].sigma.setConstant(i % 2 ? 2e-6 : 40e-6);
+  const CalibrationProblem problem = test::Kr270ProblemOf(data, Experiment());
+  const ResolvedEstimate found = EstimateWithNoise(problem);
+  PredictionNoise noise;
+  const double scatter = ScatterBesideStated(found.problem, found.estimate);
+  // Standard error of a standard deviation from 501 degrees of freedom: 3.2 %.
+  EXPECT_NEAR(scatter, 3e-4, 4 * 0.032 * 3e-4);
+  const nlohmann::ordered_json json = PredictionNoiseToJson(found.problem, found.estimate);
+  EXPECT_DOUBLE_EQ(json["scatter_mm"].get<double>(), 1e3 * scatter);
+  EXPECT_EQ(json["scale"].get<double>(), 1.0);
+  noise.scatter = scatter;
+  const NoiseRoots roots = PredictionRoots(problem, noise, found.estimate.predicted);
+  for (size_t i = 0; i < 4; ++i) {
+    const double stated = i % 2 ? 2e-6 : 40e-6;
+    const Matrix3<double> covariance = roots[i] * roots[i].transpose();
+    EXPECT_LT((covariance - (stated * stated + scatter * scatter) * Matrix3<double>::Identity()).norm(),
+              1e-12 * scatter);
+  }
 }
 
 // 100 points that miss by 1, 2, .. 100 mm.

@@ -1,6 +1,6 @@
 // Real robots: does `ci95`, the interval with model error that calibrate gives, hold elsewhere?
 //
-//   sagitta_model_error_study [simulated=0]
+//   sagitta_model_error_study [simulated=0 [file]]     # file: of one series alone, series_C.csv
 //
 // Every part is calibrated by itself, as `sagitta calibrate` does, and states its own intervals: the halves of a series
 // (UR5; UR10 A, B, C, D) above and below the median of each joint and of x, y, z; the UR10's series against each other.
@@ -206,6 +206,7 @@ int main(int argc, char** argv) {
                                      {"ur10_leica", "series_B.csv"},
                                      {"ur10_leica", "series_C.csv"},
                                      {"ur10_leica", "series_D.csv"}}) {
+    if (argc > 2 && std::string(argv[2]) != file) continue;
     const CalibrationProblem problem = test::RealProblem(folder, {file}, Experiment());
     Tally own;
     Predicted of_halves;
