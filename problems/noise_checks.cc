@@ -151,8 +151,7 @@ void SayRotationSigmas(CalibrationProblem* problem) {
   if (unstated == 0) return;
   problem->mutable_data()->warnings.push_back(
       std::to_string(unstated) + " poses state no standard deviation of their rotation: " +
-      (is_stated ? "1 mrad is assumed, that of 1 mm over 1 m"
-                 : "calibrate estimates it, diagnose assumes that of the points over 1 m") +
+      (is_stated ? "calibrate assumes 1 mrad, that of 1 mm over 1 m, diagnose estimates it" : "it is estimated") +
       "; add the column sigma_rot_urad");
 }
 

@@ -10,6 +10,7 @@
 #include "estimator/diagnosis/refit.h"
 #include "estimator/diagnosis/refitted_set.h"
 #include "estimator/diagnosis/set_aside.h"
+#include "estimator/noise/rotation_noise.h"
 #include "estimator/report/diagnosis_function_words.h"
 #include "estimator/statistics/distributions.h"
 
@@ -130,6 +131,7 @@ class Session {
     d_.status = d_.baseline.estimate.status;
     d_.message = d_.baseline.estimate.message;
     if (!IsUsable(d_.status)) return;
+    WeighPointsAndRotations();
     aside_.FromFitted(&d_.baseline);
     if (options_.points_are_measured) d_.cautions = CautionsOfReadings(*d_.baseline.problem);
     for (const std::string& caution : FindCautions(problem_, d_.baseline)) d_.cautions.push_back(caution);
@@ -145,6 +147,29 @@ class Session {
  private:
   void Say(const std::string& words) const {
     if (options_.progress) options_.progress(words);
+  }
+
+  // Rotations that state no noise are weighed by the spread of their own residuals; points too, where nothing states
+  // theirs, as the estimate has them.
+  void WeighPointsAndRotations() {
+    const std::vector<Observation>& rows = problem_.data().observations;
+    const bool any_states = std::any_of(rows.begin(), rows.end(), [](const Observation& row) {
+      return !row.is_point() && row.rotation_sigma.minCoeff() > 0.0;
+    });
+    if (any_states || !problem_.resolved_noise.empty()) return;
+    const bool is_stated = problem_.sigma_is_stated();
+    for (int round = 0; round < kMostScatterRounds; ++round) {
+      const std::optional<TwoNoises> noises = FindTwoNoises(*d_.baseline.problem, d_.baseline.estimate);
+      if (!noises) return;
+      CalibrationProblem weighed = *d_.baseline.problem;
+      weighed.resolved_noise = noises->roots;
+      for (size_t i = 0; i < rows.size() && is_stated; ++i) {
+        if (rows[i].is_point()) weighed.resolved_noise[i] = problem_.SqrtCovariance(static_cast<int>(i));
+      }
+      DiagnosedModel refit = RefitFully(weighed, d_.baseline.estimate, options_.joint);
+      if (!IsUsable(refit.estimate.status)) return;
+      d_.baseline = std::move(refit);
+    }
   }
 
   void SayFound() const {

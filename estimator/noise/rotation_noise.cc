@@ -16,8 +16,7 @@ constexpr int kLeastDof = 30;  // a standard deviation from fewer is known worse
 bool IsLeftOpen(const CalibrationProblem& problem, const Estimate& estimate) {
   const Experiment& experiment = problem.experiment();
   return IsUsable(estimate.status) && estimate.dof >= kLeastDof && problem.latent.empty() &&
-         experiment.noise.from == NoiseSpec::From::kDefault && experiment.method.weights == Weights::kSigma &&
-         experiment.method.loss == LossKind::kNone;
+         experiment.method.weights == Weights::kSigma && experiment.method.loss == LossKind::kNone;
 }
 
 // Degrees of freedom by its share of the rows: f s^2 / sigma^2 is chi-square with f.
@@ -62,6 +61,9 @@ double WhitenedSpreadOfPoints(const CalibrationProblem& problem, const Estimate&
 }  // namespace
 
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate) {
+  using From = NoiseSpec::From;
+  const From from = problem.experiment().noise.from;
+  if (from != From::kDefault && from != From::kSigma && from != From::kRows) return std::nullopt;
   TwoNoises noises;
   const std::vector<NoiseGroup> found = SpreadOfEach(problem, estimate, &noises.roots);
   if (found.empty()) return std::nullopt;
@@ -70,6 +72,7 @@ std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const 
 }
 
 std::optional<RotationScatter> FindRotationScatter(const CalibrationProblem& problem, const Estimate& estimate) {
+  if (problem.experiment().noise.from != NoiseSpec::From::kDefault) return std::nullopt;
   const SigmaReport& sigma = estimate.sigma;
   if (!sigma.scaled || sigma.a_posteriori * sigma.a_posteriori < kInstrumentIsNotTheNoise) return std::nullopt;
   RotationScatter found;

@@ -18,8 +18,8 @@ struct TwoNoises {
   NoiseRoots roots;                           // of all observations of the data
 };
 
-// At a usable estimate; empty where noise is stated or looked for otherwise, where no rotation was read, and where the
-// residuals show none of either kind.
+// At a usable estimate; empty where noise is looked for otherwise, where no rotation was read, and where the residuals
+// show none of either kind.
 std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const Estimate& estimate);
 
 // Where noise is stated and the residuals are several times as large (kInstrumentIsNotTheNoise), one factor on both

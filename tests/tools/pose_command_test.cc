@@ -103,7 +103,7 @@ TEST_F(PoseCommandTest, RotationsWithoutSigmaAreSaid) {
   const std::string file = Write("unstated.csv", Csv(rows));
   ASSERT_EQ(Run({"calibrate", Published("kr270/robot.yaml"), file, "--out=" + Path("out")}).status, 0);
   const std::string warnings = ReadJson("out/estimate.json")["warnings"].dump();
-  EXPECT_NE(warnings.find("1 mrad is assumed, that of 1 mm over 1 m"), std::string::npos) << warnings;
+  EXPECT_NE(warnings.find("calibrate assumes 1 mrad, that of 1 mm over 1 m"), std::string::npos) << warnings;
   const Outcome weighed = Run({"calibrate", Write("w.yaml", Scene(file, "weights: equal\n")), "--out=" + Path("no")});
   EXPECT_EQ(weighed.status, 2);
   EXPECT_NE(weighed.err.find("weights"), std::string::npos) << weighed.err;
