@@ -1,6 +1,7 @@
 #include "estimator/diagnosis/learnt_model.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "estimator/diagnosis/selected_effects.h"
@@ -21,20 +22,38 @@ Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) 
   return candidate;
 }
 
-// Between poses that lie far apart narrow bumps by themselves are zero: wider ones beside them carry the function over.
-// Each level with the prior that makes it as steep as the others are.
-std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale) {
+// The largest gap between neighbouring values of the driver on fitted shots, in
+// the unit of `from` and `to`.
+double LargestGap(const Driver& driver, const CalibrationProblem& problem) {
+  if (driver.of_shot.size() == 0) return 0.0;
+  std::set<double> values;
+  for (const int shot : FittedShots(problem)) values.insert(driver.of_shot[shot]);
+  double largest = 0.0;
+  for (auto value = values.begin(); value != values.end() && std::next(value) != values.end(); ++value) {
+    largest = std::max(largest, *std::next(value) - *value);
+  }
+  return largest;
+}
+
+// Between poses that lie further apart than bumps are wide, these by themselves
+// are zero: wider ones beside them carry the function over. Each level with the
+// prior that makes it as steep as the others are.
+std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale, double gap) {
   std::vector<std::pair<EffectSpec, double>> levels = {{spec, scale}};
-  for (const int wide : kUnnamedBumps) {
-    const int own = spec.IntegerSetting("knots", 0);
-    if (own <= wide) continue;
-    levels.emplace_back(spec, scale * own / wide);
-    levels.back().first.settings["knots"] = std::to_string(wide);
+  const int own = spec.IntegerSetting("knots", 0);
+  const double range = spec.NumberSetting("to", 0.0) - spec.NumberSetting("from", 0.0);
+  int narrowest = own;
+  for (auto wide = std::rbegin(kUnnamedBumps); wide != std::rend(kUnnamedBumps); ++wide) {
+    if (*wide >= own || range / (narrowest - 1) >= gap) continue;
+    levels.emplace_back(spec, scale * own / *wide);
+    levels.back().first.settings["knots"] = std::to_string(*wide);
+    narrowest = *wide;
   }
   return levels;
 }
 
-// A spring's shape is a narrow valley, and flat beside smooth functions: it stays where it was found.
+// A spring's shape is a narrow valley, and flat beside smooth functions: it
+// stays where it was found.
 DiagnosedModel WithSpringsAsTheyAre(const DiagnosedModel& model) {
   DiagnosedModel held = model;
   held.problem = std::make_shared<CalibrationProblem>(*model.problem);
@@ -83,12 +102,15 @@ class Learner {
     return HoldoutRms(with) >= HoldoutRms(without);
   }
 
-  // Adds it to the model where that does untouched rows good and the model has it not. False: it is not taken.
+  // Adds it to the model where that does untouched rows good and the model has
+  // it not. False: it is not taken.
   bool Take(int explanation, double scale) {
     passed_.insert(evidence_.list().name[explanation]);
     std::vector<Candidate> fresh;
-    for (const EffectSpec& spec : evidence_.list().functions[evidence_.list().unnamed[explanation]].effects) {
-      for (const auto& [level, size] : LevelsOf(spec, scale)) {
+    const UnnamedFunction& function = evidence_.list().functions[evidence_.list().unnamed[explanation]];
+    const double gap = LargestGap(function.driver, *final_.problem);
+    for (const EffectSpec& spec : function.effects) {
+      for (const auto& [level, size] : LevelsOf(spec, scale, gap)) {
         if (!Has(level)) fresh.push_back(CandidateOf(level, final_.problem->robot(), size));
       }
     }
@@ -105,7 +127,8 @@ class Learner {
                        [&](const Candidate& candidate) { return candidate.spec.Path() == spec.Path(); });
   }
 
-  // The best that is left, by the evidence; what does no good is passed over. False: none stands out.
+  // The best that is left, by the evidence; what does no good is passed over.
+  // False: none stands out.
   bool TakeNext() {
     std::vector<double> scales;
     const std::vector<double> weights = search_.Additions(set_, &scales);
