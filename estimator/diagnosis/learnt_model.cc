@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/selected_effects.h"
 #include "estimator/diagnosis/unnamed_list.h"
 #include "models/effects/catalogue.h"
@@ -22,22 +23,19 @@ Candidate CandidateOf(const EffectSpec& spec, const Robot& robot, double scale) 
   return candidate;
 }
 
-// The largest gap between neighbouring values of the driver on fitted shots, in
-// the unit of `from` and `to`.
+// Between neighbouring values of the driver on fitted shots, in the unit of `from` and `to`.
 double LargestGap(const Driver& driver, const CalibrationProblem& problem) {
   if (driver.of_shot.size() == 0) return 0.0;
-  std::set<double> values;
-  for (const int shot : FittedShots(problem)) values.insert(driver.of_shot[shot]);
+  const Eigen::VectorXd fitted = driver.of_shot(FittedShots(problem));
   double largest = 0.0;
-  for (auto value = values.begin(); value != values.end() && std::next(value) != values.end(); ++value) {
-    largest = std::max(largest, *std::next(value) - *value);
+  for (const Gap& gap : Gaps(fitted, static_cast<int>(fitted.size()) + 1)) {
+    largest = std::max(largest, gap.second - gap.first);
   }
   return largest;
 }
 
-// Between poses that lie further apart than bumps are wide, these by themselves
-// are zero: wider ones beside them carry the function over. Each level with the
-// prior that makes it as steep as the others are.
+// Between poses that lie further apart than bumps are wide, these by themselves are zero: wider ones beside them carry
+// the function over. Each level with the prior that makes it as steep as the others are.
 std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale, double gap) {
   std::vector<std::pair<EffectSpec, double>> levels = {{spec, scale}};
   const int own = spec.IntegerSetting("knots", 0);
@@ -52,8 +50,7 @@ std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, doub
   return levels;
 }
 
-// A spring's shape is a narrow valley, and flat beside smooth functions: it
-// stays where it was found.
+// A spring's shape is a narrow valley, and flat beside smooth functions: it stays where it was found.
 DiagnosedModel WithSpringsAsTheyAre(const DiagnosedModel& model) {
   DiagnosedModel held = model;
   held.problem = std::make_shared<CalibrationProblem>(*model.problem);
@@ -85,7 +82,7 @@ class Learner {
       kept.scales.push_back(set_.scales[k]);
     }
     set_ = search_.Evaluate(kept.members, kept.scales);
-    while (passed_.size() < kMostTried && TakeNext()) continue;
+    while (TakeNext()) continue;
     if (added_.empty()) return std::nullopt;
     LearntModel learnt;
     const ParameterSet& start = with_.estimate.parameters;
@@ -102,8 +99,7 @@ class Learner {
     return HoldoutRms(with) >= HoldoutRms(without);
   }
 
-  // Adds it to the model where that does untouched rows good and the model has
-  // it not. False: it is not taken.
+  // Adds it to the model where that does untouched rows good and the model has it not. False: it is not taken.
   bool Take(int explanation, double scale) {
     passed_.insert(evidence_.list().name[explanation]);
     std::vector<Candidate> fresh;
@@ -127,8 +123,7 @@ class Learner {
                        [&](const Candidate& candidate) { return candidate.spec.Path() == spec.Path(); });
   }
 
-  // The best that is left, by the evidence; what does no good is passed over.
-  // False: none stands out.
+  // The best that is left, by the evidence; what does no good is passed over. False: none stands out.
   bool TakeNext() {
     std::vector<double> scales;
     const std::vector<double> weights = search_.Additions(set_, &scales);

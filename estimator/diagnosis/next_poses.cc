@@ -1,5 +1,7 @@
 #include "estimator/diagnosis/next_poses.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -15,13 +17,12 @@ namespace sagitta {
 namespace {
 
 constexpr int kPosesDrawn = 400;
-constexpr size_t kPosesKept = 80;
+constexpr size_t kPosesKept = 80;        // of these, asked again after each choice
 constexpr double kDecided = 0.95;        // of the leading explanation: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an explanation
 constexpr size_t kMostRivals = 5;
 
-// Poses within the joints' limits, or within the range of the data where none
-// are stated; each like a measured one.
+// Poses within the joints' limits, or within the range of the data where none are stated; each like a measured one.
 std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned long long seed) {
   std::mt19937_64 random(seed);
   const auto uniform = [&random](double low, double high) {
@@ -53,8 +54,7 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned 
   return poses;
 }
 
-// The problem with the poses as configurations that are not fitted, shot like
-// those they are like.
+// The problem with the poses as configurations that are not fitted, shot like those they are like.
 CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vector<ProposedPose>& poses) {
   Measurements data = problem.data();
   NoiseRoots roots = problem.resolved_noise;
@@ -92,8 +92,7 @@ CalibrationProblem WithPoses(const CalibrationProblem& problem, const std::vecto
   return extended;
 }
 
-// The explanations that some sets have, in columns of their own over the rows
-// of a problem with more poses.
+// The explanations that some sets have, in columns of their own over the rows of a problem with more poses.
 class FewColumns {
  public:
   FewColumns(const Evidence& evidence, const std::vector<const WeightedSet*>& sets, const CalibrationProblem& extended,
@@ -131,14 +130,14 @@ class FewColumns {
     });
   }
 
-  // What has no name comes last in both lists, all of it in the same order; of
-  // the catalogue one start has one place.
+  // What has no name comes last in both lists, all of it in the same order; of the catalogue one start has one place.
   int NumberOf(int member) const {
     const int here = static_cast<int>(list_.math.size());
     if (given_.IsUnnamed(member)) return here - static_cast<int>(given_.functions.size()) + given_.unnamed[member];
     const EffectSpec& start = given_.start[member];
     int k = 0;
-    while (list_.IsUnnamed(k) || list_.start[k].Path() != start.Path() || list_.start[k].values != start.values) ++k;
+    while (k < here && (list_.start[k].Path() != start.Path() || list_.start[k].values != start.values)) ++k;
+    CHECK_LT(k, here);
     return k;
   }
 
@@ -187,8 +186,7 @@ Rival MakeRival(const EvidenceColumns& columns, const ExplanationList& list, con
   const Eigen::MatrixXd rows = columns.FittedProducts(scatter, rival.columns);
   rival.precision = rival.mixing.transpose() * rows.topLeftCorner(believed + raw, believed + raw) * rival.mixing;
   rival.precision.diagonal().tail(size).array() += 1.0;
-  // What hardly anything tells must not decide: a flat prior is one of a
-  // thousand times what the data say.
+  // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
   rival.precision.diagonal() *= 1.0 + 1e-9;
   rival.factor.compute(rival.precision);
   rival.values = -rival.factor.solve(rival.mixing.transpose() * rows.col(believed + raw).head(believed + raw));
@@ -208,8 +206,8 @@ class Choice {
     std::iota(asked_.begin(), asked_.end(), size_t{0});
   }
 
-  // Takes the best pose that is left; its number. What is worth little at first
-  // stays so: after the first choice the best kPosesKept are asked again.
+  // Takes the best pose that is left; its number. What is worth little at first stays so: after the first choice the
+  // best kPosesKept are asked again.
   size_t Take(std::vector<bool>* taken) {
     size_t best = 0;
     double most = -1.0;
@@ -296,8 +294,7 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
   }
   for (const NameSet& set : posterior.sets) {
     const std::vector<int>& members = evidence.models()[set.best].set.members;
-    // A deviation that follows the pose predicts no new pose: its sets are
-    // those of their members.
+    // A deviation that follows the pose predicts no new pose: its sets are those of their members.
     const auto same = std::find_if(held.begin(), held.end(), [&](const Held& each) {
       return evidence.models()[each.model].set.members == members;
     });

@@ -77,24 +77,15 @@ class PlaceFunctions : public UnnamedList {
         turn.settings["about_y_mm"] = InMillimetres(foot.y());
         turn.settings["about_z_mm"] = InMillimetres(foot.z());
         AppendBumps(time.of_shot, "time", kFineBumps, &functions);
-        AddFunctions(WavesOf(time.of_shot, Axes(Source::Kind::kStation, owner)),
-                     {"",
-                      station,
-                      {"time"},
-                      StationMoves(station),
-                      Axes(Source::Kind::kStation, owner),
-                      time,
-                      {{"learnt_station_wave", station, {}, {}}}},
-                     "station in time");
-        AddFunctions(functions,
-                     {"",
-                      station,
-                      {"time"},
-                      StationMoves(station),
-                      Axes(Source::Kind::kStation, owner),
-                      time,
-                      {OfStation(time, station, "point")}},
-                     "station in time");
+        const UnnamedFunction moves{"",
+                                    station,
+                                    {"time"},
+                                    StationMoves(station),
+                                    Axes(Source::Kind::kStation, owner),
+                                    time,
+                                    {OfStation(time, station, "point")}};
+        AddFunctions(WavesOf(time.of_shot, moves.sources), moves, "station in time");
+        AddFunctions(functions, moves, "station in time");
         AddFunctions(
             functions,
             {"", station, {"time"}, BaseTurnsInStation(station), Axes(Source::Kind::kStationTurn, owner), time, {turn}},

@@ -16,20 +16,10 @@ double ValueOf(const EffectContext& context, const char* joint) {
   return context.shot->q[context.chain().FindJoint(context.spec->TextSetting(joint, ""))];
 }
 
-bool Slides(const Robot& robot, const std::string& name) {
-  const int joint = robot.chain.FindJoint(name);
-  return joint >= 0 && robot.chain.joints[joint].type == JointType::kPrismatic;
-}
-
-EffectParameter WeightOf(const Robot& robot, const EffectSpec& spec, const std::string& name) {
-  if (Slides(robot, spec.target)) return {name, Quantity::kShift, kTypicalTravel};
-  return {name, Quantity::kSmallAngle, kTypicalTurn};
-}
-
 std::vector<EffectParameter> PairWeights(const Robot& robot, const EffectSpec& spec) {
   std::vector<EffectParameter> weights;
   for (const char* name : {"cos_sum", "sin_sum", "cos_difference", "sin_difference"}) {
-    weights.push_back(WeightOf(robot, spec, name));
+    weights.push_back(WeightOfJoint(robot, spec, name));
   }
   return weights;
 }
@@ -45,7 +35,7 @@ void DeviateByPair(const EffectContext& context, ShotTerms* terms) {
 }
 
 std::vector<EffectParameter> ProductWeights(const Robot& robot, const EffectSpec& spec) {
-  return {WeightOf(robot, spec, "u"), WeightOf(robot, spec, "v"), WeightOf(robot, spec, "uv")};
+  return {WeightOfJoint(robot, spec, "u"), WeightOfJoint(robot, spec, "v"), WeightOfJoint(robot, spec, "uv")};
 }
 
 int KnotCount(const EffectSpec& spec) { return spec.IntegerSetting("knots", 2); }
@@ -55,7 +45,7 @@ std::vector<EffectParameter> SurfaceWeights(const Robot& robot, const EffectSpec
   std::vector<EffectParameter> weights;
   for (int i = 1; i <= KnotCount(spec); ++i) {
     for (int k = 1; k <= KnotCount(spec); ++k) {
-      weights.push_back(WeightOf(robot, spec, "w" + std::to_string(i) + "_" + std::to_string(k)));
+      weights.push_back(WeightOfJoint(robot, spec, "w" + std::to_string(i) + "_" + std::to_string(k)));
     }
   }
   return weights;
@@ -64,7 +54,7 @@ std::vector<EffectParameter> SurfaceWeights(const Robot& robot, const EffectSpec
 // In SI: what files state in deg or mm.
 Knots KnotsOf(const EffectContext& context, const char* joint, const char* from, const char* to) {
   const EffectSpec& spec = *context.spec;
-  const double unit = Slides(*context.robot, spec.TextSetting(joint, "")) ? 1e-3 : kDegree;
+  const double unit = UnitOfJoint(*context.robot, spec.TextSetting(joint, ""));
   return {unit * spec.NumberSetting(from, 0.0), unit * spec.NumberSetting(to, 1.0), KnotCount(spec)};
 }
 

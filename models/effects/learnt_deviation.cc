@@ -22,6 +22,18 @@ std::vector<std::vector<int>> LengthsByLink(const Chain& chain) {
   return links;
 }
 
+bool Slides(const Robot& robot, const std::string& joint) {
+  const int index = robot.chain.FindJoint(joint);
+  return index >= 0 && robot.chain.joints[index].type == JointType::kPrismatic;
+}
+
+double UnitOfJoint(const Robot& robot, const std::string& joint) { return Slides(robot, joint) ? 1e-3 : kDegree; }
+
+EffectParameter WeightOfJoint(const Robot& robot, const EffectSpec& spec, const std::string& name) {
+  if (Slides(robot, spec.target)) return {name, Quantity::kShift, kTypicalTravel};
+  return {name, Quantity::kSmallAngle, kTypicalTurn};
+}
+
 EffectDefinition Empirical(EffectDefinition effect) {
   effect.is_learnt = true;
   effect.note = "It describes what was measured and is no cause; beyond its range it is zero.";
@@ -40,14 +52,9 @@ int WeightCount(const EffectSpec& spec) {
                                : spec.IntegerSetting("knots", 2);
 }
 
-bool DrivesByLength(const Robot& robot, const EffectSpec& spec) {
-  const int joint = robot.chain.FindJoint(spec.TextSetting("driver", ""));
-  return joint >= 0 && robot.chain.joints[joint].type == JointType::kPrismatic;
-}
-
 // In SI: what files state in deg or mm, N m or N, s, K.
 Knots KnotsOf(const Robot& robot, const EffectSpec& spec) {
-  const double unit = !IsBy(spec, "q") ? 1.0 : DrivesByLength(robot, spec) ? 1e-3 : kDegree;
+  const double unit = IsBy(spec, "q") ? UnitOfJoint(robot, spec.TextSetting("driver", "")) : 1.0;
   return {unit * spec.NumberSetting("from", 0.0), unit * spec.NumberSetting("to", 1.0), WeightCount(spec)};
 }
 
@@ -70,11 +77,9 @@ void AppendWeights(const EffectSpec& spec, const std::string& prefix, Quantity q
 }
 
 std::vector<EffectParameter> JointWeights(const Robot& robot, const EffectSpec& spec) {
-  const int joint = robot.chain.FindJoint(spec.target);
-  const bool slides = joint >= 0 && robot.chain.joints[joint].type == JointType::kPrismatic;
+  const EffectParameter weight = WeightOfJoint(robot, spec, "");
   std::vector<EffectParameter> weights;
-  AppendWeights(spec, "w", slides ? Quantity::kShift : Quantity::kSmallAngle, slides ? kTypicalTravel : kTypicalTurn,
-                &weights);
+  AppendWeights(spec, "w", weight.quantity, weight.typical, &weights);
   return weights;
 }
 

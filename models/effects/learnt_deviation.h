@@ -2,6 +2,7 @@
 // columns that find them.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "models/chain.h"
@@ -20,6 +21,13 @@ constexpr double kTypicalGrowth = 50e-6;       // of a link's length: 5 K of ste
 
 // Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j.
 std::vector<std::vector<int>> LengthsByLink(const Chain& chain);
+
+// Whether a joint, by its name, is one that slides.
+bool Slides(const Robot& robot, const std::string& joint);
+// SI of a file's unit of a joint: deg or mm.
+double UnitOfJoint(const Robot& robot, const std::string& joint);
+// A weight of a deviation of the target: an angle, or a length of one that slides.
+EffectParameter WeightOfJoint(const Robot& robot, const EffectSpec& spec, const std::string& name);
 
 // What all learnt effects say of themselves.
 EffectDefinition Empirical(EffectDefinition effect);

@@ -14,32 +14,24 @@ namespace {
 
 using Kind = SettingDefinition::Kind;
 
-int Driver(const Robot& robot, const EffectSpec& spec) { return robot.chain.FindJoint(spec.TextSetting("driver", "")); }
+std::string DriverOf(const EffectContext& context) { return context.spec->TextSetting("driver", ""); }
 
-bool Slides(const Robot& robot, int joint) {
-  return joint >= 0 && robot.chain.joints[static_cast<size_t>(joint)].type == JointType::kPrismatic;
-}
-
-EffectParameter WeightOf(const Robot& robot, const EffectSpec& spec, const char* name) {
-  if (Slides(robot, robot.chain.FindJoint(spec.target))) return {name, Quantity::kShift, kTypicalTravel};
-  return {name, Quantity::kSmallAngle, kTypicalTurn};
-}
+double ValueOf(const EffectContext& context) { return context.shot->q[context.chain().FindJoint(DriverOf(context))]; }
 
 std::vector<EffectParameter> WaveWeights(const Robot& robot, const EffectSpec& spec) {
-  return {WeightOf(robot, spec, "cos"), WeightOf(robot, spec, "sin")};
+  return {WeightOfJoint(robot, spec, "cos"), WeightOfJoint(robot, spec, "sin")};
 }
 
 // Encoder side: cos cos(n q_driver) + sin sin(n q_driver).
 void DeviateByWave(const EffectContext& context, ShotTerms* terms) {
-  const double phase =
-      context.spec->IntegerSetting("order", 1) * context.shot->q[Driver(*context.robot, *context.spec)];
+  const double phase = context.spec->IntegerSetting("order", 1) * ValueOf(context);
   const double sign = context.joint_sign();
   terms->slots.push_back({context.joint_slot(), context.first_parameter, sign * std::cos(phase)});
   terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
 }
 
 std::vector<EffectParameter> JumpWeight(const Robot& robot, const EffectSpec& spec) {
-  return {WeightOf(robot, spec, "jump")};
+  return {WeightOfJoint(robot, spec, "jump")};
 }
 
 // 0 before `from`, 1 beyond `to`, evenly more between them, where the jump lies somewhere.
@@ -50,9 +42,7 @@ double ShareBeyond(const EffectSpec& spec, double unit, double at) {
 
 // Encoder side.
 void DeviateByJump(const EffectContext& context, ShotTerms* terms) {
-  const int driver = Driver(*context.robot, *context.spec);
-  const double unit = Slides(*context.robot, driver) ? 1e-3 : kDegree;
-  const double share = ShareBeyond(*context.spec, unit, context.shot->q[driver]);
+  const double share = ShareBeyond(*context.spec, UnitOfJoint(*context.robot, DriverOf(context)), ValueOf(context));
   terms->slots.push_back({context.joint_slot(), context.first_parameter, share * context.joint_sign()});
 }
 
@@ -127,11 +117,10 @@ const EffectDefinition& LearntWaveDeviation() {
 }
 
 const EffectDefinition& LearntJumpDeviation() {
-  static const EffectDefinition definition = [] {
-    return OfJoint({"learnt_jump_deviation", "learnt jump of a joint", "jump between two places of a joint",
-                    EffectTarget::kJoint, JumpWeight, DeviateByJump},
-                   Between());
-  }();
+  static const EffectDefinition definition =
+      OfJoint({"learnt_jump_deviation", "learnt jump of a joint", "jump between two places of a joint",
+               EffectTarget::kJoint, JumpWeight, DeviateByJump},
+              Between());
   return definition;
 }
 
