@@ -139,7 +139,7 @@ void WriteCalibration(const Calibration& calibration, const std::string& folder,
       RunComment(provenance) + RobotToYaml(problem.model().WithValues(estimate.parameters.ModelValues())));
   files.emplace_back("estimate.json", DumpJson(CalibrationToJson(calibration, provenance)));
   const OutputFolder out(folder, {"robot.calibrated.yaml", "residuals.csv", "estimate.json"});
-  out.Write(files, {{"residuals.csv", [&](const TextSink& write) { ResidualsToCsv(problem, estimate, write); }}});
+  out.Write(files, {ResidualsFile(problem, estimate)});
 }
 
 KnownRobot KnownFrom(const Calibration& calibration) {

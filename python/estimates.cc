@@ -35,11 +35,8 @@ struct CalibratedExperiment {
     const std::vector<NamedText> files = {{"robot.calibrated.yaml", RunComment(provenance) + RobotYaml()},
                                           {"report.html", ReportHtml()},
                                           {"estimate.json", Json()}};
-    const auto rows = [this](const TextSink& write) {
-      ResidualsToCsv(calibration.problem, calibration.estimate, write);
-    };
     OutputFolder(folder, {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"})
-        .Write(files, {{"residuals.csv", rows}});
+        .Write(files, {ResidualsFile(calibration.problem, calibration.estimate)});
   }
 };
 

@@ -52,14 +52,11 @@ struct ResultFiles {
     return {"robot.calibrated.yaml", "residuals.csv", "report.html", "estimate.json"};
   }
   void Write(const OutputFolder& folder, const Calibration& calibration) {
-    const auto rows = [&calibration](const TextSink& write) {
-      ResidualsToCsv(calibration.problem, calibration.estimate, write);
-    };
     std::vector<NamedText> files;
     files.emplace_back("robot.calibrated.yaml", robot);
     files.emplace_back("report.html", std::move(report));
     files.emplace_back("estimate.json", DumpJson(json));
-    folder.Write(files, {{"residuals.csv", rows}});
+    folder.Write(files, {ResidualsFile(calibration.problem, calibration.estimate)});
   }
 };
 

@@ -162,4 +162,8 @@ void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate,
   RowsToCsv(data, added, write);
 }
 
+LongText ResidualsFile(const CalibrationProblem& problem, const Estimate& estimate) {
+  return {"residuals.csv", [&](const TextSink& write) { ResidualsToCsv(problem, estimate, write); }};
+}
+
 }  // namespace sagitta

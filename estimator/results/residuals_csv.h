@@ -34,6 +34,8 @@ std::vector<AddedColumn> ResidualColumns(const Measurements& data, const Eigen::
 
 std::string ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate);
 void ResidualsToCsv(const CalibrationProblem& problem, const Estimate& estimate, const TextSink& write);
+// residuals.csv, made while it is written; both must live until then.
+LongText ResidualsFile(const CalibrationProblem& problem, const Estimate& estimate);
 
 // measured - predicted over its standard deviation, joint repeatability included, 3 x N: each row by itself (rows of
 // one visit share what their joints did).
