@@ -97,7 +97,7 @@ Calibration Extended(const Diagnosis& diagnosis) {
   return extended;
 }
 
-// Everything is text before the first file is written.
+// Everything but the rows is text before the first file is written.
 void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const SimulationBaseline& baseline,
                   const Diagnosis& diagnosis, const nlohmann::ordered_json& json, const OutputFolder& out) {
   Calibration extended = Extended(diagnosis);
@@ -107,11 +107,9 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
   const std::string report = DiagnosisToHtml(diagnosis, extended, provenance);
   const std::string estimate_json = DumpJson(CalibrationToJson(extended, provenance));
   if (IsAgainstColumns()) baseline.Unshift(&extended.problem, &extended.estimate);
-  const std::string residuals = ResidualsToCsv(extended.problem, extended.estimate);
   nlohmann::ordered_json with_run = json;
   with_run["run"] = RunId(provenance);
   std::vector<NamedText> files = {{"robot.extended.yaml", robot},
-                                  {"residuals.csv", residuals},
                                   {"report.html", report},
                                   {"estimate.json", estimate_json},
                                   {"diagnosis.json", DumpJson(with_run)}};
@@ -121,7 +119,7 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
     files.push_back({kLearntEstimateFile, DumpJson(EstimateToJson(*learnt.problem, learnt.estimate, provenance))});
     files.push_back({kLearntFile, RunComment(provenance) + LearntFunctionsInFile() + RobotToYaml(RobotOf(learnt))});
   }
-  out.Write(files);
+  out.Write(files, {ResidualsFile(extended.problem, extended.estimate)});
   std::cout << "\n"
             << ResultsIn(FLAGS_out,
                          {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});

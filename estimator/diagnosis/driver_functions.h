@@ -26,11 +26,11 @@ Eigen::MatrixXd Stretches(const Eigen::VectorXd& x, int most);
 // So many unit vectors, evenly over half of the sphere (z >= 0).
 std::vector<Eigen::Vector3d> HalfOfAllDirections(int count);
 
-// functions = basis * mixing to within `tolerance` of the largest singular value: fewer columns where many functions
-// are alike.
+// functions = basis * mixing: fewer columns where many functions are alike.
 struct Compressed {
   Eigen::MatrixXd basis, mixing;
 };
+// To within `tolerance` of the largest singular value.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance);
 
 }  // namespace sagitta

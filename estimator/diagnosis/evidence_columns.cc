@@ -71,7 +71,7 @@ JointScatter StatedScatter(const CalibrationProblem& problem) {
 }
 
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                                 const std::vector<Candidate>& candidates, const EvidenceColumns* same_rows)
+                                 const std::vector<Candidate>& candidates)
     : extended_(problem.WithEffects(FreshSpecs(problem, candidates))) {
   extended_.parameters.CopyByName(parameters);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
@@ -150,11 +150,6 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     poses_of_block_.back().push_back(pose);
     rows += 3 * static_cast<int>(poses_[pose].size());
   }
-  if (same_rows != nullptr && same_rows->linearized_ == linearized_) {
-    stored_ = same_rows->stored_;
-    for (Block& block : stored_) block.sources.clear();
-    return;
-  }
   size_t bytes = 0;
   for (const std::vector<int>& own : poses_of_block_) {
     std::vector<int> observations;
@@ -206,8 +201,7 @@ Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) con
 EvidenceColumns::Block EvidenceColumns::LinearizeBlock(const std::vector<int>& observations) const {
   const NoiseRoots noise = ObservationNoise(extended_, observations, kFallbackSigma);
   return {observations,
-          std::make_shared<const Linearization>(
-              Linearize(extended_, extended_.parameters, observations, linearized_, noise, LatentTreatment::kIgnore)),
+          Linearize(extended_, extended_.parameters, observations, linearized_, noise, LatentTreatment::kIgnore),
           {}};
 }
 
@@ -256,9 +250,9 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
 // rows.
 Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& source) const {
   if (source.kind == Source::Kind::kJoint) {
-    return TypicalSizeOf(source, extended_.robot().chain) * block.here->latent.col(source.owner);
+    return TypicalSizeOf(source, extended_.robot().chain) * block.here.latent.col(source.owner);
   }
-  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here->num_rows());
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
   if (source.kind == Source::Kind::kStationScale) {
     for (int axis = 0; axis < 3; ++axis) {
       const Source along{Source::Kind::kStation, source.owner, axis};
@@ -273,17 +267,17 @@ Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& so
   }
   for (const auto& [coordinate, size] : MovedBy(source)) {
     const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate);
-    rows += size * block.here->jacobian.col(at - linearized_.begin());
+    rows += size * block.here.jacobian.col(at - linearized_.begin());
   }
   return rows;
 }
 
 void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const {
-  const long believed = static_cast<long>(believed_.size()), height = block.here->num_rows();
+  const long believed = static_cast<long>(believed_.size()), height = block.here.num_rows();
   const long count = of == nullptr ? num_columns_ : static_cast<long>(of->size());
   rows->resize(height, believed + count + 1);
-  rows->leftCols(believed) = block.here->jacobian.leftCols(believed);
-  rows->col(believed + count) = block.here->residual;
+  rows->leftCols(believed) = block.here.jacobian.leftCols(believed);
+  rows->col(believed + count) = block.here.residual;
   int family = -1;
   Eigen::VectorXd source;
   Eigen::MatrixXd functions;
@@ -291,7 +285,7 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
     const int column = of == nullptr ? static_cast<int>(k) : (*of)[static_cast<size_t>(k)];
     auto own = rows->col(believed + k);
     if (column < static_cast<int>(catalogue_.size())) {
-      own = units_[column] * block.here->jacobian.col(believed + column);
+      own = units_[column] * block.here.jacobian.col(believed + column);
       continue;
     }
     const int beyond = column - static_cast<int>(catalogue_.size());

@@ -8,13 +8,13 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/evidence_score.h"
+#include "estimator/diagnosis/scan.h"
 #include "estimator/least_squares/linearization.h"
 
 namespace sagitta {
@@ -84,9 +84,8 @@ struct BesideBelieved {
 class EvidenceColumns {
  public:
   // Candidates without columns of their own (the gravity compensator) are left out.
-  // same_rows: of a problem with the same fitted rows, which are not linearized again.
   EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
-                  const std::vector<Candidate>& candidates, const EvidenceColumns* same_rows = nullptr);
+                  const std::vector<Candidate>& candidates);
 
   // Adds a family; returns its columns.
   std::vector<int> Add(const FunctionFamily& family);
@@ -124,15 +123,6 @@ class EvidenceColumns {
   // returned.
   BesideBelieved ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const;
 
-  // Of a unit of each source in each shot, over the fitted rows: its square, and its product with the residual (shots x
-  // sources); noise as stated, nothing eliminated.
-  struct AlongSources {
-    Eigen::MatrixXd square, residual;
-
-    // Of chi-square, by a function of the shots that one source follows: (f'b)^2 / sum a f^2, as the residual is
-    // orthogonal to what is believed. is_offset: a constant is believed, and f counts from its mean.
-    double Reduction(Eigen::ArrayXd function, long source, bool is_offset = false) const;
-  };
   AlongSources SumAlong(const std::vector<Source>& sources) const;
 
   int num_believed() const { return static_cast<int>(believed_.size()); }
@@ -145,8 +135,8 @@ class EvidenceColumns {
  private:
   struct Block {
     std::vector<int> observations;
-    std::shared_ptr<const Linearization> here;  // believed, catalogue and source columns; joints that deviate: `latent`
-    std::vector<Eigen::VectorXd> sources;       // rows of each of sources_
+    Linearization here;                    // believed, catalogue and source columns; joints that deviate: `latent`
+    std::vector<Eigen::VectorXd> sources;  // rows of each of sources_
   };
   // Of the covariance of one pose's rows, which begin at `top` in their block.
   struct PoseRoot {

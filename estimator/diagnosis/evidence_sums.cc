@@ -97,14 +97,14 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
         sums.rows -= 3;
       }
     }
-    sums.log_det += Whiten(RootsOf(block.observations, block.here->latent, scatter), &rows);
+    sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
     AddProducts(rows, &sums.products);
-    sums.rows += block.here->num_rows();
+    sums.rows += block.here.num_rows();
   }
   return sums;
 }
 
-EvidenceColumns::AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const {
+AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const {
   const Measurements& data = extended_.data();
   const Eigen::MatrixXd none =
       Eigen::MatrixXd::Zero(static_cast<long>(data.shots.size()), static_cast<long>(sources.size()));
@@ -118,19 +118,11 @@ EvidenceColumns::AlongSources EvidenceColumns::SumAlong(const std::vector<Source
         const long shot = data.observations[block.observations[o]].shot, top = static_cast<long>(3 * o);
         const auto own = moved.segment<3>(top);
         sums.square(shot, static_cast<long>(s)) += own.squaredNorm();
-        sums.residual(shot, static_cast<long>(s)) += block.here->residual.segment<3>(top).dot(own);
+        sums.residual(shot, static_cast<long>(s)) += block.here.residual.segment<3>(top).dot(own);
       }
     }
   }
   return sums;
-}
-
-double EvidenceColumns::AlongSources::Reduction(Eigen::ArrayXd function, long source, bool is_offset) const {
-  const Eigen::ArrayXd weights = square.col(source).array();
-  if (is_offset) function -= (weights * function).sum() / std::max(weights.sum(), 1e-300);
-  const double along = (function * residual.col(source).array()).sum();
-  const double all = (weights * function.square()).sum();
-  return all > 0.0 ? along * along / all : 0.0;
 }
 
 std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every) const {
@@ -138,7 +130,7 @@ std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, 
   Block scratch;
   for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
     const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    filled.push_back({block.observations, block.here->latent, {}});
+    filled.push_back({block.observations, block.here.latent, {}});
     FillRows(block, &columns, &filled.back().rows);
   }
   return filled;
@@ -170,7 +162,7 @@ int EvidenceColumns::AddPriors(Eigen::MatrixXd* own, Eigen::VectorXd* along, dou
 std::vector<Eigen::MatrixXd> EvidenceColumns::RowsAt(const std::vector<int>& observations, const JointScatter& scatter,
                                                      const std::vector<std::vector<int>>& columns) const {
   const Block block = LinearizeBlock(observations);
-  const BlockRoots roots = RootsOf(block.observations, block.here->latent, scatter);
+  const BlockRoots roots = RootsOf(block.observations, block.here.latent, scatter);
   std::vector<Eigen::MatrixXd> of_lists;
   for (const std::vector<int>& list : columns) {
     Eigen::MatrixXd rows;
@@ -248,9 +240,9 @@ BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const st
   Eigen::MatrixXd rows;
   for (const Block& block : stored_) {
     FillRows(block, nullptr, &rows);
-    roots.push_back(RootsOf(block.observations, block.here->latent, scatter));
+    roots.push_back(RootsOf(block.observations, block.here.latent, scatter));
     sums.log_det += Whiten(roots.back(), &rows);
-    sums.rows += block.here->num_rows();
+    sums.rows += block.here.num_rows();
     Eigen::MatrixXd with(rows.rows(), believed + 1);
     with << rows.leftCols(believed), rows.rightCols(1);
     few += TallProduct(rows.transpose(), with);
@@ -306,8 +298,7 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
       auto own = u.middleRows(pose.top, pose.root.rows());
       own = pose.root.solve(Eigen::MatrixXd(own));
     }
-    products.leftCols(of_catalogue).noalias() +=
-        u.transpose() * block.here->jacobian.middleCols(believed, of_catalogue);
+    products.leftCols(of_catalogue).noalias() += u.transpose() * block.here.jacobian.middleCols(believed, of_catalogue);
     for (size_t s = 0; s < sources_.size(); ++s) {
       for (size_t o = 0; o < block.observations.size(); ++o) {
         const long top = static_cast<long>(3 * o), shot = extended_.data().observations[block.observations[o]].shot;

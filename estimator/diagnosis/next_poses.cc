@@ -99,7 +99,7 @@ class FewColumns {
              const ParameterSet& parameters)
       : given_(evidence.list()),
         candidates_(CandidatesOf(sets)),
-        columns_(extended, parameters, candidates_.candidates, &evidence.columns()),
+        columns_(extended, parameters, candidates_.candidates),
         list_(ListExplanations(extended, parameters, candidates_, evidence.masses(), &columns_, AnyUnnamed(sets))) {}
 
   const EvidenceColumns& columns() const { return columns_; }

@@ -86,14 +86,12 @@ class JointFunctions : public UnnamedList {
 
   // Of the gaps between poses those that the rows say most of, each by itself.
   void AppendJumps(const Eigen::VectorXd& q, int j, GroupedFunctions* functions) const {
-    const std::vector<Gap> gaps = Gaps(OnFitted(q), kMostGaps);
-    std::vector<std::pair<double, Gap>> reductions;
-    for (const Gap& gap : gaps) reductions.emplace_back(-along_.Reduction(Jump(q, gap), j, true), gap);
-    std::sort(reductions.begin(), reductions.end());
-    reductions.resize(std::min<size_t>(reductions.size(), kJumps));
+    Scan<Gap> scan;
+    for (const TriedJump& jump : TryJumps(along_, fitted_, q, {kMostGaps, 1, j, 1})) scan.Try(jump.reduction, jump.gap);
+    const std::vector<Gap> best = scan.Best(kJumps);
     const double unit = IsRevolute(problem_, j) ? kDegree : 1e-3;
-    const double listed = static_cast<double>(reductions.size()) / static_cast<double>(gaps.size());
-    for (const auto& [reduction, gap] : reductions) {
+    const double listed = static_cast<double>(best.size()) / static_cast<double>(scan.size());
+    for (const Gap& gap : best) {
       functions->Append(Jump(q, gap), "step",
                         {{"driver", JointName(j)},
                          {"from", Significant(gap.first / unit, kDigits)},
@@ -141,20 +139,19 @@ class JointFunctions : public UnnamedList {
       // Waves of orders n and k are the same functions on these angles where (n - k) q or (n + k) q is the same.
       const std::vector<bool> same = SameEverywhere(OnFitted(q.matrix()).array(), kMostHarmonicOrders + first);
       std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
-      std::vector<std::pair<double, int>> reductions;
+      Scan<int> scan;
       for (int n = first; n <= kMostHarmonicOrders; ++n) {
         int k = 1;
         while (k < first && !same[static_cast<size_t>(n - k)] && !same[static_cast<size_t>(n + k)]) ++k;
         if (k < first) {
           ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
         } else {
-          reductions.emplace_back(-along_.Reduction((n * q).cos(), j) - along_.Reduction((n * q).sin(), j), n);
+          scan.Try(along_.Reduction((n * q).cos(), j) + along_.Reduction((n * q).sin(), j), n);
         }
       }
-      std::sort(reductions.begin(), reductions.end());
-      reductions.resize(std::min<size_t>(reductions.size(), kRipples));
-      const double each = static_cast<double>(aliases.size() + reductions.size()) / orders;
-      for (const auto& [reduction, n] : reductions) AddWave(j, n, q, each);
+      const std::vector<int> best = scan.Best(kRipples);
+      const double each = static_cast<double>(aliases.size() + best.size()) / orders;
+      for (const int n : best) AddWave(j, n, q, each);
       for (const auto& [k, alias] : aliases) AddWave(j, alias.first, q, each * alias.second);
     }
   }
@@ -248,7 +245,7 @@ class JointFunctions : public UnnamedList {
   }
 
   const ParameterSet& parameters_;
-  const EvidenceColumns::AlongSources along_;
+  const AlongSources along_;
 };
 
 }  // namespace

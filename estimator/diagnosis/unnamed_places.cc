@@ -24,9 +24,8 @@ constexpr int kMostGaps = 50;
 constexpr int kFewestOfASide = 3;  // shots: of fewer it is a few bad rows
 constexpr size_t kSides = 6;
 
-// A jump of gravity's component along a direction of the flange, and what it explains of chi-square.
+// A jump of gravity's component along a direction of the flange.
 struct Side {
-  double reduction;
   Vector3<double> along;
   Gap gap;
 };
@@ -119,12 +118,12 @@ class PlaceFunctions : public UnnamedList {
   // Waves in time: of all periods down to two visits those that the rows say most of, each by itself; half a wave more
   // over the campaign is another one.
   GroupedFunctions WavesOf(const Eigen::VectorXd& time, const std::vector<Source>& axes) const {
-    const EvidenceColumns::AlongSources along = columns_->SumAlong(axes);
+    const AlongSources along = columns_->SumAlong(axes);
     const Eigen::VectorXd fitted = OnFitted(time);
     const double span = fitted.maxCoeff() - fitted.minCoeff();
     const int count =
         std::min<int>(kMostWaves, static_cast<int>(std::set<double>(fitted.begin(), fitted.end()).size()));
-    std::vector<std::pair<double, double>> waves;  // reduction, period
+    Scan<double> periods;
     for (int n = 2; n <= count; ++n) {
       const double period = 2.0 * span / n;
       const Eigen::ArrayXd phase = 2.0 * kPi / period * time.array();
@@ -132,14 +131,13 @@ class PlaceFunctions : public UnnamedList {
       for (long axis = 0; axis < static_cast<long>(axes.size()); ++axis) {
         reduction += along.Reduction(phase.cos(), axis, true) + along.Reduction(phase.sin(), axis, true);
       }
-      waves.emplace_back(-reduction, period);
+      periods.Try(reduction, period);
     }
-    std::sort(waves.begin(), waves.end());
-    const size_t kept = std::min(waves.size(), kWaves);
-    const double listed = static_cast<double>(kept) / std::max(1.0, static_cast<double>(waves.size()));
+    const std::vector<double> best = periods.Best(kWaves);
+    const double listed = static_cast<double>(best.size()) / static_cast<double>(std::max<size_t>(1, periods.size()));
     GroupedFunctions functions;
-    for (size_t k = 0; k < kept; ++k) {
-      const std::string period = Significant(waves[k].second, kDigits);
+    for (const double each : best) {
+      const std::string period = Significant(each, kDigits);
       functions.Append(Waves(2.0 * kPi / std::stod(period) * time, 1), "time", {{"period_s", period}},
                        "learnt_station_wave", listed);
     }
@@ -288,25 +286,17 @@ class PlaceFunctions : public UnnamedList {
   // A jump of gravity's component along a direction: of all directions and gaps between shots those that the rows say
   // most of, each by itself.
   GroupedFunctions Sides(int first, int count) const {
-    std::vector<Side> sides;
-    double tried = 0.0;
+    Scan<Side> scan;  // the best gap of each direction
+    size_t tried = 0;
     for (const Vector3<double>& along : HalfOfAllDirections(kDirections)) {
-      const Eigen::VectorXd component = Component(along), fitted = OnFitted(component);
-      Side best{0.0, along, {}};
-      for (const Gap& gap : Gaps(fitted, kMostGaps)) {
-        const double beyond = static_cast<double>((fitted.array() >= gap.second).count());
-        if (std::min(beyond, static_cast<double>(fitted.size()) - beyond) < kFewestOfASide) continue;
-        ++tried;
-        const Eigen::VectorXd jump = Jump(component, gap);
-        double reduction = 0.0;
-        for (int axis = first; axis < first + count; ++axis) reduction += along_.Reduction(jump, axis, true);
-        if (reduction > best.reduction) best = {reduction, along, gap};
-      }
-      if (best.reduction > 0.0) sides.push_back(best);
+      const std::vector<TriedJump> jumps =
+          TryJumps(along_, fitted_, Component(along), {kMostGaps, kFewestOfASide, first, count});
+      tried += jumps.size();
+      const auto best = std::max_element(
+          jumps.begin(), jumps.end(), [](const TriedJump& a, const TriedJump& b) { return a.reduction < b.reduction; });
+      if (best != jumps.end()) scan.Try(best->reduction, {along, best->gap});
     }
-    std::stable_sort(sides.begin(), sides.end(),
-                     [](const Side& a, const Side& b) { return a.reduction > b.reduction; });
-    sides.resize(std::min(sides.size(), kSides));
+    const std::vector<Side> sides = scan.Best(kSides);
     GroupedFunctions functions;
     for (const Side& side : sides) {
       Settings settings = DownSettings();
@@ -316,7 +306,7 @@ class PlaceFunctions : public UnnamedList {
       settings["from"] = Significant(side.gap.first, kDigits);
       settings["to"] = Significant(side.gap.second, kDigits);
       functions.Append(Jump(Component(side.along), side.gap), "step", settings, "learnt_marker_seat",
-                       static_cast<double>(sides.size()) / tried);
+                       static_cast<double>(sides.size()) / static_cast<double>(tried));
     }
     return functions;
   }
@@ -337,8 +327,8 @@ class PlaceFunctions : public UnnamedList {
 
   const ParameterSet& parameters_;
   const Vector3<double> down_in_base_;
-  const EvidenceColumns::AlongSources along_;  // LooseParts
-  std::vector<Vector3<double>> down_;          // of each shot, in the flange
+  const AlongSources along_;           // LooseParts
+  std::vector<Vector3<double>> down_;  // of each shot, in the flange
 };
 
 }  // namespace

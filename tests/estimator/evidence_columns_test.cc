@@ -161,15 +161,6 @@ TEST(ColumnProducts, AreThoseOfTheWholeInAnyOrder) {
   EXPECT_EQ(asked, 4);
 }
 
-// Rows of what is fitted are those of a problem with the same rows.
-TEST(EvidenceColumns, RowsOfTheSameProblemAreNotLinearizedAgain) {
-  const CalibrationProblem problem = Campaign();
-  const EvidenceColumns columns(problem, problem.parameters, {});
-  const EvidenceColumns again(problem, problem.parameters, {}, &columns);
-  const JointScatter scatter = StatedScatter(problem);
-  EXPECT_EQ(columns.FittedProducts(scatter, {}), again.FittedProducts(scatter, {}));
-}
-
 // F is made again from few directions, however many columns it has: sines of 200 phases are two functions.
 TEST(DriverFunctions, FewDirectionsAreKept) {
   for (const long shots : {40L, 500L}) {
