@@ -12,8 +12,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kRowsPerBlock = 384;                 // enough for the products to run at full speed
-constexpr size_t kMostStored = 512 * 1024 * 1024;  // bytes of linearized blocks
+constexpr int kRowsPerBlock = 384;  // enough for the products to run at full speed
+// Bytes of linearized blocks: 10^5 readings of an arm with six joints, whose catalogue has 900 columns, fit in.
+constexpr size_t kMostStored = size_t{3} << 30;
 
 std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
   std::set<std::string> known;
@@ -168,7 +169,7 @@ std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
     for (Block& block : stored_) block.sources.push_back(SourceRows(block, family.source));
   }
   std::vector<int> own;
-  for (int f = 0; f < family.functions.cols(); ++f) {
+  for (int f = 0; f < family.functions->cols(); ++f) {
     family_of_column_.push_back(static_cast<int>(families_.size()));
     function_of_column_.push_back(f);
     own.push_back(num_columns_++);
@@ -193,7 +194,7 @@ Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) con
   for (size_t c = 0; c < columns.size(); ++c) {
     const size_t beyond = static_cast<size_t>(columns[c]) - catalogue_.size();
     functions.col(static_cast<long>(c)) =
-        families_[family_of_column_[beyond]].functions.col(function_of_column_[beyond]);
+        families_[family_of_column_[beyond]].functions->col(function_of_column_[beyond]);
   }
   return functions;
 }
@@ -294,7 +295,7 @@ void EvidenceColumns::FillRows(const Block& block, const std::vector<int>* of, E
       const size_t known = source_of_family_[family];
       source = known < block.sources.size() ? block.sources[known] : SourceRows(block, families_[family].source);
     }
-    const auto function = families_[family].functions.col(function_of_column_[beyond]);
+    const auto function = families_[family].functions->col(function_of_column_[beyond]);
     for (size_t o = 0; o < block.observations.size(); ++o) {
       const double value = function[extended_.data().observations[block.observations[o]].shot];
       own.segment<3>(static_cast<long>(3 * o)) = value * source.segment<3>(static_cast<long>(3 * o));

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -48,7 +49,7 @@ std::vector<int> MarkersOnFlange(const CalibrationProblem& problem);
 // Functions of the shots that one source may follow, each a column.
 struct FunctionFamily {
   Source source;
-  Eigen::MatrixXd functions;  // one row per shot of the data
+  std::shared_ptr<const Eigen::MatrixXd> functions;  // one row per shot of the data; those of other sources too
 };
 
 // Joint deviations that rows of one visit, or of one pose (equal joint values), share: standard deviations, rad or m,
@@ -166,6 +167,7 @@ class EvidenceColumns {
     double log_constant = 0.0;  // as of BesideBelieved
   };
   Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square, const RowSums& sums) const;
+  Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const;
   // A_k' C^-1 A of some columns with all; roots: of every block.
   Eigen::MatrixXd ProductsOf(const std::vector<int>& columns, const std::vector<BlockRoots>& roots) const;
 

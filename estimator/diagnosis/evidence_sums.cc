@@ -250,7 +250,7 @@ BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const st
     const Eigen::MatrixXd explaining = rows.middleCols(believed, num_columns_);
     for (auto& [columns, sum] : blocks) {
       const Eigen::MatrixXd of = explaining(Eigen::all, columns);
-      sum.noalias() += of.transpose() * of;
+      sum += TallProduct(of.transpose(), of);
     }
   }
   Eigen::MatrixXd beside(believed, num_columns_ + 1);
@@ -278,6 +278,21 @@ BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const st
           out.log_constant};
 }
 
+// (u's)(shot) of one source, a column for each shot.
+Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const {
+  const Measurements& data = extended_.data();
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(along[0].rows(), static_cast<long>(data.shots.size()));
+  for (size_t b = 0; b < stored_.size(); ++b) {
+    const Block& block = stored_[b];
+    for (size_t o = 0; o < block.observations.size(); ++o) {
+      const long top = static_cast<long>(3 * o);
+      sums.col(data.observations[block.observations[o]].shot) +=
+          along[b].middleCols<3>(top) * block.sources[source].segment<3>(top);
+    }
+  }
+  return sums;
+}
+
 // A column of the catalogue is one of the linearization; one of a family is a source's, each shot's rows times the
 // value of its function there. With u = C^-1 A_k:
 //
@@ -286,9 +301,8 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
                                             const std::vector<BlockRoots>& roots) const {
   const long believed = num_believed(), size = static_cast<long>(columns.size());
   const long of_catalogue = static_cast<long>(catalogue_.size());
-  const long shots = static_cast<long>(extended_.data().shots.size());
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, num_columns_);
-  std::vector<Eigen::MatrixXd> of_shots(sources_.size(), Eigen::MatrixXd::Zero(size, shots));
+  std::vector<Eigen::MatrixXd> along;  // u' of each block
   Eigen::MatrixXd rows;
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
@@ -298,20 +312,21 @@ Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
       auto own = u.middleRows(pose.top, pose.root.rows());
       own = pose.root.solve(Eigen::MatrixXd(own));
     }
-    products.leftCols(of_catalogue).noalias() += u.transpose() * block.here.jacobian.middleCols(believed, of_catalogue);
-    for (size_t s = 0; s < sources_.size(); ++s) {
-      for (size_t o = 0; o < block.observations.size(); ++o) {
-        const long top = static_cast<long>(3 * o), shot = extended_.data().observations[block.observations[o]].shot;
-        of_shots[s].col(shot) += u.middleRows<3>(top).transpose() * block.sources[s].segment<3>(top);
-      }
-    }
+    along.push_back(u.transpose());
+    products.leftCols(of_catalogue) +=
+        TallProduct(along.back(), block.here.jacobian.middleCols(believed, of_catalogue));
   }
   for (long c = 0; c < of_catalogue; ++c) products.col(c) *= units_[static_cast<size_t>(c)];
-  long first = of_catalogue;
-  for (size_t f = 0; f < families_.size(); ++f) {
-    const long own = families_[f].functions.cols();
-    products.middleCols(first, own).noalias() = of_shots[source_of_family_[f]] * families_[f].functions;
-    first += own;
+  for (size_t s = 0; s < sources_.size(); ++s) {
+    const Eigen::MatrixXd of_shots = SumsOfShots(s, along);
+    long first = of_catalogue;
+    for (size_t f = 0; f < families_.size(); ++f) {
+      const long own = families_[f].functions->cols();
+      if (source_of_family_[f] == s) {
+        products.middleCols(first, own) = TallProduct(of_shots, *families_[f].functions);
+      }
+      first += own;
+    }
   }
   return products;
 }

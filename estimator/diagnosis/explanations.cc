@@ -127,7 +127,7 @@ class ListBuilder {
     }
     const Eigen::VectorXd weights = SpringWeights(joint, OnFitted(torques));
     const Compressed functions = Compress(torques, kAlikeShapes);
-    const std::vector<int> own = columns_->Add({source, functions.basis});
+    const std::vector<int> own = columns_->Add({source, std::make_shared<const Eigen::MatrixXd>(functions.basis)});
     for (size_t s = 0; s < shapes.size(); ++s) {
       Append({own, functions.mixing.middleCols(kPerShape * static_cast<long>(s), kPerShape)}, candidate, -1, shapes[s],
              {spec.effect, spec.target, weights[static_cast<long>(s)]}, spec.effect);

@@ -37,6 +37,12 @@ void GroupedFunctions::Append(const Eigen::MatrixXd& more, const std::string& ki
   columns.conservativeResize(more.rows(), before + more.cols());
   columns.rightCols(more.cols()) = more;
   groups.push_back({kind, static_cast<int>(before), static_cast<int>(more.cols()), settings, effect, listed});
+  few_ = nullptr;
+}
+
+const std::shared_ptr<const Compressed>& GroupedFunctions::Few() const {
+  if (!few_) few_ = std::make_shared<const Compressed>(Compress(columns, kAlike));
+  return few_;
 }
 
 UnnamedList::UnnamedList(const CalibrationProblem& problem, EvidenceColumns* columns)
@@ -68,17 +74,18 @@ EffectSpec UnnamedList::Over(const Driver& driver, const std::string& effect, co
 void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what,
                                const std::string& family) {
   if (functions.groups.empty()) return;
-  const Compressed compressed = Compress(functions.columns, kAlike);
+  const std::shared_ptr<const Compressed>& few = functions.Few();
+  const std::shared_ptr<const Eigen::MatrixXd> basis(few, &few->basis);
   std::vector<std::vector<int>> own;
-  for (const Source& source : what.sources) own.push_back(columns_->Add({source, compressed.basis}));
-  const long height = compressed.basis.cols();
+  for (const Source& source : what.sources) own.push_back(columns_->Add({source, basis}));
+  const long height = basis->cols();
   for (const GroupedFunctions::Group& group : functions.groups) {
     ColumnGroup columns;
     columns.mixing.setZero(height * static_cast<long>(own.size()), group.count * static_cast<long>(own.size()));
     for (size_t s = 0; s < own.size(); ++s) {
       columns.columns.insert(columns.columns.end(), own[s].begin(), own[s].end());
       columns.mixing.block(height * static_cast<long>(s), group.count * static_cast<long>(s), height, group.count) =
-          compressed.mixing.middleCols(group.first, group.count);
+          few->mixing.middleCols(group.first, group.count);
     }
     UnnamedFunction function = what;
     function.kind = group.kind;

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "estimator/diagnosis/driver_functions.h"
 #include "estimator/diagnosis/unnamed_functions.h"
 
 namespace sagitta {
@@ -34,6 +36,11 @@ struct GroupedFunctions {
 
   void Append(const Eigen::MatrixXd& more, const std::string& kind, const Settings& settings,
               const std::string& effect = "", double listed = 1.0);
+  // Fewer columns that these are made of; kept for the next source that has the same functions.
+  const std::shared_ptr<const Compressed>& Few() const;
+
+ private:
+  mutable std::shared_ptr<const Compressed> few_;
 };
 
 // A list while it grows.

@@ -69,7 +69,7 @@ ParameterSet Placed(const CalibrationProblem& problem) {
 Eigen::VectorXd Moves(const CalibrationProblem& problem, const ParameterSet& parameters, const Source& source) {
   EvidenceColumns columns(problem, parameters, {});
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(static_cast<long>(problem.data().shots.size()));
-  const std::vector<int> column = columns.Add({source, ones});
+  const std::vector<int> column = columns.Add({source, std::make_shared<const Eigen::MatrixXd>(ones)});
   const std::vector<int> all = problem.CalibrationObservations();
   return kSigma * columns.RowsAt(all, StatedScatter(problem), {column})[0].rightCols(1);
 }
