@@ -268,6 +268,7 @@ int RunImport(const CommandLine& line) {
                      "say them: --map=COLUMN=HEADER,…, units in headers, columns station and marker");
   }
   const std::string csv = rows.ToCsv(robot.num_joints());
+  const std::set<std::string> loads = LoadsIn(robot, csv);  // before anything is written: it may be interrupted
   out.Write({{"robot.yaml", RobotToYaml(robot)}, {"measurements.csv", csv}, {"experiment.yaml", ExperimentText()}});
   std::cout << "Robot: " << found.words << ", " << found.reading.format << ", " << robot.num_joints() << " joints"
             << (robot.name.empty() ? "" : ", " + robot.name) << "\n";
@@ -278,7 +279,7 @@ int RunImport(const CommandLine& line) {
   PrintGuesses(guesses);
   std::cout << "\n"
             << rows.size() << " readings in " << FLAGS_out << ": robot.yaml, measurements.csv, experiment.yaml\n";
-  PrintWhatLoadsNeed(LoadsIn(robot, csv));
+  PrintWhatLoadsNeed(loads);
   std::cout << "Next: sagitta calibrate " << FLAGS_out << "/experiment.yaml --out=results\n";
   return 0;
 }

@@ -12,6 +12,7 @@
 #include "estimator/inspection/linear_state.h"
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/report/inspection_words.h"
+#include "problems/interruption.h"
 #include "problems/text.h"
 
 namespace sagitta {
@@ -109,6 +110,7 @@ std::vector<ConfigurationLeverage> FindLeverage(const LinearState& state) {
       rows[state.problem.data().shots[observation.shot].configuration].push_back(static_cast<int>(3 * k) + axis);
   }
   for (const auto& [configuration, own] : rows) {
+    CheckInterruption();
     const Eigen::MatrixXd block = q(own, Eigen::all);
     const Eigen::MatrixXd smaller =
         block.rows() < n ? Eigen::MatrixXd(block * block.transpose()) : Eigen::MatrixXd(block.transpose() * block);
@@ -128,16 +130,15 @@ void AddDirectionFindings(const Inspection& inspection, std::vector<Finding>* fi
 
 void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& inspection,
                         std::vector<Finding>* findings) {
+  const Measurements& data = problem.data();
+  std::vector<int> first(data.configurations.size(), -1);  // observation
+  for (size_t i = data.observations.size(); i-- > 0;)
+    first[data.shots[data.observations[i].shot].configuration] = static_cast<int>(i);
   std::vector<std::string> rows, names;
   for (const ConfigurationLeverage& entry : inspection.leverage) {
     if (entry.most < kAlone) continue;
-    const std::string& id = problem.data().configurations[entry.configuration].id;
-    if (rows.size() < 6) names.push_back(id);
-    for (const Observation& observation : problem.data().observations) {
-      if (problem.data().shots[observation.shot].configuration != entry.configuration) continue;
-      rows.push_back(problem.data().SourceOf(observation));
-      break;
-    }
+    if (rows.size() < 6) names.push_back(data.configurations[entry.configuration].id);
+    rows.push_back(data.SourceOf(data.observations[first[entry.configuration]]));
   }
   if (rows.empty()) return;
   findings->push_back(Found(Severity::kWarning, "alone",

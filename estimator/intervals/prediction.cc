@@ -1,6 +1,7 @@
 #include "estimator/intervals/prediction.h"
 
 #include "models/row_block.h"
+#include "problems/interruption.h"
 
 namespace sagitta {
 namespace {
@@ -48,6 +49,7 @@ std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem
   const Eigen::MatrixXd held = ColumnsOf(uncertainty.held, problem.parameters, all) + estimated * uncertainty.slopes;
   std::vector<PredictionCovariance> result(observations.size());
   for (size_t k = 0; k < observations.size(); ++k) {
+    CheckInterruption();
     const Eigen::MatrixXd j = RowBlock(estimated, 3 * k, 3);
     const Eigen::MatrixXd h = RowBlock(held, 3 * k, 3);
     const Eigen::MatrixXd l = RowBlock(all.latent, 3 * k, 3);

@@ -12,6 +12,7 @@
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/least_squares/spring_tie_cost.h"
 #include "models/matrix_functions.h"
+#include "problems/interruption.h"
 
 namespace sagitta {
 namespace {
@@ -52,6 +53,7 @@ bool ForEachPrediction(const CalibrationProblem& problem, const ParameterSet& pa
   std::vector<MarkerInFrame> markers;
   std::vector<PointPrediction> predictions;
   for (size_t first = 0; first < observations.size();) {
+    CheckInterruption();
     const int shot_index = problem.data().observations[observations[first]].shot;
     const Shot& shot = problem.data().shots[shot_index];
     markers.clear();
@@ -248,6 +250,7 @@ Linearization Linearize(const RowBatches& batches, const ParameterSet& parameter
   BatchBuffer buffer;
   for (int g = 0; g < batches.num_groups(); ++g) {
     for (int b = 0; b < batches.num_batches(g); ++b) {
+      CheckInterruption();
       double* const rows =
           buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * request.columns(g).columns * kBatchLanes);
       result.valid = result.valid && batches.Evaluate(request, g, b, &scratch, rows);
@@ -291,6 +294,7 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
   BatchScratch scratch;
   BatchBuffer buffer;
   for (size_t first = 0; first < observations.size(); first += kAtOnce) {
+    CheckInterruption();
     const size_t last = std::min(observations.size(), first + kAtOnce);
     const std::vector<int> own(observations.begin() + static_cast<long>(first),
                                observations.begin() + static_cast<long>(last));

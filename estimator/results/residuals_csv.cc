@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "estimator/least_squares/linearization.h"
+#include "problems/interruption.h"
 #include "problems/io/text_checks.h"
 
 namespace sagitta {
@@ -98,6 +99,7 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
   }
   csv += "\n";
   for (size_t i = 0; i < data.observations.size(); ++i) {
+    CheckInterruption();
     const Observation& observation = data.observations[i];
     if (!observation.is_point()) continue;  // in the line of its point
     const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/io/trimmed.h"
@@ -200,6 +201,7 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   const bool is_plain = content.find('"') == std::string_view::npos && content.find('\'') == std::string_view::npos;
   std::string quoted;
   while (reader.Next(&line)) {
+    CheckInterruption();
     if (has_control) CheckControl(path, line);
     if (rows.empty()) {
       const size_t lines = content.size() / (line.text.size() + 1) + 1;  // if all are as long as the first

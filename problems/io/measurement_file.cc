@@ -8,6 +8,7 @@
 
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/files.h"
 #include "problems/io/measurement_row.h"
 
@@ -303,6 +304,7 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
   MeasurementRowReader reader(file, columns, options);
   MeasurementRow row;
   for (size_t r = 0; r < file.rows.size(); ++r) {
+    CheckInterruption();
     reader.Read(file.rows[r], &row);
     if (row.lost) {
       if (lost_++ == 0) first_lost_ = file.path + ":" + std::to_string(file.rows.LineOf(r));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "problems/interruption.h"
 #include "tools/report/html_text.h"
 #include "tools/report/page_parts.h"
 
@@ -39,7 +40,10 @@ Json Rounded(double value, int digits) {
 
 Json RoundedColumn(const std::vector<double>& values, int digits) {
   Json column = Json::array();
-  for (const double value : values) column.push_back(Rounded(value, digits));
+  for (const double value : values) {
+    CheckInterruption();
+    column.push_back(Rounded(value, digits));
+  }
   return column;
 }
 

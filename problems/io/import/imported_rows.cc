@@ -141,6 +141,7 @@ void ImportedRows::Add(const TextTable& table, const ImportPlan& plan, const Row
   }
   std::vector<Row> rows;
   for (size_t r = 0; r < table.rows.size(); r += stride) {
+    CheckInterruption();
     const TextTable::Row& source = table.rows[r];
     Row row;
     bool is_lost = false, sigma_lost = false, all_zero = true;
@@ -260,12 +261,14 @@ void ImportedRows::NameConfigurations(std::vector<Row>* rows, bool has_column, i
   if (has_column) {
     std::map<std::string, std::string> stated = joints_of;
     for (const Row& row : *rows) {
+      CheckInterruption();
       const std::string& id = row.at("config");
       keep = keep && !id.empty() && stated.emplace(id, joint_key(row)).first->second == joint_key(row);
     }
     if (!keep) notes_.push_back("the ids of configurations are not used: one id stands for different joint values");
   }
   for (Row& row : *rows) {
+    CheckInterruption();
     if (keep) continue;
     char name[32];
     std::snprintf(name, sizeof name, "c%05zu", config_of.size() + 1);
@@ -276,6 +279,7 @@ void ImportedRows::NameConfigurations(std::vector<Row>* rows, bool has_column, i
 std::string ImportedRows::ToCsv(int joints) const {
   std::set<std::string> present;
   for (const Row& row : rows_) {
+    CheckInterruption();
     for (const auto& [column, cell] : row) present.insert(column);
   }
   std::vector<std::string> order = {"config", "marker", "station", "visit", "repeat", "load", "set"};

@@ -37,6 +37,7 @@ std::vector<Line> LinesOf(const std::string& text) {
   std::vector<Line> lines;
   int number = 0;
   for (size_t at = 0; at <= text.size();) {
+    CheckInterruption();
     size_t end = text.find_first_of("\r\n", at);
     if (end == std::string::npos) end = text.size();
     ++number;
@@ -293,6 +294,7 @@ class Builder {
     const TextTable::Row* point = nullptr;
     bool comma_last = false, point_last = false, by_three = true;
     for (const TextTable::Row& row : table_.rows) {
+      CheckInterruption();
       for (const std::string& cell : row.cells) {
         if (!IsNumeric(cell)) continue;
         const size_t c = cell.rfind(','), p = cell.rfind('.');

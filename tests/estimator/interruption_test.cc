@@ -1,0 +1,54 @@
+// What passes over all rows ends at the next one where it is interrupted.
+#include "problems/interruption.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "estimator/inspection/inspect.h"
+#include "estimator/least_squares/linearization.h"
+#include "estimator/results/residuals_csv.h"
+#include "tests/support/kr270_experiment.h"
+
+namespace sagitta {
+namespace {
+
+class InterruptionOfRows : public ::testing::Test {
+ protected:
+  InterruptionOfRows() : problem_(test::Kr270Problem({}, {}, 1)) {}
+
+  template <typename Work>
+  static void ExpectInterruptible(const Work& work) {
+    std::atomic<bool> stop{false};
+    const Interruptible scope(&stop);
+    EXPECT_NO_THROW(work());
+    stop = true;
+    EXPECT_THROW(work(), Interruption);
+  }
+
+  CalibrationProblem problem_;
+};
+
+TEST_F(InterruptionOfRows, Predictions) {
+  ExpectInterruptible([&] { PredictPoints(problem_, problem_.parameters, problem_.CalibrationObservations()); });
+}
+
+TEST_F(InterruptionOfRows, Linearizations) {
+  const std::vector<int> rows = problem_.CalibrationObservations();
+  const NoiseRoots roots(rows.size(), Matrix3<double>::Identity());
+  ExpectInterruptible([&] {
+    Linearize(problem_, problem_.parameters, rows, problem_.parameters.EstimatedCoordinates(), roots,
+              LatentTreatment::kIgnore);
+  });
+}
+
+TEST_F(InterruptionOfRows, Tables) {
+  ExpectInterruptible([&] { RowsToCsv(problem_.data(), {}); });
+}
+
+TEST_F(InterruptionOfRows, Inspections) {
+  ExpectInterruptible([&] { Inspect(problem_); });
+}
+
+}  // namespace
+}  // namespace sagitta
