@@ -39,18 +39,34 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   return prediction;
 }
 
+// m, RMS distance of each observation that the prediction itself lets expect.
+std::vector<double> ExpectedDistances(const Prediction& prediction) {
+  std::vector<double> expected;
+  for (size_t k = 0; k < prediction.covariances.size(); ++k) {
+    const PredictionCovariance& own = prediction.covariances[k];
+    expected.push_back(std::sqrt(own.mean().trace() + own.arm.trace() + prediction.instrument[k].squaredNorm()));
+  }
+  return expected;
+}
+
 // What the errors say besides their size.
-void JudgeErrors(const KnownRobot& known, const Measurements& rows, Validation* validation) {
+void JudgeErrors(const KnownRobot& known, const Measurements& rows, const Prediction& prediction,
+                 Validation* validation) {
   if (const std::optional<Finding> found = Contradiction(known, rows, validation->predicted)) {
     validation->contradiction = RobotDidNotMakeThese(found->words);
     return;
   }
   const Chain& chain = known.robot.chain;
-  const KnownMisfit misfit = MisfitOfKnown(chain, rows, validation->predicted);
+  const KnownMisfit misfit = MisfitOfKnown(chain, rows, validation->predicted, ExpectedDistances(prediction));
   if (!misfit.far.empty()) {
     const std::string first = rows.SourceOf(rows.observations[misfit.far.front()]);
     validation->warnings.push_back(
         RowsAreFarOff(misfit.far.size(), rows.NumRows(), SuspiciousMisfit(chain), first, misfit.first));
+  }
+  const std::string open = LeftOpenInWords(known, rows, prediction);
+  if (!open.empty()) {
+    validation->warnings.push_back(open);
+    return;  // no judgement of the robot is
   }
   const double after = validation->after.distance_rms, before = validation->before.distance_rms;
   if (after > kWorse * before) validation->warnings.push_back(WorseThanNominalOnThese(after, before));
@@ -75,11 +91,26 @@ Prediction Predict(const KnownRobot& known, const Measurements& rows) {
   return PredictWith(PredictionProblem(known, rows), known);
 }
 
+std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, const Prediction& prediction) {
+  double held = 0.0, rest = 0.0;
+  for (size_t k = 0; k < prediction.covariances.size(); ++k) {
+    if (!rows.observations[k].is_point()) continue;
+    const PredictionCovariance& own = prediction.covariances[k];
+    held += own.held.trace();
+    rest += own.parameters.trace() + own.arm.trace() + prediction.instrument[k].squaredNorm();
+  }
+  if (!(held > rest)) return "";
+  return CalibrationLeftOpen(std::sqrt(held / rows.NumRows()), known.uncertainty.held);
+}
+
 std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,
                                      const Eigen::Matrix3Xd& predicted) {
-  const KnownMisfit misfit = MisfitOfKnown(known.robot.chain, rows, predicted);
+  const Chain& chain = known.robot.chain;
+  if (!MisfitOfKnown(chain, rows, predicted).is_far) return std::nullopt;
+  const CalibrationProblem problem = PredictionProblem(known, rows);
+  const KnownMisfit misfit = MisfitOfKnown(chain, rows, predicted, ExpectedDistances(PredictWith(problem, known)));
   if (!misfit.is_far) return std::nullopt;
-  return ExplainKnown(PredictionProblem(known, rows), misfit);
+  return ExplainKnown(problem, misfit);
 }
 
 void CheckReadings(const KnownRobot& known, const Measurements& rows, const Eigen::Matrix3Xd& predicted,
@@ -105,7 +136,7 @@ Validation Validate(const KnownRobot& known, const Measurements& rows) {
   validation.after = MeasureReadings(rows, all, validation.predicted);
   validation.predicted_rms = ExpectedRms(rows, prediction);
   validation.warnings = rows.warnings;
-  JudgeErrors(known, rows, &validation);
+  JudgeErrors(known, rows, prediction, &validation);
   for (const MeasurementFile& file : rows.files) {
     const auto& seen = known.input_hashes;
     if (std::find(seen.begin(), seen.end(), file.sha256) == seen.end()) continue;

@@ -107,6 +107,10 @@ std::string PredictionToCsv(const Measurements& rows, const Prediction& predicti
 // mm, the largest standard deviation of a predicted coordinate; not finite: not known.
 double LargestDeviation(const Prediction& prediction, const Measurements& rows);
 
+// Where most of what is uncertain at these rows is what the calibration did not measure (held parameters): that in
+// words; else empty.
+std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, const Prediction& prediction);
+
 // Why the robot of an estimate, where it stands, cannot have made the readings; nothing: it can, or the rows have none.
 // predicted: of these rows (Prediction::points, Validation::predicted).
 std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,

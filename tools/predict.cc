@@ -41,10 +41,12 @@ int RunPredict(const CommandLine& line) {
   progress->Say("writing the rows");
   const std::string csv = PredictionToCsv(rows, prediction);
   const double largest = LargestDeviation(prediction, rows);  // mm
+  const std::string open = LeftOpenInWords(known, rows, prediction);
   CheckInterruption();
   out.Write(csv);
   progress.reset();
   std::cout << PredictedInWords(rows.NumRows(), largest, FLAGS_out);
+  if (!open.empty()) std::cout << "Warning: " << open << "\n";
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   return 0;

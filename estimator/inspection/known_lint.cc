@@ -14,6 +14,9 @@
 namespace sagitta {
 namespace {
 
+// Times the expected RMS distance: three coordinates that share one held value exceed 4 standard deviations in 1 of
+// 16000 cases, and their RMS is at least one of them.
+constexpr double kBeyondExpected = 4.0;
 constexpr size_t kFewest = 3;  // rows of one marker and station that are off alone: of fewer the rows are bad
 constexpr size_t kEquationsPerUnknown = 2;  // from here on a fit of places alone says something
 
@@ -33,28 +36,35 @@ CalibrationProblem WithFreePlaces(const CalibrationProblem& known) {
 
 }  // namespace
 
-KnownMisfit MisfitOfKnown(const Chain& chain, const Measurements& rows, const Eigen::Matrix3Xd& predicted) {
+KnownMisfit MisfitOfKnown(const Chain& chain, const Measurements& rows, const Eigen::Matrix3Xd& predicted,
+                          const std::vector<double>& expected) {
+  struct Pair {
+    std::vector<double> distances;
+    size_t far = 0;
+  };
   const double suspicious = SuspiciousMisfit(chain);
   KnownMisfit misfit;
   std::vector<double> all;
-  std::map<std::pair<int, int>, std::vector<double>> of_pair;  // station and marker
+  std::map<std::pair<int, int>, Pair> of_pair;  // station and marker
   for (size_t i = 0; i < rows.observations.size(); ++i) {
     const Observation& row = rows.observations[i];
     if (!HasPoint(row)) continue;
     all.push_back((row.point_in_station - predicted.col(static_cast<Eigen::Index>(i))).norm());
-    of_pair[{rows.shots[row.shot].station, row.marker}].push_back(all.back());
-    if (!(all.back() > suspicious)) continue;
+    Pair& pair = of_pair[{rows.shots[row.shot].station, row.marker}];
+    pair.distances.push_back(all.back());
+    if (!(all.back() > suspicious) || (!expected.empty() && all.back() <= kBeyondExpected * expected[i])) continue;
+    ++pair.far;
     if (misfit.far.empty()) misfit.first = all.back();
     misfit.far.push_back(static_cast<int>(i));
   }
   if (misfit.far.empty()) return misfit;
   misfit.median = Median(all);
-  misfit.is_far = misfit.median > suspicious;
-  for (const auto& [pair, distances] : of_pair) {
-    if (misfit.is_far || distances.size() < kFewest || !(Median(distances) > suspicious)) continue;
+  misfit.is_far = 2 * misfit.far.size() > all.size();
+  for (const auto& [labels, pair] : of_pair) {
+    if (misfit.is_far || pair.distances.size() < kFewest || 2 * pair.far <= pair.distances.size()) continue;
     misfit.is_far = true;
-    misfit.median = Median(distances);
-    std::tie(misfit.station, misfit.marker) = pair;
+    misfit.median = Median(pair.distances);
+    std::tie(misfit.station, misfit.marker) = labels;
   }
   return misfit;
 }

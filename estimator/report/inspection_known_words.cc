@@ -56,6 +56,12 @@ std::string RowsAreFarOff(size_t far, size_t all, double beyond, const std::stri
          InMillimetres(by) + (far > 1 ? ", …" : "") + "): the figures are mostly theirs";
 }
 
+std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>& held) {
+  return "these poses depend on what the calibration did not measure (" + Enumerate(held, 4) +
+         "): that alone leaves their points open by " + InMillimetres(held_rms) +
+         " (RMS), and how far they are off says little of the robot; calibrate with poses like these among the others";
+}
+
 std::string WorseThanNominalOnThese(double calibrated, double nominal) {
   return "the calibrated robot misses these points by more than the nominal one (" + InMillimetres(calibrated) +
          " against " + InMillimetres(nominal) + "): it is not this robot, or it has changed since it was calibrated";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "estimator/report/inspection_words.h"
 
@@ -22,6 +23,8 @@ std::string RobotDidNotMakeThese(const std::string& reason);
 
 // Some rows are far off, the others are not. beyond: m, from where on they count; by: distance of the first, m.
 std::string RowsAreFarOff(size_t far, size_t all, double beyond, const std::string& first, double by);
+// Of poses at which held parameters leave points open by `held_rms` (m, RMS distance); held: their names.
+std::string CalibrationLeftOpen(double held_rms, const std::vector<std::string>& held);
 // RMS distances, m.
 std::string WorseThanNominalOnThese(double calibrated, double nominal);
 
