@@ -57,6 +57,23 @@ TEST_F(Import, UnitsAndHeaderStyles) {
                           "MeasuredY_mm", "MeasuredZ_mm"})
                   .ToText(),
               right, {"--strict"});
+  ExpectRight(Table(right, 1.0, 1e3)
+                  .Named({"A1[°]", "A2[°]", "A3[°]", "A4[°]", "A5[°]", "A6[°]", "Xact(µm)", "Yact(µm)", "Zact(µm)"})
+                  .With(";")
+                  .DecimalComma()
+                  .ToText(),
+              right, {"--strict"});
+  ExpectRight(
+      Table(right)
+          .Named({"Articulation 1 (°)", "Articulation 2 (°)", "Articulation 3 (°)", "Articulation 4 (°)",
+                  "Articulation 5 (°)", "Articulation 6 (°)", "X mesuré (mm)", "Y mesuré (mm)", "Z mesuré (mm)"})
+          .ToText(),
+      right, {"--strict"});
+  ExpectRight(
+      Table(right)
+          .Named({"q_1/deg", "q_2/deg", "q_3/deg", "q_4/deg", "q_5/deg", "q_6/deg", "LT_X/mm", "LT_Y/mm", "LT_Z/mm"})
+          .ToText(),
+      right, {"--strict"});
   const std::vector<std::string> bare = {"joint_1", "joint_2", "joint_3", "joint_4", "joint_5",
                                          "joint_6", "x",       "y",       "z"};
   ExpectRight(Table(right).Named(bare).ToText(), right);

@@ -11,8 +11,9 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const std::set<std::string> kMeasuredWords = {"measurement", "measured", "meas",    "actual", "act",  "ist", "mess",
-                                              "messwert",    "gemessen", "tracker", "leica",  "faro", "smr", "reading"};
+const std::set<std::string> kMeasuredWords = {"measurement", "measured", "meas",    "actual",   "act",   "ist",  "mess",
+                                              "messwert",    "gemessen", "tracker", "lt",       "leica", "faro", "smr",
+                                              "reading",     "mesuré",   "mesure",  "misurato", "medido"};
 const std::set<std::string> kTargetWords = {
     "goal",     "target",   "tgt",       "nominal",   "nom",         "commanded", "command",    "cmd",
     "desired",  "des",      "ref",       "reference", "setpoint",    "soll",      "planned",    "plan",
@@ -59,8 +60,9 @@ std::optional<int> NamedJoint(const std::string& name, const std::vector<std::st
 
 // joint_1, q1, A1, "Axis 1", "J1", "actual_q_1", "joint 1 angle": the number, as written.
 std::optional<int> NumberedJoint(const Words& words) {
-  static const std::set<std::string> kJoint = {"q",   "j", "joint", "joints", "axis", "achse",
-                                               "axe", "a", "theta", "θ",      "th",   "jnt"};
+  static const std::set<std::string> kJoint = {
+      "q", "j",  "joint", "joints",       "axis",         "achse",  "axe",    "a",    "theta",
+      "θ", "th", "jnt",   "articulation", "articulación", "gelenk", "giunto", "asse", "eje"};
   static const std::set<std::string> kAround = {"angle", "pos", "position", "value", "robot", "encoder"};
   std::optional<int> number;
   bool named = false;
@@ -248,9 +250,25 @@ std::optional<ColumnMeaning> AsLoadOrApproach(const std::string& name, const Wor
   return std::nullopt;
 }
 
+// "xact", "ynom", "zmeas" as two words each.
+Words Parted(const Words& words) {
+  Words parted;
+  for (const std::string& word : words) {
+    const std::string rest = word.substr(1);
+    const bool is_known = kMeasuredWords.count(rest) || kTargetWords.count(rest) || kDifferenceWords.count(rest);
+    if (AxisOf(word.substr(0, 1)) >= 0 && rest.size() > 2 && is_known) {
+      parted.push_back(word.substr(0, 1));
+      parted.push_back(rest);
+    } else {
+      parted.push_back(word);
+    }
+  }
+  return parted;
+}
+
 ColumnMeaning ByName(const std::string& header, const std::vector<std::string>& joints) {
   const std::string name = NameWithoutUnit(header);
-  const Words words = WordsOf(StemOf(header));
+  const Words words = Parted(WordsOf(StemOf(header)));
   if (words.empty()) return Unused("no name");
   if (const auto text = TextColumn(words)) {
     ColumnMeaning meaning;
