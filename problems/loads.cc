@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "problems/input_error.h"
+#include "problems/interruption.h"
 #include "problems/io/units.h"
 #include "problems/problem_checks.h"
 
@@ -201,6 +202,7 @@ std::vector<ShotInput> MakeShotInputs(const ForwardModel& model, const Measureme
   std::vector<ShotInput> inputs;
   inputs.reserve(data.shots.size());
   for (const Shot& shot : data.shots) {
+    CheckInterruption();
     ShotInput input;
     input.conditions = ConditionsOf(data, shot, experiment, origins);
     if (experiment.torques_measured) {

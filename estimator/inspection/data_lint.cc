@@ -9,6 +9,7 @@
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/orientation.h"
 #include "models/constants.h"
+#include "problems/interruption.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -213,12 +214,10 @@ std::vector<Finding> LintData(const CalibrationProblem& problem) {
   std::vector<Finding> findings;
   for (const std::string& warning : problem.data().warnings)
     findings.push_back({Severity::kWarning, "reader", warning, "", {}});
-  LintCopiedPoints(problem, &findings);
-  LintOrientation(problem, &findings);
-  LintJoints(problem, &findings);
-  LintCounts(problem, &findings);
-  LintDuplicatedPoses(problem, &findings);
-  LintLoads(problem, &findings);
+  for (const auto lint : {LintCopiedPoints, LintOrientation, LintJoints, LintCounts, LintDuplicatedPoses, LintLoads}) {
+    CheckInterruption();
+    lint(problem, &findings);
+  }
   for (Finding& finding : LintDeflections(problem)) findings.push_back(std::move(finding));
   LintColumns(problem, &findings);
   return findings;

@@ -7,6 +7,7 @@
 
 #include "models/kinematics.h"
 #include "models/matrix_functions.h"
+#include "problems/interruption.h"
 
 namespace sagitta {
 namespace {
@@ -34,6 +35,7 @@ OrientationVariety VarietyOf(const CalibrationProblem& problem, const std::map<i
   std::vector<Matrix3<double>> rotations;
   ChainState<double> state;
   for (const auto& [c, row] : configurations) {
+    CheckInterruption();
     const ShotInput& input = problem.shot_inputs()[problem.data().observations[row].shot];
     EvaluateChain(chain, problem.model().TransformValues(input, theta.data()).data(), &state);
     rotations.push_back(state.frames[chain.FlangeFrame()].rotation);

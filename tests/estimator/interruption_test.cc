@@ -42,6 +42,10 @@ TEST_F(InterruptionOfRows, Linearizations) {
   });
 }
 
+TEST_F(InterruptionOfRows, Shots) {
+  ExpectInterruptible([&] { CalibrationProblem(problem_).RenewShots(); });
+}
+
 TEST_F(InterruptionOfRows, Tables) {
   ExpectInterruptible([&] { RowsToCsv(problem_.data(), {}); });
 }
