@@ -68,6 +68,22 @@ TEST_F(MeasurementFileTest, ReadsTheRequiredColumns) {
   EXPECT_TRUE(data.warnings.empty());
 }
 
+TEST_F(MeasurementFileTest, ALostReadingIsSkippedAndCounted) {
+  const Measurements data = Read(std::string(kSmall) + "C3,M1,-30,300,,,\nC3,M2,-30,300,,,\n");
+  EXPECT_EQ(data.observations.size(), 3u);
+  ASSERT_EQ(data.warnings.size(), 1u);
+  EXPECT_TRUE(SaysInOrder(data.warnings[0], {"2 readings are lost", "skipped", "m.csv:5"})) << data.warnings[0];
+}
+
+TEST_F(MeasurementFileTest, SigmasThatAreReplacedAreNotLookedAt) {
+  std::string text = kFull;
+  text.replace(text.find("0.1,0.2,0.3"), 11, "0.1,0,nan");
+  MeasurementReadOptions options;
+  options.row_sigmas_used = false;
+  EXPECT_TRUE(Read(text, options).observations[0].sigma.isZero(0.0));
+  EXPECT_TRUE(SaysInOrder(Error(text), {"m.csv:4: sigma_y_mm", "above 0"}));
+}
+
 TEST_F(MeasurementFileTest, ReadsEveryColumn) {
   const Measurements data = Read(kFull);
   ASSERT_EQ(data.observations.size(), 4u);
@@ -285,6 +301,8 @@ INSTANTIATE_TEST_SUITE_P(
     Header, BadMeasurementTest,
     ::testing::Values(
         BadFile{"missing_z", kSmall, ",z_mm", ",zz", {"1: z_mm", "missing"}},
+        // A target is not measured: no hint leads from its name to that of a reading.
+        BadFile{"target", kSmall, "x_mm", "x_t", {"1: x_mm", "missing", "'x_t' reads like a target"}},
         BadFile{
             "missing_config", kSmall, "config", "c", {"1: config", "missing", "'sagitta import ROBOT FILE --out=DIR'"}},
         BadFile{"no_joints", kSmall, "q1_deg,q2_mm", "a,b", {"1: q1_deg", "missing"}},
