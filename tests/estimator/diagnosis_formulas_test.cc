@@ -226,11 +226,17 @@ int ExperimentsWithOutliers(
   return experiments;
 }
 
-// A tracker that reads ranges well and angles badly, stated as one figure; an instrument that reads one axis badly.
+// A tracker that reads ranges well and angles badly, or the other way round, stated as one figure; an instrument that
+// reads one axis badly.
 TEST(DiagnosisFormulas, ScatterInSomeDirectionsMakesNoOutliers) {
   EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>& point, const Vector3<double>& drawn) -> Vector3<double> {
               const Vector3<double> sight = point.normalized();
               return 1.5 * drawn - 1.3 * drawn.dot(sight) * sight;
+            }),
+            6);
+  EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>& point, const Vector3<double>& drawn) -> Vector3<double> {
+              const Vector3<double> sight = point.normalized();  // ranges are what it reads badly
+              return 0.3 * drawn + 1.7 * drawn.dot(sight) * sight;
             }),
             6);
   EXPECT_LE(ExperimentsWithOutliers([](const Vector3<double>& point, const Vector3<double>& drawn) -> Vector3<double> {
