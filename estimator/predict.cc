@@ -14,6 +14,8 @@
 namespace sagitta {
 namespace {
 
+// m: no instrument sees less; exact simulations have no noise beside which anything is little.
+constexpr double kMatters = 1e-6;
 constexpr double kWorse = 1.05;  // of a hundred points an RMS is known to some 5 %
 
 std::vector<int> AllRows(const CalibrationProblem& problem) {
@@ -99,8 +101,9 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
     held += own.held.trace();
     rest += own.parameters.trace() + own.arm.trace() + prediction.instrument[k].squaredNorm();
   }
-  if (!(held > rest)) return "";
-  return CalibrationLeftOpen(std::sqrt(held / rows.NumRows()), known.uncertainty.held);
+  const double open = std::sqrt(held / rows.NumRows());
+  if (!(held > rest) || !(open > kMatters)) return "";
+  return CalibrationLeftOpen(open, known.uncertainty.held);
 }
 
 std::optional<Finding> Contradiction(const KnownRobot& known, const Measurements& rows,
