@@ -13,8 +13,8 @@ namespace sagitta {
 namespace {
 
 constexpr int kRowsPerBlock = 384;  // enough for the products to run at full speed
-// Bytes of linearized blocks: 10^5 readings of an arm with six joints, whose catalogue has 900 columns, fit in.
-constexpr size_t kMostStored = size_t{3} << 30;
+// Bytes of linearized blocks that are kept; of more the rows are linearized again in each pass, and all products made.
+constexpr size_t kMostStored = size_t{2} << 30;
 
 std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
   std::set<std::string> known;
