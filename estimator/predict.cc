@@ -41,13 +41,21 @@ Prediction PredictWith(const CalibrationProblem& problem, const KnownRobot& know
   return prediction;
 }
 
+// m^2, mean square distance of a row that parameters, repeatability and instrument let expect; held parameters add
+// theirs.
+double SquareBesidesHeld(const Prediction& prediction, size_t k) {
+  return prediction.covariances[k].parameters.trace() + prediction.covariances[k].arm.trace() +
+         prediction.instrument[k].squaredNorm();
+}
+double ExpectedSquare(const Prediction& prediction, size_t k) {
+  return prediction.covariances[k].held.trace() + SquareBesidesHeld(prediction, k);
+}
+
 // m, RMS distance of each observation that the prediction itself lets expect.
 std::vector<double> ExpectedDistances(const Prediction& prediction) {
   std::vector<double> expected;
-  for (size_t k = 0; k < prediction.covariances.size(); ++k) {
-    const PredictionCovariance& own = prediction.covariances[k];
-    expected.push_back(std::sqrt(own.mean().trace() + own.arm.trace() + prediction.instrument[k].squaredNorm()));
-  }
+  for (size_t k = 0; k < prediction.covariances.size(); ++k)
+    expected.push_back(std::sqrt(ExpectedSquare(prediction, k)));
   return expected;
 }
 
@@ -81,8 +89,7 @@ double ExpectedRms(const Measurements& rows, const Prediction& prediction) {
   for (size_t k = 0; k < prediction.instrument.size(); ++k) {
     if (!rows.observations[k].is_point()) continue;
     if (!IsStated(prediction.instrument[k])) return 0.0;
-    sum += prediction.covariances[k].mean().trace() + prediction.covariances[k].arm.trace() +
-           prediction.instrument[k].squaredNorm();
+    sum += ExpectedSquare(prediction, k);
   }
   return std::isfinite(sum) ? std::sqrt(sum / (3.0 * rows.NumRows())) : 0.0;
 }
@@ -97,9 +104,8 @@ std::string LeftOpenInWords(const KnownRobot& known, const Measurements& rows, c
   double held = 0.0, rest = 0.0;
   for (size_t k = 0; k < prediction.covariances.size(); ++k) {
     if (!rows.observations[k].is_point()) continue;
-    const PredictionCovariance& own = prediction.covariances[k];
-    held += own.held.trace();
-    rest += own.parameters.trace() + own.arm.trace() + prediction.instrument[k].squaredNorm();
+    held += prediction.covariances[k].held.trace();
+    rest += SquareBesidesHeld(prediction, k);
   }
   const double open = std::sqrt(held / rows.NumRows());
   if (!(held > rest) || !(open > kMatters)) return "";

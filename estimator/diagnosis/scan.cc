@@ -1,7 +1,5 @@
 #include "estimator/diagnosis/scan.h"
 
-#include <numeric>
-
 namespace sagitta {
 namespace {
 
@@ -38,9 +36,9 @@ std::vector<TriedJump> TryJumps(const AlongSources& along, const std::vector<int
     if (std::min(below, count - below) < jumps.fewest_of_a_side) continue;
     double reduction = 0.0;
     for (long source = 0; source < jumps.count; ++source) {
-      const double all = squares(0, source), beyond = squares(below, source);
-      const double varies = beyond - beyond * beyond / std::max(all, 1e-300);
-      const double moved = residuals(below, source) - beyond / std::max(all, 1e-300) * residuals(0, source);
+      const double all = squares(0, source), beyond = squares(below, source), mean = beyond / std::max(all, 1e-300);
+      const double varies = beyond - mean * beyond;
+      const double moved = residuals(below, source) - mean * residuals(0, source);
       if (varies > kVaries * all) reduction += moved * moved / varies;
     }
     tried.push_back({gap, reduction});

@@ -1,30 +1,20 @@
 // What passes over all rows ends at the next one where it is interrupted.
-#include "problems/interruption.h"
-
 #include <gtest/gtest.h>
-
-#include <numeric>
 
 #include "estimator/inspection/inspect.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/results/residuals_csv.h"
+#include "tests/support/interruptible.h"
 #include "tests/support/kr270_experiment.h"
 
 namespace sagitta {
 namespace {
 
+using test::ExpectInterruptible;
+
 class InterruptionOfRows : public ::testing::Test {
  protected:
   InterruptionOfRows() : problem_(test::Kr270Problem({}, {}, 1)) {}
-
-  template <typename Work>
-  static void ExpectInterruptible(const Work& work) {
-    std::atomic<bool> stop{false};
-    const Interruptible scope(&stop);
-    EXPECT_NO_THROW(work());
-    stop = true;
-    EXPECT_THROW(work(), Interruption);
-  }
 
   CalibrationProblem problem_;
 };

@@ -3,8 +3,6 @@
 // follows.
 #include <gmock/gmock.h>
 
-#include <numeric>
-
 #include "estimator/report/inspection_known_words.h"
 #include "estimator/sagitta.h"
 #include "tests/support/constant_orientation.h"

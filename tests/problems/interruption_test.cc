@@ -1,6 +1,4 @@
 // Whoever interrupts a reader of long tables waits for no more than a row.
-#include "problems/interruption.h"
-
 #include <gtest/gtest.h>
 
 #include "problems/io/csv_table.h"
@@ -8,10 +6,13 @@
 #include "problems/io/import/imported_rows.h"
 #include "problems/io/import/text_table.h"
 #include "problems/io/measurement_file.h"
+#include "tests/support/interruptible.h"
 #include "tests/support/kr270.h"
 
 namespace sagitta {
 namespace {
+
+using test::ExpectInterruptible;
 
 const char* const kTable =
     "config,marker,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm\n"
@@ -21,16 +22,6 @@ const char* const kTable =
 class InterruptionOf : public ::testing::Test {
  protected:
   InterruptionOf() { robot_.chain = test::Kr270Chain(); }
-
-  // `work` throws Interruption where the flag is up, and nothing where it is not.
-  template <typename Work>
-  static void ExpectInterruptible(const Work& work) {
-    std::atomic<bool> stop{false};
-    const Interruptible scope(&stop);
-    EXPECT_NO_THROW(work());
-    stop = true;
-    EXPECT_THROW(work(), Interruption);
-  }
 
   Robot robot_;
 };
