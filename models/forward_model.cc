@@ -68,17 +68,6 @@ struct SeenPoint {
   bool turns() const { return !by_turn.isZero(0.0); }
 };
 
-// Indices of the shots as they were measured: by time where every one states it, else as given.
-std::vector<int> OrderOfTime(const std::vector<ShotInput>& shots) {
-  std::vector<int> order(shots.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto is_timed = [](const ShotInput& shot) { return shot.conditions.has_time; };
-  if (!std::all_of(shots.begin(), shots.end(), is_timed)) return order;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return shots[a].conditions.time < shots[b].conditions.time; });
-  return order;
-}
-
 Vector3<double> OwnPoint(const ShotTerms& terms, const double* theta, const MarkerInFrame& marker) {
   Vector3<double> own = marker.point;
   for (const MarkerTerm& term : terms.markers) {
@@ -159,6 +148,16 @@ ForwardModel::ForwardModel(const Robot& robot, std::vector<std::string> markers)
   AddEffects();
   std::sort(elastic_slots_.begin(), elastic_slots_.end());
   elastic_slots_.erase(std::unique(elastic_slots_.begin(), elastic_slots_.end()), elastic_slots_.end());
+}
+
+std::vector<int> OrderOfTime(const std::vector<ShotInput>& shots) {
+  std::vector<int> order(shots.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto is_timed = [](const ShotInput& shot) { return shot.conditions.has_time; };
+  if (!std::all_of(shots.begin(), shots.end(), is_timed)) return order;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return shots[a].conditions.time < shots[b].conditions.time; });
+  return order;
 }
 
 void ForwardModel::Prepare(ShotInput* shot) const {

@@ -48,6 +48,9 @@ struct ShotInput {
   bool prepared = false;                // false: the model prepares a copy for every call
 };
 
+// Indices of the shots as they were measured: by time where every one states it, else as given.
+std::vector<int> OrderOfTime(const std::vector<ShotInput>& shots);
+
 // One reading of a shot: `point` or `rotation` of the target in the frame it rides on.
 struct MarkerInFrame {
   int frame = 0;

@@ -182,6 +182,7 @@ class Session {
 
   // Weighs everything, refits the most probable sets and assumes the leading one.
   void Search() {
+    Say("listing what may be missing");
     const bool is_stated = IsSigmaStated(problem_);
     working_ = std::make_unique<CalibrationProblem>(WithWorkingSigma(d_.baseline, is_stated));
     const CalibrationProblem& working = *working_;

@@ -1,11 +1,15 @@
 #include "estimator/diagnosis/evidence_columns.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "estimator/diagnosis/drivers.h"
 #include "estimator/diagnosis/typical_units.h"
 #include "estimator/least_squares/all_joints.h"
+#include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
 #include "problems/split.h"
 
@@ -15,17 +19,6 @@ namespace {
 constexpr int kRowsPerBlock = 384;  // enough for the products to run at full speed
 // Bytes of linearized blocks that are kept; of more the rows are linearized again in each pass, and all products made.
 constexpr size_t kMostStored = size_t{2} << 30;
-
-std::vector<EffectSpec> FreshSpecs(const CalibrationProblem& problem, const std::vector<Candidate>& candidates) {
-  std::set<std::string> known;
-  for (const EffectSpec& own : problem.robot().effects) known.insert(own.Path());
-  std::vector<EffectSpec> fresh;
-  for (const Candidate& candidate : candidates) {
-    const bool has_columns = !IsGravityCompensator(candidate.spec);
-    if (has_columns && known.insert(candidate.spec.Path()).second) fresh.push_back(candidate.spec);
-  }
-  return fresh;
-}
 
 }  // namespace
 
@@ -71,9 +64,33 @@ JointScatter StatedScatter(const CalibrationProblem& problem) {
   return scatter;
 }
 
+EvidenceColumns::SplitCandidates EvidenceColumns::Split(const CalibrationProblem& problem,
+                                                        const std::vector<Candidate>& candidates) {
+  const Robot& robot = problem.model().robot();
+  const std::vector<int> order = OrderOfTime(problem.shot_inputs());
+  SplitCandidates split;
+  std::set<std::string> known;
+  for (const EffectSpec& own : robot.effects) known.insert(own.Path());
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    const EffectSpec& spec = candidates[c].spec;
+    if (IsGravityCompensator(spec) || !known.insert(spec.Path()).second) continue;
+    auto motions = SingleMotionsOf(robot, problem.data().markers, spec, problem.shot_inputs(), order);
+    if (motions) {
+      split.motions.emplace_back(c, std::move(*motions));
+    } else {
+      split.others.push_back(spec);
+    }
+  }
+  return split;
+}
+
 EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
                                  const std::vector<Candidate>& candidates)
-    : extended_(problem.WithEffects(FreshSpecs(problem, candidates))) {
+    : EvidenceColumns(problem, parameters, candidates, Split(problem, candidates)) {}
+
+EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const std::vector<Candidate>& candidates, const SplitCandidates& split)
+    : extended_(problem.WithEffects(split.others)), of_candidate_(candidates.size()) {
   extended_.parameters.CopyByName(parameters);
   extended_.latent = WithAllJoints(problem.latent, problem.robot().num_joints());
   const ParameterSet& all = extended_.parameters;
@@ -84,22 +101,64 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     if (own < 0) coordinates_of[name.substr(0, name.rfind('/'))].push_back(i);
     if (own >= 0 && parameters.coordinates()[own].estimated()) believed_.push_back(i);
   }
-  for (const Candidate& candidate : candidates) {
-    std::vector<int> columns;
-    const auto own = coordinates_of.find(candidate.spec.Path());
-    if (own != coordinates_of.end()) {
-      for (const int coordinate : own->second) {
-        columns.push_back(static_cast<int>(catalogue_.size()));
-        catalogue_.push_back(coordinate);
-        names_.push_back(all.coordinates()[coordinate].name);
-      }
-      coordinates_of.erase(own);
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    const auto own = coordinates_of.find(candidates[c].spec.Path());
+    if (own == coordinates_of.end()) continue;
+    for (const int coordinate : own->second) {
+      names_[static_cast<int>(catalogue_.size())] = all.coordinates()[coordinate].name;
+      of_candidate_[c].push_back(static_cast<int>(catalogue_.size()));
+      catalogue_.push_back(coordinate);
     }
-    of_candidate_.push_back(std::move(columns));
+    coordinates_of.erase(own);
   }
   num_columns_ = static_cast<int>(catalogue_.size());
   const std::vector<double> sizes = TypicalSizes(extended_, all);
   for (const int coordinate : catalogue_) units_.push_back(sizes[coordinate]);
+  SetLinearized();
+  SetBlocks();
+  AddMotions(candidates, split);
+}
+
+void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split) {
+  const Robot& robot = extended_.robot();
+  const std::vector<int> fitted = FittedShots(extended_);
+  struct Column {
+    size_t candidate, parameter;
+    const Eigen::VectorXd* per_unit;
+    double size;
+  };
+  std::map<Source, std::vector<Column>> of_source;
+  for (const auto& [c, motions] : split.motions) {
+    const EffectSpec& spec = candidates[c].spec;
+    const auto own = FindEffect(robot, spec.effect)->parameters(robot, spec);
+    std::vector<double> largest;
+    for (const SingleMotion& motion : motions) largest.push_back(motion.per_unit(fitted).cwiseAbs().maxCoeff());
+    const std::vector<double> sizes = TypicalSizes(own, largest);
+    for (size_t k = 0; k < own.size(); ++k) {
+      const bool is_joint = motions[k].of == SingleMotion::Of::kJoint;
+      const Source source{is_joint ? Source::Kind::kJoint : Source::Kind::kMarker, motions[k].owner, motions[k].axis};
+      of_source[source].push_back({c, k, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source, robot.chain)});
+    }
+    of_candidate_[c].resize(own.size());
+  }
+  for (const auto& [source, columns] : of_source) {
+    auto functions = std::make_shared<Eigen::MatrixXd>(static_cast<long>(extended_.data().shots.size()),
+                                                       static_cast<long>(columns.size()));
+    for (size_t i = 0; i < columns.size(); ++i) {
+      functions->col(static_cast<long>(i)) = columns[i].size * *columns[i].per_unit;
+    }
+    const std::vector<int> added = Add({source, functions});
+    for (size_t i = 0; i < columns.size(); ++i) {
+      const auto& [c, k, per_unit, size] = columns[i];
+      const EffectSpec& spec = candidates[c].spec;
+      of_candidate_[c][k] = added[i];
+      names_[added[i]] = spec.Path() + "/" + FindEffect(robot, spec.effect)->parameters(robot, spec)[k].name;
+    }
+  }
+}
+
+void EvidenceColumns::SetLinearized() {
+  const ParameterSet& all = extended_.parameters;
   linearized_ = believed_;
   linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());
   const std::set<int> there(linearized_.begin(), linearized_.end());
@@ -118,7 +177,9 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
       if (there.count(coordinate) == 0) linearized_.push_back(coordinate);
     }
   }
+}
 
+void EvidenceColumns::SetBlocks() {
   const Measurements& data = extended_.data();
   std::vector<int> pose_of_configuration(data.configurations.size(), -1);
   int next = 0;
@@ -159,6 +220,8 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     if (!stored_.empty() && bytes > kMostStored) break;
     stored_.push_back(LinearizeBlock(observations));
   }
+  VLOG(1) << "diagnosis: " << linearized_.size() << " linearized columns of " << num_rows() << " rows, "
+          << stored_.size() << " of " << poses_of_block_.size() << " blocks are kept";
 }
 
 std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {

@@ -2,23 +2,30 @@
 // at neutral. Rows come in blocks of whole poses and are added to the normal equations at once: what is kept does not
 // grow with the number of rows, beyond a store of fixed size that saves linearizing twice.
 //
-// Columns are in units of their typical size. Beside those of the catalogue there are columns "source times function":
-// a source is one way in which a pose may be off (a joint deviates, a station or a marker moves along an axis), a
-// function is one number per shot.
+// Columns are in units of their typical size. Most are "source times function": a source is one way in which a pose may
+// be off (a joint deviates, a station or a marker moves along an axis), a function is one number per shot. So are the
+// effects of the catalogue that do nothing but make a joint deviate or move a marker; the others have columns of the
+// linearization.
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "estimator/diagnosis/candidates.h"
 #include "estimator/diagnosis/evidence_score.h"
 #include "estimator/diagnosis/scan.h"
 #include "estimator/least_squares/linearization.h"
+#include "models/single_motion.h"
 
 namespace sagitta {
+
+// Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
+constexpr double kContained = 1e-9;
 
 struct Source {
   enum class Kind {
@@ -36,6 +43,9 @@ struct Source {
 
   bool operator==(const Source& other) const {
     return kind == other.kind && owner == other.owner && axis == other.axis;
+  }
+  bool operator<(const Source& other) const {
+    return std::tie(kind, owner, axis) < std::tie(other.kind, other.owner, other.axis);
   }
 };
 
@@ -93,12 +103,10 @@ class EvidenceColumns {
   int num_columns() const { return num_columns_; }
   // Columns of each candidate, empty for one that the model already has.
   const std::vector<int>& ColumnsOf(int candidate) const { return of_candidate_[candidate]; }
-  // SI value of one unit of a catalogue column.
-  double Unit(int column) const { return units_[column]; }
-  // Name of its coordinate.
-  const std::string& Name(int column) const { return names_[column]; }
+  // Name of the coordinate of a candidate's column.
+  const std::string& Name(int column) const { return names_.at(column); }
 
-  // Functions behind columns that are not the catalogue's, one row per shot of the data.
+  // Functions behind columns that are not the linearization's, one row per shot of the data.
   Eigen::MatrixXd FunctionOf(const std::vector<int>& columns) const;
 
   // Lengths of the arm between a joint (-1: the base) and the next: coordinate and nominal value, m, of each that has
@@ -146,8 +154,26 @@ class EvidenceColumns {
   };
   using BlockRoots = std::vector<PoseRoot>;  // empty: rows are independent, of unit variance
 
+  // Candidates that the model has not: those whose parameters each move one thing, by their index, and the others.
+  struct SplitCandidates {
+    std::vector<std::pair<size_t, std::vector<SingleMotion>>> motions;
+    std::vector<EffectSpec> others;
+  };
+  static SplitCandidates Split(const CalibrationProblem& problem, const std::vector<Candidate>& candidates);
+  EvidenceColumns(const CalibrationProblem& problem, const ParameterSet& parameters,
+                  const std::vector<Candidate>& candidates, const SplitCandidates& split);
+  // Coordinates of a block's columns.
+  void SetLinearized();
+  // Poses and blocks of them; the first blocks are linearized.
+  void SetBlocks();
+  // One family of each source.
+  void AddMotions(const std::vector<Candidate>& candidates, const SplitCandidates& split);
   Block LinearizeBlock(const std::vector<int>& observations) const;
   const Block& BlockOf(int index, Block* scratch) const;
+  // Of a family's column.
+  size_t SourceOf(int column) const {
+    return source_of_family_[static_cast<size_t>(family_of_column_[static_cast<size_t>(column) - catalogue_.size()])];
+  }
   // What a unit of the source moves: coordinates, and by how much, SI.
   std::vector<std::pair<int, double>> MovedBy(const Source& source) const;
   Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
@@ -167,17 +193,23 @@ class EvidenceColumns {
     double log_constant = 0.0;  // as of BesideBelieved
   };
   Eliminated Eliminate(Eigen::MatrixXd own, Eigen::MatrixXd beside, double square, const RowSums& sums) const;
+  class ShotProducts;
+  struct AllSums;
+  AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
+                 std::vector<BlockRoots>* roots) const;
   Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const;
+  // u'A of all columns of families; along: u' of each block.
+  Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
   // A_k' C^-1 A of some columns with all; roots: of every block.
   Eigen::MatrixXd ProductsOf(const std::vector<int>& columns, const std::vector<BlockRoots>& roots) const;
 
   CalibrationProblem extended_;
   std::vector<int> believed_;    // coordinates of extended_
-  std::vector<int> catalogue_;   // coordinates
+  std::vector<int> catalogue_;   // coordinates of effects that have no families
   std::vector<int> linearized_;  // coordinates behind the columns of a block
   std::vector<std::vector<int>> of_candidate_;
-  std::vector<double> units_;  // of the catalogue columns
-  std::vector<std::string> names_;
+  std::vector<double> units_;         // of the columns of catalogue_
+  std::map<int, std::string> names_;  // of all candidates' columns
   std::vector<FunctionFamily> families_;
   std::vector<Source> sources_;  // of the families, each once
   std::vector<size_t> source_of_family_;

@@ -15,8 +15,6 @@ namespace {
 constexpr Eigen::Index kColumnsAtOnce = 256;  // of a product, upper blocks alone: a tenth more than half of it
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRank = 1e-13;
-// Share of a column's square that is left off the believed ones: below, it is rounding of the elimination.
-constexpr double kContained = 1e-9;
 
 // R' R is added to the upper triangle, some columns at a time with the instructions that the machine has.
 void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
@@ -223,112 +221,6 @@ BesideBelieved EvidenceColumns::Project(const RowSums& sums) const {
     gradient[c] = 0.0;
   }
   return {{std::move(information), std::move(gradient), left(count, count), out.dof}, out.log_constant};
-}
-
-BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
-  if (stored_.size() < poses_of_block_.size()) return Project(Sum(scatter));
-  const long believed = num_believed(), width = believed + num_columns_ + 1;
-  Eigen::MatrixXd few = Eigen::MatrixXd::Zero(width, believed + 1);  // of [J A r] with [J r]
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(num_columns_);
-  ColumnProducts::OwnBlocks blocks;
-  for (const std::vector<int>& columns : own) {
-    const long size = static_cast<long>(columns.size());
-    blocks[columns] = Eigen::MatrixXd::Zero(size, size);
-  }
-  RowSums sums;
-  std::vector<BlockRoots> roots;
-  Eigen::MatrixXd rows;
-  for (const Block& block : stored_) {
-    FillRows(block, nullptr, &rows);
-    roots.push_back(RootsOf(block.observations, block.here.latent, scatter));
-    sums.log_det += Whiten(roots.back(), &rows);
-    sums.rows += block.here.num_rows();
-    Eigen::MatrixXd with(rows.rows(), believed + 1);
-    with << rows.leftCols(believed), rows.rightCols(1);
-    few += TallProduct(rows.transpose(), with);
-    squares += rows.middleCols(believed, num_columns_).colwise().squaredNorm().transpose();
-    const Eigen::MatrixXd explaining = rows.middleCols(believed, num_columns_);
-    for (auto& [columns, sum] : blocks) {
-      const Eigen::MatrixXd of = explaining(Eigen::all, columns);
-      sum += TallProduct(of.transpose(), of);
-    }
-  }
-  Eigen::MatrixXd beside(believed, num_columns_ + 1);
-  beside << few.middleRows(believed, num_columns_).leftCols(believed).transpose(), few.topRightCorner(believed, 1);
-  Eliminated out = Eliminate(few.topLeftCorner(believed, believed), std::move(beside), few(width - 1, believed), sums);
-  const Eigen::MatrixXd along = out.along.leftCols(num_columns_);
-  const Eigen::VectorXd of_residual = out.along.rightCols(1);
-  Eigen::VectorXd seen = Eigen::VectorXd::Ones(num_columns_);  // 0: of a column that what is believed contains
-  for (int c = 0; c < num_columns_; ++c) {
-    if (!(squares[c] - along.col(c).squaredNorm() > kContained * squares[c])) seen[c] = 0.0;
-  }
-  for (auto& [columns, sum] : blocks) {
-    const Eigen::MatrixXd of = along(Eigen::all, columns);
-    const Eigen::VectorXd kept = seen(columns);
-    sum = kept.asDiagonal() * (sum - of.transpose() * of) * kept.asDiagonal();
-  }
-  const Eigen::VectorXd gradient =
-      seen.cwiseProduct(few.rightCols(1).middleRows(believed, num_columns_) - along.transpose() * of_residual);
-  const auto rows_of = [this, roots, along, seen](const std::vector<int>& columns) -> Eigen::MatrixXd {
-    const Eigen::MatrixXd of = along(Eigen::all, columns);
-    const Eigen::VectorXd kept = seen(columns);
-    return kept.asDiagonal() * (ProductsOf(columns, roots) - of.transpose() * along) * seen.asDiagonal();
-  };
-  return {{ColumnProducts(std::move(blocks), rows_of), gradient, out.square - of_residual.squaredNorm(), out.dof},
-          out.log_constant};
-}
-
-// (u's)(shot) of one source, a column for each shot.
-Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const {
-  const Measurements& data = extended_.data();
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(along[0].rows(), static_cast<long>(data.shots.size()));
-  for (size_t b = 0; b < stored_.size(); ++b) {
-    const Block& block = stored_[b];
-    for (size_t o = 0; o < block.observations.size(); ++o) {
-      const long top = static_cast<long>(3 * o);
-      sums.col(data.observations[block.observations[o]].shot) +=
-          along[b].middleCols<3>(top) * block.sources[source].segment<3>(top);
-    }
-  }
-  return sums;
-}
-
-// A column of the catalogue is one of the linearization; one of a family is a source's, each shot's rows times the
-// value of its function there. With u = C^-1 A_k:
-//
-//   u'A = sum over shots of (u's)(shot) f(shot)
-Eigen::MatrixXd EvidenceColumns::ProductsOf(const std::vector<int>& columns,
-                                            const std::vector<BlockRoots>& roots) const {
-  const long believed = num_believed(), size = static_cast<long>(columns.size());
-  const long of_catalogue = static_cast<long>(catalogue_.size());
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, num_columns_);
-  std::vector<Eigen::MatrixXd> along;  // u' of each block
-  Eigen::MatrixXd rows;
-  for (size_t b = 0; b < stored_.size(); ++b) {
-    const Block& block = stored_[b];
-    FillRows(block, &columns, &rows);
-    Eigen::MatrixXd u = rows.middleCols(believed, size);
-    for (const PoseRoot& pose : roots[b]) {
-      auto own = u.middleRows(pose.top, pose.root.rows());
-      own = pose.root.solve(Eigen::MatrixXd(own));
-    }
-    along.push_back(u.transpose());
-    products.leftCols(of_catalogue) +=
-        TallProduct(along.back(), block.here.jacobian.middleCols(believed, of_catalogue));
-  }
-  for (long c = 0; c < of_catalogue; ++c) products.col(c) *= units_[static_cast<size_t>(c)];
-  for (size_t s = 0; s < sources_.size(); ++s) {
-    const Eigen::MatrixXd of_shots = SumsOfShots(s, along);
-    long first = of_catalogue;
-    for (size_t f = 0; f < families_.size(); ++f) {
-      const long own = families_[f].functions->cols();
-      if (source_of_family_[f] == s) {
-        products.middleCols(first, own) = TallProduct(of_shots, *families_[f].functions);
-      }
-      first += own;
-    }
-  }
-  return products;
 }
 
 }  // namespace sagitta

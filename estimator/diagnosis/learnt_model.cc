@@ -34,22 +34,6 @@ double LargestGap(const Driver& driver, const CalibrationProblem& problem) {
   return largest;
 }
 
-// Between poses that lie further apart than bumps are wide, these by themselves are zero: wider ones beside them carry
-// the function over. Each level with the prior that makes it as steep as the others are.
-std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale, double gap) {
-  std::vector<std::pair<EffectSpec, double>> levels = {{spec, scale}};
-  const int own = spec.IntegerSetting("knots", 0);
-  const double range = spec.NumberSetting("to", 0.0) - spec.NumberSetting("from", 0.0);
-  int narrowest = own;
-  for (auto wide = std::rbegin(kUnnamedBumps); wide != std::rend(kUnnamedBumps); ++wide) {
-    if (*wide >= own || range / (narrowest - 1) >= gap) continue;
-    levels.emplace_back(spec, scale * own / *wide);
-    levels.back().first.settings["knots"] = std::to_string(*wide);
-    narrowest = *wide;
-  }
-  return levels;
-}
-
 // A spring's shape is a narrow valley, and flat beside smooth functions: it stays where it was found.
 DiagnosedModel WithSpringsAsTheyAre(const DiagnosedModel& model) {
   DiagnosedModel held = model;
@@ -164,6 +148,20 @@ class Learner {
 };
 
 }  // namespace
+
+std::vector<std::pair<EffectSpec, double>> LevelsOf(const EffectSpec& spec, double scale, double gap) {
+  std::vector<std::pair<EffectSpec, double>> levels = {{spec, scale}};
+  const int own = spec.IntegerSetting("knots", 0);
+  const double range = spec.NumberSetting("to", 0.0) - spec.NumberSetting("from", 0.0);
+  int narrowest = own;
+  for (auto wide = std::rbegin(kUnnamedBumps); wide != std::rend(kUnnamedBumps); ++wide) {
+    if (*wide >= own || range / (narrowest - 1) >= gap) continue;
+    levels.emplace_back(spec, scale * own / *wide);
+    levels.back().first.settings["knots"] = std::to_string(*wide);
+    narrowest = *wide;
+  }
+  return levels;
+}
 
 std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,

@@ -43,7 +43,9 @@ struct Best {
 std::map<std::string, Best> BestMoments(const CalibrationProblem& problem, const ParameterSet& parameters,
                                         const std::vector<Candidate>& candidates) {
   EvidenceColumns columns(problem, parameters, candidates);
-  const BesideBelieved beside = columns.Project(columns.Sum(StatedScatter(problem)));
+  std::set<std::vector<int>> own;
+  for (size_t c = 0; c < candidates.size(); ++c) own.insert(columns.ColumnsOf(static_cast<int>(c)));
+  const BesideBelieved beside = columns.ProjectAll(StatedScatter(problem), own);
   const Sweep alone(beside.normal, {}, {});
   const ResidualLikelihood known_sigma(beside.normal.dof, std::numeric_limits<double>::infinity(), 0.0);
   std::map<std::string, Best> best;

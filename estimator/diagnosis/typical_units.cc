@@ -7,8 +7,24 @@
 
 namespace sagitta {
 
-// size_i = typical_i; as a motion typical_i / max_k m_k; unstated 3e-4 / m_i;  m_i: motion per unit where the rows
-// excite i most.
+// size_i = typical_i; as a motion typical_i / max_k m_k; unstated 3e-4 / m_i.
+std::vector<double> TypicalSizes(const std::vector<EffectParameter>& of_effect, const std::vector<double>& motions) {
+  double most = 0.0;  // of those stated as a motion: a machine of this size
+  for (size_t k = 0; k < of_effect.size(); ++k) {
+    if (of_effect[k].of_motion) most = std::max(most, motions[k]);
+  }
+  std::vector<double> sizes(of_effect.size(), 0.0);
+  for (size_t k = 0; k < of_effect.size(); ++k) {
+    const bool is_stated = of_effect[k].typical > 0.0;
+    if (is_stated && !of_effect[k].of_motion) {
+      sizes[k] = of_effect[k].typical;
+    } else if (motions[k] > 0.0) {
+      sizes[k] = is_stated ? of_effect[k].typical / most : kTypicalMotion / motions[k];
+    }
+  }
+  return sizes;
+}
+
 std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters) {
   std::vector<double> motions(static_cast<size_t>(parameters.num_coordinates()), 0.0), sizes = motions;
   const std::vector<double> largest = LargestTrueMotions(problem, parameters);
@@ -18,24 +34,18 @@ std::vector<double> TypicalSizes(const CalibrationProblem& problem, const Parame
   for (const EffectSpec& spec : problem.robot().effects) {
     const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);
     if (definition == nullptr) continue;
-    const std::vector<EffectParameter> own = definition->parameters(problem.robot(), spec);
-    const auto find = [&](const EffectParameter& parameter) {
-      return parameters.FindCoordinate(spec.Path() + "/" + parameter.name);
-    };
-    double most = 0.0;  // of those stated as a motion: a machine of this size
-    for (const EffectParameter& parameter : own) {
-      if (parameter.of_motion && find(parameter) >= 0) most = std::max(most, motions[find(parameter)]);
+    std::vector<EffectParameter> own;
+    std::vector<double> own_motions;
+    std::vector<size_t> coordinates;
+    for (const EffectParameter& parameter : definition->parameters(problem.robot(), spec)) {
+      const int coordinate = parameters.FindCoordinate(spec.Path() + "/" + parameter.name);
+      if (coordinate < 0) continue;
+      coordinates.push_back(static_cast<size_t>(coordinate));
+      own.push_back(parameter);
+      own_motions.push_back(motions[coordinates.back()]);
     }
-    for (const EffectParameter& parameter : own) {
-      if (find(parameter) < 0) continue;
-      const size_t i = static_cast<size_t>(find(parameter));
-      const bool is_stated = parameter.typical > 0.0;
-      if (is_stated && !parameter.of_motion) {
-        sizes[i] = parameter.typical;
-      } else if (motions[i] > 0.0) {
-        sizes[i] = is_stated ? parameter.typical / most : kTypicalMotion / motions[i];
-      }
-    }
+    const std::vector<double> own_sizes = TypicalSizes(own, own_motions);
+    for (size_t k = 0; k < own.size(); ++k) sizes[coordinates[k]] = own_sizes[k];
   }
   return sizes;
 }

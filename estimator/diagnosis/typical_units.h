@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "models/effects/effect.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -10,6 +11,10 @@ namespace sagitta {
 // m or rad where the rows excite it most, of an own effect that states none: as of geometric errors
 // (frozen_geometry.cc).
 constexpr double kTypicalMotion = 3e-4;
+
+// Of one effect's parameters, SI. motions: what one SI unit of each turns (rad) or moves (m) where the rows excite it
+// most.
+std::vector<double> TypicalSizes(const std::vector<EffectParameter>& of_effect, const std::vector<double>& motions);
 
 // Stated by the effects' definitions (EffectParameter::typical), SI, one per coordinate of `parameters`; of those that
 // are stated as a motion, what makes this motion where the rows excite it most; one unit for all of an effect, that of
