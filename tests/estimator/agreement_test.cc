@@ -11,7 +11,7 @@
 #include "tests/support/agreement.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::agreement_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -161,4 +161,4 @@ TEST(Agreement, RepeatsOfOneArrivalAreNotIndependent) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::agreement_test

@@ -15,7 +15,7 @@
 #include "problems/io/robot_file.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::all_stages_test {
 namespace {
 
 using nlohmann::json;
@@ -112,4 +112,4 @@ TEST_F(AllStagesTest, ThePullsAreWhatTellsK1) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::all_stages_test

@@ -12,7 +12,7 @@
 #include "estimator/sagitta.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::between_parts_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -140,4 +140,4 @@ TEST(BetweenParts, NothingBecomesMoreCertain) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::between_parts_test

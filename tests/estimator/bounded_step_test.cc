@@ -8,7 +8,7 @@
 
 #include "tests/support/random_numbers.h"
 
-namespace sagitta {
+namespace sagitta::bounded_step_test {
 namespace {
 
 constexpr int kUnknowns = 5;
@@ -73,4 +73,4 @@ TEST(BoundedStep, IsTheBestStepInsideTheBounds) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::bounded_step_test

@@ -5,7 +5,7 @@
 
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::bounds_test {
 namespace {
 
 constexpr double kScale = 1.3;
@@ -56,4 +56,4 @@ TEST_F(Bounds, WhatIsOffItsBoundIsFree) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::bounds_test

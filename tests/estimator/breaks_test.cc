@@ -16,7 +16,7 @@
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::breaks_test {
 namespace {
 
 using test::Kr270Truth;
@@ -373,4 +373,4 @@ TEST(Verdict, LoadsOfTheWrongSignAreNamed) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::breaks_test

@@ -9,7 +9,7 @@
 #include "estimator/least_squares/ceres_problem.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::canonical_rate_test {
 namespace {
 
 TEST(CanonicalCorrelations, IsTheCosineBetweenTwoLines) {
@@ -67,4 +67,4 @@ TEST(PredictTwoStepRate, IsTheMeasuredRateOfTheExactAlternation) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::canonical_rate_test

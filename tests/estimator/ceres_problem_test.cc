@@ -7,7 +7,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::ceres_problem_test {
 namespace {
 
 using test::Kr270Design;
@@ -112,4 +112,4 @@ TEST(Linearization, JacobianMatchesCentralDifferences) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::ceres_problem_test

@@ -9,7 +9,7 @@
 #include "problems/input_error.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::changes_test {
 namespace {
 
 using test::Kr270Truth;
@@ -167,4 +167,4 @@ TEST(SparseSearchTest, APairIsFoundThatALikenessHides) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::changes_test

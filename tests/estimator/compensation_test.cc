@@ -10,7 +10,7 @@
 #include "problems/loads.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::compensation_test {
 namespace {
 
 using test::ArmState;
@@ -286,4 +286,4 @@ TEST(Radius95Test, IsExactForBallsAndLines) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::compensation_test

@@ -20,7 +20,7 @@
 #include "problems/simulation.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::diagnosis_formulas_test {
 namespace {
 
 constexpr double kSigma = 2e-5;  // m
@@ -419,4 +419,4 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::diagnosis_formulas_test

@@ -14,7 +14,7 @@
 #include "problems/loads.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::diagnosis_parts_test {
 namespace {
 
 constexpr double kSigma = 2e-5;         // m
@@ -211,4 +211,4 @@ TEST(FirstFound, IsTheSmallestWhateverTheThreads) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::diagnosis_parts_test

@@ -14,7 +14,7 @@
 #include "models/constants.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::diagnosis_test {
 namespace {
 
 using test::Kr270Truth;
@@ -356,4 +356,4 @@ TEST(Diagnosis, NamedCauseHoldsBesideOneWithoutAName) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::diagnosis_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::diagnosis_words_test {
 namespace {
 
 using ::testing::AllOf;
@@ -95,4 +95,4 @@ TEST(DiagnosisWords, WithoutAHoldOutNoShareIsSaid) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::diagnosis_words_test

@@ -7,7 +7,7 @@
 #include "estimator/statistics/distributions.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::differencing_test {
 namespace {
 
 // Two loads on every configuration share its unloaded shots; axis 1 is pulled too.
@@ -101,4 +101,4 @@ TEST(Differencing, SaysWhyItDoesNotRun) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::differencing_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sagitta {
+namespace sagitta::distributions_test {
 namespace {
 
 // Table values: Abramowitz and Stegun, tables 26.7, 26.8, 26.10.
@@ -86,4 +86,4 @@ TEST(Distributions, Binomial) {
 TEST(Distributions, StudentTendsToNormal) { EXPECT_NEAR(StudentQuantile(0.975, 1e5), NormalQuantile(0.975), 5e-5); }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::distributions_test

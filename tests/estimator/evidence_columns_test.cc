@@ -12,7 +12,7 @@
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::evidence_columns_test {
 namespace {
 
 // Two stations see each pose, so that rows of one visit and of one pose are not the same.
@@ -177,4 +177,4 @@ TEST(DriverFunctions, FewDirectionsAreKept) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::evidence_columns_test

@@ -12,7 +12,7 @@
 #include "estimator/diagnosis/set_search.h"
 #include "estimator/diagnosis/sweep.h"
 
-namespace sagitta {
+namespace sagitta::evidence_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -378,4 +378,4 @@ TEST(SetSearch, AveragesOverTheScale) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::evidence_test

@@ -13,7 +13,7 @@
 #include "problems/io/cell_file.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::feasible_test {
 namespace {
 
 Cell CellOf(const std::string& text, const Chain& chain) {
@@ -252,4 +252,4 @@ TEST(FeasibleTest, PlansKeepToTheCell) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::feasible_test

@@ -11,7 +11,7 @@
 #include "tests/support/agreement.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::full_pose_test {
 namespace {
 
 using test::Kr270Design;
@@ -176,4 +176,4 @@ TEST(FullPose, RefusesInWordsWithoutPoses) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::full_pose_test

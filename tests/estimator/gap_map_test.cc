@@ -8,7 +8,7 @@
 
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::gap_map_test {
 namespace {
 
 constexpr double kSigma = 1e-7;        // m; with it the fit finds the truth to a few of these
@@ -130,4 +130,4 @@ TEST(Drivers, TorqueIsTheWorkOfTheLoadPerRadian) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::gap_map_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace sagitta {
+namespace sagitta::gauss_newton_test {
 namespace {
 
 // Two compliances of joints that do not exist, x and y, with a bound at 0.
@@ -122,4 +122,4 @@ TEST(GaussNewton, SaysWhyItEnds) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::gauss_newton_test

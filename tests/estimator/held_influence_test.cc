@@ -14,7 +14,7 @@
 #include "tests/support/constant_orientation.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::held_influence_test {
 namespace {
 
 using ::testing::AllOf;
@@ -150,4 +150,4 @@ TEST(HeldInfluence, HoldsWithGeometryFree) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::held_influence_test

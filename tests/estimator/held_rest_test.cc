@@ -12,7 +12,7 @@
 #include "tests/support/constant_orientation.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::held_rest_test {
 namespace {
 
 constexpr double kSigma = 3e-5;   // m
@@ -138,4 +138,4 @@ TEST(HeldRest, ReleasedCoordinatesCarryThePriorOfTheirRange) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::held_rest_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace sagitta {
+namespace sagitta::identifiability_test {
 namespace {
 
 // Two geometric lengths a, b and one marker coordinate family to name columns.
@@ -95,4 +95,4 @@ TEST(LinearSolution, MatchesTheNormalEquations) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::identifiability_test

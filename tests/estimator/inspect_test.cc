@@ -11,7 +11,7 @@
 #include "tests/support/arms.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::inspect_test {
 namespace {
 
 using test::Kr270Design;
@@ -323,4 +323,4 @@ TEST(Inspect, AbsentColumnsAreNoted) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::inspect_test

@@ -7,7 +7,7 @@
 #include "tests/support/interruptible.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::interruption_test {
 namespace {
 
 using test::ExpectInterruptible;
@@ -45,4 +45,4 @@ TEST_F(InterruptionOfRows, Inspections) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::interruption_test

@@ -19,7 +19,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::interval_formulas_test {
 namespace {
 
 // One sided errors that whole configurations share: t is skewed, and which end is which shows.
@@ -248,4 +248,4 @@ TEST(IntervalFormulas, DrawnDataHaveTheScaleOfTheNoiseOnJointsToo) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::interval_formulas_test

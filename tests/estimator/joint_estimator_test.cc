@@ -7,7 +7,7 @@
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::joint_estimator_test {
 namespace {
 
 using test::Kr270Design;
@@ -173,4 +173,4 @@ TEST(JointEstimator, MarkerSeenOnceIsNoError) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::joint_estimator_test

@@ -8,7 +8,7 @@
 #include "tests/support/constant_orientation.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::left_open_test {
 namespace {
 
 using ::testing::Contains;
@@ -91,4 +91,4 @@ TEST(LeftOpen, WhatWasMeasuredIsNotOpen) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::left_open_test

@@ -9,7 +9,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::load_remedy_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -140,4 +140,4 @@ TEST(LoadRemedy, LeavesOtherDirectionsAlone) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::load_remedy_test

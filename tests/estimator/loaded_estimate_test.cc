@@ -13,7 +13,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::loaded_estimate_test {
 namespace {
 
 using test::LoadedDesign;
@@ -278,4 +278,4 @@ TEST(LoadedEstimate, LeavingOutK1OnATiltedBaseLeavesASidewaysResidual) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::loaded_estimate_test

@@ -7,7 +7,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/stated_torques.h"
 
-namespace sagitta {
+namespace sagitta::measured_torque_test {
 namespace {
 
 constexpr std::array<double, 6> kCompliance = {0.6e-6, 0.3e-6, 0.4e-6, 2.8e-6, 3.5e-6, 2.1e-6};
@@ -103,4 +103,4 @@ TEST(MeasuredTorque, IsComparedWithTheModelInWords) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::measured_torque_test

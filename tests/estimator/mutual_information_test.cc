@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace sagitta {
+namespace sagitta::mutual_information_test {
 namespace {
 
 // Explanations predict means of one reading of variance 1: information = entropy of the reading - that of its noise,
@@ -83,4 +83,4 @@ TEST(MutualInformationTest, SlopeIsThatOfFiniteDifferencesAndFalls) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::mutual_information_test

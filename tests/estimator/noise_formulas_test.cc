@@ -11,7 +11,7 @@
 #include "estimator/noise/robust.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::noise_formulas_test {
 namespace {
 
 TEST(NoiseFormulas, LossesAtADistance) {
@@ -117,4 +117,4 @@ TEST(NoiseFormulas, ARotationsErrorIsAboutTheAxesOfTheMeasurementFrame) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::noise_formulas_test

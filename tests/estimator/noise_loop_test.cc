@@ -6,7 +6,7 @@
 #include "estimator/statistics/distributions.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::noise_loop_test {
 namespace {
 
 // Share of intervals that hold the truth in each trial; trials are independent, parameters are not.
@@ -222,4 +222,4 @@ TEST(NoiseLoop, HoldOutIsPredictedByTheNoiseAndNotByTheWeights) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::noise_loop_test

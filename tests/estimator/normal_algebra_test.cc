@@ -10,7 +10,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/instruction_sets.h"
 
-namespace sagitta {
+namespace sagitta::normal_algebra_test {
 namespace {
 
 constexpr double kRoundOff = 1e-12;  // of sums of a few hundred numbers of size 1
@@ -102,4 +102,4 @@ TEST(NormalAlgebra, ByProductsAsByRows) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::normal_algebra_test

@@ -16,7 +16,7 @@
 #include "tests/support/random_vector.h"
 #include "tests/support/stated_torques.h"
 
-namespace sagitta {
+namespace sagitta::normal_equations_test {
 namespace {
 
 CalibrationProblem Rigid(int configurations) {
@@ -376,4 +376,4 @@ TEST(JointEstimate, TakesAtMostFiveIterationsOntoABound) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::normal_equations_test

@@ -9,7 +9,7 @@
 #include "estimator/sagitta.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::nothing_estimated_test {
 namespace {
 
 // Base poses and markers are stated as they are, the geometry is to be estimated from points that scatter by `sigma`.
@@ -89,4 +89,4 @@ TEST(NothingEstimated, VarianceComponentsAreThoseOfTheRows) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::nothing_estimated_test

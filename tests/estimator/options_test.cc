@@ -17,7 +17,7 @@
 #include "problems/range.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::options_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -279,4 +279,4 @@ TEST(Options, ThreadsOfCompensationAreAskedAtTheDoor) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::options_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::outliers_test {
 namespace {
 
 using ::testing::Contains;
@@ -67,4 +67,4 @@ TEST(WhatOutliersShare, ARangeOfAJointAndAMarker) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::outliers_test

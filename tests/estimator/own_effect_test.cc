@@ -13,7 +13,7 @@
 #include "tests/support/effect_contract.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::own_effect_test {
 namespace {
 
 const std::vector<const EffectDefinition*>& Own() {
@@ -103,4 +103,4 @@ TEST(OwnEffect, IsFoundByScreeningAndNamed) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::own_effect_test

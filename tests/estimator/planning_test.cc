@@ -9,7 +9,7 @@
 #include "problems/input_error.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::planning_test {
 namespace {
 
 // y = b1 x + b2 x^2 on 0, 0.01 .. 1. det M = w1 w2 x1^2 x2^2 (x2 - x1)^2 is largest at x2 = 1, x1 = 1/2, w = 1/2:
@@ -274,4 +274,4 @@ TEST(PlanningTest, WhatCannotBePlannedIsRefused) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::planning_test

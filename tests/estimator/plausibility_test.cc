@@ -15,7 +15,7 @@
 #include "tests/support/measured_arms.h"
 #include "tests/support/real_data.h"
 
-namespace sagitta {
+namespace sagitta::plausibility_test {
 namespace {
 
 using test::DhRow;
@@ -257,4 +257,4 @@ TEST(Plausibility, RealRobotsAreNotRefused) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::plausibility_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::pose_accuracy_test {
 namespace {
 
 // One marker, one configuration per entry, an arrival per point.
@@ -71,4 +71,4 @@ TEST(PoseAccuracy, RepeatedReadingsAreOneArrival) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::pose_accuracy_test

@@ -11,7 +11,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "tests/support/kr270_poses.h"
 
-namespace sagitta {
+namespace sagitta::pose_estimate_test {
 namespace {
 
 using test::Kr270Design;
@@ -222,4 +222,4 @@ TEST(PoseEstimate, CovarianceIsThatOfRedraws) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::pose_estimate_test

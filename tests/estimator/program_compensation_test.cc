@@ -16,7 +16,7 @@
 #include "problems/text.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::program_compensation_test {
 namespace {
 
 using test::ArmState;
@@ -422,4 +422,4 @@ TEST_F(ProgramCompensationTest, WhatCannotBeReachedStaysAndIsSaid) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::program_compensation_test

@@ -7,7 +7,7 @@
 #include "tests/support/agreement.h"
 #include "tests/support/real_data.h"
 
-namespace sagitta {
+namespace sagitta::real_intervals_test {
 namespace {
 
 using test::Agreement;
@@ -95,4 +95,4 @@ TEST_F(RealIntervalsTest, WhatModelErrorAddsIsReported) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::real_intervals_test

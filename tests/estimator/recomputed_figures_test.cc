@@ -16,7 +16,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::recomputed_figures_test {
 namespace {
 
 // Student's t_0.975 by integrating its density, (1 + t^2 / n)^-(n + 1)/2, in steps of a thousandth.
@@ -303,4 +303,4 @@ TEST(RecomputedFigures, TheArmsShareOfAPredictionGrowsWithTheNoise) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::recomputed_figures_test

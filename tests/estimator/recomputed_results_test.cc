@@ -28,7 +28,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::recomputed_results_test {
 namespace {
 
 std::vector<int> AllOf(const CalibrationProblem& problem) {
@@ -365,4 +365,4 @@ TEST(RecomputedResults, ASlippedDriverMovesWhatIsCoupledToIt) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::recomputed_results_test

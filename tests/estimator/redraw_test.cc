@@ -10,7 +10,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::redraw_test {
 namespace {
 
 // Markers on the spring sit beside its ends by their stated sigmas, anew in every draw, wherever the truth has them.
@@ -108,4 +108,4 @@ TEST(IntervalsWithEstimatedNoise, ProfileAndParametricBootstrapCountThatTheNoise
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::redraw_test

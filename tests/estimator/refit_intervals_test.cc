@@ -15,7 +15,7 @@
 #include "tests/support/loaded_kr270.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::refit_intervals_test {
 namespace {
 
 TEST(Refit, FindsTheJointOptimum) {
@@ -251,4 +251,4 @@ TEST(Redraw, HasTheNoiseAndRepeatabilityOfTheProblem) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::refit_intervals_test

@@ -9,7 +9,7 @@
 #include "estimator/calibration/noise_loop.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::robot_scatter_test {
 namespace {
 
 constexpr double kTau = 2.5e-4;  // m
@@ -73,4 +73,4 @@ TEST(RobotScatter, IsNotLookedForWhereTheSigmasAreRight) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::robot_scatter_test

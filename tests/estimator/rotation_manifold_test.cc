@@ -5,7 +5,7 @@
 
 #include "models/geometry.h"
 
-namespace ceres {
+namespace ceres::rotation_manifold_test {
 namespace {
 
 using sagitta::QuaternionFromRotationVector;
@@ -30,9 +30,9 @@ TEST(RotationManifold, KeepsTheManifoldContract) {
 }
 
 }  // namespace
-}  // namespace ceres
+}  // namespace ceres::rotation_manifold_test
 
-namespace sagitta {
+namespace sagitta::rotation_manifold_test {
 namespace {
 
 TEST(RotationManifold, TangentIsALeftRotationVectorInRad) {
@@ -57,4 +57,4 @@ TEST(RotationManifold, HeldAxesDoNotTurn) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::rotation_manifold_test

@@ -10,7 +10,7 @@
 #include "estimator/statistics/distributions.h"
 #include "tests/support/kr270_poses.h"
 
-namespace sagitta {
+namespace sagitta::rotation_noise_test {
 namespace {
 
 constexpr double kPoint = 5e-5, kRotation = 6e-4;  // m, rad: 0.05 mm beside 0.6 mrad
@@ -110,4 +110,4 @@ TEST(RotationNoise, WhatRotationsDoNotStateIsNoMissingEffect) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::rotation_noise_test

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-namespace sagitta {
+namespace sagitta::route_test {
 namespace {
 
 std::vector<Eigen::VectorXd> RandomPoses(int count, std::uint64_t seed) {
@@ -56,4 +56,4 @@ TEST(RouteTest, AMixedOneIsAPermutation) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::route_test

@@ -5,7 +5,7 @@
 
 #include "problems/simulation.h"
 
-namespace sagitta {
+namespace sagitta::row_sums_test {
 namespace {
 
 // Numbers and rows below, at and beyond what registers and the memory for rows hold.
@@ -44,4 +44,4 @@ TEST(SumOfRows, BeginsAnewAndMovesWithItsMemory) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::row_sums_test

@@ -10,7 +10,7 @@
 #include "estimator/statistics/distributions.h"
 #include "problems/simulation.h"
 
-namespace sagitta {
+namespace sagitta::sandwich_test {
 namespace {
 
 Linearization Rows(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual) {
@@ -208,4 +208,4 @@ TEST(Distributions, ClopperPearsonAsTabulated) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::sandwich_test

@@ -5,7 +5,7 @@
 #include <Eigen/QR>
 #include <random>
 
-namespace sagitta {
+namespace sagitta::scan_test {
 namespace {
 
 constexpr int kShots = 40, kRowsOfShot = 3, kSources = 2;
@@ -107,7 +107,9 @@ TEST(Scan, AConstantIsNoJump) {
   rows.along.square.topRows(10).setZero();
   rows.along.residual.topRows(10).setZero();
   for (const TriedJump& jump : TryJumps(rows.along, all, x, {100, 1, 0, 1})) {
-    if (jump.gap.first < 9.5) EXPECT_EQ(jump.reduction, 0.0) << jump.gap.first;
+    if (jump.gap.first < 9.5) {
+      EXPECT_EQ(jump.reduction, 0.0) << jump.gap.first;
+    }
   }
 }
 
@@ -120,4 +122,4 @@ TEST(Scan, TheBestAreListedAndAllAreCounted) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::scan_test

@@ -10,7 +10,7 @@
 #include "models/gravity_compensator.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::spring_columns_test {
 namespace {
 
 // N m per N/m, of a spring with lever L, anchor at a, alpha, and rest length s0.
@@ -88,4 +88,4 @@ TEST(TorquesPerWeight, AreTheSlopesOfTheFlangesHeight) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::spring_columns_test

@@ -11,7 +11,7 @@
 #include "problems/input_error.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::spring_tie_test {
 namespace {
 
 const std::vector<std::string> kGeometry = {"compensator/L", "compensator/a_x", "compensator/a_y"};
@@ -258,4 +258,4 @@ TEST(SpringTie, WhatNobodyStatedIsSaid) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::spring_tie_test

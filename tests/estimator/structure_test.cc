@@ -7,7 +7,7 @@
 #include "estimator/least_squares/condensed_cost.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::structure_test {
 namespace {
 
 // The arm seen from as many places, which all call themselves by another name but stand where the first one does.
@@ -65,4 +65,4 @@ TEST(Structure, SparseFactorsAndSumsHaveOneOptimum) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::structure_test

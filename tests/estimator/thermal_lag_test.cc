@@ -9,7 +9,7 @@
 #include "tests/support/kr270_experiment.h"
 #include "tests/support/random_vector.h"
 
-namespace sagitta {
+namespace sagitta::thermal_lag_test {
 namespace {
 
 constexpr double kSigma = 1e-5;    // m
@@ -133,4 +133,4 @@ TEST(ThermalLag, ARiseIsFollowedLate) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::thermal_lag_test

@@ -10,7 +10,7 @@
 #include "tests/support/agreement.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::two_step_test {
 namespace {
 
 using test::Kr270Design;
@@ -271,4 +271,4 @@ TEST(TwoStep, AFreeSpringOnARigidJointEndsAtTheOptimumOrSaysWhyNot) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::two_step_test

@@ -16,7 +16,7 @@
 #include "models/effects/pose_functions.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::unnamed_sources_test {
 namespace {
 
 constexpr double kSigma = 2e-5;  // m
@@ -229,4 +229,4 @@ TEST(DriverFunctions, BumpsHaveUnitVariance) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::unnamed_sources_test

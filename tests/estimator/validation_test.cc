@@ -9,7 +9,7 @@
 #include "models/constants.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::validation_test {
 namespace {
 
 using test::Kr270Design;
@@ -271,4 +271,4 @@ TEST(CrossValidation, LearntWeightsAreKept) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::validation_test

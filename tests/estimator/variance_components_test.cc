@@ -8,7 +8,7 @@
 #include "estimator/noise/repeatability.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::variance_components_test {
 namespace {
 
 constexpr double kJoint = 37e-6;
@@ -187,4 +187,4 @@ TEST(VarianceComponents, EstimatesAreUnbiasedAndIntervalsHold) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::variance_components_test

@@ -11,7 +11,7 @@
 #include "estimator/statistics/distributions.h"
 #include "tests/support/noise_experiment.h"
 
-namespace sagitta {
+namespace sagitta::weighting_test {
 namespace {
 
 // Rows of three qualities, 9 to 1, differing by axis and configuration: no equal weights would be right.
@@ -182,4 +182,4 @@ TEST(Weighting, EfficiencyIsAgainstTheBoundOfTheNoise) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::weighting_test

@@ -10,7 +10,7 @@
 #include "tests/support/effect_contract.h"
 #include "tests/support/instruction_sets.h"
 
-namespace sagitta {
+namespace sagitta::batch_rows_test {
 namespace {
 
 constexpr int kShots = 5;  // of 8 lanes
@@ -284,4 +284,4 @@ TEST(BatchRows, WrenchesOfTheFlangeHaveNoStructure) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::batch_rows_test

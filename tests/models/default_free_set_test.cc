@@ -15,7 +15,7 @@
 #include "tests/support/arms.h"
 #include "tests/support/kr270.h"
 
-namespace sagitta {
+namespace sagitta::default_free_set_test {
 namespace {
 
 using test::DhRow;
@@ -272,4 +272,4 @@ TEST(DefaultFreeSet, KnownMarkersFreeTheToolsErrors) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::default_free_set_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/two_link.h"
 
-namespace sagitta {
+namespace sagitta::effect_conventions_test {
 namespace {
 
 using test::ExpectPoint;
@@ -391,4 +391,4 @@ TEST(Conventions, DerivativeByTheDeviationOfAJoint) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::effect_conventions_test

@@ -6,7 +6,7 @@
 #include "models/effects/catalogue.h"
 #include "tests/support/effect_contract.h"
 
-namespace sagitta {
+namespace sagitta::effects_test {
 namespace {
 
 std::vector<EffectSpec> Uses() { return test::ContractUses(EffectCatalogue()); }
@@ -120,4 +120,4 @@ TEST(ThermalGrowth, IsThatOfTheArmAlone) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::effects_test

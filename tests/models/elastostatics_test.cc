@@ -14,7 +14,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/ridders.h"
 
-namespace sagitta {
+namespace sagitta::elastostatics_test {
 namespace {
 
 using test::RandomNumbers;
@@ -302,4 +302,4 @@ TEST(LoadedReference, TorquesAndFirstOrderMarkers) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::elastostatics_test

@@ -10,7 +10,7 @@
 #include "tests/support/kr270.h"
 #include "tests/support/ridders.h"
 
-namespace sagitta {
+namespace sagitta::forward_model_derivatives_test {
 namespace {
 
 using test::RandomNumbers;
@@ -219,4 +219,4 @@ TEST(ForwardModel, TransformValuesFollowTheSignAndCouplingRule) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::forward_model_derivatives_test

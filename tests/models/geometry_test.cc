@@ -5,7 +5,7 @@
 
 #include "tests/support/arms.h"
 
-namespace sagitta {
+namespace sagitta::geometry_test {
 namespace {
 
 using test::RandomNumbers;
@@ -113,4 +113,4 @@ TEST(Geometry, PoseMapsPoints) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::geometry_test

@@ -6,7 +6,7 @@
 #include "models/quantity.h"
 #include "tests/support/two_link.h"
 
-namespace sagitta {
+namespace sagitta::hand_computed_test {
 namespace {
 
 using test::TwoLinkScene;
@@ -140,4 +140,4 @@ TEST(HandComputed, AForceThatTurnsWithTheFlange) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::hand_computed_test

@@ -7,7 +7,7 @@
 #include "models/sight.h"
 #include "tests/support/two_link.h"
 
-namespace sagitta {
+namespace sagitta::instrument_conventions_test {
 namespace {
 
 using test::ExpectPoint;
@@ -290,4 +290,4 @@ TEST(DescriptionConventions, RpyIsAboutFixedAxesXFirst) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::instrument_conventions_test

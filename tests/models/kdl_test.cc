@@ -5,7 +5,7 @@
 
 #ifdef SAGITTA_HAVE_KDL
 
-namespace sagitta {
+namespace sagitta::kdl_test {
 namespace {
 
 using test::DhRow;
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, Kdl,
                          [](const ::testing::TestParamInfo<Case>& arm) { return std::string(arm.param.name); });
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::kdl_test
 
 #else
 

@@ -10,7 +10,7 @@
 #include "tests/support/kr270.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::kr270_reference_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -114,4 +114,4 @@ TEST_F(Kr270Reference, GeometricJacobian) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::kr270_reference_test

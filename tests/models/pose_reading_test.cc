@@ -7,7 +7,7 @@
 #include "tests/support/kr270.h"
 #include "tests/support/ridders.h"
 
-namespace sagitta {
+namespace sagitta::pose_reading_test {
 namespace {
 
 using test::RandomNumbers;
@@ -208,4 +208,4 @@ TEST(Reading, JacobiansOfTheExponentialEqualDifferences) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::pose_reading_test

@@ -7,7 +7,7 @@
 #include "tests/support/arms.h"
 #include "tests/support/ridders.h"
 
-namespace sagitta {
+namespace sagitta::stated_torque_test {
 namespace {
 
 // Two links of 1 m and 0.5 m in the x-y plane; joint 2 counts against its axis.
@@ -123,4 +123,4 @@ TEST(StatedTorque, ModelledTorquesAreThoseOfTheLoads) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::stated_torque_test

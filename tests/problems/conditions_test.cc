@@ -7,7 +7,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/two_link.h"
 
-namespace sagitta {
+namespace sagitta::conditions_test {
 namespace {
 
 class ConditionsTest : public FileTest {
@@ -153,4 +153,4 @@ TEST_F(ConditionsTest, RoundOffIsNoMotion) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::conditions_test

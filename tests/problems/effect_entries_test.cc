@@ -6,7 +6,7 @@
 #include "problems/input_error.h"
 #include "problems/io/robot_file.h"
 
-namespace sagitta {
+namespace sagitta::effect_entries_test {
 namespace {
 
 const char* kRobot = R"(schema: sagitta/robot/1
@@ -126,4 +126,4 @@ TEST(EffectEntries, RefusalsNameKeyAndSpelling) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::effect_entries_test

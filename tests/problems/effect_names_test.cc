@@ -7,7 +7,7 @@
 #include "problems/input_error.h"
 #include "problems/io/robot_file.h"
 
-namespace sagitta {
+namespace sagitta::effect_names_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(RivalEffects, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::effect_names_test

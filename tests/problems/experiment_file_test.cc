@@ -6,7 +6,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::experiment_file_test {
 namespace {
 
 constexpr char kMinimal[] = "schema: sagitta/experiment/1\nrobot: robot.yaml\nmeasurements: [a.csv, sub/b.csv]\n";
@@ -276,4 +276,4 @@ TEST_F(ExperimentFileTest, NamesTheFile) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::experiment_file_test

@@ -10,7 +10,7 @@
 #include "problems/io/units.h"
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::files_test {
 namespace {
 
 class FilesTest : public FileTest {};
@@ -108,4 +108,4 @@ TEST(UnitsTest, ConvertsThereAndBack) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::files_test

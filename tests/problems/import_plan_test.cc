@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sagitta {
+namespace sagitta::import_plan_test {
 namespace {
 
 PlannedColumn Column(const std::string& stem, const std::string& unit, int source) {
@@ -35,4 +35,4 @@ TEST(PlanBySize, GoesByTheLargestNumbers) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::import_plan_test

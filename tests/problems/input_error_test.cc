@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sagitta {
+namespace sagitta::input_error_test {
 namespace {
 
 TEST(InputErrorTest, MessageNamesWhatIsKnown) {
@@ -52,4 +52,4 @@ TEST(SpellingHintTest, SuggestsOrLists) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::input_error_test

@@ -9,7 +9,7 @@
 #include "tests/support/interruptible.h"
 #include "tests/support/kr270.h"
 
-namespace sagitta {
+namespace sagitta::interruption_test {
 namespace {
 
 using test::ExpectInterruptible;
@@ -50,4 +50,4 @@ TEST_F(InterruptionOf, ImportedRows) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::interruption_test

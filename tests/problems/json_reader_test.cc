@@ -5,7 +5,7 @@
 
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::json_reader_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -94,4 +94,4 @@ TEST_F(JsonValueTest, CorrelationsCanBe) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::json_reader_test

@@ -8,7 +8,7 @@
 #include "problems/io/yaml_reader.h"
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::limits_test {
 namespace {
 
 std::string RobotOf(int joints) {
@@ -161,4 +161,4 @@ TEST(LimitsTest, UrdfOfAnyShape) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::limits_test

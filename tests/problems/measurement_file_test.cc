@@ -9,7 +9,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::measurement_file_test {
 namespace {
 
 constexpr double kDeg = M_PI / 180.0;
@@ -456,4 +456,4 @@ TEST_F(MeasurementFileTest, ReadsTheSharedData) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::measurement_file_test

@@ -6,7 +6,7 @@
 
 #include "problems/io/csv_table.h"
 
-namespace sagitta {
+namespace sagitta::measurement_rows_test {
 namespace {
 
 std::vector<std::string> CellsOf(const MeasurementRows::Row& row) {
@@ -72,4 +72,4 @@ TEST(MeasurementRowsTest, PlainAndQuotedFilesHaveTheSameCells) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::measurement_rows_test

@@ -6,7 +6,7 @@
 #include "problems/input_error.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::noise_model_test {
 namespace {
 
 using From = NoiseSpec::From;
@@ -140,4 +140,4 @@ TEST(NoiseModel, WhatCannotBeIsRefusedWithWords) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::noise_model_test

@@ -22,7 +22,7 @@
 #include "problems/limits.h"
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::output_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -389,4 +389,4 @@ TEST_F(OutputFilesTest, ReadingEnds) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::output_files_test

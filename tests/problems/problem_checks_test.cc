@@ -7,7 +7,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270_experiment.h"
 
-namespace sagitta {
+namespace sagitta::problem_checks_test {
 namespace {
 
 using From = NoiseSpec::From;
@@ -110,4 +110,4 @@ TEST_F(ProblemChecksTest, SigmasAreStatedByAllRowsOrByNone) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::problem_checks_test

@@ -20,7 +20,7 @@
 #include "tests/support/kr270.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::published_test {
 namespace {
 
 const std::string kPublished = test::SourceFolder() + "/problems/published/";
@@ -225,4 +225,4 @@ TEST(PublishedThreeLink, RobotIsEquation21) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::published_test

@@ -9,7 +9,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::robot_file_test {
 namespace {
 
 constexpr double kDeg = M_PI / 180.0;
@@ -380,4 +380,4 @@ TEST_F(RobotFileErrorTest, NamesTheFile) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::robot_file_test

@@ -14,7 +14,7 @@
 
 #ifdef SAGITTA_HAVE_KDL
 
-namespace sagitta {
+namespace sagitta::robot_formats_test {
 namespace {
 
 using test::DhRow;
@@ -420,7 +420,7 @@ TEST(ExpressionTest, NumbersAsPeopleTypeThem) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::robot_formats_test
 
 #else
 

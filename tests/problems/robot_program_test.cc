@@ -7,7 +7,7 @@
 #include "models/constants.h"
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::robot_program_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -373,4 +373,4 @@ TEST_F(RobotProgramTest, BadProgramsAreNamed) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::robot_program_test

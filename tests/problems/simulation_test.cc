@@ -10,7 +10,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270.h"
 
-namespace sagitta {
+namespace sagitta::simulation_test {
 namespace {
 
 constexpr double kFarOut = 4.8;  // standard deviations: exceeded once in 600 000 draws
@@ -255,4 +255,4 @@ TEST_F(MeasurementWriter, WhatItWritesReadsBackInFullPrecision) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::simulation_test

@@ -10,7 +10,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::split_test {
 namespace {
 
 // One shot per configuration C00, C01, ..., joint value 0, 1, ...
@@ -159,4 +159,4 @@ TEST(SplitTest, SharedUr5SplitIsThePublishedOne) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::split_test

@@ -7,7 +7,7 @@
 #include "tests/problems/file_test_support.h"
 #include "tests/support/kr270.h"
 
-namespace sagitta {
+namespace sagitta::target_file_test {
 namespace {
 
 Robot Arm() {
@@ -111,4 +111,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& bad) { return std::string(bad.param.name); });
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::target_file_test

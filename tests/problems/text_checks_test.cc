@@ -9,7 +9,7 @@
 #include "problems/io/files.h"
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::text_checks_test {
 namespace {
 
 TEST(TextChecksTest, ControlCharactersAreFoundAndShown) {
@@ -79,4 +79,4 @@ TEST(CsvControlTest, SizesAreLimited) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::text_checks_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sagitta {
+namespace sagitta::text_test {
 namespace {
 
 TEST(TextTest, NumbersBelowTheNormalRangeAreNumbers) {
@@ -12,4 +12,4 @@ TEST(TextTest, NumbersBelowTheNormalRangeAreNumbers) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::text_test

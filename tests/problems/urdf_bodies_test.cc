@@ -14,7 +14,7 @@
 #include "problems/io/urdf_robot.h"
 #include "tests/problems/file_test_support.h"
 
-namespace sagitta {
+namespace sagitta::urdf_bodies_test {
 namespace {
 
 using Isometry = Eigen::Isometry3d;
@@ -174,4 +174,4 @@ TEST_F(UrdfCellTest, AUrdfOfAnotherArmIsRefused) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::urdf_bodies_test

@@ -9,7 +9,7 @@
 
 #ifdef SAGITTA_HAVE_KDL
 
-namespace sagitta {
+namespace sagitta::urdf_test {
 namespace {
 
 using test::FlangeOf;
@@ -262,7 +262,7 @@ TEST(RpyTest, IsTheInverseAtEveryPitch) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::urdf_test
 
 #else
 

@@ -4,7 +4,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::bad_input_test {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -234,4 +234,4 @@ TEST_F(BadInputTest, DegreesInRadianColumns) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::bad_input_test

@@ -16,7 +16,7 @@
 #include "tools/report/residual_pictures.h"
 #include "tools/report/residual_rows.h"
 
-namespace sagitta {
+namespace sagitta::charts_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -190,4 +190,4 @@ TEST(Page, ForbidsEverythingButItsOwnScripts) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::charts_test

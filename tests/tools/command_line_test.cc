@@ -1,7 +1,7 @@
 // The command line itself: help, exit statuses, flags, hints.
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::command_line_test {
 namespace {
 
 using CommandLineTest = ProgramTest;
@@ -113,4 +113,4 @@ TEST_F(CommandLineTest, AnExperimentNamesItsOwnMeasurements) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::command_line_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::compensator_geometry_test {
 namespace {
 
 // Paper 002's six angles; P1 and P2 built from distances: |P1 - P2| is the
@@ -114,4 +114,4 @@ TEST(CompensatorGeometry, OneAngleOrNoAnchorIsNotSolved) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::compensator_geometry_test

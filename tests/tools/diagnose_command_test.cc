@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::diagnose_command_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -113,4 +113,4 @@ TEST_F(DiagnoseCommandTest, TheEstimateHasTheVerdictThatCalibrateWrites) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::diagnose_command_test

@@ -5,7 +5,7 @@
 #include "tests/support/random_numbers.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::diagnosis_figures_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -145,4 +145,4 @@ TEST_F(DiagnosisFiguresTest, IntervalsAreInTheUnitOfTheirSigma) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::diagnosis_figures_test

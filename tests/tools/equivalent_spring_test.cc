@@ -6,7 +6,7 @@
 #include "estimator/statistics/distributions.h"
 #include "tests/support/loaded_kr270.h"
 
-namespace sagitta {
+namespace sagitta::equivalent_spring_test {
 namespace {
 
 constexpr SpringMounting kGeometry{0.18472, 0.68593, 0.12330};      // paper 002, Table V
@@ -119,4 +119,4 @@ TEST(EquivalentSpring, FromTheNodesOfAJointSolve) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::equivalent_spring_test

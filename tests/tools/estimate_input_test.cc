@@ -3,7 +3,7 @@
 #include "problems/input_error.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::estimate_input_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -146,4 +146,4 @@ TEST_F(EstimateInputTest, DeepStateOfACoverageRun) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::estimate_input_test

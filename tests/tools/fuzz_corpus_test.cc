@@ -6,7 +6,7 @@
 #include "tests/fuzz/readers.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::fuzz_corpus_test {
 namespace {
 
 TEST(FuzzCorpusTest, EverySeedIsReadOrRefused) {
@@ -39,4 +39,4 @@ TEST(FuzzCorpusTest, EverySeedIsReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::fuzz_corpus_test

@@ -6,7 +6,7 @@
 
 #include "tests/tools/import_tables.h"
 
-namespace sagitta::test {
+namespace sagitta::test::import_poses_test {
 namespace {
 
 // Poses of a target on the flange: KDL has the rotations, and writes them in every way that tables have.
@@ -357,6 +357,6 @@ TEST_F(AsPublished, Wam) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::import_poses_test
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "tests/tools/import_tables.h"
 
-namespace sagitta::test {
+namespace sagitta::test::import_test {
 namespace {
 
 TEST_F(Import, SeparatorsAndDecimalSigns) {
@@ -291,7 +291,7 @@ TEST_F(Convert, RoundTripAndWords) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::import_test
 
 #else
 

@@ -3,7 +3,7 @@
 #include "tests/support/paths.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::inspect_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST_F(InspectTest, RealDataRaiseNoSeriousAlarm) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::inspect_test

@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::intervals_command_test {
 namespace {
 
 using nlohmann::json;
@@ -197,4 +197,4 @@ TEST_F(IntervalsCommandTest, CoverageRefusesTheStateOfAnotherRun) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::intervals_command_test

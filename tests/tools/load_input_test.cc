@@ -5,7 +5,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::load_input_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -242,4 +242,4 @@ TEST_F(LoadInputTest, ForcesInTheWrongUnit) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::load_input_test

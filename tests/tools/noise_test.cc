@@ -4,7 +4,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::noise_test {
 namespace {
 
 class NoiseTest : public ProgramTest {
@@ -163,4 +163,4 @@ TEST_F(NoiseTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::noise_test

@@ -4,7 +4,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::one_bad_row_test {
 namespace {
 
 class OneBadRowTest : public ProgramTest {
@@ -178,4 +178,4 @@ TEST_F(OneBadRowTest, ARobotThatCannotHaveMadeTheReadingsIsRefusedByEveryCommand
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::one_bad_row_test

@@ -5,7 +5,7 @@
 #include "problems/io/files.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::outputs_test {
 namespace {
 
 class OutputsTest : public ProgramTest {
@@ -179,4 +179,4 @@ TEST_F(OutputsTest, CountsAreBounded) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::outputs_test

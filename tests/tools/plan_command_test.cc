@@ -1,7 +1,7 @@
 // sagitta plan as a user runs it: what is written reads back, and what cannot be planned ends with 2 and its reason.
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::plan_command_test {
 namespace {
 
 class PlanCommandTest : public ProgramTest {
@@ -168,4 +168,4 @@ TEST_F(PlanCommandTest, ALoadThatFoldsTheArmIsNamed) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::plan_command_test

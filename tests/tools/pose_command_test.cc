@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::pose_command_test {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -120,4 +120,4 @@ TEST_F(PoseCommandTest, MeasuredTorquesAreAskedForByFileLineAndKey) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::pose_command_test

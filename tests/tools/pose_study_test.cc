@@ -9,7 +9,7 @@
 #include "problems/io/robot_file.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::pose_study_test {
 namespace {
 
 // The arm of paper 000. The paper does not state the range its configurations were
@@ -125,4 +125,4 @@ TEST(PoseStudy, IsReproducibleAndPrintsItsRows) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::pose_study_test

@@ -6,7 +6,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::predict_noise_test {
 namespace {
 
 using nlohmann::json;
@@ -125,4 +125,4 @@ TEST_F(PredictNoiseTest, AnInstrumentsCovarianceIsThatAtThePredictedPoint) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::predict_noise_test

@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::prediction_test {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -125,4 +125,4 @@ TEST_F(PredictionTest, LeveragesSumToTheRank) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::prediction_test

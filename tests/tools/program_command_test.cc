@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta {
+namespace sagitta::program_command_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -91,4 +91,4 @@ TEST_F(ProgramCommandTest, NothingCorrectedIsANumericalFailure) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::program_command_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sagitta {
+namespace sagitta::progress_test {
 namespace {
 
 TEST(ProgressMeter, SaysThePhaseAndTheTimeLeft) {
@@ -59,4 +59,4 @@ TEST(ProgressMeter, WithoutPhasesTheWordsStandAlone) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::progress_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sagitta {
+namespace sagitta::remedies_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -20,4 +20,4 @@ TEST(Remedies, SentencesThatShareOneAreGroupedAndCounted) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::remedies_test

@@ -5,7 +5,7 @@
 #include "tests/support/paths.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::reproduce_test {
 namespace {
 
 class ReproduceTest : public ProgramTest {
@@ -183,4 +183,4 @@ TEST_F(ReproduceTest, MissingAndMutilatedDataAreInputErrors) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::reproduce_test

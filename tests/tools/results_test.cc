@@ -7,7 +7,7 @@
 
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::results_test {
 namespace {
 
 class ResultsTest : public ProgramTest {
@@ -336,4 +336,4 @@ TEST_F(ResultsTest, ARobotThatDoesNotFitTheDataIsSaidSo) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::results_test

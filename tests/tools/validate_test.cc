@@ -3,7 +3,7 @@
 #include "tests/support/measured_arms.h"
 #include "tests/tools/program.h"
 
-namespace sagitta::test {
+namespace sagitta::test::validate_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -194,4 +194,4 @@ TEST_F(ValidateTest, WhatIsNotKnownIsRefused) {
 }
 
 }  // namespace
-}  // namespace sagitta::test
+}  // namespace sagitta::test::validate_test

@@ -10,7 +10,7 @@
 #include "tests/support/kr270.h"
 #include "tests/support/paths.h"
 
-namespace sagitta {
+namespace sagitta::weight_study_test {
 namespace {
 
 constexpr double kMicro = 1e-6;  // urad/(N m), um
@@ -294,4 +294,4 @@ TEST(WeightStudy, TheBoundIsSharp) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::weight_study_test
