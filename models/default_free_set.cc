@@ -31,7 +31,9 @@ bool IsBeta(const std::string& error) {
 }
 
 // The turn at which an error may join: offsets of joints, other errors, betas.
-int TurnOf(const ElementaryTransform& transform) { return transform.has_joint() ? 0 : IsBeta(transform.error) ? 2 : 1; }
+int TurnOfChoice(const ElementaryTransform& transform) {
+  return transform.has_joint() ? 0 : IsBeta(transform.error) ? 2 : 1;
+}
 
 // Gram-Schmidt, twice for accuracy; keeps a column only if it is independent.
 class IndependentColumns {
@@ -98,7 +100,7 @@ FreeSet DefaultFreeSet(const Chain& chain, const FreeSetContext& context) {
   std::vector<bool> is_free(model.num_parameters(), false);
   for (const int turn : {0, 1, 2}) {
     for (int i = 0; i < model.num_parameters(); ++i) {
-      if (TurnOf(snapped.transforms[model.parameters()[i].index]) != turn) continue;
+      if (TurnOfChoice(snapped.transforms[model.parameters()[i].index]) != turn) continue;
       is_free[i] = kept.Add(jacobian.col(kNuisance + i));
     }
   }

@@ -8,7 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kUnitLength = 1e-6;  // of a direction, off 1
+constexpr double kUnitDirection = 1e-6;  // of a direction, off 1
 
 class Checks {
  public:
@@ -54,7 +54,7 @@ void CheckScene(const Experiment& experiment, const Checks& check) {
   check.In(allowed::kMass, experiment.tool_mass, "tool.mass_kg");
   check.In(allowed::kCoordinate, experiment.tool_com, "tool.com");
   check.In(allowed::kGravity, experiment.gravity, "gravity.m_per_s2");
-  if (!(std::abs(experiment.gravity_direction.norm() - 1.0) < kUnitLength)) {
+  if (!(std::abs(experiment.gravity_direction.norm() - 1.0) < kUnitDirection)) {
     FailProblem(experiment, "gravity.direction", "a direction of length 1 is expected");
   }
   for (const auto& [id, marker] : experiment.markers) {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kAxisNames[3] = {"x", "y", "z"};
 
-CoordinateKind KindOf(ParameterLaw law) {
+CoordinateKind KindOfLaw(ParameterLaw law) {
   switch (law) {
     case ParameterLaw::kGeometry:
       return CoordinateKind::kGeometry;
@@ -84,7 +84,7 @@ ParameterSet::ParameterSet(const std::vector<std::string>& stations, const std::
   for (int i = 0; i < num_model_parameters_; ++i) {
     const ModelParameter& parameter = model_parameters[i];
     add_block(parameter.name, BlockKind::kModelParameter, i, {parameter.nominal}, {parameter.name}, parameter.quantity,
-              KindOf(parameter.law));
+              KindOfLaw(parameter.law));
     coordinates_.back().lower = parameter.lower;
     if (parameter.law == ParameterLaw::kCompensator) {
       coordinates_.back().compensator_part = static_cast<CompensatorPart>(parameter.index);

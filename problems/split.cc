@@ -15,7 +15,7 @@ namespace {
 
 std::string FirstFile(const Measurements& data) { return data.files.empty() ? "" : data.files.front().path; }
 
-[[noreturn]] void Fail(const Measurements& data, const std::string& what, const std::string& hint = "") {
+[[noreturn]] void RefuseSplit(const Measurements& data, const std::string& what, const std::string& hint = "") {
   throw InputError({FirstFile(data), 0, "validation"}, what, hint);
 }
 
@@ -27,12 +27,13 @@ int CountHeldOut(const Measurements& data) {
 void RefuseEverything(const Measurements& data) {
   if (CountHeldOut(data) < static_cast<int>(data.configurations.size())) return;
   const bool alike = data.configurations.size() > 1 && GroupsOfEqualJointValues(data).size() == 1;
-  Fail(data, "every configuration is held out, nothing is left to calibrate with",
-       alike ? "all configurations are alike (equal joint values) and count as one: measure different ones" : "");
+  RefuseSplit(
+      data, "every configuration is held out, nothing is left to calibrate with",
+      alike ? "all configurations are alike (equal joint values) and count as one: measure different ones" : "");
 }
 
 void RefuseNothing(const Measurements& data, const std::string& hint) {
-  if (CountHeldOut(data) == 0) Fail(data, "no configuration is held out", hint);
+  if (CountHeldOut(data) == 0) RefuseSplit(data, "no configuration is held out", hint);
 }
 
 // The observation's configuration is held out where the column has one of the
@@ -83,7 +84,7 @@ std::vector<double> TimeKeys(const std::vector<std::vector<int>>& groups, const 
   std::vector<double> time(data.configurations.size(), std::numeric_limits<double>::infinity());
   for (const Shot& shot : data.shots) {
     if (!shot.has_time) {
-      Fail(data, "a split by time needs the time of every row", "column time_s; or validation by config");
+      RefuseSplit(data, "a split by time needs the time of every row", "column time_s; or validation by config");
     }
     time[shot.configuration] = std::min(time[shot.configuration], shot.time);
   }
@@ -111,7 +112,7 @@ void HoldOutFirst(const std::vector<std::vector<int>>& groups, const std::vector
 
 void SplitByFraction(const ValidationSpec& spec, Measurements* data) {
   if (!(spec.fraction > 0.0 && spec.fraction < 1.0)) {
-    Fail(*data, "the fraction held out has to be between 0 and 1, it is " + FormatNumber(spec.fraction));
+    RefuseSplit(*data, "the fraction held out has to be between 0 and 1, it is " + FormatNumber(spec.fraction));
   }
   const std::vector<std::vector<int>> groups = GroupsOfEqualJointValues(*data);
   if (spec.by_time) {

@@ -7,6 +7,8 @@
 
 namespace sagitta {
 
+inline constexpr char kAxisLetters[] = "xyz";
+
 // "12.30" with two decimals; "-" where the value is not known (NaN). Zero has no sign.
 std::string Fixed(double value, int decimals);
 

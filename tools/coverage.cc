@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kLevel = 0.95;
 
-void CheckFlags() {
+void CheckCoverageFlags() {
   CheckIn(allowed::kTrials, FLAGS_trials, "--trials");
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
   MethodNamed(FLAGS_method);
@@ -163,7 +163,7 @@ std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
 
 int RunCoverage(const CommandLine& line) {
   ExpectArguments(line, CoverageCommand(), 1, 1000);
-  CheckFlags();
+  CheckCoverageFlags();
   const OutputFolder out(FLAGS_out, {"coverage.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = PlausibleProblem(inputs);

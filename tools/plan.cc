@@ -38,7 +38,7 @@ DEFINE_bool(move, true, "drawn poses may move to where they tell more");
 namespace sagitta {
 namespace {
 
-void CheckFlags() {
+void CheckPlanFlags() {
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
   if (IsGiven("poses") == IsGiven("accuracy_mm")) {
     throw InputError({"", 0, "--poses"}, "one of --poses and --accuracy_mm says how many", "--poses=20");
@@ -80,7 +80,7 @@ void Summarise(const Plan& plan) {
 
 int RunPlan(const CommandLine& line) {
   ExpectArguments(line, PlanCommand(), 1, 1000);
-  CheckFlags();
+  CheckPlanFlags();
   const OutputFolder out(FLAGS_out, {"plan.csv", "plan.json", "report.html"});
   MeasurementReadOptions options;
   options.points_required = false;

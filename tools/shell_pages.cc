@@ -84,7 +84,7 @@ std::string Upper(std::string text) {
   return text;
 }
 
-std::string Head(const std::string& name, const std::string& summary) {
+std::string ManualHead(const std::string& name, const std::string& summary) {
   return ".TH " + Upper(name) + " 1 \"\" \"sagitta " SAGITTA_VERSION "\"\n.SH NAME\n" + Roff(name) + " \\- " +
          Roff(summary) + "\n";
 }
@@ -93,7 +93,7 @@ constexpr const char* kExitStatus =
     ".SH EXIT STATUS\n0 done; 1 done, but a requirement is not met; 2 input or usage error; 3 numerical failure\n";
 
 std::string ManOf(const CommandPage& page) {
-  std::string man = Head("sagitta-" + page.name, page.summary) + ".SH SYNOPSIS\n.B " + Roff(page.usage) +
+  std::string man = ManualHead("sagitta-" + page.name, page.summary) + ".SH SYNOPSIS\n.B " + Roff(page.usage) +
                     "\n.SH DESCRIPTION\n" + Verbatim(page.description) + ".SH OPTIONS\n";
   for (const FlagPage& flag : page.flags) {
     man += ".TP\n.B \\-\\-" + Roff(flag.name) + (flag.takes_value ? "=…" : "") + "\n" + Roff(flag.words) + "\n";
@@ -102,7 +102,7 @@ std::string ManOf(const CommandPage& page) {
 }
 
 std::string ManOfAll(const std::vector<CommandPage>& pages, const std::string& overview) {
-  std::string man = Head("sagitta", "robot calibration from measured points") +
+  std::string man = ManualHead("sagitta", "robot calibration from measured points") +
                     ".SH SYNOPSIS\n.B sagitta COMMAND …\n.SH DESCRIPTION\n" + Verbatim(overview) + kExitStatus +
                     ".SH SEE ALSO\n";
   for (size_t i = 0; i < pages.size(); ++i) {

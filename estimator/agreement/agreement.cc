@@ -49,7 +49,7 @@ double TestAtOnce(const Whole& whole, const PartFit& a, const PartFit& b, bool s
   return FSurvival(squares * (n - m + 1.0) / (n * m), m, n - m + 1.0);
 }
 
-Differences Compare(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich) {
+Differences DifferencesOfParts(const Whole& whole, const PartFit& a, const PartFit& b, bool sandwich) {
   Differences found;
   std::vector<int> in_a, in_b;
   for (size_t i = 0; i < a.columns.size(); ++i) {
@@ -152,10 +152,10 @@ RobustCovariance CompareSplits(const std::vector<Split>& splits, Whole* given, A
     const bool is_random = split.by == SplitBy::kRandom;
     const auto& [first, second] = fits[s];
     if (!first.usable || !second.usable) continue;
-    const Differences found = Compare(whole, first, second, whole.by_sandwich);
+    const Differences found = DifferencesOfParts(whole, first, second, whole.by_sandwich);
     if (is_random) {
       random[whole.by_sandwich].Add(found);
-      random[!whole.by_sandwich].Add(Compare(whole, first, second, !whole.by_sandwich));
+      random[!whole.by_sandwich].Add(DifferencesOfParts(whole, first, second, !whole.by_sandwich));
     }
     if (found.over_interval.empty()) continue;
     kinds[split.by].Add(found);

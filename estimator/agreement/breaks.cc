@@ -18,8 +18,8 @@ namespace {
 // The most that any break explains of the measured robots beside the tree is 0.08 (UR10, series B); a frame that moves
 // by 3 standard deviations in the middle of a campaign explains 0.4.
 constexpr double kBeyondArms = 0.25;
-constexpr size_t kFewest = 5;            // configurations before and after, as of parts that are compared
-constexpr double kLeastOfItself = 1e-6;  // of a column's square, beside what is estimated: less is the same
+constexpr size_t kFewestConfigurations = 5;  // configurations before and after, as of parts that are compared
+constexpr double kLeastOfItself = 1e-6;      // of a column's square, beside what is estimated: less is the same
 
 constexpr size_t kPlaces = 200;    // of each cause, before the likeliest is looked at closely
 constexpr double kLooked = 2.5e5;  // numbers: thousands of rows show a break as well as all
@@ -37,7 +37,7 @@ struct Step {
 };
 
 // The likeliest break so far.
-struct Best {
+struct LikeliestBreak {
   Break found;
   const Cause* cause = nullptr;  // none: nothing has moved
   Eigen::VectorXd by;            // per unit of its columns
@@ -53,7 +53,7 @@ class BreakSearch {
   std::optional<Break> Run() {
     const std::vector<Cause> causes = Causes();
     if (!Prepare()) return std::nullopt;
-    Best best;
+    LikeliestBreak best;
     int tried = 0;
     for (const Cause& cause : causes) tried += Try(cause, 1 + order_.size() / kPlaces, &best);
     if (best.cause == nullptr || ScoreOfPose() < best.score) return std::nullopt;
@@ -132,7 +132,7 @@ class BreakSearch {
     num_configurations_ = static_cast<int>(configurations.size());
     for (const auto& [load, some] : of_load) num_states_ += static_cast<int>(some.size());
     for (const auto& [load, some] : of_load) {
-      if (some.size() >= 2 * kFewest) loads_.push_back(load);
+      if (some.size() >= 2 * kFewestConfigurations) loads_.push_back(load);
     }
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), 0);
@@ -191,7 +191,7 @@ class BreakSearch {
   };
 
   // One cause at every place (of many: at every `each`-th), from the last row on. Returns how many were tried.
-  int Try(const Cause& cause, size_t each, Best* best) const {
+  int Try(const Cause& cause, size_t each, LikeliestBreak* best) const {
     std::vector<int> rows;
     std::map<int, int> left;  // rows of each configuration before the place
     for (const int k : order_) {
@@ -213,7 +213,7 @@ class BreakSearch {
       const Shot& shot = ShotOf(rows[at]);
       after.insert(shot.configuration);
       if (--left[shot.configuration] == 0) left.erase(shot.configuration);
-      if (&ShotOf(rows[at - 1]) == &shot || std::min(after.size(), left.size()) < kFewest) continue;
+      if (&ShotOf(rows[at - 1]) == &shot || std::min(after.size(), left.size()) < kFewestConfigurations) continue;
       if (++places % each != 0) continue;
       ++tried;
       if (!Improves(cause, sums, best)) continue;
@@ -250,7 +250,7 @@ class BreakSearch {
 
   double ShareOf(const Step& step) const { return std::min(step.gain / squares_, 1.0 - 1e-12); }
 
-  bool Improves(const Cause& cause, const Sums& sums, Best* best) const {
+  bool Improves(const Cause& cause, const Sums& sums, LikeliestBreak* best) const {
     const auto d = static_cast<double>(sums.along.size()), n = static_cast<double>(num_configurations_);
     // A configuration under several loads is one alone: what the model lacks of it is in all of them.
     const auto by_loads = static_cast<double>(sums.shared.cols() - basis_.cols());
@@ -283,7 +283,7 @@ class BreakSearch {
   }
 
   // RMS distance over the points after it.
-  double Moved(const Best& best) const {
+  double Moved(const LikeliestBreak& best) const {
     const Eigen::VectorXd whitened = ColumnsOf(*best.cause) * best.by;
     double sum = 0.0;
     int count = 0;

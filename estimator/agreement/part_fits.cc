@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kFewestFree = 6;  // degrees of freedom of a part: less and its noise is not known
 
-Linearization Rows(const Linearization& whole, const std::vector<int>& observations, const std::vector<int>& columns) {
+Linearization RowsOfPart(const Linearization& whole, const std::vector<int>& observations,
+                         const std::vector<int>& columns) {
   Linearization part;
   std::vector<int> rows;
   for (const int k : observations) {
@@ -36,7 +37,7 @@ struct Part {
   const NormalSums* sums = nullptr;
 
   Linearization Of(const std::vector<int>& columns) const {
-    return sums != nullptr ? Condense(SelectColumns(*sums, columns)) : Rows(whole.rows, observations, columns);
+    return sums != nullptr ? Condense(SelectColumns(*sums, columns)) : RowsOfPart(whole.rows, observations, columns);
   }
   // Columns that it sees at all.
   std::vector<int> Seen() const {
@@ -84,7 +85,7 @@ PartFit FitPart(const Part& part, const std::vector<int>& columns) {
 RobustCovariance SandwichOf(const Whole& whole, const std::vector<int>& observations, const PartFit& fit) {
   std::vector<int> clusters;
   for (const int k : observations) clusters.push_back(whole.clusters[k]);
-  Linearization at_its_optimum = Rows(whole.rows, observations, fit.columns);
+  Linearization at_its_optimum = RowsOfPart(whole.rows, observations, fit.columns);
   // r + J d: where the part alone would end, to first order.
   at_its_optimum.residual += at_its_optimum.jacobian * fit.solution.step;
   return SandwichCovariance(at_its_optimum, clusters);

@@ -8,10 +8,10 @@
 namespace sagitta {
 namespace {
 
-constexpr double kStill = 0.02;         // rad or m: a joint that covers less divides nothing
-constexpr double kSmallestPart = 0.25;  // of the configurations
-constexpr int kFewest = 5;              // configurations of a part
-constexpr size_t kMostPairs = 4;        // stations that are compared two by two; more: each against the rest
+constexpr double kDividesNothing = 0.02;  // rad or m: a joint that covers less divides nothing
+constexpr double kSmallestPart = 0.25;    // of the configurations
+constexpr int kFewestOfPart = 5;          // configurations of a part
+constexpr size_t kMostPairs = 4;          // stations that are compared two by two; more: each against the rest
 
 class Splitter {
  public:
@@ -59,7 +59,7 @@ class Splitter {
 
   void Add(SplitBy by, const std::string& key, const std::vector<bool>& first) {
     const auto many = static_cast<double>(std::count(first.begin(), first.end(), true));
-    const double least = std::max<double>(kFewest, kSmallestPart * num_clusters_);
+    const double least = std::max<double>(kFewestOfPart, kSmallestPart * num_clusters_);
     if (std::min(many, num_clusters_ - many) < least) return;
     Split split{by, key, {}, {}};
     for (size_t k = 0; k < rows_.size(); ++k) {
@@ -95,7 +95,8 @@ class Splitter {
   void AddJoint(int j) {
     const std::vector<double> q =
         MeanOf([&](int i) { return problem_.data().ConfigurationOf(problem_.data().observations[i]).q[j]; });
-    if (q.empty() || *std::max_element(q.begin(), q.end()) - *std::min_element(q.begin(), q.end()) < kStill) return;
+    if (q.empty() || *std::max_element(q.begin(), q.end()) - *std::min_element(q.begin(), q.end()) < kDividesNothing)
+      return;
     AddMedian(SplitBy::kRegion, problem_.robot().chain.joints[j].name, q);
   }
 
@@ -119,7 +120,7 @@ class Splitter {
   }
 
   void AddRows(SplitBy by, const std::string& key, const Clusters& a, const Clusters& b) {
-    if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < kFewest) return;
+    if (std::min(std::count(a.begin(), a.end(), 1), std::count(b.begin(), b.end(), 1)) < kFewestOfPart) return;
     for (size_t c = 0; c < a.size(); ++c) {
       if (a[c] != 0 && b[c] != 0) return;
     }

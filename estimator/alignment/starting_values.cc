@@ -135,7 +135,7 @@ std::vector<int> RowsOfStarts(const CalibrationProblem& problem, const std::vect
   return rows;
 }
 
-struct Candidate {
+struct StartCandidate {
   double rms;
   ParameterSet parameters;
 };
@@ -150,7 +150,8 @@ void HoldModel(ParameterSet* parameters) {
 }
 
 // Base poses and markers by Levenberg-Marquardt on rows.
-void Polish(const NormalEquations& equations, const std::vector<FramedObservation>& framed, Candidate* candidate) {
+void PolishStart(const NormalEquations& equations, const std::vector<FramedObservation>& framed,
+                 StartCandidate* candidate) {
   ParameterSet polished = candidate->parameters;
   HoldModel(&polished);
   MinimizeOptions minimize;
@@ -196,7 +197,7 @@ namespace {
 // The best start by a sample of the rows.
 struct Start {
   std::vector<FramedObservation> framed;  // the sample
-  Candidate best;
+  StartCandidate best;
 };
 
 Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& observations,
@@ -205,7 +206,7 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
   std::vector<FramedObservation> framed = EvaluateFrames(problem, looked_at, given);
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal(0.0, options.marker_spread);
-  std::vector<Candidate> candidates;
+  std::vector<StartCandidate> candidates;
   for (int start = 0; start <= options.random_marker_starts; ++start) {
     ParameterSet trial = given;
     for (int m = 0; start > 0 && m < trial.num_markers(); ++m) {
@@ -227,9 +228,9 @@ Start StartOfSample(const CalibrationProblem& problem, const std::vector<int>& o
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
   candidates.resize(std::min<size_t>(candidates.size(), options.polished));
   const NormalEquations equations = EquationsOf(problem, looked_at);
-  for (Candidate& candidate : candidates) Polish(equations, framed, &candidate);
-  Candidate* best = &candidates[0];
-  for (Candidate& candidate : candidates) {
+  for (StartCandidate& candidate : candidates) PolishStart(equations, framed, &candidate);
+  StartCandidate* best = &candidates[0];
+  for (StartCandidate& candidate : candidates) {
     if (candidate.rms < best->rms * (1.0 - kEqual)) best = &candidate;
   }
   return {std::move(framed), std::move(*best)};
@@ -242,7 +243,7 @@ double FindStartingValues(const CalibrationProblem& problem, const std::vector<i
   CheckOptions(options);
   Start start = StartOfSample(problem, observations, options, *parameters);
   const bool are_all = start.framed.size() == observations.size();
-  if (!are_all) Polish(EquationsOf(problem, observations), start.framed, &start.best);
+  if (!are_all) PolishStart(EquationsOf(problem, observations), start.framed, &start.best);
   *parameters = start.best.parameters;
   if (are_all) return start.best.rms;
   return DistanceRms(EvaluateFrames(problem, observations, *parameters), *parameters);
@@ -253,7 +254,7 @@ void FindStartingValues(const CalibrationProblem& problem, const NormalEquations
   CheckOptions(options);
   const std::vector<int>& observations = equations.batches().observations();
   Start start = StartOfSample(problem, observations, options, *parameters);
-  if (start.framed.size() < observations.size()) Polish(equations, start.framed, &start.best);
+  if (start.framed.size() < observations.size()) PolishStart(equations, start.framed, &start.best);
   *parameters = start.best.parameters;
 }
 

@@ -16,7 +16,7 @@ Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
-Eigen::MatrixXd ColumnsOf(const Linearization& linearization, const ParameterSet& parameters, bool of_the_model) {
+Eigen::MatrixXd ColumnsOfModel(const Linearization& linearization, const ParameterSet& parameters, bool of_the_model) {
   std::vector<int> chosen;
   for (int c = 0; c < linearization.num_columns(); ++c) {
     const Coordinate& coordinate = parameters.coordinates()[linearization.columns[c]];
@@ -38,8 +38,8 @@ Eigen::VectorXd CanonicalCorrelations(const Eigen::MatrixXd& a, const Eigen::Mat
 }
 
 double PredictTwoStepRate(const Linearization& linearization, const ParameterSet& parameters) {
-  const Eigen::VectorXd cosines =
-      CanonicalCorrelations(ColumnsOf(linearization, parameters, false), ColumnsOf(linearization, parameters, true));
+  const Eigen::VectorXd cosines = CanonicalCorrelations(ColumnsOfModel(linearization, parameters, false),
+                                                        ColumnsOfModel(linearization, parameters, true));
   // Alternating projections between two spaces shrink the error by cos^2 of the smallest angle a round.
   return cosines.size() == 0 ? 0.0 : cosines[0] * cosines[0];
 }

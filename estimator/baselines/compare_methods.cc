@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "estimator/baselines/canonical_rate.h"
 #include "estimator/baselines/differencing.h"
@@ -11,12 +10,11 @@
 #include "estimator/least_squares/ceres_problem.h"
 #include "estimator/noise/residual_noise.h"
 #include "estimator/report/baselines_words.h"
+#include "models/constants.h"
 #include "problems/input_error.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // The problem with the joint decision of what to hold, and where.
 CalibrationProblem WithHeld(const CalibrationProblem& problem, const Estimate& joint) {
@@ -30,7 +28,7 @@ CalibrationProblem WithHeld(const CalibrationProblem& problem, const Estimate& j
 }
 
 double LargestDeviation(const Estimate& estimate, const Estimate& joint) {
-  if (!IsUsable(estimate.status) || !IsUsable(joint.status)) return kNone;
+  if (!IsUsable(estimate.status) || !IsUsable(joint.status)) return kNotKnown;
   const Eigen::VectorXd difference = TangentDifference(estimate.parameters, joint.parameters);
   double largest = 0.0;
   for (const int c : joint.estimated) largest = std::max(largest, std::abs(difference[c]) / joint.table[c].sigma);
@@ -55,7 +53,7 @@ void TakeNoise(const CalibrationProblem& problem, const Estimate& joint, Estimat
 }
 
 double PredictedRate(const CalibrationProblem& problem, const Estimate& joint) {
-  if (!IsUsable(joint.status)) return kNone;
+  if (!IsUsable(joint.status)) return kNotKnown;
   const ResidualSelection residuals = CalibrationResiduals(problem);
   return PredictTwoStepRate(
       Linearize(problem, joint.parameters, residuals.observations, joint.estimated, residuals.noise), joint.parameters);
@@ -96,7 +94,7 @@ std::string MethodObstacle(const CalibrationProblem& problem, Method method) {
 
 MethodResult RunMethod(const CalibrationProblem& problem, Method method, const Estimate& joint,
                        const std::function<void(const std::string&)>& progress) {
-  MethodResult result{WordOf(method), {}, kNone, kNone, kNone};
+  MethodResult result{WordOf(method), {}, kNotKnown, kNotKnown, kNotKnown};
   const std::string obstacle = MethodObstacle(problem, method);
   if (method == Method::kJoint) {
     result.estimate = joint;

@@ -17,7 +17,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kMaxIterations = 200;
-constexpr double kConvergedStep = 1e-7;  // standard deviations
+constexpr double kConvergedDifferenceStep = 1e-7;  // standard deviations
 
 // The points of one visit that take part, and the matrix that takes their differences.
 struct VisitDifferences {
@@ -84,7 +84,7 @@ VisitDifferences DifferencesOf(const OfMarker& by_marker, const NoiseRoots& nois
   return visit;
 }
 
-DifferenceContext MakeContext(const CalibrationProblem& problem) {
+DifferenceContext MakeDifferenceContext(const CalibrationProblem& problem) {
   DifferenceContext context{problem, problem.CalibrationObservations(), {}, {}};
   context.noise = ObservationNoise(problem, context.observations, kFallbackSigma);
   std::map<std::pair<int, std::string>, OfMarker> visits;
@@ -168,7 +168,7 @@ StepOutcome FitDifferences(const DifferenceContext& context, const std::vector<i
       const double moved = estimate->parameters.Value(elastic[c]) - before.Value(elastic[c]);
       step = std::max(step, std::abs(moved) / std::sqrt(solution->covariance(c, c)));
     }
-    if (step < kConvergedStep) return StepOutcome::kTaken;
+    if (step < kConvergedDifferenceStep) return StepOutcome::kTaken;
   }
   return solution->full_rank ? StepOutcome::kNoDescent : StepOutcome::kSingular;
 }
@@ -207,7 +207,7 @@ Estimate NotRun(const CalibrationProblem& problem, const std::string& why) {
 Estimate EstimateByDifferencing(const CalibrationProblem& problem,
                                 const std::function<void(const std::string&)>& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const DifferenceContext context = MakeContext(problem);
+  const DifferenceContext context = MakeDifferenceContext(problem);
   if (context.num_differences == 0) {
     return NotRun(problem, NoDifferences());
   }

@@ -3,10 +3,10 @@
 #include <Eigen/QR>
 #include <chrono>
 #include <cmath>
-#include <tuple>
 
 #include "estimator/alignment/pose_registration.h"
 #include "estimator/alignment/starting_values.h"
+#include "estimator/baselines/paper_stages.h"
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
@@ -18,7 +18,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kShapeRounds = 30;
-constexpr double kConvergedStep = 1e-6;  // standard deviations
+constexpr double kConvergedPoseStep = 1e-6;  // standard deviations
 
 // One shot with a pose: rows [first, first + markers) of the observations used.
 struct PoseShot {
@@ -46,7 +46,7 @@ Eigen::Matrix3Xd MarkerPoints(const Context& context, const PoseShot& shot, cons
   return points;
 }
 
-Eigen::Matrix3Xd MeasuredPoints(const Context& context, const PoseShot& shot) {
+Eigen::Matrix3Xd PointsOfShot(const Context& context, const PoseShot& shot) {
   Eigen::Matrix3Xd points(3, shot.markers);
   for (int i = 0; i < shot.markers; ++i) points.col(i) = context.observation(shot.first + i).point_in_station;
   return points;
@@ -81,7 +81,7 @@ void AverageShape(const Context& context, ParameterSet* parameters) {
     Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, n);
     std::vector<int> count(n, 0);
     for (const PoseShot& shot : context.shots) {
-      const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+      const Eigen::Matrix3Xd measured = PointsOfShot(context, shot);
       const Pose<double> flange_from_station = RegisterRigid(measured, MarkerPoints(context, shot, *parameters));
       for (int i = 0; i < shot.markers; ++i) {
         const int m = context.observation(shot.first + i).marker;
@@ -96,7 +96,7 @@ void AverageShape(const Context& context, ParameterSet* parameters) {
 }
 
 // Empty if there is an estimate from poses.
-std::string Obstacle(const Context& context, int unknowns) {
+std::string PoseObstacle(const Context& context, int unknowns) {
   const CalibrationProblem& problem = context.problem;
   for (const int frame : problem.marker_frames()) {
     if (frame != problem.marker_frames()[0]) return NotRunBecause(MarkersOnSeveralLinks());
@@ -145,7 +145,7 @@ void EvaluateShot(const Context& context, int s, const ParameterSet& parameters,
                   const Eigen::MatrixXd& jacobian, PoseEquations* equations) {
   const PoseShot& shot = context.shots[s];
   const Eigen::VectorXd sigmas = context.sigmas.segment(3 * shot.first, 3 * shot.markers);
-  const Eigen::Matrix3Xd measured = MeasuredPoints(context, shot);
+  const Eigen::Matrix3Xd measured = PointsOfShot(context, shot);
   const Eigen::Matrix3Xd predicted = measured + Eigen::Map<const Eigen::Matrix3Xd>(residual.data(), 3, shot.markers);
   const Pose<double> flange_in_station = RegisterRigid(MarkerPoints(context, shot, parameters), predicted);
   const Vector3<double> reference = flange_in_station * context.options.reference_in_flange;
@@ -211,7 +211,7 @@ void TakeStep(const Eigen::VectorXd& step, const std::vector<int>& coordinates, 
 }
 
 // This method's own standard deviations in place of the joint ones.
-void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
+void TakeCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
   const double scale = NoiseScale(estimate->sigma);
   estimate->covariance = scale * scale * covariance;
   estimate->intervals = IntervalReport();
@@ -224,12 +224,8 @@ void ReplaceCovariance(const Eigen::MatrixXd& covariance, Estimate* estimate) {
   }
 }
 
-void Stop(Status status, const std::string& message, Estimate* estimate) {
-  std::tie(estimate->status, estimate->message) = std::tie(status, message);
-}
-
 // Gauss-Newton on the pose equations; returns the covariance over the coordinates.
-Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordinates, Estimate* estimate) {
+Eigen::MatrixXd IterateOnPoses(const Context& context, const std::vector<int>& coordinates, Estimate* estimate) {
   Stop(Status::kNoConvergence, "stopped after " + std::to_string(context.options.max_iterations) + " iterations",
        estimate);
   Eigen::MatrixXd covariance;
@@ -252,7 +248,7 @@ Eigen::MatrixXd Iterate(const Context& context, const std::vector<int>& coordina
     if (!std::isfinite(size)) break;
     TakeStep(solution.step, coordinates, map, context.tool_is_free(), &estimate->parameters);
     estimate->iterations = i + 1;
-    if (size < kConvergedStep) {
+    if (size < kConvergedPoseStep) {
       Stop(Status::kConverged, PosesStandStill(), estimate);
       break;
     }
@@ -285,20 +281,20 @@ Estimate EstimateFromFullPoses(const CalibrationProblem& problem, const FullPose
   }
   CollectShots(estimate.aligned, &context);
   const int known_shape = context.tool_is_free() ? context.free_marker_coordinates - 6 : 0;
-  const std::string obstacle = Obstacle(context, static_cast<int>(coordinates.size()) - known_shape);
+  const std::string obstacle = PoseObstacle(context, static_cast<int>(coordinates.size()) - known_shape);
   if (!obstacle.empty()) {
     estimate.message = obstacle;
     return estimate;
   }
   if (context.tool_is_free()) AverageShape(context, &estimate.parameters);
-  const Eigen::MatrixXd covariance = Iterate(context, coordinates, &estimate);
+  const Eigen::MatrixXd covariance = IterateOnPoses(context, coordinates, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!IsUsable(estimate.status)) return estimate;
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {
     if (coordinate.held) estimate.status = Status::kConvergedWithHeldParameters;
   }
   ComputeStatistics(problem, &estimate);
-  ReplaceCovariance(covariance, &estimate);
+  TakeCovariance(covariance, &estimate);
   return estimate;
 }
 

@@ -145,4 +145,9 @@ bool LiteralStageTwo(const StageContext& context, StageState* state) {
   return true;
 }
 
+void Stop(Status status, const std::string& message, Estimate* estimate) {
+  estimate->status = status;
+  estimate->message = message;
+}
+
 }  // namespace sagitta

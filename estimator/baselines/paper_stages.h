@@ -1,8 +1,10 @@
 // The two stages of the papers as printed, for the baselines of two_step.h.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "estimator/estimate/estimate.h"
 #include "problems/calibration_problem.h"
 
 namespace sagitta {
@@ -38,5 +40,8 @@ bool RelinearisedStageOne(const StageContext& context, StageState* state);
 // Eq. (17)-(20): linear in the geometric errors about their current values, with
 // base I + [r] and markers as stage 1 left them.
 bool LiteralStageTwo(const StageContext& context, StageState* state);
+
+// The reason why there is no estimate, or why it ends here.
+void Stop(Status status, const std::string& message, Estimate* estimate);
 
 }  // namespace sagitta

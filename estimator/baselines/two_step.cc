@@ -45,7 +45,7 @@ StepOutcome GaussNewtonStep(const StageContext& context, const std::vector<int>&
 
 StepOutcome Printed(bool solved) { return solved ? StepOutcome::kTaken : StepOutcome::kSingular; }
 
-StepOutcome Iterate(TwoStepVariant variant, const StageContext& context, StageState* state) {
+StepOutcome IterateSteps(TwoStepVariant variant, const StageContext& context, StageState* state) {
   switch (variant) {
     case TwoStepVariant::kLiteral:
       return Printed(LiteralStageOne(context, state) && LiteralStageTwo(context, state));
@@ -60,7 +60,7 @@ StepOutcome Iterate(TwoStepVariant variant, const StageContext& context, StageSt
   return StepOutcome::kSingular;
 }
 
-StageContext MakeContext(const CalibrationProblem& problem) {
+StageContext MakeStageContext(const CalibrationProblem& problem) {
   StageContext context{problem, problem.CalibrationObservations(), {}, {}, {}};
   context.noise = FitRoots(problem, context.observations, kFallbackSigma);
   for (const int c : problem.parameters.EstimatedCoordinates()) {
@@ -71,7 +71,7 @@ StageContext MakeContext(const CalibrationProblem& problem) {
 }
 
 // Why the printed stage 1 cannot run on this problem; empty if it can.
-std::string Obstacle(const CalibrationProblem& problem) {
+std::string StepObstacle(const CalibrationProblem& problem) {
   for (size_t m = 0; m < problem.marker_frames().size(); ++m) {
     if (problem.marker_frames()[m] == problem.robot().chain.FlangeFrame()) continue;
     return NotRunBecause(MarkerOffFlange(problem.data().markers[m]));
@@ -128,11 +128,6 @@ double MeasureRate(const std::vector<double>& steps, const std::vector<double>& 
   return std::pow(norms[last] / norms[last - kRateWindow], 1.0 / kRateWindow);
 }
 
-void Stop(Status status, const std::string& message, Estimate* estimate) {
-  estimate->status = status;
-  estimate->message = message;
-}
-
 Status StatusOf(StepOutcome outcome) {
   if (outcome == StepOutcome::kEquilibriumDiverged) return Status::kEquilibriumDiverged;
   return outcome == StepOutcome::kNoDescent ? Status::kNoConvergence : Status::kSingular;
@@ -143,7 +138,7 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
   StageState state{estimate.aligned, {}};
   for (int s = 0; s < state.parameters.num_stations(); ++s) state.bases.push_back(state.parameters.BaseInStation(s));
   Yardstick yardstick = MakeYardstick(context, state.parameters);
-  if (yardstick.singular && Iterate(options.variant, context, &state) == StepOutcome::kTaken) {
+  if (yardstick.singular && IterateSteps(options.variant, context, &state) == StepOutcome::kTaken) {
     yardstick = MakeYardstick(context, state.parameters);
   }
   if (yardstick.singular) return Stop(Status::kSingular, IdentificationSingular(), &estimate);
@@ -152,7 +147,7 @@ void Alternate(const StageContext& context, const TwoStepOptions& options, TwoSt
   for (int i = 0; i < options.max_iterations; ++i) {
     CheckInterruption();
     const ParameterSet before = state.parameters;
-    const StepOutcome outcome = Iterate(options.variant, context, &state);
+    const StepOutcome outcome = IterateSteps(options.variant, context, &state);
     if (outcome != StepOutcome::kTaken) return Stop(StatusOf(outcome), StepOutcomeInWords(outcome), &estimate);
     const Eigen::VectorXd change = TangentDifference(state.parameters, before);
     const double step = yardstick.Size(change);
@@ -205,14 +200,14 @@ TwoStepResult EstimateInTwoSteps(const CalibrationProblem& problem, const TwoSte
   Estimate& estimate = result.estimate;
   estimate.parameters = estimate.aligned = problem.parameters;
   const bool is_exact = options.variant == TwoStepVariant::kExact;
-  const std::string obstacle = is_exact ? "" : Obstacle(problem);
+  const std::string obstacle = is_exact ? "" : StepObstacle(problem);
   if (!obstacle.empty()) {
     estimate.message = obstacle;
     return result;
   }
   AlignNominal(problem, &estimate.aligned);
   estimate.parameters = estimate.aligned;
-  Alternate(MakeContext(problem), options, &result);
+  Alternate(MakeStageContext(problem), options, &result);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!IsUsable(estimate.status)) return result;
   for (const Coordinate& coordinate : problem.parameters.coordinates()) {

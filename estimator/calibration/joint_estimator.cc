@@ -32,7 +32,7 @@ constexpr int kMaxWarmSteps = 12;
 constexpr double kWarmReach = 1e3;        // standard deviations, from the round before
 constexpr double kConvergedSteps = 1e-5;  // Gauss-Newton step left at the optimum, standard deviations
 
-void Report(const JointOptions& options, const std::string& what) {
+void ReportStage(const JointOptions& options, const std::string& what) {
   if (options.progress) options.progress(what);
 }
 
@@ -46,7 +46,7 @@ double ResidualScale(const Linearization& rows, int equations) {
 
 // The scale of the whitened noise seen at a linearization: a-posteriori sigma,
 // not below the stated one.
-double NoiseScale(const CalibrationProblem& problem, const Linearization& rows, int equations) {
+double ScaleOfRows(const CalibrationProblem& problem, const Linearization& rows, int equations) {
   const double scale = ResidualScale(rows, equations);
   return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
 }
@@ -72,7 +72,7 @@ bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equati
   if (!all.valid) return false;
   const auto motions = [&](const std::vector<ParameterSet>& at) { return equations.batches().LargestMotions(at); };
   SetHoldLimits(problem, motions, &parameters);
-  const Unidentifiable found = FindUnidentifiable(all, parameters, NoiseScale(problem, all, fitted.equations));
+  const Unidentifiable found = FindUnidentifiable(all, parameters, ScaleOfRows(problem, all, fitted.equations));
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
   std::vector<bool> hold(parameters.num_coordinates(), false);
   if (!only_add) directions.clear();
@@ -144,7 +144,7 @@ Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const Fitt
   inside.jacobian = here.jacobian(Eigen::all, kept);
   inside.columns.assign(kept.size(), 0);
   const LinearSolution solution = SolveLinearization(inside);
-  const double scale = std::max(1e-12, NoiseScale(problem, inside, fitted.equations));
+  const double scale = std::max(1e-12, ScaleOfRows(problem, inside, fitted.equations));
   certificate->columns = static_cast<int>(kept.size());
   certificate->full_rank = solution.full_rank;
   certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(fitted.equations);
@@ -333,8 +333,8 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
 
   MinimizeSummary minimized;
   for (int round = 0; round < kMaxHoldRounds; ++round) {
-    Report(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
-                        " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
+    ReportStage(options, "solving for " + std::to_string(estimate.parameters.EstimatedCoordinates().size()) +
+                             " unknowns on " + std::to_string(residuals.observations.size()) + " observations");
     minimized = SolveAtRest(problem, residuals, equations, fitted.exact_joints(), options, estimate.aligned,
                             &estimate.parameters);
     estimate.iterations += minimized.iterations;
@@ -343,7 +343,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
   Finish(problem, equations, minimized, &estimate);
   estimate.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (IsUsable(estimate.status) && options.judge) {
-    Report(options, "intervals, identifiability and hold-out");
+    ReportStage(options, "intervals, identifiability and hold-out");
     ComputeStatistics(problem, equations, &estimate);
     AddLoadRemedies(problem, &estimate);
   }
@@ -354,7 +354,7 @@ Estimate EstimateFitted(const CalibrationProblem& problem, const Fitted& fitted,
 
 Estimate EstimateJointly(const CalibrationProblem& problem, const JointOptions& options) {
   CheckOptions(options);
-  Report(options, AligningNominal());
+  ReportStage(options, AligningNominal());
   const Fitted fitted(problem, options);
   ParameterSet start = problem.parameters;
   FindStartingValues(problem, fitted.exact_joints(), StartingValueOptions(), &start);

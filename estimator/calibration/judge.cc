@@ -315,7 +315,7 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
 namespace {
 
 // equations: of the fit, or null.
-void Judge(const CalibrationProblem& problem, const NormalEquations* equations, Estimate* estimate) {
+void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equations, Estimate* estimate) {
   const std::vector<int> calibration = problem.CalibrationObservations();
   const std::vector<int> validation = problem.ValidationObservations();
   const ParameterSet& parameters = estimate->parameters;
@@ -378,10 +378,10 @@ void Judge(const CalibrationProblem& problem, const NormalEquations* equations, 
 
 }  // namespace
 
-void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) { Judge(problem, nullptr, estimate); }
+void ComputeStatistics(const CalibrationProblem& problem, Estimate* estimate) { JudgeFit(problem, nullptr, estimate); }
 
 void ComputeStatistics(const CalibrationProblem& problem, const NormalEquations& equations, Estimate* estimate) {
-  Judge(problem, &equations, estimate);
+  JudgeFit(problem, &equations, estimate);
 }
 
 }  // namespace sagitta

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "estimator/estimate/parameter_table.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/report/calibration_words.h"
+#include "models/constants.h"
 #include "problems/loads.h"
 
 namespace sagitta {
@@ -19,7 +19,6 @@ constexpr double kOffAxis = 0.1;  // m
 constexpr int kPulls = 3;
 constexpr int kHeadings = 8;
 constexpr size_t kMostConfigurations = 60;  // tried
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Where and how the data's loads act: the first loaded shot's own wrench.
 AppliedWrench LoadAtHand(const CalibrationProblem& problem) {
@@ -76,7 +75,7 @@ Background MakeBackground(const CalibrationProblem& problem, const Estimate& est
   return background;
 }
 
-struct Candidate {
+struct LoadCandidate {
   int configuration;
   AppliedWrench wrench;
   Eigen::VectorXd held;       // b~
@@ -85,8 +84,8 @@ struct Candidate {
 };
 
 // Rows of `shot`'s markers with `wrench` in place of its load.
-Candidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estimate, const Background& background,
-                        int shot, const AppliedWrench& wrench, CalibrationProblem* scratch) {
+LoadCandidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estimate, const Background& background,
+                            int shot, const AppliedWrench& wrench, CalibrationProblem* scratch) {
   ShotInput& input = (*scratch->mutable_shot_inputs())[shot];
   const ShotInput original = problem.shot_inputs()[shot];
   input = original;
@@ -96,7 +95,7 @@ Candidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estim
   const Linearization there = Linearize(*scratch, estimate.parameters, rows, background.columns,
                                         ObservationNoise(problem, rows, kFallbackSigma), LatentTreatment::kIgnore);
   input = original;
-  Candidate candidate{problem.data().shots[shot].configuration, wrench, {}, {}, {}};
+  LoadCandidate candidate{problem.data().shots[shot].configuration, wrench, {}, {}, {}};
   if (!there.valid) return candidate;  // folds the arm
   const int n = static_cast<int>(background.columns.size()) - 1;
   candidate.others = there.jacobian.leftCols(n);
@@ -105,14 +104,14 @@ Candidate MakeCandidate(const CalibrationProblem& problem, const Estimate& estim
   return candidate;
 }
 
-double Information(const std::vector<const Candidate*>& chosen, const Background& background) {
+double Information(const std::vector<const LoadCandidate*>& chosen, const Background& background) {
   int rows = 0;
-  for (const Candidate* c : chosen) rows += static_cast<int>(c->held.size());
+  for (const LoadCandidate* c : chosen) rows += static_cast<int>(c->held.size());
   Eigen::VectorXd held(rows);
   Eigen::MatrixXd others(rows, background.covariance.cols());
   Eigen::MatrixXd noise = Eigen::MatrixXd::Identity(rows, rows);
   int row = 0;
-  for (const Candidate* c : chosen) {
+  for (const LoadCandidate* c : chosen) {
     const int size = static_cast<int>(c->held.size());
     held.segment(row, size) = c->held;
     others.middleRows(row, size) = c->others;
@@ -125,16 +124,17 @@ double Information(const std::vector<const Candidate*>& chosen, const Background
 }
 
 LoadPlan ChooseBest(const CalibrationProblem& problem, const Estimate& estimate, const Background& background,
-                    const std::vector<Candidate>& candidates, int count) {
+                    const std::vector<LoadCandidate>& candidates, int count) {
   LoadPlan plan;
   plan.sigma = kInfinity;
-  std::vector<const Candidate*> chosen;
+  std::vector<const LoadCandidate*> chosen;
   for (int i = 0; i < count; ++i) {
-    const Candidate* best = nullptr;
+    const LoadCandidate* best = nullptr;
     double most = 0.0;
-    for (const Candidate& candidate : candidates) {
-      const bool used = std::any_of(chosen.begin(), chosen.end(),
-                                    [&](const Candidate* c) { return c->configuration == candidate.configuration; });
+    for (const LoadCandidate& candidate : candidates) {
+      const bool used = std::any_of(chosen.begin(), chosen.end(), [&](const LoadCandidate* c) {
+        return c->configuration == candidate.configuration;
+      });
       if (used || candidate.held.size() == 0) continue;
       chosen.push_back(&candidate);
       const double information = Information(chosen, background);
@@ -157,7 +157,7 @@ LoadPlan PlanLoads(const CalibrationProblem& problem, const Estimate& estimate, 
                    const std::vector<AppliedWrench>& wrenches, int count) {
   const Background background = MakeBackground(problem, estimate, held);
   CalibrationProblem scratch = problem;
-  std::vector<Candidate> candidates;
+  std::vector<LoadCandidate> candidates;
   for (const int shot : ShotPerConfiguration(problem)) {
     for (const AppliedWrench& wrench : wrenches) {
       candidates.push_back(MakeCandidate(problem, estimate, background, shot, wrench, &scratch));

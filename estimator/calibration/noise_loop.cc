@@ -21,19 +21,13 @@ namespace sagitta {
 namespace {
 
 constexpr double kTinySigma = 1e-6;  // m, where none is stated: below any noise, so that nothing is held for it
-constexpr int kMostRounds = 60;
-constexpr double kSettled = 1e-4;           // largest relative change of a standard deviation
+constexpr int kMostNoiseRounds = 60;
+constexpr double kSettledSigma = 1e-4;      // largest relative change of a standard deviation
 constexpr double kWeightSettled = 1e-4;     // largest change of the root of a weight
 constexpr double kSmallWeight = 0.2;        // an outlier to variance components
 constexpr double kSettledResiduals = 0.01;  // eq. (14) runs a stated number of times
 
 bool UsesResiduals(const Experiment& experiment) { return experiment.noise.from == NoiseSpec::From::kResiduals; }
-
-NoiseRoots AllRoots(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data().observations.size());
-  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  return ObservationNoise(problem, all, kTinySigma);
-}
 
 // What the rounds carry.
 struct Loop {
@@ -48,7 +42,7 @@ struct Loop {
   NoiseRoots spread;  // of residuals
   NoiseReport report;
 
-  explicit Loop(const CalibrationProblem& given) : problem(given), base(AllRoots(given)) {
+  explicit Loop(const CalibrationProblem& given) : problem(given), base(NoiseOfAll(given, kTinySigma)) {
     stated = given.sigma_is_stated();
     loss = given.experiment().method.loss;
     report.loss = given.experiment().method.loss;
@@ -157,7 +151,7 @@ bool Update(const Estimate& estimate, int round, Loop* loop) {
     loop->report.converged = spread_change < kSettledResiduals;
     return round >= loop->problem.experiment().noise.iterations;
   }
-  loop->report.converged = component_change < kSettled && weight_change < kWeightSettled;
+  loop->report.converged = component_change < kSettledSigma && weight_change < kWeightSettled;
   return loop->report.converged;
 }
 
@@ -201,7 +195,7 @@ void ToMetres(VarianceComponent* instrument) {
 }
 
 // Judged without weights: chi2, residuals and hold-out are those of the noise that was found.
-CalibrationProblem Judge(Loop* loop, Estimate* estimate) {
+CalibrationProblem JudgeRound(Loop* loop, Estimate* estimate) {
   const Experiment& experiment = loop->problem.experiment();
   CalibrationProblem judged = loop->problem;
   judged.resolved_noise = loop->base;
@@ -327,7 +321,7 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
   }
   if (WeighsOtherwise(problem)) {
     ResolvedEstimate result{std::move(problem), {}};
-    result.problem.weight_roots = RootsOfWeights(result.problem.experiment(), AllRoots(result.problem));
+    result.problem.weight_roots = RootsOfWeights(result.problem.experiment(), NoiseOfAll(result.problem, kTinySigma));
     result.estimate = EstimateJointly(result.problem, options);
     DescribeNoise(result.problem, &result.estimate);
     return result;
@@ -341,7 +335,7 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
   ParameterSet values = aligned;
   Estimate estimate;
   int iterations = 0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostNoiseRounds; ++round) {
     estimate = EstimateFrom(loop.problem, values, inner);
     iterations += estimate.iterations;
     if (!IsUsable(estimate.status)) break;
@@ -353,7 +347,7 @@ ResolvedEstimate EstimateWithNoise(CalibrationProblem problem, const JointOption
   estimate.iterations = iterations;
   ResolvedEstimate result{loop.problem, std::move(estimate)};
   if (IsUsable(result.estimate.status)) {
-    result.problem = Judge(&loop, &result.estimate);
+    result.problem = JudgeRound(&loop, &result.estimate);
     AddLoadRemedies(result.problem, &result.estimate);
   }
   result.estimate.noise_report = loop.report;

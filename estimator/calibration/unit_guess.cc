@@ -14,14 +14,14 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSuspicious = 0.05;  // of the reach
-constexpr double kMisfit = 0.01;      // of the reach
+constexpr double kSuspiciousUnit = 0.05;  // of the reach
+constexpr double kMisfit = 0.01;          // of the reach
 // A correction of a link's length by more than both is no tolerance of a robot: those are tenths of a millimetre, and a
 // few millimetres where a length was taken from a drawing.
 constexpr double kOfALink = 0.1, kLargeCorrection = 5e-3;  // m
-constexpr double kImprovement = 10.0;
+constexpr double kUnitImprovement = 10.0;
 
-struct Reading {
+struct UnitReading {
   bool is_joint = true;  // joint columns, else x, y, z
   const char* suffix;    // what the header says
   const char* better;    // what the numbers look like
@@ -30,15 +30,15 @@ struct Reading {
   double least, most;  // of the largest number in the columns, for the reading to be worth a try
 };
 
-const Reading kReadings[] = {
+const UnitReading kReadings[] = {
     {true, "_deg", "_rad", "radians", 1.0 / kDegree, 0.0, 7.0},
     {true, "_rad", "_deg", "degrees", kDegree, 7.0, 1e4},
     {false, "_mm", "_m", "metres", 1e3, 0.0, 50.0},
     {false, "_m", "_mm", "millimetres", 1e-3, 50.0, 1e9},
 };
 
-std::vector<std::string> ColumnsOf(const Reading& reading, const std::string& point_prefix, const Chain& chain,
-                                   const MeasurementFile& file) {
+std::vector<std::string> ColumnsOfReading(const UnitReading& reading, const std::string& point_prefix,
+                                          const Chain& chain, const MeasurementFile& file) {
   std::vector<std::string> columns;
   const auto add = [&](const std::string& name) {
     if (file.FindColumn(name) >= 0) columns.push_back(name);
@@ -65,19 +65,19 @@ double LargestNumber(const MeasurementFile& file, const std::vector<std::string>
 }
 
 // Files whose columns may be meant in the other unit.
-std::vector<bool> FilesConcerned(const Reading& reading, const std::string& point_prefix,
+std::vector<bool> FilesConcerned(const UnitReading& reading, const std::string& point_prefix,
                                  const CalibrationProblem& problem) {
   std::vector<bool> concerned;
   for (const MeasurementFile& file : problem.data().files) {
-    const std::vector<std::string> columns = ColumnsOf(reading, point_prefix, problem.robot().chain, file);
+    const std::vector<std::string> columns = ColumnsOfReading(reading, point_prefix, problem.robot().chain, file);
     const double largest = LargestNumber(file, columns);
     concerned.push_back(!columns.empty() && largest > reading.least && largest <= reading.most);
   }
   return concerned;
 }
 
-CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& reading,
-                          const std::vector<bool>& concerned) {
+CalibrationProblem RereadInUnits(const CalibrationProblem& problem, const UnitReading& reading,
+                                 const std::vector<bool>& concerned) {
   CalibrationProblem reread = problem;
   Measurements& data = *reread.mutable_data();
   std::vector<bool> done(data.configurations.size());
@@ -101,13 +101,13 @@ CalibrationProblem Reread(const CalibrationProblem& problem, const Reading& read
   return reread;
 }
 
-UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, const std::string& point_prefix,
-                     int file_index, double before, double after) {
+UnitFinding DescribeUnits(const CalibrationProblem& problem, const UnitReading& reading,
+                          const std::string& point_prefix, int file_index, double before, double after) {
   const MeasurementFile& file = problem.data().files[file_index];
   UnitFinding finding;
   finding.file = file.path;
   finding.line = file.rows.empty() ? 0 : file.rows.front().line;
-  finding.column = ColumnsOf(reading, point_prefix, problem.robot().chain, file).front();
+  finding.column = ColumnsOfReading(reading, point_prefix, problem.robot().chain, file).front();
   const std::string stem = finding.column.substr(0, finding.column.rfind('_'));
   finding.words = NumbersLookLike(reading.better_words, before, after);
   finding.hint = ConvertNumbers(point_prefix.empty() ? stem + reading.better : "");
@@ -119,16 +119,16 @@ UnitFinding Describe(const CalibrationProblem& problem, const Reading& reading, 
 std::optional<UnitFinding> GuessWrongUnit(const CalibrationProblem& problem, const std::string& point_prefix) {
   const std::vector<int> sample = SampleOfRows(problem);
   const double before = AlignedMisfit(problem, sample);
-  const double tolerance = kSuspicious * Reach(problem.robot().chain);
+  const double tolerance = kSuspiciousUnit * Reach(problem.robot().chain);
   if (!(before > tolerance)) return std::nullopt;
-  for (const Reading& reading : kReadings) {
+  for (const UnitReading& reading : kReadings) {
     if (reading.is_joint && !point_prefix.empty()) continue;
     const std::vector<bool> concerned = FilesConcerned(reading, point_prefix, problem);
     const auto first = std::find(concerned.begin(), concerned.end(), true);
     if (first == concerned.end()) continue;
-    const double after = AlignedMisfit(Reread(problem, reading, concerned), sample);
-    if (after * kImprovement > before || after > tolerance) continue;
-    return Describe(problem, reading, point_prefix, static_cast<int>(first - concerned.begin()), before, after);
+    const double after = AlignedMisfit(RereadInUnits(problem, reading, concerned), sample);
+    if (after * kUnitImprovement > before || after > tolerance) continue;
+    return DescribeUnits(problem, reading, point_prefix, static_cast<int>(first - concerned.begin()), before, after);
   }
   return std::nullopt;
 }

@@ -17,8 +17,8 @@ constexpr int kRounds = 3;
 constexpr double kWorthAWord = 0.05;
 
 // value: of one parameter as it is; of a motion the length of its translation, or its angle where that is all there is.
-Change Describe(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
-                double probability) {
+Change DescribeChange(const ChangeGroup& group, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+                      double probability) {
   const double k = NormalQuantile(0.975);
   Change change;
   change.kind = group.kind;
@@ -87,7 +87,8 @@ Changes FindChanges(const KnownRobot& old_estimate, const KnownRobot& new_estima
   result.nothing = posterior.nothing;
   for (size_t i = 0; i < posterior.best.size(); ++i) {
     const int g = posterior.best[i];
-    result.changes.push_back(Describe(groups[g], posterior.mean[i], posterior.covariance[i], posterior.probability[g]));
+    result.changes.push_back(
+        DescribeChange(groups[g], posterior.mean[i], posterior.covariance[i], posterior.probability[g]));
   }
   for (size_t g = 0; g < groups.size(); ++g) {
     const double p = posterior.probability[static_cast<long>(g)];

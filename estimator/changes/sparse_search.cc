@@ -11,12 +11,12 @@
 namespace sagitta {
 namespace {
 
-constexpr double kNegligible = 12.0;  // a set e^-12 below the best is not followed
-constexpr size_t kBeam = 12;          // sets that are followed at a time
-constexpr size_t kMostGroups = 6;     // in a set
+constexpr double kNegligible = 12.0;      // a set e^-12 below the best is not followed
+constexpr size_t kBeam = 12;              // sets that are followed at a time
+constexpr size_t kMostChangedGroups = 6;  // in a set
 
 // Group and index of its scale, sorted.
-using Set = std::vector<std::pair<int, int>>;
+using GroupSet = std::vector<std::pair<int, int>>;
 
 class Search {
  public:
@@ -36,19 +36,19 @@ class Search {
     Eigen::LLT<Eigen::MatrixXd> factor;  // of I + G
     Eigen::VectorXd scaled_gradient;
   };
-  Solved Solve(const Set& set) const;
-  double LogPosterior(const Set& set);
+  Solved Solve(const GroupSet& set) const;
+  double LogPosterior(const GroupSet& set);
   // Sets by one more, one less, one exchanged.
-  std::vector<Set> Neighbours(const Set& set) const;
+  std::vector<GroupSet> Neighbours(const GroupSet& set) const;
 
   const Eigen::MatrixXd gram_;
   const Eigen::VectorXd gradient_;
   const std::vector<std::vector<int>>& groups_;
   const SparsePrior prior_;
-  std::map<Set, double> seen_;
+  std::map<GroupSet, double> seen_;
 };
 
-Search::Solved Search::Solve(const Set& set) const {
+Search::Solved Search::Solve(const GroupSet& set) const {
   Solved solved;
   std::vector<double> scales;
   for (const auto& [group, scale] : set) {
@@ -65,7 +65,7 @@ Search::Solved Search::Solve(const Set& set) const {
   return solved;
 }
 
-double Search::LogPosterior(const Set& set) {
+double Search::LogPosterior(const GroupSet& set) {
   const auto [entry, is_new] = seen_.try_emplace(set, 0.0);
   if (!is_new) return entry->second;
   if (set.empty()) return entry->second = std::log(prior_.nothing);
@@ -80,15 +80,15 @@ double Search::LogPosterior(const Set& set) {
                          (size - 1.0) * std::log(prior_.further) + size * each;
 }
 
-std::vector<Set> Search::Neighbours(const Set& set) const {
-  std::vector<Set> from = {set};
+std::vector<GroupSet> Search::Neighbours(const GroupSet& set) const {
+  std::vector<GroupSet> from = {set};
   for (size_t i = 0; i < set.size(); ++i) {
     from.push_back(set);
     from.back().erase(from.back().begin() + static_cast<long>(i));
   }
-  std::vector<Set> neighbours(from.begin() + 1, from.end());
-  for (const Set& base : from) {
-    if (base.size() >= kMostGroups) continue;
+  std::vector<GroupSet> neighbours(from.begin() + 1, from.end());
+  for (const GroupSet& base : from) {
+    if (base.size() >= kMostChangedGroups) continue;
     for (int g = 0; g < static_cast<int>(groups_.size()); ++g) {
       if (std::any_of(base.begin(), base.end(), [g](const auto& member) { return member.first == g; })) continue;
       for (int s = 0; s < kNumChangeScales; ++s) {
@@ -102,15 +102,15 @@ std::vector<Set> Search::Neighbours(const Set& set) const {
 }
 
 SparsePosterior Search::Run() {
-  std::vector<Set> beam = {{}};
+  std::vector<GroupSet> beam = {{}};
   double best = LogPosterior({});
-  std::map<Set, bool> expanded;
+  std::map<GroupSet, bool> expanded;
   while (!beam.empty()) {
-    for (const Set& set : beam) {
+    for (const GroupSet& set : beam) {
       expanded[set] = true;
-      for (const Set& neighbour : Neighbours(set)) best = std::max(best, LogPosterior(neighbour));
+      for (const GroupSet& neighbour : Neighbours(set)) best = std::max(best, LogPosterior(neighbour));
     }
-    std::vector<std::pair<double, Set>> open;
+    std::vector<std::pair<double, GroupSet>> open;
     for (const auto& [set, log] : seen_) {
       if (log > best - kNegligible && !expanded.count(set)) open.push_back({-log, set});
     }
@@ -127,7 +127,7 @@ SparsePosterior Search::Run() {
   posterior.probability.setZero(static_cast<long>(groups_.size()));
   posterior.nothing = 0.0;
   double sum = 0.0;
-  Set most;
+  GroupSet most;
   std::map<std::vector<int>, double> by_groups;
   for (const auto& [set, log] : seen_) {
     const double weight = std::exp(log - best);

@@ -19,16 +19,16 @@ namespace {
 
 // Starts of the nominal inverse kinematics where a row states no joint values (SpreadStart). Newton reaches a solution
 // from about every third start of a six-joint arm, so that all of them fail on a reachable pose once in 10^8.
-constexpr int kStarts = 48;
+constexpr int kKinematicStarts = 48;
 
 // Columns of the estimate's parameters that act on the arm: index into names, index of the model's parameter.
-struct ActiveParameters {
+struct ArmParameters {
   std::vector<int> model;
   std::vector<int> name;
 };
 
-ActiveParameters FindActive(const ForwardModel& model, const std::vector<std::string>& names) {
-  ActiveParameters active;
+ArmParameters FindArmParameters(const ForwardModel& model, const std::vector<std::string>& names) {
+  ArmParameters active;
   for (int i = 0; i < model.num_parameters(); ++i) {
     const auto found = std::find(names.begin(), names.end(), model.parameters()[i].name);
     if (found == names.end()) continue;
@@ -47,7 +47,7 @@ class Compensator {
         loaded_(input.problem.model(), input.problem.parameters.ModelValues()),
         names_(input.uncertainty.estimated) {
     names_.insert(names_.end(), input.uncertainty.held.begin(), input.uncertainty.held.end());
-    active_ = FindActive(input.problem.model(), names_);
+    active_ = FindArmParameters(input.problem.model(), names_);
   }
 
   FlangeSolution Nominal(const Target& target, const Eigen::VectorXd& previous) const;
@@ -70,7 +70,7 @@ class Compensator {
   ForwardModel nominal_model_;
   LoadedArm nominal_, loaded_;
   std::vector<std::string> names_;
-  ActiveParameters active_;
+  ArmParameters active_;
 };
 
 // Joint values of the nominal robot for a target: as stated, or by inverse kinematics from the joint values stated
@@ -90,7 +90,7 @@ FlangeSolution Compensator::Nominal(const Target& target, const Eigen::VectorXd&
   std::vector<Eigen::VectorXd> starts;
   if (target.q) starts.push_back(*target.q);
   if (!target.q && previous.size() > 0) starts.push_back(previous);
-  for (int k = 0; !target.q && k < kStarts; ++k)
+  for (int k = 0; !target.q && k < kKinematicStarts; ++k)
     starts.push_back(SpreadStart(input_.nominal, k, /*within_a_turn=*/false));
   FlangeSolution best;
   double least = std::numeric_limits<double>::infinity();

@@ -21,7 +21,7 @@ constexpr double kLongestStep = 0.2;    // rad or m: a Newton step beyond that l
 constexpr double kAngleWeight = 1e-5;
 // Steps towards a pose that cannot be reached gain ever less; far from the target (in units of the reach, or rad) they
 // end where they gain a millionth. Steps to one that can are quadratic and never gain so little there.
-constexpr double kNoGain = 1e-6;
+constexpr double kNoFlangeGain = 1e-6;
 constexpr double kFarOff = 1e-6;
 constexpr double kGentle = 1e-2;       // a step damped beyond that gains little wherever it leads
 constexpr double kLimitSlack = 1e-12;  // rad or m
@@ -55,7 +55,7 @@ class Newton {
       const double next_error = stands ? Error(next).norm() : std::numeric_limits<double>::infinity();
       // Where the error is at the rounding of the kinematics, the rest of the step is along the null space.
       if (next_error <= error || next_error < kRounding) {
-        const bool slow = damping < kGentle && error - next_error < kNoGain * error && next_error > kFarOff;
+        const bool slow = damping < kGentle && error - next_error < kNoFlangeGain * error && next_error > kFarOff;
         q += step, error = next_error, solution->state = next;
         damping = damping < 1e-8 ? 0.0 : damping / 10.0;
         settled |= slow || (error < kRounding && step.lpNorm<Eigen::Infinity>() < kQuadratic);
@@ -132,7 +132,7 @@ int WorstJoint(const Chain& chain, const Eigen::VectorXd& q, double* limit) {
   return worst;
 }
 
-TargetStatus Judge(const Chain& chain, const FlangeSolution& solution) {
+TargetStatus JudgeSolution(const Chain& chain, const FlangeSolution& solution) {
   const bool orientation_counts = chain.num_joints() >= 6;
   const bool there =
       solution.left_position <= kOnTarget && (!orientation_counts || solution.left_rotation <= kOnTarget);
@@ -272,7 +272,7 @@ FlangeSolution SolveFlange(const Chain& chain, const FlangeFunction& arm, const 
   solution.left_position = left.head<3>().norm();
   solution.left_rotation = left.tail<3>().norm();
   solution.least_singular = LeastSingularValue(chain, solution.state);
-  if (solution.status == TargetStatus::kOk) solution.status = Judge(chain, solution);
+  if (solution.status == TargetStatus::kOk) solution.status = JudgeSolution(chain, solution);
   // Steps that do not settle beside a singularity are what a singularity does; far from the target the arm is stretched
   // out, which is singular too, and the target is out of reach.
   constexpr double kOutOfReach = 0.01;  // of the characteristic length; what compensation corrects is below 5 mm in 3 m

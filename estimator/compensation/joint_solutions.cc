@@ -11,10 +11,10 @@ namespace {
 
 // Newton from points spread over the joints' ranges (SpreadStart). From about one start in three it
 // reaches a solution; of at most eight (sixteen) branches each then is missed once in 10^4 (10^2) after 240.
-constexpr int kStarts = 240;
-constexpr double kSame = 1e-5;    // rad or m, between two solutions
-constexpr double kOnEdge = 1e-6;  // rad: the sign of an angle this small is not told
-constexpr double kMeet = 1e-3;    // m, within which wrist axes count as meeting
+constexpr int kSolutionStarts = 240;
+constexpr double kSameSolution = 1e-5;  // rad or m, between two solutions
+constexpr double kOnEdge = 1e-6;        // rad: the sign of an angle this small is not told
+constexpr double kMeet = 1e-3;          // m, within which wrist axes count as meeting
 
 // What is known of the arm's shape: wrist centre and where it lies, of six revolute joints with a spherical wrist.
 class ArmShape {
@@ -185,7 +185,7 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
   const std::vector<StatedBranch> branches = BranchesOf(branch, nominal.num_joints());
   std::vector<Eigen::VectorXd> found;
   bool reached = false;
-  for (int k = 0; k < kStarts; ++k) {
+  for (int k = 0; k < kSolutionStarts; ++k) {
     const FlangeSolution solution =
         SolveFlange(nominal, arm, flange_in_base, SpreadStart(nominal, k, /*within_a_turn=*/true), false);
     if (!IsOnTarget(solution)) continue;
@@ -193,11 +193,12 @@ BranchFound FindBranch(const Chain& nominal, const Pose<double>& flange_in_base,
     for (const StatedBranch& one : branches) {
       Eigen::VectorXd q = solution.q;
       if (!TurnIntoRanges(nominal, one, &q) || !Agrees(shape, one, q)) continue;
-      const bool is_new = std::none_of(found.begin(), found.end(),
-                                       [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSame; });
+      const bool is_new = std::none_of(
+          found.begin(), found.end(), [&](const Eigen::VectorXd& other) { return (other - q).norm() < kSameSolution; });
       if (is_new) found.push_back(q);
     }
-    if (shape.is_known() && found.size() == 1 && k > kStarts / 4) break;  // all three signs are told: it is the one
+    if (shape.is_known() && found.size() == 1 && k > kSolutionStarts / 4)
+      break;  // all three signs are told: it is the one
   }
   if (found.size() == 1) return {found[0], ""};
   if (found.size() > 1 && branches.size() > 1) {

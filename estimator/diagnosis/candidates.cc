@@ -22,7 +22,7 @@ bool AnyLoad(const CalibrationProblem& problem) {
                      [](const ShotInput& shot) { return !shot.wrenches.empty() || !shot.terms.torques.empty(); });
 }
 
-std::vector<std::string> Targets(const EffectDefinition& definition, const CalibrationProblem& problem) {
+std::vector<std::string> TargetsOf(const EffectDefinition& definition, const CalibrationProblem& problem) {
   std::vector<std::string> targets;
   switch (definition.target) {
     case EffectTarget::kJoint:
@@ -123,7 +123,7 @@ std::string StandingColumn(const CalibrationProblem& problem, const EffectDefini
   return "approach" + std::to_string(joint + 1) + (is_zero ? "" : " that varies");
 }
 
-std::string Missing(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
+std::string MissingFor(const CalibrationProblem& problem, const EffectDefinition& definition, const EffectSpec& spec) {
   for (const ShotInput& shot : problem.shot_inputs()) {
     const EffectContext context{&problem.robot(), &spec, &shot.conditions, &problem.data().markers, 0};
     const std::string column = MissingColumn(definition, context);
@@ -212,10 +212,10 @@ std::vector<EffectSpec> Variants(const CalibrationProblem& problem, const Effect
 void AppendVariants(const CalibrationProblem& problem, const EffectDefinition& definition, const std::string& target,
                     const Knowledge& known, CandidateList* list) {
   const std::vector<EffectSpec> variants = Variants(problem, definition, target);
-  std::string missing = variants.empty() ? Missing(problem, definition, {definition.name, target, {}, {}}) : "";
+  std::string missing = variants.empty() ? MissingFor(problem, definition, {definition.name, target, {}, {}}) : "";
   std::vector<EffectSpec> testable;
   for (const EffectSpec& variant : variants) {
-    const std::string column = Missing(problem, definition, variant);
+    const std::string column = MissingFor(problem, definition, variant);
     if (!column.empty()) missing = column;
     const bool needs_torque = definition.PressedByOf(variant) == PressedBy::kTorque && !known.loads;
     if (column.empty() && !needs_torque && !Stands(problem, variant)) testable.push_back(variant);
@@ -253,7 +253,7 @@ CandidateList ListCandidates(const CalibrationProblem& problem, const ParameterS
     if (definition == &LinkGravity()) AppendCompensators(problem, compliant, &list);
     if (definition->needs == EffectNeeds::kNoCompliances && known.compliances) continue;
     const std::string unmet = UnmetNeed(definition->needs, known);
-    for (const std::string& target : Targets(*definition, problem)) {
+    for (const std::string& target : TargetsOf(*definition, problem)) {
       const std::string need = SlidesInstead(problem, *definition, target) ? "a revolute joint" : unmet;
       if (need.empty()) {
         AppendVariants(problem, *definition, target, known, &list);

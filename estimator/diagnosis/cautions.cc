@@ -7,6 +7,7 @@
 
 #include "estimator/diagnosis/noise_check.h"
 #include "estimator/diagnosis/refit.h"
+#include "estimator/diagnosis/selected_effects.h"
 #include "estimator/inspection/load_lint.h"
 #include "estimator/inspection/reading_lint.h"
 #include "estimator/report/diagnosis_caution_words.h"
@@ -19,9 +20,8 @@ namespace {
 constexpr double kStill = 5.0 * kDegree;  // rad: a joint that moves less is taken as standing
 constexpr double kStillLength = 0.05;     // m, prismatic
 constexpr int kFewConfigurations = 15;
-constexpr int kFewHeldOut = 3;
 constexpr double kFarAboveFloor = 1.5;
-constexpr double kFarBelow = 3.1;  // standard deviations, one in a thousand
+constexpr double kFarBelowFloor = 3.1;  // standard deviations, one in a thousand
 
 // Configurations with equal joint values count once.
 struct Counts {
@@ -190,7 +190,7 @@ void CautionOfHoldout(const DiagnosedModel& final, bool has_unexplained, std::ve
   if (!has_unexplained && rms > kFarAboveFloor * floor) cautions->push_back(HoldoutFarAboveFloor(rms, floor));
   // Relative scatter of an RMS of n numbers: 1 / sqrt(2 n). Markers of one configuration may share theirs.
   const double scatter = 1.0 / std::sqrt(2.0 * 3.0 * held_out);
-  if (rms < (1.0 - kFarBelow * scatter) * floor) cautions->push_back(HoldoutBelowFloor(rms, floor));
+  if (rms < (1.0 - kFarBelowFloor * scatter) * floor) cautions->push_back(HoldoutBelowFloor(rms, floor));
 }
 
 }  // namespace sagitta

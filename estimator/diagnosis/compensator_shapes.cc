@@ -13,15 +13,15 @@ namespace {
 constexpr double kLever = 0.2;  // m: L of every shape; the gauge makes it free
 // a / L of springs from short to long; beyond 8 the torque is a sine whatever the ratio (to 1 %).
 constexpr double kRatios[] = {1.3, 1.8, 2.5, 3.5, 5.0, 8.0};
-constexpr int kDirections = 24;       // of the anchor around the joint: neighbours differ by 15 degrees
-constexpr double kAnchorReach = 1.5;  // m, prior standard deviation of a_x, a_y: the largest arms are as long
-constexpr double kSpringRest = 0.5;   // m, prior of s0 and its standard deviation
-constexpr double kLeastRate = 100.0;  // N/m
-constexpr double kKeptWithin = 0.3;   // of a: 17 degrees and a factor of 1.35, about one cell of the grid either way
+constexpr int kAnchorDirections = 24;  // of the anchor around the joint: neighbours differ by 15 degrees
+constexpr double kAnchorReach = 1.5;   // m, prior standard deviation of a_x, a_y: the largest arms are as long
+constexpr double kSpringRest = 0.5;    // m, prior of s0 and its standard deviation
+constexpr double kLeastRate = 100.0;   // N/m
+constexpr double kKeptWithin = 0.3;    // of a: 17 degrees and a factor of 1.35, about one cell of the grid either way
 
 // Of an even distribution over a cell of the grid: its width over the root of 12. Ratios differ by factors of
 // about 1.4.
-const double kDirectionDeviation = 2.0 * kPi / kDirections / std::sqrt(12.0);
+const double kDirectionDeviation = 2.0 * kPi / kAnchorDirections / std::sqrt(12.0);
 const double kRatioDeviation = std::log(1.4) / std::sqrt(12.0);
 
 EffectSpec ShapeOf(const std::string& joint, double ratio, double alpha) {
@@ -52,8 +52,8 @@ double ComplianceOf(const ParameterSet& parameters, const std::string& joint) {
 std::vector<EffectSpec> CompensatorShapes(const std::string& joint) {
   std::vector<EffectSpec> shapes;
   for (const double ratio : kRatios) {
-    for (int d = 0; d < kDirections; ++d) {
-      shapes.push_back(ShapeOf(joint, ratio, 2.0 * kPi * d / kDirections));
+    for (int d = 0; d < kAnchorDirections; ++d) {
+      shapes.push_back(ShapeOf(joint, ratio, 2.0 * kPi * d / kAnchorDirections));
     }
   }
   return shapes;

@@ -17,11 +17,10 @@
 #include "estimator/diagnosis/next_poses.h"
 #include "estimator/diagnosis/noise_finding.h"
 #include "estimator/diagnosis/thermal_lag.h"
+#include "models/constants.h"
 #include "problems/choices.h"
 
 namespace sagitta {
-
-constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 // Where the misfit is: the share of one configuration, marker, joint, ….
 struct WhereShare {

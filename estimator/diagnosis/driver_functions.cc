@@ -77,7 +77,7 @@ namespace {
 
 // L with L L' = F F' but for `left` of its trace: Cholesky with pivots, which ends after as many columns as F has
 // directions (Harbrecht, Peters and Schneider 2012, Appl. Numer. Math. 62, 428).
-Eigen::MatrixXd FewColumns(const Eigen::MatrixXd& functions, double left) {
+Eigen::MatrixXd LeadingColumns(const Eigen::MatrixXd& functions, double left) {
   Eigen::VectorXd diagonal = functions.rowwise().squaredNorm();
   const double enough = left * diagonal.sum();
   const long most = std::min(functions.rows(), functions.cols());
@@ -98,7 +98,7 @@ Eigen::MatrixXd FewColumns(const Eigen::MatrixXd& functions, double left) {
 
 // F = U S V':  basis U S, mixing V' = S^-1 U' F, of directions above the tolerance.
 Compressed Compress(const Eigen::MatrixXd& functions, double tolerance) {
-  const Eigen::MatrixXd few = FewColumns(functions, 0.1 * tolerance * tolerance);
+  const Eigen::MatrixXd few = LeadingColumns(functions, 0.1 * tolerance * tolerance);
   if (few.cols() == 0) return {few, Eigen::MatrixXd(0, functions.cols())};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(few.transpose() * few));
   const double least = tolerance * tolerance * eigen.eigenvalues().maxCoeff();

@@ -4,11 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
 #include "estimator/statistics/distributions.h"
+#include "models/constants.h"
 
 namespace sagitta {
 namespace {
@@ -22,8 +22,6 @@ constexpr double kPoorlyDetermined = 0.2;
 constexpr double kPriorMatters = 0.01;
 constexpr double kTakesItsPlace = 0.5;  // of what the effect explains
 constexpr size_t kRivalsOnHalves = 40;  // names that are asked on a half
-
-constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 std::vector<const ColumnGroup*> GroupsOf(const std::vector<Explanation>& explanations,
                                          const std::vector<int>& members) {
@@ -74,10 +72,10 @@ HalfResult OnHalf(const Evidence& evidence, const Asked& asked, size_t k, const 
 // d = a_1 - a_2:  d'(C_1 + C_2)^-1 d ~ chi^2 of as many degrees of freedom as there are values.
 // Of the halves' values being one.
 double CompatibleP(const std::vector<HalfResult>& halves) {
-  if (halves.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  if (halves.size() < 2) return kNotKnown;
   const Eigen::VectorXd apart = halves[0].values - halves[1].values;
   const Eigen::LLT<Eigen::MatrixXd> joint(Eigen::MatrixXd(halves[0].covariance + halves[1].covariance));
-  if (joint.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  if (joint.info() != Eigen::Success) return kNotKnown;
   return ChiSquareSurvival(apart.dot(joint.solve(apart)), static_cast<double>(apart.size()));
 }
 
@@ -161,7 +159,7 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
     for (size_t m = 0; m < members_.size(); ++m) {
       is_excluded |= m != place && explanations_[members_[m]].excludes == own.excludes;
     }
-    weights.push_back(is_excluded ? kNever
+    weights.push_back(is_excluded ? -kInfinity
                                   : base + std::log(own.share) +
                                         AverageGain(likelihood_, residual, Information(own.group, place),
                                                     Gradient(own.group, place)));

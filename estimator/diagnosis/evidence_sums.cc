@@ -14,10 +14,10 @@ namespace {
 
 constexpr Eigen::Index kColumnsAtOnce = 256;  // of a product, upper blocks alone: a tenth more than half of it
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
-constexpr double kRank = 1e-13;
+constexpr double kRankOfSums = 1e-13;
 
 // R' R is added to the upper triangle, some columns at a time with the instructions that the machine has.
-void AddProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
+void AddUpperProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
   const Eigen::MatrixXd turned = rows.transpose();
   const Eigen::Index width = turned.rows();
   Eigen::MatrixXd product(width, kColumnsAtOnce);
@@ -96,7 +96,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
       }
     }
     sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
-    AddProducts(rows, &sums.products);
+    AddUpperProducts(rows, &sums.products);
     sums.rows += block.here.num_rows();
   }
   return sums;
@@ -139,7 +139,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<Fill
   RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
   for (FilledBlock block : filled) {
     sums.log_det += Whiten(RootsOf(block.observations, block.latent, scatter), &block.rows);
-    AddProducts(block.rows, &sums.products);
+    AddUpperProducts(block.rows, &sums.products);
     sums.rows += static_cast<int>(block.rows.rows());
   }
   return sums;
@@ -193,7 +193,7 @@ EvidenceColumns::Eliminated EvidenceColumns::Eliminate(Eigen::MatrixXd own, Eige
   const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
       Eigen::MatrixXd(scale.asDiagonal() * own * scale.asDiagonal()));
-  const double least = kRank * eigen.eigenvalues().maxCoeff();
+  const double least = kRankOfSums * eigen.eigenvalues().maxCoeff();
   const int rank = static_cast<int>((eigen.eigenvalues().array() > least).count());
   const Eigen::MatrixXd basis =
       eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
+
+#include "models/constants.h"
 
 namespace sagitta {
 namespace {
 
 constexpr int kBootstrapDraws = 400;
 constexpr size_t kFewestResampled = 3;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Squared hold-out residuals per configuration, m^2, and how many coordinates.
 std::vector<std::pair<double, int>> HoldoutByConfiguration(const DiagnosedModel& model) {
@@ -65,9 +65,9 @@ GapReport JudgeGap(const DiagnosedModel& baseline, const DiagnosedModel& extende
   gap.before = std::sqrt(SquaredGap(before, held_out, floor));
   gap.after = std::sqrt(SquaredGap(after, held_out, floor));
   gap.closed = closed(held_out);
-  gap.closed_ci95 = {kNone, kNone};
-  if (held_out.empty()) gap.before = gap.after = gap.closed = kNone;
-  if (!is_noise_stated) gap.closed = kNone;
+  gap.closed_ci95 = {kNotKnown, kNotKnown};
+  if (held_out.empty()) gap.before = gap.after = gap.closed = kNotKnown;
+  if (!is_noise_stated) gap.closed = kNotKnown;
   if (held_out.size() < kFewestResampled || !is_noise_stated) return gap;
   std::mt19937_64 random(1);
   std::vector<double> draws;

@@ -13,7 +13,6 @@ namespace sagitta {
 namespace {
 
 constexpr double kWorseBeyondChance = 0.01;
-constexpr size_t kFewHeldOut = 3;
 constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
 constexpr size_t kMostGroups = 5;   // FORMATS section 6
 
@@ -161,7 +160,7 @@ bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after
   std::vector<int> counts;
   const Eigen::VectorXd now = HoldoutSquares(after, &counts), then = HoldoutSquares(before, &counts);
   const auto held_out = std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; });
-  if (held_out < static_cast<long>(kFewHeldOut)) return false;
+  if (held_out < kFewHeldOut) return false;
   const double limit = NormalQuantile(1.0 - kWorseBeyondChance);
   if ((now - then).sum() > limit * (now - then).norm()) return true;
   // A few configurations that are far off say nothing by their own scatter. Root mean squares of n points scatter by
@@ -175,7 +174,7 @@ bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double si
   std::vector<int> counts;
   HoldoutSquares(model, &counts);
   const auto held_out = std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; });
-  if (held_out < static_cast<long>(kFewHeldOut)) return false;
+  if (held_out < kFewHeldOut) return false;
   // Rows of one configuration may share what they deviate by: three coordinates each count.
   const double floor = model.estimate.noise_floor, rms = model.estimate.validation.rms;
   return floor > 0.0 && ChiSquareSurvival(3.0 * static_cast<double>(held_out) * rms * rms / (floor * floor),

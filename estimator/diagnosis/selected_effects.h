@@ -8,6 +8,8 @@
 
 namespace sagitta {
 
+inline constexpr int kFewHeldOut = 3;  // configurations: fewer decide nothing
+
 struct SelectedEffect {
   int explanation = 0;
   Candidate candidate;

@@ -9,7 +9,7 @@ namespace sagitta {
 namespace {
 
 constexpr double kShareOfOutliers = 0.1;  // of the significance
-constexpr int kMostRounds = 12;           // each takes all above a twentieth of the worst (noise_check.cc)
+constexpr int kMostSetAsideRounds = 12;   // each takes all above a twentieth of the worst (noise_check.cc)
 
 bool Replace(const CalibrationProblem& problem, const JointOptions& joint, DiagnosedModel* model) {
   DiagnosedModel refit = RefitFully(problem, model->estimate, joint);
@@ -45,7 +45,7 @@ bool IsNextToAny(const std::vector<double>& moments, const CalibrationProblem& p
 }  // namespace
 
 void SetAside::FromFitted(DiagnosedModel* model) {
-  for (int round = 0; round < kMostRounds && Follow(*model, model); ++round) {
+  for (int round = 0; round < kMostSetAsideRounds && Follow(*model, model); ++round) {
   }
 }
 
@@ -77,7 +77,7 @@ bool SetAside::Follow(const DiagnosedModel& extended, DiagnosedModel* baseline) 
 void SetAside::FromHeldOut(bool lacks_nothing, DiagnosedModel* baseline, DiagnosedModel* final) {
   CalibrationProblem cleaned = *final->problem;
   std::vector<int> removed;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostSetAsideRounds; ++round) {
     const std::vector<int> outliers =
         FindOutliers(cleaned, final->estimate.parameters, cleaned.ValidationObservations(),
                      kShareOfOutliers * significance_, !lacks_nothing, removed.size());

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/constants.h"
+
 namespace sagitta {
 namespace {
 
-constexpr double kNever = -std::numeric_limits<double>::infinity();
-// Sets that share the probability with the best are explored like it: e^-4 = 2 %, and no more of them than that share
-// allows (each at 2 % or more: 50).
+// Sets that share the probability with the best are explored like it: e^-4 = 2 %, which 50 of them can have at most.
 constexpr double kWorthExploring = 4.0;
 constexpr int kMostExplored = 12;
 constexpr int kScaleRounds = 3;
@@ -261,7 +261,7 @@ std::vector<double> SetSearch::AdditionsTo(const WeightedSet& set, const Given& 
   std::vector<double> shares = SharesOf(set.members);
   shares.push_back(1.0);
   const double base = set.log_likelihood + prior_.Log(shares);
-  std::vector<double> weights(explanations_.size(), kNever);
+  std::vector<double> weights(explanations_.size(), -kInfinity);
   if (scales != nullptr) scales->assign(explanations_.size(), 1.0);
   for (size_t k = 0; k < explanations_.size(); ++k) {
     const Explanation& candidate = explanations_[k];

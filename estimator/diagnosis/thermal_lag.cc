@@ -60,7 +60,7 @@ double LeastChiSquare(const std::vector<LaggedFit>& fits) {
 }
 
 // Of the noise that the row's interval goes by, in that of the refits; 0 where they do not tell the row.
-double NoiseScale(const std::vector<LaggedFit>& fits, const ParameterEstimate& row) {
+double ScaleOfFits(const std::vector<LaggedFit>& fits, const ParameterEstimate& row) {
   const int c = fits[0].refit.parameters.FindCoordinate(row.name);
   const double sigma = c < 0 ? 0.0 : fits[0].refit.sigmas[c];
   return sigma > 0.0 ? row.sigma / sigma : 0.0;
@@ -70,7 +70,7 @@ double NoiseScale(const std::vector<LaggedFit>& fits, const ParameterEstimate& r
 //   chi2(lag) + (v - v(lag))^2 / sigma(lag)^2 <= least + q^2,
 // joined with the interval at no lag, of which q is.
 void Widen(const std::vector<LaggedFit>& fits, double least, ParameterEstimate* row) {
-  const double noise = NoiseScale(fits, *row);
+  const double noise = ScaleOfFits(fits, *row);
   if (!(noise > 0.0)) return;
   const int c = fits[0].refit.parameters.FindCoordinate(row->name);
   const double q = 0.5 * (row->ci95.high - row->ci95.low) / row->sigma;
@@ -107,7 +107,7 @@ std::optional<ThermalLag> AllowForLag(const DiagnosedModel& final, const EffectS
   if (rows->empty() || !IsDrivenByTemperature(final.problem->robot(), spec)) return std::nullopt;
   const std::vector<LaggedFit> fits = FitLags(final);
   if (fits.size() < 2) return std::nullopt;
-  const double least = LeastChiSquare(fits), noise = NoiseScale(fits, rows->front());
+  const double least = LeastChiSquare(fits), noise = ScaleOfFits(fits, rows->front());
   const double within = ChiSquareQuantile(0.95, 1.0) * noise * noise;
   ThermalLag lag{0.0, kLongestLag, 0.0, IsTimed(final.problem->data())};
   for (const LaggedFit& fit : fits) {

@@ -11,9 +11,9 @@
 namespace sagitta {
 namespace {
 
-constexpr int kOrders = 6;    // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
-constexpr size_t kJumps = 8;  // along a joint's angle, of all gaps between poses, kMostGaps at most
-constexpr int kMostGaps = 200;
+constexpr int kWaveOrders = 6;  // of waves over another joint's angle, as of the catalogue's harmonics (candidates.cc)
+constexpr size_t kJumps = 8;    // along a joint's angle, of all gaps between poses, kMostJointGaps at most
+constexpr int kMostJointGaps = 200;
 constexpr double kSame = 0.999;  // of the length of a mean of unit vectors: phases within 2.6 degrees
 constexpr int kRipples = 6;      // of each joint, of all orders beyond the catalogue's that it may have
 constexpr int kNeighbours = 2;   // joints that a hose or a table of corrections goes over lie that close
@@ -87,7 +87,8 @@ class JointFunctions : public UnnamedList {
   // Of the gaps between poses those that the rows say most of, each by itself.
   void AppendJumps(const Eigen::VectorXd& q, int j, GroupedFunctions* functions) const {
     Scan<Gap> scan;
-    for (const TriedJump& jump : TryJumps(along_, fitted_, q, {kMostGaps, 1, j, 1})) scan.Try(jump.reduction, jump.gap);
+    for (const TriedJump& jump : TryJumps(along_, fitted_, q, {kMostJointGaps, 1, j, 1}))
+      scan.Try(jump.reduction, jump.gap);
     const std::vector<Gap> best = scan.Best(kJumps);
     const double unit = IsRevolute(problem_, j) ? kDegree : 1e-3;
     const double listed = static_cast<double>(best.size()) / static_cast<double>(scan.size());
@@ -101,7 +102,7 @@ class JointFunctions : public UnnamedList {
   }
 
   void AppendWaves(const Eigen::VectorXd& q, int driver, GroupedFunctions* functions) const {
-    for (int n = 1; n <= kOrders; ++n) {
+    for (int n = 1; n <= kWaveOrders; ++n) {
       functions->Append(Waves(n * q, 1), "periodic", {{"driver", JointName(driver)}, {"order", std::to_string(n)}},
                         "learnt_wave_deviation");
     }

@@ -30,7 +30,7 @@ struct Side {
   Gap gap;
 };
 
-std::string InMillimetres(double value) { return Significant(1e3 * value, kDigits); }
+std::string NumberInMillimetres(double value) { return Significant(1e3 * value, kDigits); }
 
 class PlaceFunctions : public UnnamedList {
  public:
@@ -72,9 +72,9 @@ class PlaceFunctions : public UnnamedList {
       if (Smooth(time.of_shot, "time", &functions)) {
         EffectSpec turn = OfStation(time, station, "turn");
         const Vector3<double> foot = parameters_.BaseInStation(owner).translation;
-        turn.settings["about_x_mm"] = InMillimetres(foot.x());
-        turn.settings["about_y_mm"] = InMillimetres(foot.y());
-        turn.settings["about_z_mm"] = InMillimetres(foot.z());
+        turn.settings["about_x_mm"] = NumberInMillimetres(foot.x());
+        turn.settings["about_y_mm"] = NumberInMillimetres(foot.y());
+        turn.settings["about_z_mm"] = NumberInMillimetres(foot.z());
         AppendBumps(time.of_shot, "time", kFineBumps, &functions);
         const UnnamedFunction moves{"",
                                     station,
@@ -172,10 +172,10 @@ class PlaceFunctions : public UnnamedList {
     field.Append(functions, "other", {});
     const EffectSpec effect{"learnt_station_field",
                             name,
-                            {{"x_mm", InMillimetres(middle.x())},
-                             {"y_mm", InMillimetres(middle.y())},
-                             {"z_mm", InMillimetres(middle.z())},
-                             {"spread_mm", InMillimetres(spread)}},
+                            {{"x_mm", NumberInMillimetres(middle.x())},
+                             {"y_mm", NumberInMillimetres(middle.y())},
+                             {"z_mm", NumberInMillimetres(middle.z())},
+                             {"spread_mm", NumberInMillimetres(spread)}},
                             {}};
     AddFunctions(field,
                  {"", name, {name}, StationIsDistorted(name), Axes(Source::Kind::kStation, station), {}, {effect}},

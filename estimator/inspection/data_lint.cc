@@ -15,15 +15,15 @@
 namespace sagitta {
 namespace {
 
-constexpr double kStill = 1.0 * kDegree;        // a joint that covers less has not moved
-constexpr double kStillLength = 1e-3;           // m, prismatic
-constexpr double kLittleOfTheLimits = 0.2;      // share
-constexpr double kLittleTurn = 30.0 * kDegree;  // joint: covers less than that
-constexpr double kLittleLength = 0.05;          // m
-constexpr double kConstantOrientation = 0.02;   // RMS of a unit vector's tip: 1 degree
-constexpr double kOneAxis = 0.05;               // 3 degrees
-constexpr double kEqualJoints = 1e-9;           // rad or m
-constexpr double kOtherPose = 0.1 * kDegree;    // copies: the joints moved at least that much
+constexpr double kUnmovedAngle = 1.0 * kDegree;  // a joint that covers less has not moved
+constexpr double kUnmovedLength = 1e-3;          // m, prismatic
+constexpr double kLittleOfTheLimits = 0.2;       // share
+constexpr double kLittleTurn = 30.0 * kDegree;   // joint: covers less than that
+constexpr double kLittleLength = 0.05;           // m
+constexpr double kConstantOrientation = 0.02;    // RMS of a unit vector's tip: 1 degree
+constexpr double kOneAxis = 0.05;                // 3 degrees
+constexpr double kEqualJoints = 1e-9;            // rad or m
+constexpr double kOtherPose = 0.1 * kDegree;     // copies: the joints moved at least that much
 constexpr double kEquationsPerUnknown = 2.0;
 constexpr double kManyCopies = 0.05;  // of the rows
 
@@ -37,7 +37,7 @@ std::map<int, int> CalibrationConfigurations(const CalibrationProblem& problem) 
 
 bool IsStill(const CalibrationProblem& problem, const MeasuredRange& range) {
   const bool turns = problem.robot().chain.joints[range.joint].type == JointType::kRevolute;
-  return range.most - range.least < (turns ? kStill : kStillLength);
+  return range.most - range.least < (turns ? kUnmovedAngle : kUnmovedLength);
 }
 
 void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {

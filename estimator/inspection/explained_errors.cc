@@ -9,9 +9,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kPrecision = 5e-4;  // of the reach, per coordinate: a tenth of what is suspicious
-constexpr double kAnywhere = 10.0;   // m, rad: base and markers are not bound
-constexpr double kSettled = 0.01;    // standard deviations left: a hundredth of the precision
+constexpr double kPrecision = 5e-4;    // of the reach, per coordinate: a tenth of what is suspicious
+constexpr double kAnywhere = 10.0;     // m, rad: base and markers are not bound
+constexpr double kSettledStep = 0.01;  // standard deviations left: a hundredth of the precision
 
 struct Unknowns {
   std::vector<int> columns;
@@ -39,7 +39,7 @@ Unknowns UnknownsOf(const CalibrationProblem& problem) {
 }
 
 // Errors in units of their size; 0 for base and markers.
-Eigen::VectorXd Errors(const CalibrationProblem& problem, const Unknowns& unknowns, const ParameterSet& parameters) {
+Eigen::VectorXd ErrorsAt(const CalibrationProblem& problem, const Unknowns& unknowns, const ParameterSet& parameters) {
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(unknowns.size.size());
   for (int c = 0; c < errors.size(); ++c) {
     if (!unknowns.is_error[c]) continue;
@@ -71,17 +71,17 @@ ExplainedErrors ExplainByErrors(const CalibrationProblem& problem, const std::ve
   const NoiseRoots noise(rows.size(), precision * Matrix3<double>::Identity());
   const auto rows_at = [&](const ParameterSet& at, const std::vector<int>& columns) -> FittedRows {
     Linearization here = Linearize(problem, at, rows, columns, noise, LatentTreatment::kIgnore);
-    if (here.valid) AppendSizes(unknowns, Errors(problem, unknowns, at), &here);
+    if (here.valid) AppendSizes(unknowns, ErrorsAt(problem, unknowns, at), &here);
     return {here, here.num_rows()};
   };
   GaussNewtonOptions options;
-  options.tolerance = kSettled;
+  options.tolerance = kSettledStep;
   const GaussNewtonResult fit = GaussNewton(rows_at, unknowns.columns, parameters, options);
   if (!fit.fitted.rows.valid) return found;
   const auto readings_only = static_cast<Eigen::Index>(3 * rows.size());
   found.left =
       precision * fit.fitted.rows.residual.head(readings_only).norm() / std::sqrt(static_cast<double>(rows.size()));
-  const Eigen::VectorXd errors = Errors(problem, unknowns, fit.parameters);
+  const Eigen::VectorXd errors = ErrorsAt(problem, unknowns, fit.parameters);
   int largest = 0;
   found.relative = errors.cwiseAbs().maxCoeff(&largest);
   const Coordinate& coordinate = fit.parameters.coordinates()[unknowns.columns[largest]];

@@ -18,8 +18,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kClose = 0.95;   // |correlation| that makes a group
-constexpr double kAlone = 0.999;  // leverage of a configuration that nothing else checks
+constexpr double kClose = 0.95;       // |correlation| that makes a group
+constexpr double kUnchecked = 0.999;  // leverage of a configuration that nothing else checks
 
 // With the experiments that would tell compliances and spring, as an estimate proposes them.
 Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution& solution) {
@@ -40,7 +40,7 @@ Identifiability IdentifiabilityOf(const LinearState& state, const LinearSolution
   return expected.identifiability;
 }
 
-void FillParameters(const LinearState& state, Inspection* inspection) {
+void FillInspectedParameters(const LinearState& state, Inspection* inspection) {
   const LinearSolution solution = SolveLinearization(state.estimated);
   inspection->identifiability = IdentifiabilityOf(state, solution);
   for (const int i : state.all.columns) {
@@ -136,7 +136,7 @@ void AddLeverageFinding(const CalibrationProblem& problem, const Inspection& ins
     first[data.shots[data.observations[i].shot].configuration] = static_cast<int>(i);
   std::vector<std::string> rows, names;
   for (const ConfigurationLeverage& entry : inspection.leverage) {
-    if (entry.most < kAlone) continue;
+    if (entry.most < kUnchecked) continue;
     if (rows.size() < 6) names.push_back(data.configurations[entry.configuration].id);
     rows.push_back(data.SourceOf(data.observations[first[entry.configuration]]));
   }
@@ -210,7 +210,7 @@ Inspection Inspect(const CalibrationProblem& problem, const std::function<void(c
     inspection.findings.push_back(
         Found(Severity::kSerious, "folded", ArmFolds(FoldedShot(problem, problem.parameters))));
   } else {
-    FillParameters(state, &inspection);
+    FillInspectedParameters(state, &inspection);
     inspection.groups = FindGroups(state);
     inspection.leverage = FindLeverage(state);
     AddDirectionFindings(inspection, &inspection.findings);

@@ -17,8 +17,8 @@ namespace {
 // Times the expected RMS distance: three coordinates that share one held value exceed 4 standard deviations in 1 of
 // 16000 cases, and their RMS is at least one of them.
 constexpr double kBeyondExpected = 4.0;
-constexpr size_t kFewest = 3;  // rows of one marker and station that are off alone: of fewer the rows are bad
-constexpr size_t kEquationsPerUnknown = 2;  // from here on a fit of places alone says something
+constexpr size_t kFewestAlone = 3;  // rows of one marker and station that are off alone: of fewer the rows are bad
+constexpr size_t kEquationsPerPlaceNumber = 2;  // from here on a fit of places alone says something
 
 bool HasPoint(const Observation& row) { return row.is_point() && row.point_in_station.allFinite(); }
 
@@ -61,7 +61,7 @@ KnownMisfit MisfitOfKnown(const Chain& chain, const Measurements& rows, const Ei
   misfit.median = Median(all);
   misfit.is_far = 2 * misfit.far.size() > all.size();
   for (const auto& [labels, pair] : of_pair) {
-    if (misfit.is_far || pair.distances.size() < kFewest || 2 * pair.far <= pair.distances.size()) continue;
+    if (misfit.is_far || pair.distances.size() < kFewestAlone || 2 * pair.far <= pair.distances.size()) continue;
     misfit.is_far = true;
     misfit.median = Median(pair.distances);
     std::tie(misfit.station, misfit.marker) = labels;
@@ -77,7 +77,7 @@ Finding ExplainKnown(const CalibrationProblem& known, const KnownMisfit& misfit)
   }
   const CalibrationProblem free = WithFreePlaces(known);
   const std::vector<int> sample = SampleOfRows(free);
-  if (3 * sample.size() < kEquationsPerUnknown * free.parameters.EstimatedCoordinates().size())
+  if (3 * sample.size() < kEquationsPerPlaceNumber * free.parameters.EstimatedCoordinates().size())
     return Found(Severity::kSerious, "not_these_readings", NotTheseReadings(misfit.median));
   const double fitted = AlignedMisfit(free, sample);
   if (fitted <= SuspiciousMisfit(free.robot().chain))

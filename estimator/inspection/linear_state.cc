@@ -30,7 +30,7 @@ ParameterSet NominalValues(const CalibrationProblem& problem) {
   return parameters;
 }
 
-double NoiseScale(const CalibrationProblem& problem, const Linearization& linearization) {
+double ScaleOfResiduals(const CalibrationProblem& problem, const Linearization& linearization) {
   const LinearSolution solution = SolveLinearization(linearization);
   const double dof = linearization.num_rows() - linearization.num_columns();
   const double scale = dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
@@ -66,7 +66,7 @@ void DecideRank(bool misfit, LinearState* state) {
   for (int round = 0; round < 3; ++round) {  // the noise depends on what is kept
     state->lost = FindUnidentifiable(state->all, state->parameters, state->scale);
     state->estimated = WithColumns(state->all, state->lost.columns);
-    if (!misfit) state->scale = NoiseScale(state->problem, state->estimated);
+    if (!misfit) state->scale = ScaleOfResiduals(state->problem, state->estimated);
   }
 }
 

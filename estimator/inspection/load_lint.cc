@@ -48,7 +48,7 @@ void AddPair(const CalibrationProblem& problem, int loaded, const Vector3<double
   ++all->directed;
 }
 
-std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
+std::map<std::string, Deflections> CollectDeflections(const CalibrationProblem& problem) {
   const Measurements& data = problem.data();
   std::map<Key, Vector3<double>> unloaded;
   for (const Observation& row : data.observations) {
@@ -69,7 +69,7 @@ std::map<std::string, Deflections> Collect(const CalibrationProblem& problem) {
 
 std::vector<Finding> LintDeflections(const CalibrationProblem& problem) {
   std::vector<Finding> findings;
-  for (const auto& [load, deflections] : Collect(problem)) {
+  for (const auto& [load, deflections] : CollectDeflections(problem)) {
     if (deflections.sizes.empty()) continue;
     const double size = Median(deflections.sizes), flexibility = Median(deflections.per_force);
     if (size <= kSeen * deflections.noise) continue;

@@ -17,14 +17,14 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kFewest = 4;          // rows: 12 numbers to a pose of six
+constexpr size_t kFewestOfPose = 4;    // rows: 12 numbers to a pose of six
 constexpr size_t kFewestOfMarker = 3;  // rows: 9 numbers to a point of three
 constexpr size_t kFewestPoses = 3;     // the rows of one are a pose wherever its joints are: any fits some station
 constexpr double kClearlyBetter = 5.0;
 constexpr double kOnePoint = 1e-3;  // of the reach
 constexpr double kApart = 10.0;     // of the RMS distance of the rows that fit
 
-void Set(OtherLabel::Kind kind, const std::string& stated, const std::string& fits, OtherLabel* found) {
+void SetFound(OtherLabel::Kind kind, const std::string& stated, const std::string& fits, OtherLabel* found) {
   found->kind = kind;
   found->stated = stated;
   found->fits = fits;
@@ -61,7 +61,7 @@ struct AffineInMarker {
   std::array<Eigen::Matrix3Xd, 3> along;
 };
 
-Eigen::Matrix3Xd MeasuredPoints(const CalibrationProblem& problem, const std::vector<int>& rows) {
+Eigen::Matrix3Xd PointsOfRows(const CalibrationProblem& problem, const std::vector<int>& rows) {
   Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(rows.size()));
   for (size_t k = 0; k < rows.size(); ++k) {
     points.col(static_cast<Eigen::Index>(k)) = problem.data().observations[rows[k]].point_in_station;
@@ -88,14 +88,14 @@ void KeepThoseApart(FarRows* rows) {
 }
 
 // The far rows of one station and one marker, and what else could have made them.
-class Group {
+class LabelGroup {
  public:
-  Group(const CalibrationProblem& problem, const FarRows& all)
+  LabelGroup(const CalibrationProblem& problem, const FarRows& all)
       : problem_(problem),
         all_(all),
         marker_(RowOf(all.far.front()).marker),
         station_(StationOf(all.far.front())),
-        measured_(MeasuredPoints(problem, all.far)) {
+        measured_(PointsOfRows(problem, all.far)) {
     for (size_t k = 0; k < all.far.size(); ++k) {
       one_marker_ = one_marker_ && RowOf(all.far[k]).marker == marker_;
       one_station_ = one_station_ && StationOf(all.far[k]) == station_;
@@ -120,7 +120,8 @@ class Group {
       if (!(least <= kApart * all_.near_rms)) return false;
       fits.push_back(problem_.data().stations[nearest]);
     }
-    Set(OtherLabel::Kind::kOtherStation, problem_.data().stations[StationOf(all_.far.front())], fits.front(), found);
+    SetFound(OtherLabel::Kind::kOtherStation, problem_.data().stations[StationOf(all_.far.front())], fits.front(),
+             found);
     found->fits_of_row = fits;
     return true;
   }
@@ -136,7 +137,7 @@ class Group {
     base.rotation = motion.topLeftCorner<3, 3>();
     base.translation = motion.topRightCorner<3, 1>();
     if (!Fits(base, points)) return false;
-    Set(OtherLabel::Kind::kOwnStation, problem_.data().stations[station_], "", found);
+    SetFound(OtherLabel::Kind::kOwnStation, problem_.data().stations[station_], "", found);
     const Pose<double> stated = all_.parameters.BaseInStation(station_);
     const Vector3<double> origin = Vector3<double>::Zero();
     found->moved = (ToBase(base, origin) - ToBase(stated, origin)).norm();
@@ -152,11 +153,11 @@ class Group {
     for (int other = 0; other < static_cast<int>(problem_.data().markers.size()); ++other) {
       if (other == marker_ || problem_.marker_frames()[other] != problem_.marker_frames()[marker_]) continue;
       if (!fits(all_.parameters.MarkerPoint(other))) continue;
-      Set(OtherLabel::Kind::kOtherMarker, problem_.data().markers[marker_], problem_.data().markers[other], found);
+      SetFound(OtherLabel::Kind::kOtherMarker, problem_.data().markers[marker_], problem_.data().markers[other], found);
       return true;
     }
     if (!fits(mean)) return false;
-    Set(OtherLabel::Kind::kOwnMarker, problem_.data().markers[marker_], "", found);
+    SetFound(OtherLabel::Kind::kOwnMarker, problem_.data().markers[marker_], "", found);
     found->moved = (mean - all_.parameters.MarkerPoint(marker_)).norm();
     return true;
   }
@@ -195,8 +196,8 @@ std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem) {
   std::optional<FarRows> rows = FindFarRows(problem);
   if (!rows) return std::nullopt;
   KeepThoseApart(&*rows);
-  if (rows->far.size() < kFewest || !AreApart(*rows, problem)) return std::nullopt;
-  const Group group(problem, *rows);
+  if (rows->far.size() < kFewestOfPose || !AreApart(*rows, problem)) return std::nullopt;
+  const LabelGroup group(problem, *rows);
   OtherLabel found;
   if (!group.FitsOtherStations(&found) && !group.FitsMarker(&found) && !group.FitsOwnStation(&found)) {
     return std::nullopt;
@@ -217,7 +218,7 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
     if (own.size() < kFewestOfMarker || others.size() < own.size()) continue;
     ParameterSet parameters = problem.parameters;
     if (!(FindStartingValues(problem, others, StartingValueOptions(), &parameters) <= suspicious)) continue;
-    const Eigen::Matrix3Xd measured = MeasuredPoints(problem, own);
+    const Eigen::Matrix3Xd measured = PointsOfRows(problem, own);
     CalibrationProblem trial = problem;
     const auto misfit_on = [&](int frame) {
       trial.set_marker_frame(marker, frame);
@@ -234,7 +235,7 @@ std::optional<OtherLabel> FindOtherFrame(const CalibrationProblem& problem) {
       least = misfit;
       found.place = joint < 0 ? MarkerPlace{MarkerPlace::Kind::kBase, ""}
                               : MarkerPlace{MarkerPlace::Kind::kJoint, chain.joints[joint].name};
-      Set(OtherLabel::Kind::kOtherFrame, problem.data().markers[marker], found.place.Word(), &found);
+      SetFound(OtherLabel::Kind::kOtherFrame, problem.data().markers[marker], found.place.Word(), &found);
     }
     if (found.fits.empty()) continue;
     found.moved = least;
@@ -253,7 +254,7 @@ bool AreAllOnePoint(const CalibrationProblem& problem, double* spread) {
   double squares = 0.0;
   Eigen::Index count = 0;
   for (const auto& [station, rows] : of_station) {
-    Eigen::Matrix3Xd points = MeasuredPoints(problem, rows);
+    Eigen::Matrix3Xd points = PointsOfRows(problem, rows);
     points.colwise() -= Vector3<double>(points.rowwise().mean());
     squares += points.squaredNorm();
     count += points.cols();

@@ -18,8 +18,8 @@
 namespace sagitta {
 namespace {
 
-constexpr double kSuspicious = 0.005;  // of the reach: no arm needs that much calibration
-constexpr double kImprovement = 5.0;
+constexpr double kSuspiciousReading = 0.005;  // of the reach: no arm needs that much calibration
+constexpr double kReadingImprovement = 5.0;
 constexpr double kAsGood = 1.1;    // readings that fit alike: the simplest is named
 constexpr double kPerfect = 1e-4;  // of the reach: no better fit means anything
 constexpr size_t kShown = 6;
@@ -28,7 +28,7 @@ constexpr double kLargestError = 4.0;  // times 5 mm or 1 deg: no arm is made or
 constexpr double kMostFarRows = 0.2;   // of all: more are no exceptions
 
 // alike: names of other readings that fit as well.
-Finding Describe(const Reading& reading, double misfit, const std::vector<std::string>& alike) {
+Finding DescribeReading(const Reading& reading, double misfit, const std::vector<std::string>& alike) {
   const std::string words = MisfitOfReading(misfit, reading.misfit, reading.name, alike);
   return {Severity::kSerious, reading.code, words, reading.remedy, {}};
 }
@@ -46,7 +46,7 @@ Finding Unexplained(const CalibrationProblem& problem, double misfit, double sus
 
 }  // namespace
 
-double SuspiciousMisfit(const Chain& chain) { return kSuspicious * Reach(chain); }
+double SuspiciousMisfit(const Chain& chain) { return kSuspiciousReading * Reach(chain); }
 
 ReadingLint LintReadings(const CalibrationProblem& problem) {
   ReadingLint lint;
@@ -91,13 +91,13 @@ ReadingLint LintReadings(const CalibrationProblem& problem) {
   const double best = std::max(kPerfect * Reach(problem.robot().chain), kAsGood * least);
   const auto simplest =
       std::find_if(readings.begin(), readings.end(), [&](const Reading& reading) { return reading.misfit <= best; });
-  const bool explains = simplest != readings.end() && simplest->misfit * kImprovement < as_stated;
+  const bool explains = simplest != readings.end() && simplest->misfit * kReadingImprovement < as_stated;
   lint.is_explained = explains;
   std::vector<std::string> alike;
   for (auto other = simplest; explains && ++other != readings.end() && alike.size() < kMostAlike;) {
     if (other->misfit <= best) alike.push_back(other->name);
   }
-  lint.findings.push_back(explains ? Describe(*simplest, as_stated, alike)
+  lint.findings.push_back(explains ? DescribeReading(*simplest, as_stated, alike)
                                    : Unexplained(problem, lint.misfit, suspicious, errors));
   std::stable_sort(readings.begin(), readings.end(),
                    [](const Reading& a, const Reading& b) { return a.misfit < b.misfit; });

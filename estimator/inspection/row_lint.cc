@@ -14,12 +14,12 @@ namespace sagitta {
 namespace {
 
 constexpr int kReweightings = 12;
-constexpr double kStands = 1e-4;    // of the scale: weights that move no point by more
-constexpr double kCauchy = 1.5;     // median distances: where a row's weight has fallen to a half
-constexpr double kGross = 10.0;     // median distances; 15 sigma of normal noise
-constexpr double kSwapGain = 25.0;  // of the squared residual when two markers are exchanged
+constexpr double kStands = 1e-4;     // of the scale: weights that move no point by more
+constexpr double kHalfWeight = 1.5;  // median distances: where a row's weight has fallen to a half
+constexpr double kGross = 10.0;      // median distances; 15 sigma of normal noise
+constexpr double kSwapGain = 25.0;   // of the squared residual when two markers are exchanged
 
-std::vector<double> Distances(const Eigen::Matrix3Xd& residuals) {
+std::vector<double> ResidualLengths(const Eigen::Matrix3Xd& residuals) {
   std::vector<double> distances(residuals.cols());
   for (int k = 0; k < residuals.cols(); ++k) distances[k] = residuals.col(k).norm();
   return distances;
@@ -88,8 +88,8 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
     if (step != nullptr) *step = moved;
     const Eigen::Matrix3Xd before = residuals;
     residuals = residuals_of(linearization.residual + linearization.jacobian * moved);
-    const std::vector<double> distances = Distances(residuals);
-    const double scale = kCauchy * std::max(1e-12, Median(distances));
+    const std::vector<double> distances = ResidualLengths(residuals);
+    const double scale = kHalfWeight * std::max(1e-12, Median(distances));
     if (i > 0 && (residuals - before).cwiseAbs().maxCoeff() < kStands * scale) break;
     for (int k = 0; k < n; ++k) {
       const double ratio = distances[k] / scale;
@@ -100,7 +100,7 @@ Eigen::Matrix3Xd RobustLinearResiduals(const Linearization& linearization, const
 }
 
 std::vector<int> GrossOutliers(const Eigen::Matrix3Xd& residuals) {
-  const std::vector<double> distances = Distances(residuals);
+  const std::vector<double> distances = ResidualLengths(residuals);
   const double limit = kGross * Median(distances);
   std::vector<int> outliers;
   for (int k = 0; k < residuals.cols(); ++k) {
@@ -143,7 +143,7 @@ std::vector<Finding> LintRows(const CalibrationProblem& problem, const Lineariza
     gross_rows.push_back(problem.data().SourceOf(observation(k)));
   }
   if (gross_rows.empty()) return findings;
-  const Advice advice = RowsAreOff(gross_rows.size(), least, most, kGross, Median(Distances(residuals)));
+  const Advice advice = RowsAreOff(gross_rows.size(), least, most, kGross, Median(ResidualLengths(residuals)));
   findings.push_back(Found(Severity::kSerious, "outliers", advice, gross_rows));
   return findings;
 }

@@ -27,12 +27,12 @@ std::vector<bool> ChosenConfigurations(const CalibrationProblem& problem) {
 }
 
 // What of the problem's rows is kept, with the indices between them made anew.
-struct Kept {
+struct KeptRows {
   Measurements data;
   std::vector<int> shots, observations;  // of the whole problem
 };
 
-void KeepShot(const Measurements& all, int s, int configuration, Kept* kept) {
+void KeepShot(const Measurements& all, int s, int configuration, KeptRows* kept) {
   Shot shot = all.shots[s];
   shot.configuration = configuration;
   shot.observations.clear();
@@ -50,10 +50,10 @@ void KeepShot(const Measurements& all, int s, int configuration, Kept* kept) {
   kept->shots.push_back(s);
 }
 
-Kept KeepRows(const CalibrationProblem& problem) {
+KeptRows KeepRows(const CalibrationProblem& problem) {
   const Measurements& all = problem.data();
   const std::vector<bool> is_chosen = ChosenConfigurations(problem);
-  Kept kept;
+  KeptRows kept;
   kept.data.stations = all.stations;
   kept.data.markers = all.markers;
   for (const MeasurementFile& file : all.files) kept.data.files.push_back({file.path, file.sha256, file.header, {}});
@@ -78,7 +78,7 @@ Kept KeepRows(const CalibrationProblem& problem) {
 
 CalibrationProblem SampledProblem(const CalibrationProblem& problem) {
   if (static_cast<int>(problem.data().configurations.size()) <= kMostSampledConfigurations) return problem;
-  Kept kept = KeepRows(problem);
+  KeptRows kept = KeepRows(problem);
   CalibrationProblem sampled = problem;
   sampled.set_data(std::move(kept.data));
   sampled.mutable_experiment()->validation = ValidationSpec();

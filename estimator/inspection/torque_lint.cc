@@ -19,7 +19,7 @@ struct TorqueTable {
   Eigen::MatrixXd measured, modelled;
 };
 
-TorqueTable Collect(const CalibrationProblem& problem, const ParameterSet& parameters) {
+TorqueTable CollectTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
   const int joints = problem.robot().num_joints();
   const std::vector<double> theta = parameters.ModelValues();
   TorqueTable table{Eigen::MatrixXd(problem.data().shots.size(), joints), Eigen::MatrixXd()};
@@ -41,7 +41,8 @@ TorqueTable Collect(const CalibrationProblem& problem, const ParameterSet& param
 
 double Rms(const Eigen::VectorXd& values) { return std::sqrt(values.squaredNorm() / std::max<long>(values.size(), 1)); }
 
-JointTorqueComparison Compare(int joint, const Eigen::VectorXd& measured, const Eigen::VectorXd& modelled) {
+JointTorqueComparison CompareTorquesOfJoint(int joint, const Eigen::VectorXd& measured,
+                                            const Eigen::VectorXd& modelled) {
   JointTorqueComparison line;
   line.joint = joint;
   line.shots = static_cast<int>(measured.size());
@@ -83,10 +84,10 @@ std::string InWords(const CalibrationProblem& problem, const TorqueComparison& c
 TorqueComparison CompareTorques(const CalibrationProblem& problem, const ParameterSet& parameters) {
   TorqueComparison comparison;
   comparison.measured_count = problem.experiment().torques_measured;
-  const TorqueTable table = Collect(problem, parameters);
+  const TorqueTable table = CollectTorques(problem, parameters);
   if (table.measured.rows() == 0) return comparison;
   for (int j = 0; j < problem.robot().num_joints(); ++j) {
-    comparison.joints.push_back(Compare(j, table.measured.col(j), table.modelled.col(j)));
+    comparison.joints.push_back(CompareTorquesOfJoint(j, table.measured.col(j), table.modelled.col(j)));
   }
   comparison.words = InWords(problem, comparison);
   return comparison;

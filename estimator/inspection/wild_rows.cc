@@ -16,10 +16,10 @@
 namespace sagitta {
 namespace {
 
-constexpr int kMostSteps = 20;
-constexpr size_t kFewest = 3;        // rows of a marker at a station
-constexpr double kNear = 5.0;        // of the RMS distance of the better half
-constexpr double kApart = 10.0;      // of the RMS distance of the rows that fit: the median of the others
+constexpr int kMostTrimmingSteps = 20;
+constexpr size_t kFewestRows = 3;    // rows of a marker at a station
+constexpr double kNearHalf = 5.0;    // of the RMS distance of the better half
+constexpr double kFarApart = 10.0;   // of the RMS distance of the rows that fit: the median of the others
 constexpr size_t kMostShown = 1000;  // rows
 // Random starts, for all rows together may lead to a half that fits and is not the robot's: a third of the rows are
 // wrong and four of each of two groups are drawn: (2/3)^8 = 0.04, and one of 100 starts is free of wrong rows with
@@ -28,8 +28,8 @@ constexpr int kRandomStarts = 100;
 constexpr size_t kDrawn = 4;  // of each marker at each station: 12 numbers to nine unknowns
 constexpr size_t kFollowed = 3;
 
-std::vector<double> Distances(const CalibrationProblem& problem, const std::vector<int>& points,
-                              const ParameterSet& parameters) {
+std::vector<double> DistancesFromPoints(const CalibrationProblem& problem, const std::vector<int>& points,
+                                        const ParameterSet& parameters) {
   const Eigen::Matrix3Xd predicted = PredictPoints(problem, parameters, points);
   std::vector<double> distances;
   for (size_t k = 0; k < points.size(); ++k) {
@@ -40,8 +40,8 @@ std::vector<double> Distances(const CalibrationProblem& problem, const std::vect
 }
 
 // Places in the list of points of every marker at every station.
-std::map<std::pair<int, int>, std::vector<int>> GroupsOf(const CalibrationProblem& problem,
-                                                         const std::vector<int>& points) {
+std::map<std::pair<int, int>, std::vector<int>> RowsByMarkerAndStation(const CalibrationProblem& problem,
+                                                                       const std::vector<int>& points) {
   std::map<std::pair<int, int>, std::vector<int>> groups;
   for (size_t k = 0; k < points.size(); ++k) {
     const Observation& row = problem.data().observations[points[k]];
@@ -54,10 +54,10 @@ std::map<std::pair<int, int>, std::vector<int>> GroupsOf(const CalibrationProble
 std::vector<int> NearerHalf(const CalibrationProblem& problem, const std::vector<int>& points,
                             const std::vector<double>& distances) {
   std::vector<int> half;
-  for (auto& [key, own] : GroupsOf(problem, points)) {
+  for (auto& [key, own] : RowsByMarkerAndStation(problem, points)) {
     std::sort(own.begin(), own.end(),
               [&](int a, int b) { return std::make_pair(distances[a], a) < std::make_pair(distances[b], b); });
-    const size_t count = std::min(own.size(), std::max(kFewest, (own.size() + 1) / 2));
+    const size_t count = std::min(own.size(), std::max(kFewestRows, (own.size() + 1) / 2));
     half.insert(half.end(), own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count));
   }
   std::sort(half.begin(), half.end());
@@ -84,7 +84,7 @@ Concentrated Concentrate(const CalibrationProblem& problem, const std::vector<in
   for (int step = 0; step < steps; ++step) {
     found.parameters = problem.parameters;
     FindStartingValues(problem, listed, StartingValueOptions(), &found.parameters);
-    found.distances = Distances(problem, points, found.parameters);
+    found.distances = DistancesFromPoints(problem, points, found.parameters);
     const std::vector<int> next = NearerHalf(problem, points, found.distances);
     if (next == found.half) break;
     found.half = next;
@@ -110,7 +110,7 @@ std::vector<int> Draw(const std::map<std::pair<int, int>, std::vector<int>>& gro
 
 // The best of many fits to few rows, the best of them followed to their end.
 Concentrated FromRandomStarts(const CalibrationProblem& problem, const std::vector<int>& points, Concentrated best) {
-  const auto groups = GroupsOf(problem, points);
+  const auto groups = RowsByMarkerAndStation(problem, points);
   std::mt19937_64 random(1);
   std::vector<Concentrated> starts;
   for (int k = 0; k < kRandomStarts; ++k)
@@ -120,13 +120,13 @@ Concentrated FromRandomStarts(const CalibrationProblem& problem, const std::vect
   for (const Concentrated& start : starts) {
     std::vector<int> listed;
     for (const int k : start.half) listed.push_back(points[k]);
-    Concentrated end = Concentrate(problem, points, listed, kMostSteps);
+    Concentrated end = Concentrate(problem, points, listed, kMostTrimmingSteps);
     if (end.rms < best.rms) best = std::move(end);
   }
   return best;
 }
 
-Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
+Finding DescribeFarRows(const CalibrationProblem& problem, const FarRows& rows) {
   const size_t count = rows.far.size(), all = count + rows.near.size();
   const std::string first = problem.data().SourceOf(problem.data().observations[rows.far.front()]);
   Finding finding =
@@ -142,11 +142,11 @@ Finding Describe(const CalibrationProblem& problem, const FarRows& rows) {
 std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
   const std::vector<int> points = problem.data().PointsAmong(problem.CalibrationObservations());
   if (points.empty()) return std::nullopt;
-  const Concentrated best = FromRandomStarts(problem, points, Concentrate(problem, points, points, kMostSteps));
+  const Concentrated best = FromRandomStarts(problem, points, Concentrate(problem, points, points, kMostTrimmingSteps));
   const std::vector<double>& distances = best.distances;
   FarRows rows;
   rows.parameters = best.parameters;
-  rows.limit = kNear * best.rms;
+  rows.limit = kNearHalf * best.rms;
   std::vector<int> near;
   for (size_t k = 0; k < points.size(); ++k) {
     const bool is_far = distances[k] > rows.limit;
@@ -164,13 +164,13 @@ std::optional<FarRows> FindFarRows(const CalibrationProblem& problem) {
 }
 
 bool AreApart(const FarRows& rows, const CalibrationProblem& problem) {
-  return rows.near_rms <= SuspiciousMisfit(problem.robot().chain) && rows.far_median >= kApart * rows.near_rms;
+  return rows.near_rms <= SuspiciousMisfit(problem.robot().chain) && rows.far_median >= kFarApart * rows.near_rms;
 }
 
 std::optional<Finding> FindWildRows(const CalibrationProblem& problem) {
   const std::optional<FarRows> rows = FindFarRows(problem);
   if (!rows || !AreApart(*rows, problem)) return std::nullopt;
-  return Describe(problem, *rows);
+  return DescribeFarRows(problem, *rows);
 }
 
 }  // namespace sagitta

@@ -144,7 +144,7 @@ std::vector<Replicate> RunReplicates(const Setup& setup, const BootstrapOptions&
 
 // What the refits do not repeat: the price of a loss, and, where the noise they are drawn with was estimated (REML),
 // how far that may be off: Student's quantile over the normal one.
-double Widening(const Setup& setup, double dof) {
+double WideningOf(const Setup& setup, double dof) {
   const double loss = std::sqrt(setup.estimate.noise_report.loss_inflation);
   if (setup.by_configurations || setup.is_scaled) return loss;
   return loss * StudentQuantile(0.975, dof) / NormalQuantile(0.975);
@@ -153,7 +153,7 @@ double Widening(const Setup& setup, double dof) {
 void Studentise(const Setup& setup, const std::vector<Replicate>& used, const Eigen::VectorXd& plain_sigma,
                 Estimate* estimate) {
   for (size_t c = 0; c < estimate->estimated.size(); ++c) {
-    const double sigma = Widening(setup, estimate->interval_dof[c]) * plain_sigma[c];
+    const double sigma = WideningOf(setup, estimate->interval_dof[c]) * plain_sigma[c];
     // t* = (theta* - theta_hat) / sigma*; interval [theta_hat - q_0.975 sigma, theta_hat - q_0.025 sigma], q quantiles
     // of t*: the tails change sides (bootstrap-t, Efron and Tibshirani 1993, section 12.5).
     std::vector<double> t;

@@ -1,7 +1,6 @@
 #include "estimator/intervals/coverage.h"
 
 #include <cmath>
-#include <limits>
 
 #include "estimator/baselines/compare_methods.h"
 #include "estimator/baselines/two_step.h"
@@ -10,12 +9,11 @@
 #include "estimator/intervals/redraw.h"
 #include "estimator/least_squares/linearization.h"
 #include "estimator/least_squares/refit.h"
+#include "models/constants.h"
 #include "problems/noise_checks.h"
 
 namespace sagitta {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Estimate EstimateBy(Method method, const CalibrationProblem& problem) {
   ResolvedEstimate resolved = EstimateWithNoise(problem);
@@ -61,9 +59,9 @@ CoverageTrial CoverageStudy::Run(int number, CalibrationProblem* own) const {
   const size_t n = truth_.estimated.size();
   CoverageTrial trial;
   trial.number = number;
-  trial.error.assign(n, kNone);
-  trial.linear_error.assign(n, kNone);
-  trial.sigma.assign(n, kNone);
+  trial.error.assign(n, kNotKnown);
+  trial.linear_error.assign(n, kNotKnown);
+  trial.sigma.assign(n, kNotKnown);
   trial.covered.assign(n, -1);
   const ParameterSet truth = DrawTruth(truth_.parameters, SeedOf(~seed_, number));
   const Simulator redraw = RedrawAt(problem_, truth, noise_scale_, fallback_);

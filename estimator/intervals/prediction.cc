@@ -7,8 +7,8 @@ namespace sagitta {
 namespace {
 
 // Columns of the named coordinates; zero where the problem has no such coordinate.
-Eigen::MatrixXd ColumnsOf(const std::vector<std::string>& names, const ParameterSet& parameters,
-                          const Linearization& linearization) {
+Eigen::MatrixXd PredictedColumns(const std::vector<std::string>& names, const ParameterSet& parameters,
+                                 const Linearization& linearization) {
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(linearization.num_rows(), names.size());
   for (size_t i = 0; i < names.size(); ++i) {
     const int coordinate = parameters.FindCoordinate(names[i]);
@@ -45,8 +45,9 @@ std::vector<PredictionCovariance> PredictionCovariances(const CalibrationProblem
   const NoiseRoots metres(observations.size(), Matrix3<double>::Identity());
   const Linearization all =
       Linearize(problem, problem.parameters, observations, columns, metres, LatentTreatment::kIgnore);
-  const Eigen::MatrixXd estimated = ColumnsOf(uncertainty.estimated, problem.parameters, all);
-  const Eigen::MatrixXd held = ColumnsOf(uncertainty.held, problem.parameters, all) + estimated * uncertainty.slopes;
+  const Eigen::MatrixXd estimated = PredictedColumns(uncertainty.estimated, problem.parameters, all);
+  const Eigen::MatrixXd held =
+      PredictedColumns(uncertainty.held, problem.parameters, all) + estimated * uncertainty.slopes;
   std::vector<PredictionCovariance> result(observations.size());
   for (size_t k = 0; k < observations.size(); ++k) {
     CheckInterruption();

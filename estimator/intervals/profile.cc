@@ -15,7 +15,7 @@ namespace sagitta {
 namespace {
 
 constexpr int kMaxFits = 40;
-constexpr double kBetter = -1e-3;  // of t^2: another optimum, better than the estimate
+constexpr double kBetterOptimum = -1e-3;  // of t^2: another optimum, better than the estimate
 
 struct End {
   double distance = 0.0;  // from the estimate, SI, >= 0
@@ -96,7 +96,7 @@ End FindEnd(ProfileSide side, double t, double half, const ProfileOptions& optio
   double next = std::min(half, bound);
   for (int i = 0; i < kMaxFits; ++i) {
     const double z = side.At(next);
-    if (std::isfinite(z) && z * std::abs(z) < kBetter * t * t) end.better = true;
+    if (std::isfinite(z) && z * std::abs(z) < kBetterOptimum * t * t) end.better = true;
     if (std::isfinite(z) && std::abs(z - t) < options.tolerance * t) {
       end.distance = next;
       return end;

@@ -377,6 +377,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sagitta {
 
+double* Aligned(double* p) {
+  constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
+  const auto at = reinterpret_cast<std::uintptr_t>(p);
+  return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
+}
+
 HWY_EXPORT(AddGramBlock);
 HWY_EXPORT(AddProductsOfRows);
 HWY_EXPORT(MarginaliseRows);

@@ -9,6 +9,9 @@ namespace sagitta {
 
 constexpr int kGramBlock = 4;  // columns that are summed together; column ranges begin and end at multiples of it
 
+// The first address from p on that the lanes of a batch may begin at.
+double* Aligned(double* p);
+
 // Sums of products of two ranges of columns, lane by lane. `symmetric`: both ranges are one, blocks below the diagonal
 // are left out.
 class GramSums {

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_batches.h"
@@ -159,6 +160,12 @@ NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector
     if (!IsStated(noise.back())) noise.back() = fallback * Matrix3<double>::Identity();
   }
   return noise;
+}
+
+NoiseRoots NoiseOfAll(const CalibrationProblem& problem, double fallback) {
+  std::vector<int> all(problem.data().observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  return ObservationNoise(problem, all, fallback);
 }
 
 NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback) {

@@ -38,6 +38,7 @@ std::map<int, std::vector<int>> RowsByVisit(const CalibrationProblem& problem, c
 // Noise roots of the listed observations, m; standard deviation `fallback` (m)
 // on every axis where none is stated.
 NoiseRoots ObservationNoise(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);
+NoiseRoots NoiseOfAll(const CalibrationProblem& problem, double fallback);
 
 // What the fit weighs the listed observations with: the problem's weight roots where it has some, else the noise.
 NoiseRoots FitRoots(const CalibrationProblem& problem, const std::vector<int>& observations, double fallback);

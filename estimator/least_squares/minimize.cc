@@ -83,7 +83,7 @@ class StopWhenInterrupted : public ceres::IterationCallback {
   }
 };
 
-MinimizeSummary Run(ceres::Solver::Options solver, ceres::Problem* problem, ParameterSet* parameters) {
+MinimizeSummary RunSolver(ceres::Solver::Options solver, ceres::Problem* problem, ParameterSet* parameters) {
   StopWhenInterrupted stop;
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
@@ -177,7 +177,7 @@ MinimizeSummary MinimizeJointly(const CalibrationProblem& problem, const Residua
             << std::lround(100.0 * structure.touched) << " % of them"
             << (has_latents ? "; the joints' deviations are eliminated first" : "") << ": "
             << ceres::LinearSolverTypeToString(solver.linear_solver_type);
-    return Run(solver, &ceres_problem, parameters);
+    return RunSolver(solver, &ceres_problem, parameters);
   };
   return WithBoundsWhereMet(options, minimize, {}, parameters);
 }
@@ -192,7 +192,7 @@ MinimizeSummary MinimizeSums(const NormalEquations& equations, const MinimizeOpt
     if (!bounded) RemoveBounds(*parameters, &ceres_problem);
     MinimizeOptions own = options;
     own.num_threads = 1;  // the one cost has threads of its own
-    return Run(SolverOptions(own), &ceres_problem, parameters);
+    return RunSolver(SolverOptions(own), &ceres_problem, parameters);
   };
   const auto step_onto = [&equations](ParameterSet* from, MinimizeSummary* summary) {
     return StepOntoBounds(equations, from, summary);

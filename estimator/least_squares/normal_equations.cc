@@ -65,7 +65,7 @@ class GroupSums {
   std::vector<GramSums> own_;
 };
 
-void Weigh(const std::vector<int>& unit, const std::vector<double>& weights, int columns, double* lane) {
+void WeighLane(const std::vector<int>& unit, const std::vector<double>& weights, int columns, double* lane) {
   for (size_t row = 0; row < 3 * unit.size(); ++row) {
     const double root = std::sqrt(weights[unit[row / 3]]);
     for (int c = 0; c < columns; ++c) lane[(row * columns + c) * kBatchLanes] *= root;
@@ -114,7 +114,7 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
           return;
         }
         for (int lane = 0; lane < kBatchLanes && !weights.empty(); ++lane) {
-          Weigh(batches_.UnitOf(block.group, b, lane), weights, own.columns, at + lane);
+          WeighLane(batches_.UnitOf(block.group, b, lane), weights, own.columns, at + lane);
         }
         for (int r = 0; r < rows; ++r) pointers.push_back(at + static_cast<size_t>(r) * own.columns * kBatchLanes);
       }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Range kCoordinateOrNone{"the index of a coordinate, or -1,", -1.0, 1e9};
 
-void Weigh(const std::vector<double>& weights, Linearization* linearization) {
+void WeighRows(const std::vector<double>& weights, Linearization* linearization) {
   for (size_t k = 0; k < weights.size(); ++k) {
     if (weights[k] == 1.0) continue;
     if (linearization->num_columns() > 0) linearization->jacobian.middleRows(3 * k, 3) *= std::sqrt(weights[k]);
@@ -28,7 +28,7 @@ FittedRows WeighedRows(const NormalEquations& equations, const ParameterSet& par
   }
   Linearization here = Linearize(batches, parameters, columns);
   if (here.valid) AppendPriors(parameters, &here);
-  if (here.valid) Weigh(weights, &here);
+  if (here.valid) WeighRows(weights, &here);
   return {here, here.num_rows()};
 }
 

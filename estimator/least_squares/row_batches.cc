@@ -1,7 +1,6 @@
 #include "estimator/least_squares/row_batches.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <numeric>
 #include <unordered_map>
@@ -12,30 +11,23 @@
 namespace sagitta {
 namespace {
 
-constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
-
-int RoundedUp(int count) { return (count + kGramBlock - 1) / kGramBlock * kGramBlock; }
-
-double* Aligned(double* p) {
-  const auto at = reinterpret_cast<std::uintptr_t>(p);
-  return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
-}
+int InWholeBlocks(int count) { return (count + kGramBlock - 1) / kGramBlock * kGramBlock; }
 
 // Observations of one shot that follow each other: positions in the list.
-struct Run {
+struct ShotRun {
   int first = 0, last = 0;
   int size() const { return last - first; }
 };
 
 // Runs, by visit or one by one.
 struct Units {
-  std::vector<Run> runs;   // unit by unit
-  std::vector<int> first;  // run of each unit, and the end
+  std::vector<ShotRun> runs;  // unit by unit
+  std::vector<int> first;     // run of each unit, and the end
   int size() const { return static_cast<int>(first.size()) - 1; }
 };
 
 Units UnitsOf(const CalibrationProblem& problem, const std::vector<int>& observations, bool by_visit) {
-  std::vector<Run> runs;
+  std::vector<ShotRun> runs;
   std::vector<int> unit_of;  // of each run
   std::unordered_map<int, int> unit_of_visit;
   int previous = -1;
@@ -101,7 +93,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       marginalises_(treatment == LatentTreatment::kMarginalise && !problem.latent.empty()),
       against_(against) {
   std::vector<BatchReading> readings;  // of the run that is looked at
-  const auto read = [&](const Run& run) {
+  const auto read = [&](const ShotRun& run) {
     readings.clear();
     for (int k = run.first; k < run.last; ++k) {
       const Observation& row = problem.data().observations[observations[k]];
@@ -110,7 +102,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       readings.push_back({row.marker, problem.marker_frames()[row.marker], target, noise[k].inverse()});
     }
   };
-  const auto shot_of = [&](const Run& run) { return problem.data().observations[observations[run.first]].shot; };
+  const auto shot_of = [&](const ShotRun& run) { return problem.data().observations[observations[run.first]].shot; };
   const Units units = UnitsOf(problem, observations, marginalises_);
   std::map<std::vector<std::int64_t>, int> group_of;
   std::vector<std::vector<int>> members;
@@ -119,7 +111,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
     key.clear();
     bool by_model = false;
     for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
-      const Run& run = units.runs[r];
+      const ShotRun& run = units.runs[r];
       read(run);
       for (int k = run.first; k < run.last; ++k) {
         const ReadingKind kind = problem.data().observations[observations[k]].kind;
@@ -140,7 +132,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
     auto group = std::make_unique<Group>();
     group->by_model = by_model;
     for (int r = units.first[u]; r < units.first[u + 1]; ++r) {
-      const Run& run = units.runs[r];
+      const ShotRun& run = units.runs[r];
       read(run);
       Group::ShotPart part;
       part.station = problem.data().shots[shot_of(run)].station;
@@ -163,7 +155,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
     group.memory.assign(static_cast<std::size_t>(group.num_batches()) * group.batch_doubles + kBatchLanes, 0.0);
     for (int i = 0; i < group.num_batches() * kBatchLanes; ++i) {
       // Lanes that are left over repeat the last unit; nobody reads them.
-      const Run* const runs = &units.runs[units.first[members[g][std::min(i, group.num_units - 1)]]];
+      const ShotRun* const runs = &units.runs[units.first[members[g][std::min(i, group.num_units - 1)]]];
       for (size_t s = 0; s < group.shots.size(); ++s) {
         for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) {
           group.observations.push_back(k);
@@ -234,13 +226,13 @@ BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& param
     if (column >= 0) theta[i] = append({column});
   }
   result.residual = append({-1});
-  result.last = RoundedUp(static_cast<int>(result.of.size()));
+  result.last = InWholeBlocks(static_cast<int>(result.of.size()));
   result.of.resize(result.last, -1);
   const bool deviate = !problem_.latent.empty();
   if (deviate) {
     result.latents = problem_.latent.size();
     result.latent = append(std::vector<int>(result.latents, -1));
-    result.of.resize(RoundedUp(static_cast<int>(result.of.size())), -1);
+    result.of.resize(InWholeBlocks(static_cast<int>(result.of.size())), -1);
   }
   // An odd number of blocks: rows that are summed together would else fall into few sets of the cache.
   if (result.of.size() / kGramBlock % 2 == 0) result.of.resize(result.of.size() + kGramBlock, -1);

@@ -4,8 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
+#include "estimator/least_squares/batch_algebra.h"
 #include "models/batch/shot_program.h"
 
 namespace sagitta {
@@ -15,19 +15,13 @@ constexpr int kHeldRows = 48;  // that are summed together: they stay in the cac
 constexpr double kFewEntries = 5e4;
 constexpr int kManyTimes = 4;  // rows per column
 
-int RoundedUp(int columns) { return (columns + kBatchLanes - 1) / kBatchLanes * kBatchLanes; }
-
-double* Aligned(double* p) {
-  constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
-  const auto at = reinterpret_cast<std::uintptr_t>(p);
-  return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
-}
+int InWholeLanes(int columns) { return (columns + kBatchLanes - 1) / kBatchLanes * kBatchLanes; }
 
 }  // namespace
 
 SumOfRows::SumOfRows(int numbers)
     : numbers_(numbers),
-      columns_(RoundedUp(numbers)),
+      columns_(InWholeLanes(numbers)),
       memory_(static_cast<std::size_t>(kHeldRows + columns_) * columns_ + kBatchLanes, 0.0),
       rows_(Aligned(memory_.data())),
       sums_(rows_ + static_cast<std::size_t>(kHeldRows) * columns_) {}

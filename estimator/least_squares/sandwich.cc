@@ -14,7 +14,7 @@ namespace {
 
 // Beyond, clusters come eight side by side (cluster_sandwich.h), and degrees of freedom are of a sample.
 constexpr size_t kMostAlone = 2000;
-constexpr size_t kRowsAtOnce = 512;
+constexpr size_t kScoreRowsAtOnce = 512;
 
 std::vector<std::vector<int>> RowsOfClusters(const std::vector<int>& cluster_of) {
   std::map<int, std::vector<int>> rows;
@@ -71,7 +71,7 @@ RobustCovariance SandwichCovariance(const Linearization& linearization, const st
   Eigen::MatrixXd scores(n, clusters.size());
   for (size_t g = 0, next = 0; g < clusters.size(); g = next) {
     std::vector<int> rows, first;
-    while (next < clusters.size() && (next == g || rows.size() < kRowsAtOnce)) {
+    while (next < clusters.size() && (next == g || rows.size() < kScoreRowsAtOnce)) {
       first.push_back(static_cast<int>(rows.size()));
       rows.insert(rows.end(), clusters[next].begin(), clusters[next].end());
       ++next;

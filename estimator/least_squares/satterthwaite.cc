@@ -14,7 +14,7 @@ namespace {
 // is zero and says nothing (generalised inverse).
 constexpr double kNoResidualLeft = 1e-9;
 constexpr double kSmallLeverage = 0.02, kRoundOff = 1e-17;
-constexpr int kColumnsAtOnce = 16, kFewTimes = 4;
+constexpr int kBlockColumns = 16, kFewTimes = 4;
 
 // |w' w|^2, by the smaller of both products.
 double SquaredProducts(const Eigen::MatrixXd& w) {
@@ -107,8 +107,8 @@ Eigen::VectorXd Satterthwaite::Degrees() const {
   Eigen::VectorXd dof(trace_.size());
   const auto n = static_cast<int>(dof.size());
   if (static_cast<int>(clusters_.size()) < kFewTimes * n) return DegreesOfFew();
-  for (int first = 0; first < n; first += kColumnsAtOnce) {
-    const int count = std::min(kColumnsAtOnce, n - first);
+  for (int first = 0; first < n; first += kBlockColumns) {
+    const int count = std::min(kBlockColumns, n - first);
     std::vector<std::unique_ptr<VectorProducts>> products;
     for (int i = 0; i < count; ++i) products.push_back(std::make_unique<VectorProducts>(n));
     for (const auto& [b, a] : clusters_) {

@@ -12,9 +12,9 @@
 namespace sagitta {
 namespace {
 
-constexpr double kExchanged = 0.2;      // distance left after exchanging two readings, over before
-constexpr double kMostOutliers = 0.25;  // of the points: more is no minority
-constexpr int kFewest = 3;              // events that can show a pattern
+constexpr double kExchanged = 0.2;          // distance left after exchanging two readings, over before
+constexpr double kMostOutlierShare = 0.25;  // of the points: more is no minority
+constexpr int kFewestEvents = 3;            // events that can show a pattern
 
 // Readings that are off together for a reason of the readings themselves count once.
 std::vector<int> Events(const std::vector<Outlier>& outliers) {
@@ -33,7 +33,7 @@ void TestCategory(const std::string& what, const std::vector<int>& events, const
   for (const int i : events) ++hits[key(i)];
   if (rows.size() < 2) return;
   for (const auto& [name, count] : hits) {
-    if (count < kFewest) continue;
+    if (count < kFewestEvents) continue;
     const double share = rows[name] / static_cast<double>(all.size());
     const int n = static_cast<int>(events.size());
     if (BinomialSurvival(count, n, share) * static_cast<double>(rows.size()) >= level) continue;
@@ -50,7 +50,7 @@ void TestNumber(const std::string& what, const std::string& unit, double scale, 
   for (const int i : events) hits.push_back(number(i));
   std::sort(rows.begin(), rows.end());
   std::sort(hits.begin(), hits.end());
-  if (rows.front() == rows.back() || static_cast<int>(hits.size()) < kFewest) return;
+  if (rows.front() == rows.back() || static_cast<int>(hits.size()) < kFewestEvents) return;
   double distance = 0.0;
   for (const double x : rows) {
     const auto below = [x](const std::vector<double>& sorted) {
@@ -110,7 +110,7 @@ std::vector<std::string> WhatTheyShare(const CalibrationProblem& problem, const 
   const std::vector<int> all = problem.CalibrationObservations();
   const std::vector<int> events = Events(outliers);
   std::vector<std::string> words;
-  if (static_cast<double>(events.size()) > kMostOutliers * static_cast<double>(all.size())) {
+  if (static_cast<double>(events.size()) > kMostOutlierShare * static_cast<double>(all.size())) {
     words.push_back(AreNoMinority(events.size() / static_cast<double>(all.size())));
   }
   const auto shot_of = [&](int i) -> const Shot& { return data.shots[data.observations[i].shot]; };

@@ -109,8 +109,8 @@ std::string GroupName(const CalibrationProblem& problem, const DeviationGroup& g
   return IsPrismatic(problem, group.joints[0]) ? "prismatic joints" : "joints";
 }
 
-VarianceComponent ComponentOf(const RestrictedLikelihood& reml, const RemlFit& fit, const RepeatabilityChoice& choice,
-                              int i) {
+VarianceComponent RepeatabilityComponent(const RestrictedLikelihood& reml, const RemlFit& fit,
+                                         const RepeatabilityChoice& choice, int i) {
   VarianceComponent component;
   component.estimated = i == 0 ? choice.estimate_instrument : choice.groups[i - 1].estimated;
   component.value = std::sqrt(fit.variances[i]);
@@ -197,7 +197,7 @@ void FinishComponents(const CalibrationProblem& problem, const ParameterSet& par
   report->penalty = choice->penalty;
   report->components.clear();
   for (size_t i = 0; i <= choice->groups.size(); ++i) {
-    VarianceComponent component = ComponentOf(reml, fit, *choice, static_cast<int>(i));
+    VarianceComponent component = RepeatabilityComponent(reml, fit, *choice, static_cast<int>(i));
     if (i == 0) {
       component.name = "instrument";
       for (double* number : {&component.value, &component.sigma, &component.low, &component.high}) {

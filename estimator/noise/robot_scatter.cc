@@ -13,8 +13,8 @@ namespace {
 // Of the coordinates, what weights w leave with a say: (sum w)^2 / (n sum w^2), Kish's effective sample size (Kish
 // 1965). At a quarter, weighing by what is not the noise doubles standard deviations.
 constexpr double kFewHaveASay = 0.25;
-constexpr int kMostSteps = 200;
-constexpr double kSettled = 1e-10;  // relative, of tau^2
+constexpr int kMostScatterSteps = 200;
+constexpr double kSettledVariance = 1e-10;  // relative, of tau^2
 
 // Residuals along the axes of each row's stated covariance: there it is diagonal, and stays so with tau^2 added.
 struct AlongAxes {
@@ -41,7 +41,7 @@ AlongAxes Residuals(const CalibrationProblem& problem, const Estimate& estimate,
 double VarianceOfRobot(const AlongAxes& along) {
   double t = 0.0;
   for (const double square : along.square) t += square / along.square.size();
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostScatterSteps; ++step) {
     double sum = 0.0, weights = 0.0;
     for (size_t k = 0; k < along.square.size(); ++k) {
       const double w = 1.0 / (along.variance[k] + t);
@@ -49,7 +49,7 @@ double VarianceOfRobot(const AlongAxes& along) {
       weights += w * w;
     }
     const double next = std::max(0.0, sum / weights);
-    const bool settled = std::abs(next - t) <= kSettled * t;
+    const bool settled = std::abs(next - t) <= kSettledVariance * t;
     t = next;
     if (settled || t == 0.0) break;
   }

@@ -20,7 +20,7 @@ bool IsLeftOpen(const CalibrationProblem& problem, const Estimate& estimate) {
 }
 
 // Degrees of freedom by its share of the rows: f s^2 / sigma^2 is chi-square with f.
-VarianceComponent ComponentOf(const NoiseGroup& group, const Estimate& estimate) {
+VarianceComponent ComponentOfRotations(const NoiseGroup& group, const Estimate& estimate) {
   const double f = std::max(1.0, static_cast<double>(group.rows) * estimate.dof / estimate.rows);
   VarianceComponent component;
   component.name = group.name;
@@ -67,7 +67,7 @@ std::optional<TwoNoises> FindTwoNoises(const CalibrationProblem& problem, const 
   TwoNoises noises;
   const std::vector<NoiseGroup> found = SpreadOfEach(problem, estimate, &noises.roots);
   if (found.empty()) return std::nullopt;
-  for (const NoiseGroup& group : found) noises.components.push_back(ComponentOf(group, estimate));
+  for (const NoiseGroup& group : found) noises.components.push_back(ComponentOfRotations(group, estimate));
   return noises;
 }
 

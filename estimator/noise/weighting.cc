@@ -1,7 +1,6 @@
 #include "estimator/noise/weighting.h"
 
 #include <cmath>
-#include <numeric>
 
 #include "estimator/least_squares/normal_equations.h"
 #include "estimator/noise/residual_noise.h"
@@ -9,24 +8,18 @@
 namespace sagitta {
 namespace {
 
-constexpr double kAlike = 1e-9;  // relative difference of roots
+constexpr double kEqualRoots = 1e-9;  // relative difference of roots
 
-NoiseRoots AllRoots(const CalibrationProblem& problem) {
-  std::vector<int> all(problem.data().observations.size());
-  std::iota(all.begin(), all.end(), 0);
-  return ObservationNoise(problem, all, kFallbackSigma);
-}
-
-double CommonSigma(const NoiseRoots& noise) {
+double RmsSigma(const NoiseRoots& noise) {
   double squares = 0.0;
   for (const Matrix3<double>& root : noise) squares += root.squaredNorm();
   return std::sqrt(squares / (3.0 * noise.size()));
 }
 
 bool AllAlike(const NoiseRoots& noise) {
-  const double sigma = CommonSigma(noise);
+  const double sigma = RmsSigma(noise);
   for (const Matrix3<double>& root : noise) {
-    if ((root - sigma * Matrix3<double>::Identity()).norm() > kAlike * sigma) return false;
+    if ((root - sigma * Matrix3<double>::Identity()).norm() > kEqualRoots * sigma) return false;
   }
   return true;
 }
@@ -39,7 +32,7 @@ bool WeighsOtherwise(const CalibrationProblem& problem) {
   if (experiment.method.weights == Weights::kSigma) return false;
   if (from == NoiseSpec::From::kResiduals || from == NoiseSpec::From::kVarianceComponents) return false;
   if (experiment.method.weights == Weights::kEq14) return true;
-  return problem.sigma_is_stated() && !AllAlike(AllRoots(problem));
+  return problem.sigma_is_stated() && !AllAlike(NoiseOfAll(problem, kFallbackSigma));
 }
 
 bool WeighsByEq14(const Experiment& experiment) {
@@ -48,7 +41,7 @@ bool WeighsByEq14(const Experiment& experiment) {
 
 NoiseRoots RootsOfWeights(const Experiment& experiment, const NoiseRoots& noise) {
   if (experiment.method.weights == Weights::kEqual) {
-    return NoiseRoots(noise.size(), CommonSigma(noise) * Matrix3<double>::Identity());
+    return NoiseRoots(noise.size(), RmsSigma(noise) * Matrix3<double>::Identity());
   }
   return Eq14Roots(noise, experiment.noise.sigma0, experiment.noise.lambda);
 }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <thread>
 
+#include "models/constants.h"
 #include "models/matrix_functions.h"
 #include "problems/interruption.h"
 #include "problems/range.h"
@@ -16,7 +16,6 @@
 namespace sagitta {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kFewCandidates = 600;  // that many are all worked on at once
 constexpr int kJoining = 100;        // of more, so many join at a time
 

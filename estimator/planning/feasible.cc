@@ -14,9 +14,9 @@ namespace {
 constexpr double kRounding = 1e-9;  // rad or m: a limit written in degrees
 
 template <typename T>
-std::vector<const T*> ByName(const std::vector<std::pair<std::string, T>>& stated,
-                             const std::vector<std::string>& names, const std::string& file, const char* key,
-                             const char* kind) {
+std::vector<const T*> StatedByName(const std::vector<std::pair<std::string, T>>& stated,
+                                   const std::vector<std::string>& names, const std::string& file, const char* key,
+                                   const char* kind) {
   std::vector<const T*> found(names.size(), nullptr);
   for (const auto& [name, value] : stated) {
     const auto place = std::find(names.begin(), names.end(), name);
@@ -52,8 +52,8 @@ std::vector<Sight> SightsOf(const Measurements& data, const std::vector<int>& sh
 
 FeasiblePoses::FeasiblePoses(const CalibrationProblem& placed, const Cell* cell) : placed_(placed), cell_(cell) {
   if (cell == nullptr) return;
-  range_of_station_ = ByName(cell->sights, placed.data().stations, cell->file, "sight", "station");
-  cone_of_marker_ = ByName(cell->reflectors, placed.data().markers, cell->file, "reflectors", "marker");
+  range_of_station_ = StatedByName(cell->sights, placed.data().stations, cell->file, "sight", "station");
+  cone_of_marker_ = StatedByName(cell->reflectors, placed.data().markers, cell->file, "reflectors", "marker");
   if (!cell->capsules.empty() || !cell->keep_out.empty()) bodies_.emplace(placed.model().chain(), *cell);
 }
 

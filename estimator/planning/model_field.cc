@@ -10,7 +10,7 @@
 namespace sagitta {
 namespace {
 
-constexpr int kOrders = 4;
+constexpr int kFieldOrders = 4;
 constexpr int kMostPoses = 300;  // candidates that the amplitude is found at
 
 }  // namespace
@@ -19,7 +19,7 @@ std::vector<EffectSpec> FieldEffects(const Robot& robot, const std::vector<Effec
   std::vector<EffectSpec> field;
   for (const Joint& joint : robot.chain.joints) {
     if (joint.type != JointType::kRevolute) continue;
-    for (int order = 1; order <= kOrders; ++order) {
+    for (int order = 1; order <= kFieldOrders; ++order) {
       const EffectSpec term{"joint_harmonic", joint.name, {{"order", std::to_string(order)}}, {0.0, 0.0}};
       const auto same = [&](const EffectSpec& other) { return other.Path() == term.Path(); };
       if (std::none_of(robot.effects.begin(), robot.effects.end(), same) &&

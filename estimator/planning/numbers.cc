@@ -18,7 +18,8 @@ namespace {
 // 5).
 constexpr double kSizePerHold = 0.02;
 
-std::vector<int> Joined(const std::vector<std::vector<int>>& observations, const std::vector<int>& configurations) {
+std::vector<int> RowsOfConfigurations(const std::vector<std::vector<int>>& observations,
+                                      const std::vector<int>& configurations) {
   std::vector<int> all;
   for (const int c : configurations) all.insert(all.end(), observations[c].begin(), observations[c].end());
   return all;
@@ -121,7 +122,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   const std::vector<std::vector<int>> observations = ObservationsByConfiguration(problem.data());
   PlanNumbers numbers;
   numbers.columns = problem.parameters.EstimatedCoordinates();
-  numbers.set.rows = RowsOf(problem, Joined(observations, scene.candidates), numbers.columns);
+  numbers.set.rows = RowsOf(problem, RowsOfConfigurations(observations, scene.candidates), numbers.columns);
   numbers.set.first = {0};
   for (const int c : scene.candidates) {
     numbers.set.first.push_back(numbers.set.first.back() + 3 * static_cast<int>(observations[c].size()));
@@ -139,7 +140,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   }
 
   Linearization beside = Linearize(problem, problem.parameters, {}, numbers.columns, {}, LatentTreatment::kIgnore);
-  const std::vector<int> of_measured = Joined(observations, scene.measured);
+  const std::vector<int> of_measured = RowsOfConfigurations(observations, scene.measured);
   if (!of_measured.empty()) {
     beside = Linearize(problem, problem.parameters, of_measured, numbers.columns, StatedNoise(problem, of_measured));
   }
@@ -149,7 +150,7 @@ PlanNumbers MakePlanNumbers(const PlanScene& scene, double model_error) {
   const Eigen::MatrixXd rows = beside.jacobian * numbers.scale.asDiagonal();
   numbers.known += rows.transpose() * rows;
 
-  const std::vector<int> points = problem.data().PointsAmong(Joined(observations, scene.tests));
+  const std::vector<int> points = problem.data().PointsAmong(RowsOfConfigurations(observations, scene.tests));
   const NoiseRoots metres(points.size(), Matrix3<double>::Identity());
   numbers.test_rows =
       Linearize(problem, problem.parameters, points, numbers.columns, metres, LatentTreatment::kIgnore).jacobian *

@@ -17,8 +17,8 @@
 namespace sagitta {
 namespace {
 
-void FillParameters(const CalibrationProblem& problem, const PlanNumbers& numbers, const Eigen::MatrixXd& covariance,
-                    Plan* plan) {
+void FillPlannedParameters(const CalibrationProblem& problem, const PlanNumbers& numbers,
+                           const Eigen::MatrixXd& covariance, Plan* plan) {
   for (size_t i = 0; i < numbers.columns.size(); ++i) {
     if (numbers.registered[i] || numbers.of_field[i]) continue;
     const Coordinate& coordinate = problem.parameters.coordinates()[numbers.columns[i]];
@@ -154,7 +154,7 @@ Plan MakePlan(const Robot& robot, const Measurements& data, const Experiment& ex
   plan.field = request.field;
   plan.field_amplitude = numbers.field_amplitude;
   plan.rms_with_model_error = search.Widening() * search.Rms(found.covariance);
-  FillParameters(*scene.problem, numbers, numbers.ByNoiseAlone(found.covariance), &plan);
+  FillPlannedParameters(*scene.problem, numbers, numbers.ByNoiseAlone(found.covariance), &plan);
   plan.curve = search.Curve();
   plan.knee = search.Knee();
   plan.candidates = drawn;

@@ -83,9 +83,9 @@ void CopyPlaces(const CalibrationProblem& from, CalibrationProblem* to) {
 }
 
 // Grows the rows of a plan's problem.
-class Rows {
+class SceneRows {
  public:
-  explicit Rows(const Measurements& data) : rows(data) {}
+  explicit SceneRows(const Measurements& data) : rows(data) {}
 
   int Add(const Measurements& from, int configuration, const std::vector<int>& shots, const Eigen::VectorXd& q,
           const std::string& id, const std::vector<int>& approach) {
@@ -134,7 +134,7 @@ class Drawing {
 
   // Until `count` poses can be measured in some way. feasible: null: all can. reasons: of those that cannot, null: not
   // counted.
-  void Draw(int count, std::uint64_t seed, const std::string& prefix, const FeasiblePoses* feasible, Rows* rows,
+  void Draw(int count, std::uint64_t seed, const std::string& prefix, const FeasiblePoses* feasible, SceneRows* rows,
             std::vector<int>* list, std::vector<int>* ways, std::map<std::string, int>* reasons) const {
     PoseSequence poses(ranges_, seed);
     const long most = feasible == nullptr ? count : std::max(20000L, static_cast<long>(kTriesPerPose) * count);
@@ -160,7 +160,7 @@ class Drawing {
   }
 
   // One configuration of each way, to be moved.
-  std::vector<int> Movable(Rows* rows) const {
+  std::vector<int> Movable(SceneRows* rows) const {
     std::vector<int> movable;
     for (const int pattern : patterns_.configurations) {
       const Eigen::VectorXd q = data_.configurations[pattern].q;
@@ -253,7 +253,7 @@ void ExpectReadings(PlanScene* scene) {
   }
 }
 
-void AddTests(const Measurements& data, const PlanRequest& request, const Drawing* drawing, Rows* rows,
+void AddTests(const Measurements& data, const PlanRequest& request, const Drawing* drawing, SceneRows* rows,
               PlanScene* scene) {
   if (request.tests != nullptr) {
     scene->tests = rows->AddAll(*request.tests, All(request.tests->configurations.size()));
@@ -275,7 +275,7 @@ void AddTests(const Measurements& data, const PlanRequest& request, const Drawin
 // Base and markers, found with the rows and some poses beside them, so that there are more equations than unknowns.
 void FindPlaces(const Robot& robot, const Measurements& data, const Experiment& experiment, const PlanRequest& request,
                 const Drawing* drawing, PlanScene* scene) {
-  Rows rows(data);
+  SceneRows rows(data);
   std::vector<int> ignored;
   if (drawing != nullptr) {
     drawing->Draw(kPlacing, request.seed, "P", nullptr, &rows, &ignored, nullptr, nullptr);
@@ -304,7 +304,7 @@ PlanScene MakePlanScene(const Robot& robot, const Measurements& data, const Expe
     throw InputError({"", 0, "--candidates"}, "the list of candidates is empty");
   }
   FindPlaces(robot, data, experiment, request, request.candidates == nullptr ? drawing.get() : nullptr, &scene);
-  Rows rows(data);
+  SceneRows rows(data);
   for (size_t c = 0; c < data.configurations.size(); ++c) {
     if (request.augment && !data.configurations[c].is_validation) scene.measured.push_back(static_cast<int>(c));
   }

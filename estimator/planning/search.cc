@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "models/constants.h"
 #include "problems/input_error.h"
 #include "problems/interruption.h"
 #include "problems/text.h"
@@ -14,7 +14,6 @@ namespace {
 
 // Of the certificate, relative to the cost: of the plan that is handed out, and on the way there.
 constexpr double kTolerance = 0.01, kOnTheWay = 0.03;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kShortList = 2000;  // candidates of the curve
 constexpr int kMostStarts = 40;   // of searches for candidates beside those drawn
 

@@ -7,7 +7,7 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kWorst = 3;  // splits that are named
+constexpr size_t kWorstSplits = 3;  // splits that are named
 
 std::string KindInWords(const PartComparison& kind) {
   if (kind.by == SplitBy::kRandom) return "random halves of the configurations";
@@ -27,7 +27,7 @@ std::string Worst(const AgreementReport& report) {
   std::stable_sort(splits.begin(), splits.end(),
                    [](const auto& a, const auto& b) { return a.inflation > b.inflation; });
   std::string text;
-  for (size_t i = 0; i < std::min(kWorst, splits.size()); ++i) {
+  for (size_t i = 0; i < std::min(kWorstSplits, splits.size()); ++i) {
     text += (text.empty() ? "" : ", ") + SplitInWords(splits[i]) + " " + Significant(splits[i].inflation, 2);
   }
   return text;

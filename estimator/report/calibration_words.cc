@@ -5,7 +5,7 @@
 namespace sagitta {
 namespace {
 
-std::string Places(const std::vector<std::string>& configurations) {
+std::string PlacesInWords(const std::vector<std::string>& configurations) {
   return "in three configurations, e.g. " + Joined(configurations);
 }
 
@@ -65,14 +65,14 @@ std::string ReachedInWords(const std::string& parameter, double reached, const s
 }
 
 std::string PullSideways(double newtons, const std::vector<std::string>& configurations, const std::string& reached) {
-  return "pull sideways with " + Fixed(newtons, 0) + " N " + Places(configurations) + reached;
+  return "pull sideways with " + Fixed(newtons, 0) + " N " + PlacesInWords(configurations) + reached;
 }
 
 std::string HangOffAxis(const Vector3<double>& point, const std::vector<std::string>& configurations,
                         const std::string& reached) {
   return "no sideways pull at this load point tells it: hang the load 100 mm off the axis (e.g. at [" +
          Fixed(1e3 * point.x(), 0) + ", " + Fixed(1e3 * point.y(), 0) + ", " + Fixed(1e3 * point.z(), 0) + "] mm) " +
-         Places(configurations) + reached;
+         PlacesInWords(configurations) + reached;
 }
 
 std::string NoLoadTells() {

@@ -120,7 +120,7 @@ std::string CauseInWords(const Diagnosis& d, const EffectGroup& group) {
   return d.effects.size() > 1 && !share.empty() ? words + ": " + share : words;
 }
 
-std::vector<EffectGroup> GroupsOf(const Diagnosis& d) {
+std::vector<EffectGroup> EffectGroupsOf(const Diagnosis& d) {
   if (!d.groups.empty()) return d.groups;
   std::vector<EffectGroup> groups;  // not grouped yet: each effect by itself
   for (size_t k = 0; k < d.effects.size(); ++k)
@@ -130,7 +130,7 @@ std::vector<EffectGroup> GroupsOf(const Diagnosis& d) {
 
 // At most kMostCauses; the last takes what is left.
 std::vector<std::string> CausesInWords(const Diagnosis& d) {
-  std::vector<EffectGroup> groups = GroupsOf(d);
+  std::vector<EffectGroup> groups = EffectGroupsOf(d);
   while (groups.size() > kMostCauses) {
     const EffectGroup last = groups.back();
     groups.pop_back();

@@ -11,7 +11,7 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kMostShown = 1000;  // rows
+constexpr size_t kMostRowsShown = 1000;  // rows
 
 // "S2 in place of S1 in 30 rows, S1 in place of S2 in 12"
 std::string StationsInWords(const CalibrationProblem& problem, const OtherLabel& found) {
@@ -80,7 +80,7 @@ Finding OtherLabelInWords(const CalibrationProblem& problem, const OtherLabel& f
       finding.remedy = "state markers: {" + found.stated + ": {on: " + found.fits + "}} in the experiment file" + where;
       break;
   }
-  for (size_t k = 0; k < std::min(kMostShown, found.far.size()); ++k) finding.rows.push_back(source(found.far[k]));
+  for (size_t k = 0; k < std::min(kMostRowsShown, found.far.size()); ++k) finding.rows.push_back(source(found.far[k]));
   return finding;
 }
 

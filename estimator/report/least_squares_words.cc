@@ -8,7 +8,7 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kMostNames = 6;
+constexpr size_t kMostHeldNames = 6;
 
 bool IsOf(const std::string& name, const std::string& family) { return name.rfind(family + "/", 0) == 0; }
 
@@ -39,7 +39,7 @@ std::string DirectionInWords(const std::vector<std::pair<std::string, double>>& 
   if (components.size() == 1) return components[0].first + " is not measured by these data";
   std::vector<std::string> names;
   for (const auto& [name, weight] : components) names.push_back(name);
-  const std::string listed = Enumerate(names, kMostNames);
+  const std::string listed = Enumerate(names, kMostHeldNames);
   if (components.size() > 2) {
     return listed + " move together: only " + std::to_string(components.size() - 1) +
            " combinations of them are measured";

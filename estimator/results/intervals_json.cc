@@ -10,18 +10,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json PairOf(const Interval& interval, double unit, bool open_low = false, bool open_high = false) {
-  Json pair = Json::array({interval.low / unit, interval.high / unit});
-  if (open_low) pair[0] = nullptr;
-  if (open_high) pair[1] = nullptr;
-  return pair;
-}
-
 double UnitOf(const Estimate& estimate, int coordinate) {
   return TraitsOf(estimate.parameters.coordinates()[coordinate].quantity).si_per_unit;
 }
 
 }  // namespace
+
+Json PairOf(const Interval& interval, double unit, bool open_low, bool open_high) {
+  Json pair = Json::array({interval.low / unit, interval.high / unit});
+  if (open_low) pair[0] = nullptr;
+  if (open_high) pair[1] = nullptr;
+  return pair;
+}
 
 Json IntervalsToJson(const IntervalReport& intervals) {
   Json json = {{"method", WordOf(intervals.method)}, {"level", 0.95}};

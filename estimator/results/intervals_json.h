@@ -13,6 +13,9 @@ namespace sagitta {
 // {"method", "words", "clusters", "kind", "replicates", "failed", "seed"}.
 nlohmann::ordered_json IntervalsToJson(const IntervalReport& intervals);
 
+// [low, high] in units of so many SI units; null where an end is open.
+nlohmann::ordered_json PairOf(const Interval& interval, double unit, bool open_low = false, bool open_high = false);
+
 // Adds ci95, interval, dof, open and unconditional to a parameter's entry.
 void AddIntervalTo(const ParameterEstimate& row, const Estimate& estimate, nlohmann::ordered_json* json);
 

@@ -19,7 +19,7 @@ const VarianceComponent* InstrumentComponent(const Estimate& estimate) {
 }
 
 // One sigma for all coordinates, m; 0: there is none.
-double CommonSigma(const CalibrationProblem& problem, const Estimate& estimate) {
+double SigmaOfAllCoordinates(const CalibrationProblem& problem, const Estimate& estimate) {
   const VarianceComponent* instrument = InstrumentComponent(estimate);
   if (instrument != nullptr && !estimate.noise_report.instrument_is_factor) return instrument->value;
   return estimate.sigma.stated ? problem.experiment().noise.sigma.value_or(0.0) : estimate.sigma.estimated;
@@ -64,7 +64,7 @@ Json PredictionNoiseToJson(const CalibrationProblem& problem, const Estimate& es
   const SigmaReport& sigma = estimate.sigma;
   const bool by_instrument = problem.experiment().noise.from == From::kInstrument;
   Json json = Json::object();
-  const double common = CommonSigma(problem, estimate);
+  const double common = SigmaOfAllCoordinates(problem, estimate);
   json["sigma_mm"] = !by_instrument && common > 0.0 && std::isfinite(common) ? Json(1e3 * common) : Json(nullptr);
   if (by_instrument) json["instrument"] = InstrumentToJson(problem.experiment().noise);
   if (const auto axes = SigmaPerAxis(problem, estimate)) {

@@ -18,8 +18,6 @@
 namespace sagitta {
 namespace {
 
-constexpr const char* kDefault = "default";
-
 std::string WithoutBlanks(const std::string& text) { return std::string(Trimmed(text)); }
 
 // A frame or tool by its name in the file.
@@ -45,7 +43,7 @@ class Scene {
     if (at_root == stated.end()) asked->insert(root);
     const Pose<double> from_root = at_root == stated.end() ? Pose<double>() : at_root->second;
     if (name == root) return at_root == stated.end() ? std::nullopt : std::make_optional(from_root);
-    const std::string key = name.empty() ? kDefault : name;
+    const std::string key = name.empty() ? kDefaultName : name;
     if (const auto own = stated.find(key); own != stated.end()) return Product(from_root, own->second);
     if (const auto own = in_file.find(key); own != in_file.end()) return Product(from_root, own->second);
     asked->insert(key);

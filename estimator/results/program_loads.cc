@@ -10,8 +10,6 @@
 namespace sagitta {
 namespace {
 
-constexpr const char* kDefault = "default";
-
 // Whether any load can move the flange: of a rigid arm it makes no difference.
 bool Bends(const Robot& robot) { return !robot.compliances.empty() || !robot.effects.empty(); }
 
@@ -35,7 +33,7 @@ class LoadsReader {
  private:
   // By the user, else by the file.
   const ProgramLoad* Stated(const std::string& name) const {
-    const auto own = scene_.loads.find(name.empty() ? kDefault : name);
+    const auto own = scene_.loads.find(name.empty() ? kDefaultName : name);
     if (own != scene_.loads.end()) return &own->second;
     const auto in_file = program_.loads.find(name);
     return in_file == program_.loads.end() ? nullptr : &in_file->second;
@@ -54,7 +52,7 @@ class LoadsReader {
       if (!point.load.empty()) ++unknown_[point.load];
       return;
     }
-    const std::string name = point.load.empty() ? kDefault : point.load;
+    const std::string name = point.load.empty() ? kDefaultName : point.load;
     ++used_[name];
     if (load->mass == 0.0 && loads_.loading.tool_mass == 0.0) return;
     loads_.needs_flange = true;

@@ -11,6 +11,8 @@
 
 namespace sagitta {
 
+inline constexpr char kDefaultName[] = "default";  // of a tool, frame or load where the program names none
+
 struct ProgramLoads {
   Experiment loading;                 // of the estimate, with the loads of the program beside its own
   std::vector<std::string> of_point;  // by point of the program: name of its load in `loading`

@@ -27,7 +27,7 @@ std::vector<std::string> UnionOfColumns(const Measurements& data, const std::vec
   return names;
 }
 
-const AddedColumn* Find(const std::vector<AddedColumn>& added, const std::string& name) {
+const AddedColumn* FindAdded(const std::vector<AddedColumn>& added, const std::string& name) {
   const auto found = std::find_if(added.begin(), added.end(), [&](const AddedColumn& c) { return c.name == name; });
   return found == added.end() ? nullptr : &*found;
 }
@@ -94,7 +94,7 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
   std::string csv;
   for (const std::string& name : names) {
     csv += (csv.empty() ? "" : ",") + CsvCell(name);
-    replaced.push_back(Find(added, name));
+    replaced.push_back(FindAdded(added, name));
     for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
   }
   csv += "\n";

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator/results/intervals_json.h"
+
 namespace sagitta {
 namespace {
 
@@ -65,8 +67,6 @@ Json ModelErrorToJson(const Estimate& estimate, const Trust& trust) {
   }
   return json;
 }
-
-Json PairOf(const Interval& interval, double unit) { return Json::array({interval.low / unit, interval.high / unit}); }
 
 }  // namespace
 

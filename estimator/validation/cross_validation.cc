@@ -134,7 +134,7 @@ void ForEachPoint(const CalibrationProblem& problem, const ParameterSet& paramet
 }
 
 // m, where all of these are the same number on every axis; else 0.
-double CommonSigma(const NoiseRoots& roots) {
+double SigmaOfEveryAxis(const NoiseRoots& roots) {
   constexpr double kSame = 1e-12;  // relative
   const double sigma = roots.front()(0, 0);
   const bool all = std::all_of(roots.begin(), roots.end(), [&](const Matrix3<double>& root) {
@@ -149,8 +149,8 @@ bool PredictFromTotals(const CalibrationProblem& problem, const NoiseRoots& scat
                        const std::vector<int>& points_of_fold, std::vector<Fold>* folds) {
   const bool are_all = quoted.size() == problem.CalibrationObservations().size();
   if (!problem.latent.empty() || quoted.empty() || !are_all) return false;
-  const double weighed = CommonSigma(FitRoots(problem, quoted, kFallbackSigma));
-  const double errs = CommonSigma(scatter);
+  const double weighed = SigmaOfEveryAxis(FitRoots(problem, quoted, kFallbackSigma));
+  const double errs = SigmaOfEveryAxis(scatter);
   if (!(weighed > 0.0 && errs > 0.0)) return false;
   for (size_t f = 0; f < folds->size(); ++f) {
     Fold& fold = (*folds)[f];

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
 
-struct Rows {
+struct SuspectedRows {
   const CalibrationProblem& problem;
   const FittedStream* fitted;  // or null
   ParameterSet parameters;     // what the residuals are of, but for a linear step
@@ -73,7 +73,7 @@ void TryNumbers(const Vector3<double>& point, Proposals* proposals) {
 }
 
 // Another marker of the shot, the other station, another configuration.
-void TryLabels(const Rows& rows, int k, Proposals* proposals) {
+void TryLabels(const SuspectedRows& rows, int k, Proposals* proposals) {
   const Measurements& data = rows.problem.data();
   for (int other = 0; other < static_cast<int>(rows.observations.size()); ++other) {
     if (other == k) continue;
@@ -118,7 +118,7 @@ ParameterSet Unheld(ParameterSet parameters) {
 // Residuals of one robust linear fit (row_lint.h) at `parameters`. False: there is none. Where rows are too many to be
 // kept, the step is that of a sample of them, configuration by configuration: it moves no point by more than a small
 // part of the noise.
-bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
+bool FitLinearly(const ParameterSet& parameters, SuspectedRows* rows) {
   const std::vector<int> columns = parameters.EstimatedCoordinates();
   const std::vector<int> looked_at = SampleConfigurations(rows->problem.data(), rows->observations, columns.size());
   const NoiseRoots noise = ObservationNoise(rows->problem, looked_at, kFallbackSigma);
@@ -148,7 +148,7 @@ bool FitLinearly(const ParameterSet& parameters, Rows* rows) {
 
 // Residuals of a fit that resists what it finds: gross readings leave it, and the rest is looked at again until no more
 // are found. One reading in metres moves everything by so much that no other would be seen.
-bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outliers) {
+bool FitRobustly(const Estimate& estimate, SuspectedRows* rows, std::vector<int>* outliers) {
   constexpr int kRounds = 6;
   const std::vector<int> fitted = rows->problem.CalibrationObservations();
   // Where a blunder spoiled the estimate so far that nothing is left of it, begin at the aligned nominal robot.
@@ -186,9 +186,11 @@ bool FitRobustly(const Estimate& estimate, Rows* rows, std::vector<int>* outlier
 }
 
 // fitted: or null.
-std::vector<Suspect> Find(const CalibrationProblem& problem, const FittedStream* fitted, const Estimate& estimate) {
+std::vector<Suspect> FindAmong(const CalibrationProblem& problem, const FittedStream* fitted,
+                               const Estimate& estimate) {
   std::vector<Suspect> suspects = LeftOut(problem, estimate);
-  Rows rows{problem, fitted, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}};
+  SuspectedRows rows{
+      problem, fitted, estimate.parameters, problem.data().PointsAmong(problem.CalibrationObservations()), {}};
   std::vector<int> outliers;
   if (!FitRobustly(estimate, &rows, &outliers)) return suspects;
   std::vector<double> distances;
@@ -217,12 +219,12 @@ std::vector<Suspect> Find(const CalibrationProblem& problem, const FittedStream*
 }  // namespace
 
 std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const Estimate& estimate) {
-  return Find(problem, nullptr, estimate);
+  return FindAmong(problem, nullptr, estimate);
 }
 
 std::vector<Suspect> FindSuspects(const CalibrationProblem& problem, const FittedStream& fitted,
                                   const Estimate& estimate) {
-  return Find(problem, &fitted, estimate);
+  return FindAmong(problem, &fitted, estimate);
 }
 
 }  // namespace sagitta

@@ -32,8 +32,8 @@ constexpr double kBetter = 0.05;
 constexpr double kWrongWeights = 2.0;
 constexpr double kSamePose = 1e-3;  // rad or m, of every joint: what points show there they show at the other too
 
-Eigen::Matrix3Xd Errors(const CalibrationProblem& problem, const FittedStream& fitted, const ParameterSet& parameters,
-                        const std::vector<int>& observations) {
+Eigen::Matrix3Xd FittedErrors(const CalibrationProblem& problem, const FittedStream& fitted,
+                              const ParameterSet& parameters, const std::vector<int>& observations) {
   return ResidualsOf(problem.data(), observations, fitted.Predict(problem, parameters, observations));
 }
 
@@ -128,7 +128,7 @@ void SayModelError(const Estimate& estimate, const std::vector<Widening>& wideni
   trust->model_error_words = ModelErrorInWords(trust->model_error, at->interval, name, trust->between.known(), excess);
 }
 
-void Widen(const std::vector<Widening>& widenings, Trust* trust, Estimate* estimate) {
+void WidenIntervals(const std::vector<Widening>& widenings, Trust* trust, Estimate* estimate) {
   for (const ParameterEstimate& row : estimate->table) {
     trust->sigma.push_back(row.sigma);
     trust->ci95_noise_only.push_back(row.ci95);
@@ -151,7 +151,7 @@ void AddModelError(double significance, Trust* trust, Estimate* estimate) {
   const ExcessOf excess = FindExcess(significance, trust);
   const std::vector<Widening> widenings = WideningsOf(*estimate, trust->between, trust->excess);
   SayModelError(*estimate, widenings, excess, trust);
-  Widen(widenings, trust, estimate);
+  WidenIntervals(widenings, trust, estimate);
 }
 
 // Times by which the points fit worse than with equal weights and without priors. Where these are wrong, the fit goes
@@ -280,7 +280,7 @@ Trust JudgeTrust(const CalibrationProblem& problem, const FittedStream& fitted, 
   const std::vector<int> quoted = problem.data().PointsAmong(
       trust.holdout.points > 0 ? problem.ValidationObservations() : problem.CalibrationObservations());
   if (estimate->aligned.num_coordinates() > 0) {
-    trust.nominal = MeasureUnseen(problem, quoted, Errors(problem, fitted, estimate->aligned, quoted));
+    trust.nominal = MeasureUnseen(problem, quoted, FittedErrors(problem, fitted, estimate->aligned, quoted));
   }
   AddModelError(problem.experiment().significance, &trust, estimate);
   trust.verdict.reasons = ReasonsAgainst(problem, *estimate, trust);

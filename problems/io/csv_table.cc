@@ -14,9 +14,7 @@
 namespace sagitta {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-
-struct Line {
+struct CsvLine {
   std::string_view text;
   int number = 0;
 };
@@ -26,7 +24,7 @@ class LineReader {
  public:
   explicit LineReader(std::string_view text) : rest_(text) {}
 
-  bool Next(Line* line) {
+  bool Next(CsvLine* line) {
     while (!rest_.empty()) {
       const size_t end = rest_.find('\n');
       const std::string_view text = Trimmed(rest_.substr(0, end), kBlanks);
@@ -83,7 +81,7 @@ bool MayHoldControl(std::string_view text) {
 }
 
 // A tab may stand between cells; whatever else moves a cursor or rings a bell may not.
-void CheckControl(const std::string& path, const Line& line) {
+void CheckControl(const std::string& path, const CsvLine& line) {
   size_t from = 0;
   while (true) {
     const size_t found = FindControlCharacter(line.text.substr(from));
@@ -100,7 +98,7 @@ void CheckControl(const std::string& path, const Line& line) {
 
 // Calls take(cell) for each cell, `quoted` being memory for those in quotes. At most limits::kColumns.
 template <typename Take>
-void ForEachCell(const std::string& path, const Line& line, std::string* quoted, const Take& take) {
+void ForEachCell(const std::string& path, const CsvLine& line, std::string* quoted, const Take& take) {
   size_t cells = 0;
   std::string_view rest = line.text;
   while (true) {
@@ -149,7 +147,7 @@ void ForEachPlainCell(std::string_view line, const Take& take) {
   }
 }
 
-std::vector<std::string> SplitCells(const std::string& path, const Line& line) {
+std::vector<std::string> SplitCells(const std::string& path, const CsvLine& line) {
   CheckControl(path, line);
   std::vector<std::string> cells;
   std::string quoted;
@@ -157,7 +155,7 @@ std::vector<std::string> SplitCells(const std::string& path, const Line& line) {
   return cells;
 }
 
-void CheckHeader(const std::string& path, const Line& line, const std::vector<std::string>& header) {
+void CheckHeader(const std::string& path, const CsvLine& line, const std::vector<std::string>& header) {
   if (header.size() == 1 && line.text.find_first_of(";\t") != std::string_view::npos) {
     throw InputError({path, line.number, ""}, "the header has one column", "columns are separated by commas");
   }
@@ -189,7 +187,7 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
 
   const bool has_control = MayHoldControl(content);
   LineReader reader(content);
-  Line line;
+  CsvLine line;
   if (!reader.Next(&line)) throw InputError({path, 0, ""}, "the file is empty", "a header row is expected");
   table.header_line = line.number;
   table.file.header = SplitCells(path, line);

@@ -20,7 +20,7 @@ std::vector<std::string> JointNames(const Robot& robot) {
 }
 
 // Stations, loads and markers are known to the data only: checked there.
-std::string ReadTarget(const EffectDefinition& definition, const Robot& robot, YamlMap* map) {
+std::string ReadEffectTarget(const EffectDefinition& definition, const Robot& robot, YamlMap* map) {
   const std::string key = TargetKey(definition.target);
   if (key.empty()) return definition.target == EffectTarget::kBase ? "base" : "robot";
   const YamlValue value = map->Get(key);
@@ -82,7 +82,7 @@ EffectSpec ReadEffect(const YamlValue& item, const Robot& robot) {
   }
   EffectSpec spec;
   spec.effect = name;
-  spec.target = ReadTarget(*definition, robot, &map);
+  spec.target = ReadEffectTarget(*definition, robot, &map);
   for (const SettingDefinition& setting : definition->settings) {
     const auto value = map.Find(setting.name);
     if (value) {

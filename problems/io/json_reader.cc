@@ -46,7 +46,7 @@ void CheckDepth(const std::string& text, const std::string& file) {
 
 std::string Quoted(const std::string& name) { return "'" + Printable(name.substr(0, 60)) + "'"; }
 
-std::string KindOf(const Json& json) {
+std::string KindOfJson(const Json& json) {
   if (json.is_object()) return "a map";
   if (json.is_array()) return "a list of " + std::to_string(json.size());
   if (json.is_string()) return "the text " + Quoted(json.get_ref<const std::string&>());
@@ -96,7 +96,7 @@ bool JsonValue::IsNull() const { return json_->is_null(); }
 bool JsonValue::IsMap() const { return json_->is_object(); }
 
 std::optional<JsonValue> JsonValue::Find(const std::string& key) const {
-  if (!json_->is_object()) Fail("a map is expected, this is " + KindOf(*json_));
+  if (!json_->is_object()) Fail("a map is expected, this is " + KindOfJson(*json_));
   const auto found = json_->find(key);
   if (found == json_->end()) return std::nullopt;
   return JsonValue(*found, file_, path_.empty() ? key : path_ + "." + key);
@@ -109,7 +109,7 @@ JsonValue JsonValue::Get(const std::string& key) const {
 }
 
 std::vector<std::pair<std::string, JsonValue>> JsonValue::Entries() const {
-  if (!json_->is_object()) Fail("a map is expected, this is " + KindOf(*json_));
+  if (!json_->is_object()) Fail("a map is expected, this is " + KindOfJson(*json_));
   std::vector<std::pair<std::string, JsonValue>> entries;
   for (const auto& [key, value] : json_->items()) {
     if (HasControlCharacter(key)) Fail("the name " + Quoted(key) + " holds a control character");
@@ -119,7 +119,7 @@ std::vector<std::pair<std::string, JsonValue>> JsonValue::Entries() const {
 }
 
 std::vector<JsonValue> JsonValue::Items() const {
-  if (!json_->is_array()) Fail("a list is expected, this is " + KindOf(*json_));
+  if (!json_->is_array()) Fail("a list is expected, this is " + KindOfJson(*json_));
   std::vector<JsonValue> items;
   items.reserve(json_->size());
   for (const Json& item : *json_) items.emplace_back(item, file_, path_ + "[" + std::to_string(items.size()) + "]");
@@ -127,7 +127,7 @@ std::vector<JsonValue> JsonValue::Items() const {
 }
 
 std::string JsonValue::Text() const {
-  if (!json_->is_string()) Fail("a text is expected, this is " + KindOf(*json_));
+  if (!json_->is_string()) Fail("a text is expected, this is " + KindOfJson(*json_));
   const std::string& text = json_->get_ref<const std::string&>();
   if (HasControlCharacter(text)) Fail(Quoted(text) + " holds a control character");
   return text;
@@ -144,25 +144,25 @@ std::vector<std::string> JsonValue::Names() const {
 }
 
 bool JsonValue::Flag() const {
-  if (!json_->is_boolean()) Fail("true or false is expected, this is " + KindOf(*json_));
+  if (!json_->is_boolean()) Fail("true or false is expected, this is " + KindOfJson(*json_));
   return json_->get<bool>();
 }
 
 double JsonValue::Number() const {
   const double number = json_->is_number() ? json_->get<double>() : std::numeric_limits<double>::quiet_NaN();
-  if (!std::isfinite(number)) Fail("a finite number is expected, this is " + KindOf(*json_));
+  if (!std::isfinite(number)) Fail("a finite number is expected, this is " + KindOfJson(*json_));
   return number;
 }
 
 double JsonValue::PositiveNumber() const {
   const double number = Number();
-  if (!(number > 0.0)) Fail("a number above 0 is expected, this is " + KindOf(*json_));
+  if (!(number > 0.0)) Fail("a number above 0 is expected, this is " + KindOfJson(*json_));
   return number;
 }
 
 double JsonValue::NotNegativeNumber() const {
   const double number = Number();
-  if (number < 0.0) Fail("a number of 0 or more is expected, this is " + KindOf(*json_));
+  if (number < 0.0) Fail("a number of 0 or more is expected, this is " + KindOfJson(*json_));
   return number;
 }
 
@@ -172,14 +172,14 @@ std::optional<double> JsonValue::NumberOrNull() const {
 }
 
 Vector3<double> JsonValue::Triple() const {
-  if (!json_->is_array() || json_->size() != 3) Fail("three numbers are expected, this is " + KindOf(*json_));
+  if (!json_->is_array() || json_->size() != 3) Fail("three numbers are expected, this is " + KindOfJson(*json_));
   return Vector3<double>(Items()[0].Number(), Items()[1].Number(), Items()[2].Number());
 }
 
 Eigen::MatrixXd JsonValue::Matrix(Eigen::Index rows, Eigen::Index columns, bool nulls) const {
   const auto list_of = [this](const Json& json, Eigen::Index size, const std::string& of) {
     if (json.is_array() && static_cast<Eigen::Index>(json.size()) == size) return;
-    Fail(of + " of " + std::to_string(size) + " is expected, this is " + KindOf(json));
+    Fail(of + " of " + std::to_string(size) + " is expected, this is " + KindOfJson(json));
   };
   list_of(*json_, rows, "a list of rows");
   Eigen::MatrixXd matrix(rows, columns);
@@ -191,7 +191,7 @@ Eigen::MatrixXd JsonValue::Matrix(Eigen::Index rows, Eigen::Index columns, bool 
       matrix(r, c) = row[c].is_number() ? row[c].get<double>() : std::numeric_limits<double>::quiet_NaN();
       if (!unknown && !std::isfinite(matrix(r, c))) {
         Fail("row " + std::to_string(r + 1) + ", column " + std::to_string(c + 1) +
-             ": a finite number is expected, this is " + KindOf(row[c]));
+             ": a finite number is expected, this is " + KindOfJson(row[c]));
       }
     }
   }

@@ -8,11 +8,10 @@
 
 #include "problems/input_error.h"
 #include "problems/io/pattern.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
-
-constexpr char kAxes[] = "xyz";
 
 // 3 of "q3_deg", "tau3_Nm" or "approach3"; nothing where the name is no such.
 std::optional<int> NumberAfter(const std::string& name, const std::string& prefix) {
@@ -126,7 +125,7 @@ void ColumnFinder::FindAll(MeasurementColumns* columns) {
     columns->torque.push_back(Number(TorqueColumn(j)));
   }
   for (int i = 0; i < 3; ++i) {
-    const std::string axis(1, kAxes[i]);
+    const std::string axis(1, kAxisLetters[i]);
     columns->point[i] = Quantity(axis, Dimension::kLength);
     columns->sigma[i] = Quantity("sigma_" + axis, Dimension::kLength);
     columns->sim[i] = Quantity("sim_" + axis, Dimension::kLength);
@@ -230,7 +229,7 @@ void ColumnFinder::CheckComplete(const std::array<NumberColumn, 3>& columns, con
   const bool any = columns[0].present() || columns[1].present() || columns[2].present();
   if (!any && !required) return;
   for (int i = 0; i < 3; ++i) {
-    const std::string name = stem + kAxes[i];
+    const std::string name = stem + kAxisLetters[i];
     if (columns[i].present()) continue;
     FailMissing(name + (dimension == Dimension::kLength ? "_mm" : "_mrad"), NamesWithUnits(name, dimension));
   }

@@ -21,7 +21,7 @@ constexpr double kLongShot = 600.0;       // s
 
 // Ids by number, in order of appearance. Most rows say what the row before said, or what followed that when it was
 // said last.
-class Words {
+class IdsByText {
  public:
   int IndexOf(std::string_view word) {
     if (!words_.empty() && words_[last_].text == word) return static_cast<int>(last_);
@@ -45,7 +45,7 @@ class Words {
   size_t last_ = 0;
 };
 
-int IndexOf(std::string_view name, Words* words, std::vector<std::string>* names) {
+int IndexOf(std::string_view name, IdsByText* words, std::vector<std::string>* names) {
   const int index = words->IndexOf(name);
   if (index == static_cast<int>(names->size())) names->emplace_back(name);
   return index;
@@ -151,7 +151,7 @@ class MeasurementsBuilder {
 
   Measurements data_;
   int current_ = 0;  // the observation that is being added
-  Words stations_, markers_, configurations_, visits_, repeat_ids_, loads_;
+  IdsByText stations_, markers_, configurations_, visits_, repeat_ids_, loads_;
   std::unordered_map<Ids, int, IdsHash> first_shots_;  // of the shots of equal ids
   std::pair<Ids, int> latest_ = {Ids(), -1};           // of these: of the row before
   std::unordered_map<int, Repeated> repeats_;          // by the first shot

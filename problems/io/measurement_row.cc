@@ -13,7 +13,7 @@ namespace sagitta {
 namespace {
 
 // Of a quaternion's length from 1: numbers of three digits, nothing that was scaled.
-constexpr double kUnitLength = 5e-3;
+constexpr double kUnitQuaternion = 5e-3;
 
 class RowReader {
  public:
@@ -111,7 +111,7 @@ void ReadRotation(const RowReader& reader, const MeasurementColumns& columns, Me
   } else if (std::any_of(q.begin(), q.end(), stated)) {
     Eigen::Quaterniond rotation(reader.Number(q[0], 2.0), reader.Number(q[1], 2.0), reader.Number(q[2], 2.0),
                                 reader.Number(q[3], 2.0));
-    if (std::abs(rotation.norm() - 1.0) > kUnitLength) {
+    if (std::abs(rotation.norm() - 1.0) > kUnitQuaternion) {
       reader.Fail(q[0].name, "ow, ox, oy, oz have the length " + FormatNumber(rotation.norm()),
                   "a unit quaternion is expected, scalar first");
     }

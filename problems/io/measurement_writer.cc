@@ -48,13 +48,13 @@ int RotationAxis(const Column& column) {
 }
 
 // Parts of a quaternion: rotations are written as vectors.
-bool IsQuaternion(const Column& column) {
+bool IsQuaternionColumn(const Column& column) {
   return column.unit.empty() && column.quantity.size() == 2 && column.quantity[0] == 'o' &&
          column.quantity.find_first_of("wxyz", 1) == 1;
 }
 
 // The cell in another unit; as it stands when nothing changes or it is no number.
-std::string Converted(const std::string& cell, const std::string& from, const std::string& to) {
+std::string InOtherUnit(const std::string& cell, const std::string& from, const std::string& to) {
   if (from == to || from.empty() || to.empty()) return cell;
   const std::optional<double> number = ParseNumber(cell);
   return number ? FormatNumber(ToUnit(UnitNamed(from).ToSi(*number), UnitNamed(to))) : cell;
@@ -67,7 +67,7 @@ std::vector<Column> UnionOfColumns(const std::vector<MeasurementFile>& files, bo
     for (const Column& known : columns) {
       if (known.quantity == column.quantity) return;
     }
-    if (IsQuaternion(column)) return;
+    if (IsQuaternionColumn(column)) return;
     if (PointAxis(column) >= 0) column.unit = "mm";
     if (RotationAxis(column) >= 0) column.unit = "mrad";
     columns.push_back(std::move(column));
@@ -126,7 +126,7 @@ std::string MeasurementsToCsv(const Measurements& data) {
         const double value = RotationVector(rotation)[RotationAxis(columns[c])];
         if (!std::isnan(value)) csv += FormatNumber(ToUnit(value, UnitNamed("mrad")));
       } else if (source.index >= 0) {
-        csv += CsvCell(Converted(std::string(cells[source.index]), source.unit, columns[c].unit));
+        csv += CsvCell(InOtherUnit(std::string(cells[source.index]), source.unit, columns[c].unit));
       }
     }
     csv += "\n";

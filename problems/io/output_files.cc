@@ -34,7 +34,7 @@ const std::string kOfOneFile = ".sagitta-one-";  // the folder is not locked, bu
 
 std::string LastError() { return std::strerror(errno); }
 
-std::string Joined(const std::string& folder, const std::string& name) {
+std::string PathIn(const std::string& folder, const std::string& name) {
   return folder.empty() ? name : (fs::path(folder) / name).string();
 }
 
@@ -138,7 +138,7 @@ class Temporaries {
 
   void Add(const std::string& start, const LongText& text) {
     const std::string& name = text.name;
-    const std::string path = Joined(path_, name);
+    const std::string path = PathIn(path_, name);
     std::string temporary;
     Descriptor file = NewLockedFile(folder_, start, &temporary);
     if (file.value() < 0) FailToWrite(path, LastError());
@@ -155,7 +155,7 @@ class Temporaries {
     while (!to_rename_.empty()) {
       const auto& [temporary, name] = to_rename_.front();
       if (renameat(folder_, temporary.c_str(), folder_, name.c_str()) != 0)
-        FailToWrite(Joined(path_, name), LastError());
+        FailToWrite(PathIn(path_, name), LastError());
       to_rename_.erase(to_rename_.begin());
     }
     fsync(folder_);  // where the file system has no such thing for folders, nothing more can be done
@@ -212,13 +212,13 @@ void FinishNote(int folder, const std::string& path) {
   std::istringstream lines(ReadNote(folder));
   for (std::string temporary, name; lines >> temporary && std::getline(lines >> std::ws, name);) {
     const bool is_ours = temporary.rfind(kTemporary, 0) == 0 && (temporary + name).find('/') == std::string::npos;
-    if (!is_ours) FailToWrite(Joined(path, kNote), "this is no note of ours; remove it");
+    if (!is_ours) FailToWrite(PathIn(path, kNote), "this is no note of ours; remove it");
     if (renameat(folder, temporary.c_str(), folder, name.c_str()) != 0 && errno != ENOENT) {
-      FailToWrite(Joined(path, name), LastError());
+      FailToWrite(PathIn(path, name), LastError());
     }
   }
   fsync(folder);
-  if (unlinkat(folder, kNote.c_str(), 0) != 0 && errno != ENOENT) FailToWrite(Joined(path, kNote), LastError());
+  if (unlinkat(folder, kNote.c_str(), 0) != 0 && errno != ENOENT) FailToWrite(PathIn(path, kNote), LastError());
 }
 
 // The lock is kept until the file is gone: its run would see that it went (NewLockedFile).
@@ -317,7 +317,7 @@ OutputFolder::OutputFolder(const std::string& path, const std::vector<std::strin
   SweepTemporaries(folder.value(), path, true);
   Temporaries probes(folder.value(), path);
   for (const std::string& name : names) {
-    DeclareOutput(Joined(path, name));
+    DeclareOutput(PathIn(path, name));
     probes.Probe(kTemporary, name);
   }
   descriptor_ = fcntl(folder.value(), F_DUPFD_CLOEXEC, 0);
@@ -346,7 +346,7 @@ void OutputFolder::Write(const std::vector<NamedText>& files, const std::vector<
 }
 
 void FinishInterruptedWrite(const std::string& folder_path) {
-  if (access(Joined(folder_path, kNote).c_str(), F_OK) != 0) return;
+  if (access(PathIn(folder_path, kNote).c_str(), F_OK) != 0) return;
   const Descriptor folder(OpenFolder(folder_path));
   if (folder.value() < 0) return;
   while (flock(folder.value(), LOCK_EX) != 0 && errno == EINTR) {

@@ -64,12 +64,12 @@ Isometry FrameFromJoint(const UrdfJoint& joint) {
 }
 
 // Half the line of a capsule around the shape, in the shape's frame, and its radius.
-struct Line {
+struct CapsuleAxis {
   Vector3<double> half = Vector3<double>::Zero();
   double radius = 0.0;
 };
-Line CapsuleAround(const UrdfShape& shape) {
-  Line line;
+CapsuleAxis CapsuleAround(const UrdfShape& shape) {
+  CapsuleAxis line;
   if (shape.kind == UrdfShape::Kind::kBox) {
     int longest = 0;
     const double length = shape.size.maxCoeff(&longest);
@@ -90,7 +90,7 @@ void AppendShapes(const UrdfLink& link, int on, const Isometry& frame_from_link,
       continue;
     }
     const Isometry frame_from_shape = frame_from_link * AsIsometry(shape.link_from_shape);
-    const Line line = CapsuleAround(shape);
+    const CapsuleAxis line = CapsuleAround(shape);
     LinkCapsule capsule;
     capsule.name = link.name + (++number > 1 ? " " + std::to_string(number) : "");
     capsule.on = on;

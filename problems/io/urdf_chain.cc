@@ -66,7 +66,7 @@ urdf::ModelInterfaceSharedPtr ParseModel(const std::string& text, const std::str
   throw InputError({file, 0, ""}, "this is not a valid URDF" + (reason.empty() ? "" : ": " + reason));
 }
 
-Pose<double> PoseOf(const urdf::Pose& origin) {
+Pose<double> PoseOfOrigin(const urdf::Pose& origin) {
   Pose<double> pose;
   pose.translation = {origin.position.x, origin.position.y, origin.position.z};
   const Eigen::Quaterniond rotation(origin.rotation.w, origin.rotation.x, origin.rotation.y, origin.rotation.z);
@@ -80,7 +80,7 @@ Pose<double> Composed(const Pose<double>& a, const Pose<double>& b) {
 
 UrdfShape ShapeOf(const urdf::Collision& collision, const Pose<double>& chain_link_from_link) {
   UrdfShape shape;
-  shape.link_from_shape = Composed(chain_link_from_link, PoseOf(collision.origin));
+  shape.link_from_shape = Composed(chain_link_from_link, PoseOfOrigin(collision.origin));
   const urdf::Geometry* geometry = collision.geometry.get();
   if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(geometry)) {
     shape.kind = UrdfShape::Kind::kSphere;
@@ -157,7 +157,7 @@ class ChainFinder {
         continue;
       }
       CollectShapes(*model_.getLink(joint->child_link_name),
-                    Composed(chain_link_from_link, PoseOf(joint->parent_to_joint_origin_transform)), of_chain,
+                    Composed(chain_link_from_link, PoseOfOrigin(joint->parent_to_joint_origin_transform)), of_chain,
                     depth + 1, into);
     }
   }
@@ -223,7 +223,7 @@ class ChainFinder {
     UrdfJoint result;
     result.name = joint.name;
     result.is_upward = is_upward;
-    result.parent_from_joint = PoseOf(joint.parent_to_joint_origin_transform);
+    result.parent_from_joint = PoseOfOrigin(joint.parent_to_joint_origin_transform);
     if (joint.type == urdf::Joint::FIXED) return result;
     if (joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS) {
       result.type = UrdfJoint::Type::kRevolute;

@@ -69,16 +69,12 @@ std::map<std::string, JointPlace> FindJoints(const std::string& text, const std:
   return finder.places;
 }
 
-std::string Numbers(const Vector3<double>& v) {
-  return FormatNumber(v.x()) + " " + FormatNumber(v.y()) + " " + FormatNumber(v.z());
-}
-
 // The tag with the attribute's value replaced, or with the attribute added in front.
 std::string WithAttribute(const std::string& tag, const std::string& name,
                           const std::optional<Vector3<double>>& value) {
   if (!value) return tag;
   const std::regex attribute = MakePattern("(\\s" + name + "\\s*=\\s*)(\"[^\"]*\"|'[^']*')");
-  const std::string quoted = "\"" + Numbers(*value) + "\"";
+  const std::string quoted = "\"" + UrdfNumbers(*value) + "\"";
   if (SearchPattern(tag, attribute)) return ReplacePattern(tag, attribute, "$1" + quoted);
   const std::string element = "<origin";
   return element + " " + name + "=" + quoted + tag.substr(element.size());
@@ -97,6 +93,10 @@ std::string IndentAfter(const std::string& text, const Span& joint) {
 }
 
 }  // namespace
+
+std::string UrdfNumbers(const Vector3<double>& v) {
+  return FormatNumber(v.x()) + " " + FormatNumber(v.y()) + " " + FormatNumber(v.z());
+}
 
 std::string WithOrigins(const std::string& text, const std::string& file,
                         const std::map<std::string, OriginEdit>& edits) {

@@ -16,6 +16,9 @@ struct OriginEdit {
   std::optional<Vector3<double>> rpy;  // rad
 };
 
+// "0.1 0 -0.25", as attributes have them.
+std::string UrdfNumbers(const Vector3<double>& v);
+
 // The text with the origins of the named joints edited, by joint name. A joint
 // without an origin element gets one. Throws InputError.
 std::string WithOrigins(const std::string& text, const std::string& file_in_messages,

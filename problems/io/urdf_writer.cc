@@ -30,7 +30,7 @@ std::vector<Pose<double>> FramesAtZero(const Chain& chain) {
   return state.frames;
 }
 
-Vector3<double> AxisOf(const ElementaryTransform& transform) {
+Vector3<double> MotionAxisOf(const ElementaryTransform& transform) {
   return transform.sign * Vector3<double>::Unit(static_cast<int>(transform.axis));
 }
 
@@ -42,13 +42,9 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-std::string Numbers(const Vector3<double>& v) {
-  return FormatNumber(v.x()) + " " + FormatNumber(v.y()) + " " + FormatNumber(v.z());
-}
-
 std::string OriginElement(const Pose<double>& pose) {
-  return "    <origin xyz=\"" + Numbers(pose.translation) + "\" rpy=\"" + Numbers(RpyFromRotation(pose.rotation)) +
-         "\"/>\n";
+  return "    <origin xyz=\"" + UrdfNumbers(pose.translation) + "\" rpy=\"" +
+         UrdfNumbers(RpyFromRotation(pose.rotation)) + "\"/>\n";
 }
 
 std::string JointElement(const std::string& name, const std::string& type, const std::string& parent,
@@ -153,7 +149,7 @@ class Editor {
     if (chain_.FindError(joint.name + ".x") >= 0) return frames_[e + (oblique ? 3 : 1)] * without_offset;
     if (is_tip) return CheckedTip(joint, e) * without_offset;
     const bool revolute = joint.type == UrdfJoint::Type::kRevolute;
-    const Vector3<double> direction = frames_[e].rotation * AxisOf(chain_.transforms[e]);
+    const Vector3<double> direction = frames_[e].rotation * MotionAxisOf(chain_.transforms[e]);
     return MovedOntoAxis(old_link, joint.axis, revolute, direction, frames_[e].translation);
   }
 
@@ -172,7 +168,7 @@ class Editor {
   // The flange itself, where it lies on the last axis as the URDF has it.
   Pose<double> CheckedTip(const UrdfJoint& joint, int e) const {
     const Pose<double>& flange = frames_.back();
-    const Vector3<double> direction = frames_[e].rotation * AxisOf(chain_.transforms[e]);
+    const Vector3<double> direction = frames_[e].rotation * MotionAxisOf(chain_.transforms[e]);
     const Vector3<double> away = flange.translation - frames_[e].translation;
     const bool parallel = (flange.rotation * joint.axis - direction).norm() < kSameOrigin;
     const bool on_line = joint.type == UrdfJoint::Type::kPrismatic || away.cross(direction).norm() < kSameOrigin;
@@ -222,7 +218,7 @@ std::string RobotToUrdf(const Robot& robot) {
     const std::string child = chain.joints[j].name + "_link";
     const bool revolute = chain.joints[j].type == JointType::kRevolute;
     const bool limited = chain.joints[j].min && chain.joints[j].max;
-    const std::string axis = "    <axis xyz=\"" + Numbers(AxisOf(chain.transforms[e])) + "\"/>\n";
+    const std::string axis = "    <axis xyz=\"" + UrdfNumbers(MotionAxisOf(chain.transforms[e])) + "\"/>\n";
     joints += JointElement(chain.joints[j].name,
                            !revolute ? "prismatic"
                            : limited ? "revolute"

@@ -15,18 +15,18 @@ namespace {
 constexpr size_t kMostQuoted = 60;
 
 // Its beginning: another kind of file is one long text to YAML.
-std::string Quoted(const std::string& text) {
+std::string QuotedBeginning(const std::string& text) {
   if (text.size() <= kMostQuoted) return "'" + text + "'";
   size_t end = kMostQuoted;
   while (end > 0 && (text[end] & 0xC0) == 0x80) --end;  // not within a character of UTF-8
   return "'" + text.substr(0, end) + "…'";
 }
 
-std::string KindOf(const YAML::Node& node) {
+std::string KindOfYaml(const YAML::Node& node) {
   if (node.IsMap()) return "a map";
   if (node.IsSequence()) return "a list";
   if (node.IsNull()) return "empty";
-  return Quoted(node.Scalar());
+  return QuotedBeginning(node.Scalar());
 }
 
 // "a_cm" or plain "a" where a_mm is meant.
@@ -91,20 +91,20 @@ void CheckIn(const Range& range, double si, const YamlValue& at) {
 }
 
 std::string YamlValue::Text() const {
-  if (!node_.IsScalar() || node_.Scalar().empty()) Fail("a text is expected, this is " + KindOf(node_));
+  if (!node_.IsScalar() || node_.Scalar().empty()) Fail("a text is expected, this is " + KindOfYaml(node_));
   return node_.Scalar();
 }
 
 double YamlValue::Number() const {
   const std::optional<double> number = node_.IsScalar() ? ParseNumber(node_.Scalar()) : std::nullopt;
-  if (!number) Fail("a finite number is expected, this is " + KindOf(node_));
-  if (std::abs(*number) > limits::kYamlNumber) Fail(KindOf(node_) + " is too large to compute with");
+  if (!number) Fail("a finite number is expected, this is " + KindOfYaml(node_));
+  if (std::abs(*number) > limits::kYamlNumber) Fail(KindOfYaml(node_) + " is too large to compute with");
   return *number;
 }
 
 double YamlValue::PositiveNumber() const {
   const double number = Number();
-  if (number <= 0.0) Fail("a number above 0 is expected, this is " + KindOf(node_));
+  if (number <= 0.0) Fail("a number above 0 is expected, this is " + KindOfYaml(node_));
   return number;
 }
 
@@ -113,7 +113,7 @@ unsigned long long YamlValue::Count() const {
   unsigned long long count = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
   if (text.empty() || error != std::errc() || end != text.data() + text.size()) {
-    Fail("a whole number from 0 is expected, this is " + KindOf(node_));
+    Fail("a whole number from 0 is expected, this is " + KindOfYaml(node_));
   }
   return count;
 }
@@ -121,17 +121,17 @@ unsigned long long YamlValue::Count() const {
 bool YamlValue::Flag() const {
   if (Is("true") || Is("True") || Is("yes")) return true;
   if (Is("false") || Is("False") || Is("no")) return false;
-  Fail("true or false is expected, this is " + KindOf(node_));
+  Fail("true or false is expected, this is " + KindOfYaml(node_));
 }
 
 std::string YamlValue::OneOf(const std::vector<std::string>& words) const {
   const std::string text = Text();
   if (std::find(words.begin(), words.end(), text) != words.end()) return text;
-  Fail(Quoted(text) + " is not known here", SpellingHint(text, words));
+  Fail(QuotedBeginning(text) + " is not known here", SpellingHint(text, words));
 }
 
 std::vector<YamlValue> YamlValue::Items() const {
-  if (!node_.IsSequence()) Fail("a list is expected, this is " + KindOf(node_));
+  if (!node_.IsSequence()) Fail("a list is expected, this is " + KindOfYaml(node_));
   std::vector<YamlValue> items;
   for (const YAML::Node& item : node_) {
     items.emplace_back(item, file_, path_ + "[" + std::to_string(items.size()) + "]", item.Mark().line + 1);
@@ -157,7 +157,7 @@ Vector3<double> YamlValue::Triple(const Unit& unit) const {
 
 std::vector<std::pair<std::string, YamlValue>> YamlValue::Entries() const {
   if (!node_.IsMap()) {
-    Fail("a map (key: value) is expected, this is " + KindOf(node_),
+    Fail("a map (key: value) is expected, this is " + KindOfYaml(node_),
          path_.empty() ? "a robot or an experiment in YAML belongs here" : "");
   }
   std::vector<std::pair<std::string, YamlValue>> entries;

@@ -12,8 +12,8 @@
 namespace sagitta {
 namespace {
 
-constexpr size_t kShown = 10;           // suspect rows
-constexpr size_t kShownDirections = 3;  // of one remedy
+constexpr size_t kShown = 10;         // suspect rows
+constexpr size_t kShownOfRemedy = 3;  // of one remedy
 
 // Of a length of that size (m) in mm: a micrometre, and two digits of what is smaller.
 int DecimalsOf(double length) { return std::max(3, DecimalsFor(1e3 * length)); }
@@ -67,7 +67,7 @@ Section Unseen(const Trust& trust) {
 Section NotMeasured(const Estimate& estimate) {
   Section section;
   section.title = "Not measured (held): " + std::to_string(estimate.identifiability.unidentifiable.size());
-  section.paragraphs = DirectionsInWords(estimate.identifiability.unidentifiable, kShownDirections);
+  section.paragraphs = DirectionsInWords(estimate.identifiability.unidentifiable, kShownOfRemedy);
   return section;
 }
 

@@ -10,12 +10,8 @@
 namespace sagitta {
 namespace {
 
-constexpr int kConfigurations = 200;        // of validation: no figure hinges on the draw
-constexpr double kOrientationWeight = 0.3;  // m/rad, as in the comparison of methods
-
-Eigen::Matrix3Xd AsPoints(const Eigen::VectorXd& rows) {
-  return Eigen::Map<const Eigen::Matrix3Xd>(rows.data(), 3, rows.size() / 3);
-}
+constexpr int kAblationConfigurations = 200;  // of validation: no figure hinges on the draw
+constexpr double kOrientationWeight = 0.3;    // m/rad, as in the comparison of methods
 
 // Rows repeated; k2 in one column where the compensator is not modelled.
 Eigen::MatrixXd Columns(const ElasticRun& run, const ElasticScene& scene, int repeats, bool compensator) {
@@ -120,7 +116,7 @@ std::vector<AblationCase> RunAblation(Reproduction& reproduction) {
   const AppliedWrench load = run.scene.shots.front().wrenches.front();
   validation.shots.clear();
   for (const Eigen::VectorXd& q :
-       DrawConfigurations(run.model->chain(), kConfigurations, reproduction.options().seed + 6000)) {
+       DrawConfigurations(run.model->chain(), kAblationConfigurations, reproduction.options().seed + 6000)) {
     validation.shots.emplace_back(q);
     validation.shots.back().wrenches = {load};
   }

@@ -16,6 +16,10 @@ nlohmann::json ReadJson(const std::string& path) { return ParseJson(ReadTextFile
 
 }  // namespace
 
+Eigen::Matrix3Xd AsPoints(const Eigen::VectorXd& rows) {
+  return Eigen::Map<const Eigen::Matrix3Xd>(rows.data(), 3, rows.size() / 3);
+}
+
 PublishedData ReadPublishedData(const std::string& folder) {
   PublishedData data;
   data.tables = ReadJson(folder + "/kr270/published.json");

@@ -31,6 +31,7 @@ struct PublishedData {
 PublishedData ReadPublishedData(const std::string& folder);
 
 Vector3<double> VectorFrom(const nlohmann::json& json);
+Eigen::Matrix3Xd AsPoints(const Eigen::VectorXd& rows);                      // three rows to a point
 std::map<std::string, double> PublishedErrors(const nlohmann::json& truth);  // SI, by error name
 
 // Papers 002, tables I to IV, X and XI: 18 calibration configurations, one joint

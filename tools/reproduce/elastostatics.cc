@@ -9,10 +9,6 @@
 namespace sagitta {
 namespace {
 
-Eigen::Matrix3Xd AsPoints(const Eigen::VectorXd& rows) {
-  return Eigen::Map<const Eigen::Matrix3Xd>(rows.data(), 3, rows.size() / 3);
-}
-
 Eigen::VectorXd FitOls(const ElasticRun& run) {
   return FitWeighted(run.design, run.measured, KnownWeightMethods().front()).front().value;
 }

@@ -50,7 +50,7 @@ void AddMeanRatio(const std::vector<double>& ratios, ReproducedTable* table) {
   table->notes.push_back("Judged are the 3-sigma intervals (numbers in the JSON); the values drive the simulation.");
 }
 
-ReproducedTable TableI(Reproduction* reproduction) {
+ReproducedTable GeometryTableI(Reproduction* reproduction) {
   ReproducedTable table{"002-I", "Base transformations", {}, {}, {}};
   std::vector<double> ratios;
   for (const auto& [station, pose] : reproduction->published().kr270_truth.at("stations").items()) {
@@ -68,7 +68,7 @@ ReproducedTable TableI(Reproduction* reproduction) {
   return table;
 }
 
-ReproducedTable TableII(Reproduction* reproduction) {
+ReproducedTable GeometryTableII(Reproduction* reproduction) {
   ReproducedTable table{"002-II", "Tool transformations (reference points)", {}, {}, {}};
   std::vector<double> ratios;
   for (const auto& [marker, point] : reproduction->published().kr270_truth.at("markers").items()) {
@@ -82,7 +82,7 @@ ReproducedTable TableII(Reproduction* reproduction) {
   return table;
 }
 
-ReproducedTable TableIII(Reproduction* reproduction) {
+ReproducedTable GeometryTableIII(Reproduction* reproduction) {
   ReproducedTable table{"002-III", "Geometric parameters", {}, {}, {}};
   std::vector<double> ratios;
   int hidden = 0;
@@ -103,7 +103,7 @@ ReproducedTable TableIII(Reproduction* reproduction) {
   return table;
 }
 
-ReproducedTable TableIV(Reproduction* reproduction) {
+ReproducedTable GeometryTableIV(Reproduction* reproduction) {
   ReproducedTable table{"002-IV", "Accuracy after geometric calibration, by residuals", {}, {}, {}};
   AddResiduals(reproduction->table("002-IV"), reproduction->geometric().estimate.fit_before,
                reproduction->geometric().estimate.fit, kNoModelError, &table);
@@ -147,7 +147,11 @@ void AddResiduals(const nlohmann::json& published, const ResidualSize& before, c
 }
 
 std::vector<ReproducibleTable> GeometryTables() {
-  return {{"002-I", TableI}, {"002-II", TableII}, {"002-III", TableIII}, {"002-IV", TableIV}, {"002-fig4", Figure4}};
+  return {{"002-I", GeometryTableI},
+          {"002-II", GeometryTableII},
+          {"002-III", GeometryTableIII},
+          {"002-IV", GeometryTableIV},
+          {"002-fig4", Figure4}};
 }
 
 }  // namespace sagitta

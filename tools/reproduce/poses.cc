@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWeight = 0.25;  // m/rad, as for the disc: chosen to match, neither is printed
 
-ReproducedTable TableI(Reproduction* reproduction) {
+ReproducedTable PosesTableI(Reproduction* reproduction) {
   ReproducedTable table{"000-I", "Full poses (approach 1) against markers (approach 2)", {}, {}, {}};
   const nlohmann::json& given = reproduction->published().three_link_truth.at("published_table_1");
   Robot robot = reproduction->published().three_link;
@@ -63,7 +63,7 @@ ReproducedTable TableI(Reproduction* reproduction) {
   return table;
 }
 
-ReproducedTable TableII(Reproduction* reproduction) {
+ReproducedTable PosesTableII(Reproduction* reproduction) {
   ReproducedTable table{"000-II", "Optimal measurement configurations", {}, {}, {}};
   AddConfigurations(reproduction, &table);
   return table;
@@ -95,7 +95,7 @@ void AddEstimate(const Estimate& estimate, const std::string& name, double value
   }
 }
 
-ReproducedTable TableIII(Reproduction* reproduction) {
+ReproducedTable PosesTableIII(Reproduction* reproduction) {
   ReproducedTable table{"000-III", "Base and tool transformations", {}, {}, {}};
   const nlohmann::json& scene = reproduction->table("scene");
   const ElasticRun& run = reproduction->elastic();
@@ -128,7 +128,7 @@ ReproducedTable TableIII(Reproduction* reproduction) {
   return table;
 }
 
-ReproducedTable TableIV(Reproduction* reproduction) {
+ReproducedTable PosesTableIV(Reproduction* reproduction) {
   ReproducedTable table{"000-IV", "Compliances of the application example, urad/(N m)", {}, {}, {}};
   const nlohmann::json& given = reproduction->table("compliance");
   const ElasticRun& run = reproduction->elastic();
@@ -145,7 +145,7 @@ ReproducedTable TableIV(Reproduction* reproduction) {
 }  // namespace
 
 std::vector<ReproducibleTable> PoseTables() {
-  return {{"000-I", TableI}, {"000-II", TableII}, {"000-III", TableIII}, {"000-IV", TableIV}};
+  return {{"000-I", PosesTableI}, {"000-II", PosesTableII}, {"000-III", PosesTableIII}, {"000-IV", PosesTableIV}};
 }
 
 }  // namespace sagitta

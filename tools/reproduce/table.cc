@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-constexpr double kNear = 0.10;
+constexpr double kNearPublished = 0.10;
 constexpr double kFactor = 3.0;
 
 // Beside that of all pages.
@@ -118,7 +118,7 @@ int ReproducedTable::Count(Verdict verdict) const {
 Verdict JudgeRatio(double published, double computed, Verdict best) {
   const double ratio = computed / published;
   if (!(ratio > 1.0 / kFactor && ratio < kFactor)) return Verdict::kNotReproducible;
-  if (std::abs(ratio - 1.0) <= kNear) return best;
+  if (std::abs(ratio - 1.0) <= kNearPublished) return best;
   return Verdict::kOrderOfMagnitude;
 }
 

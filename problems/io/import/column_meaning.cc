@@ -30,7 +30,7 @@ bool Has(const Words& words, const std::set<std::string>& set) {
   return std::any_of(words.begin(), words.end(), [&set](const std::string& word) { return set.count(word) > 0; });
 }
 
-int AxisOf(const std::string& word) {
+int AxisNamed(const std::string& word) {
   static const Words kAxes = {"x", "y", "z"};
   const auto found = std::find(kAxes.begin(), kAxes.end(), word);
   return found == kAxes.end() ? -1 : static_cast<int>(found - kAxes.begin());
@@ -49,7 +49,7 @@ ColumnMeaning Unused(const std::string& why) {
 // Universal Robots' joints in the order of their description.
 std::optional<int> NamedJoint(const std::string& name, const std::vector<std::string>& joints) {
   for (size_t j = 0; j < joints.size(); ++j) {
-    if (LowerCaseOf(joints[j]) == name && AxisOf(name) < 0) return static_cast<int>(j);
+    if (LowerCaseOf(joints[j]) == name && AxisNamed(name) < 0) return static_cast<int>(j);
   }
   static const Words kUniversal = {"shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"};
   for (size_t j = 0; j < kUniversal.size(); ++j) {
@@ -99,14 +99,14 @@ std::optional<ColumnMeaning> AsPoint(const Words& words) {
   int axis = -1;
   bool foreign = false;
   for (const std::string& word : words) {
-    if (AxisOf(word) >= 0 && axis < 0) {
-      axis = AxisOf(word);
-    } else if (AxisOf(word) >= 0) {
+    if (AxisNamed(word) >= 0 && axis < 0) {
+      axis = AxisNamed(word);
+    } else if (AxisNamed(word) >= 0) {
       return std::nullopt;
-    } else if (word.size() == 2 && word[0] == 'd' && AxisOf(word.substr(1)) >= 0) {
+    } else if (word.size() == 2 && word[0] == 'd' && AxisNamed(word.substr(1)) >= 0) {
       ColumnMeaning difference;
       difference.role = Role::kDifference;
-      difference.index = AxisOf(word.substr(1));
+      difference.index = AxisNamed(word.substr(1));
       return difference;
     } else if (!kMeasuredWords.count(word) && !kTargetWords.count(word) && !kDifferenceWords.count(word) &&
                !kSigmaWords.count(word) && !kPointWords.count(word)) {
@@ -144,7 +144,7 @@ std::optional<std::pair<int, bool>> RotationPart(const std::string& word, bool a
   if (after_quaternion && place(kLetters) >= 0) return std::make_pair(place(kLetters), true);
   // "Rotation W" makes a quaternion of its neighbours (TakeRotation).
   if (after_rotation && word == "w") return std::make_pair(0, true);
-  if (after_rotation && AxisOf(word) >= 0) return std::make_pair(AxisOf(word), false);
+  if (after_rotation && AxisNamed(word) >= 0) return std::make_pair(AxisNamed(word), false);
   return std::nullopt;
 }
 
@@ -256,7 +256,7 @@ Words Parted(const Words& words) {
   for (const std::string& word : words) {
     const std::string rest = word.substr(1);
     const bool is_known = kMeasuredWords.count(rest) || kTargetWords.count(rest) || kDifferenceWords.count(rest);
-    if (AxisOf(word.substr(0, 1)) >= 0 && rest.size() > 2 && is_known) {
+    if (AxisNamed(word.substr(0, 1)) >= 0 && rest.size() > 2 && is_known) {
       parted.push_back(word.substr(0, 1));
       parted.push_back(rest);
     } else {

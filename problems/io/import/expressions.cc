@@ -38,9 +38,9 @@ std::optional<TypedNumber> ParseTypedNumber(const std::string& typed, bool decim
     text.erase(at);
   }
   for (const char* pi : {"π", "PI", "Pi"}) text = Replaced(text, pi, "pi");
-  static const std::regex kPi = MakePattern(R"(([+-]?)([0-9.,]*)pi(?:/([0-9.,]+))?)");
+  static const std::regex kMultipleOfPi = MakePattern(R"(([+-]?)([0-9.,]*)pi(?:/([0-9.,]+))?)");
   std::smatch match;
-  if (!MatchPattern(text, &match, kPi)) {
+  if (!MatchPattern(text, &match, kMultipleOfPi)) {
     const std::optional<double> value = ParseLocalNumber(text, decimal_comma);
     if (!value) return std::nullopt;
     number.value = *value;

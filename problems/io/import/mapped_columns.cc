@@ -9,7 +9,7 @@
 namespace sagitta {
 namespace {
 
-[[noreturn]] void Fail(const TextTable& table, const std::string& what, const std::string& hint) {
+[[noreturn]] void RefuseTable(const TextTable& table, const std::string& what, const std::string& hint) {
   throw InputError({table.path, table.header_line, "--map"}, what, hint);
 }
 
@@ -57,12 +57,13 @@ void CheckMappedColumn(const TextTable& table, const std::vector<Joint>& joints,
     known.push_back("tau" + std::to_string(j + 1) + "_" + TorqueUnit(joints[j]));
   }
   if (std::find(known.begin(), known.end(), column) == known.end()) {
-    Fail(table, "'" + column + "' is no column of measurements.csv", SpellingHint(column, known));
+    RefuseTable(table, "'" + column + "' is no column of measurements.csv", SpellingHint(column, known));
   }
   const std::string unit = UnitInHeader(table.header[planned.source]);
   if (!unit.empty() && !planned.unit.empty() && unit != planned.unit) {
-    Fail(table, "the column '" + table.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,
-         "--map takes the unit that the numbers have");
+    RefuseTable(table,
+                "the column '" + table.header[planned.source] + "' says " + unit + ", the map says " + planned.unit,
+                "--map takes the unit that the numbers have");
   }
 }
 
@@ -77,8 +78,8 @@ void SortMappedRotation(const TextTable& table, std::vector<PlannedColumn>* rota
   };
   const auto angles = count('r'), parts = count('o');
   if ((angles == 3 && parts == 0) || (angles == 0 && parts == 4)) return;
-  Fail(table, "a rotation is three angles or the four parts of a quaternion",
-       "--map=rx_deg=…,ry_deg=…,rz_deg=… or --map=ow=…,ox=…,oy=…,oz=…");
+  RefuseTable(table, "a rotation is three angles or the four parts of a quaternion",
+              "--map=rx_deg=…,ry_deg=…,rz_deg=… or --map=ow=…,ox=…,oy=…,oz=…");
 }
 
 }  // namespace sagitta

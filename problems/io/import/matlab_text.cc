@@ -22,7 +22,7 @@ namespace {
 const std::regex kMatrix = MakePattern(R"((dhparams\s*=|SerialLink\s*\(|Link\s*\()\s*\[([^\]]*)\])");
 const std::regex kTransform = MakePattern(R"(([TR])([xyz])\s*\(\s*([^()]*)\s*\))", true);
 
-std::string WithoutComments(const std::string& text) {
+std::string WithoutMatlabComments(const std::string& text) {
   std::istringstream lines(text);
   std::string kept;
   for (std::string line; std::getline(lines, line);) kept += line.substr(0, line.find('%')) + "\n";
@@ -46,7 +46,7 @@ std::vector<std::vector<std::string>> MatrixRows(const std::string& body) {
 class MatlabReader {
  public:
   MatlabReader(const std::string& text, std::string path, const RobotReadOptions& options)
-      : text_(WithoutComments(text)), path_(std::move(path)), options_(options) {}
+      : text_(WithoutMatlabComments(text)), path_(std::move(path)), options_(options) {}
 
   RobotReading Read() {
     std::smatch match;
@@ -187,7 +187,7 @@ class MatlabReader {
 }  // namespace
 
 bool LooksLikeMatlab(const std::string& text) {
-  const std::string plain = WithoutComments(text);
+  const std::string plain = WithoutMatlabComments(text);
   if (SearchPattern(plain, kMatrix)) return true;
   return AllMatches(plain.begin(), plain.end(), kTransform).size() > 1;
 }

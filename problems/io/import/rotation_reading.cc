@@ -3,11 +3,10 @@
 #include <algorithm>
 
 #include "problems/input_error.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
-
-constexpr char kAxes[] = "xyz";
 
 Matrix3<double> About(int axis, double angle) {
   return Eigen::AngleAxisd(angle, Vector3<double>::Unit(axis)).toRotationMatrix();
@@ -15,7 +14,7 @@ Matrix3<double> About(int axis, double angle) {
 
 std::string ProductName(const std::array<int, 3>& order) {
   std::string name;
-  for (const int axis : order) name += std::string("R") + kAxes[axis];
+  for (const int axis : order) name += std::string("R") + kAxisLetters[axis];
   return name;
 }
 

@@ -16,9 +16,7 @@
 namespace sagitta {
 namespace {
 
-constexpr char kBlanks[] = " \t\r";
-
-struct Line {
+struct TableLine {
   int number = 0;
   std::string text;
   bool is_comment = false;  // '#' or '%' in front, taken off
@@ -33,8 +31,8 @@ std::string WithPlainMinus(std::string text) {
   return text;
 }
 
-std::vector<Line> LinesOf(const std::string& text) {
-  std::vector<Line> lines;
+std::vector<TableLine> LinesOf(const std::string& text) {
+  std::vector<TableLine> lines;
   int number = 0;
   for (size_t at = 0; at <= text.size();) {
     CheckInterruption();
@@ -42,7 +40,7 @@ std::vector<Line> LinesOf(const std::string& text) {
     if (end == std::string::npos) end = text.size();
     ++number;
     // Trailing tabs are empty cells: only leading blanks of the line go.
-    Line line{number, text.substr(at, end - at)};
+    TableLine line{number, text.substr(at, end - at)};
     at = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     if (Trimmed(line.text, kBlanks).empty()) continue;
     const size_t first = line.text.find_first_not_of(" ");
@@ -116,9 +114,9 @@ struct Layout {
   size_t numbers = 0;  // cells that are numbers, in rows with that many columns
 };
 
-Layout LayoutWith(char separator, const std::vector<Line>& lines) {
+Layout LayoutWith(char separator, const std::vector<TableLine>& lines) {
   std::map<size_t, size_t> numbers_by_columns;
-  for (const Line& line : lines) {
+  for (const TableLine& line : lines) {
     CheckInterruption();
     if (line.is_comment) continue;
     const std::vector<std::string> cells = Split(line.text, separator);
@@ -132,7 +130,7 @@ Layout LayoutWith(char separator, const std::vector<Line>& lines) {
   return layout;
 }
 
-Layout FindLayout(const std::vector<Line>& lines, const std::string& path) {
+Layout FindLayout(const std::vector<TableLine>& lines, const std::string& path) {
   Layout best;
   for (const char separator : {'\t', ';', '|', ',', ' '}) {
     const Layout layout = LayoutWith(separator, lines);
@@ -148,7 +146,7 @@ Layout FindLayout(const std::vector<Line>& lines, const std::string& path) {
   return best;
 }
 
-std::string NameOf(char separator) {
+std::string SeparatorName(char separator) {
   switch (separator) {
     case '\t':
       return "tab";
@@ -173,9 +171,10 @@ bool IsUnitWord(std::string cell) {
 
 class Builder {
  public:
-  Builder(std::string path, std::vector<Line> lines, const Layout& layout) : lines_(std::move(lines)), layout_(layout) {
+  Builder(std::string path, std::vector<TableLine> lines, const Layout& layout)
+      : lines_(std::move(lines)), layout_(layout) {
     table_.path = std::move(path);
-    table_.separator = NameOf(layout.separator);
+    table_.separator = SeparatorName(layout.separator);
   }
 
   TextTable Build() && {
@@ -197,9 +196,9 @@ class Builder {
   }
 
  private:
-  std::vector<std::string> Cells(const Line& line) const { return Split(line.text, layout_.separator); }
+  std::vector<std::string> Cells(const TableLine& line) const { return Split(line.text, layout_.separator); }
 
-  bool IsRow(const Line& line) const {
+  bool IsRow(const TableLine& line) const {
     if (line.is_comment) return false;
     const std::vector<std::string> cells = Cells(line);
     size_t numeric = 0;
@@ -212,7 +211,7 @@ class Builder {
     return i;
   }
 
-  bool IsTitle(const Line& line) const {
+  bool IsTitle(const TableLine& line) const {
     const std::vector<std::string> cells = Cells(line);
     return cells.size() == layout_.columns && std::none_of(cells.begin(), cells.end(), IsNumeric);
   }
@@ -252,7 +251,7 @@ class Builder {
   }
 
   // As many cells as the rows below, but neither names nor mostly numbers.
-  void RefuseHalfNumbers(const Line& line) const {
+  void RefuseHalfNumbers(const TableLine& line) const {
     const std::vector<std::string> cells = Cells(line);
     if (cells.size() != layout_.columns) return;
     const auto other = std::find_if_not(cells.begin(), cells.end(), IsNumeric);
@@ -262,7 +261,7 @@ class Builder {
                      "numbers like -12.5, one header above them");
   }
 
-  void AddRow(const Line& line) {
+  void AddRow(const TableLine& line) {
     TextTable::Row row{line.number, Cells(line)};
     if (row.cells.size() != layout_.columns) {
       throw InputError({table_.path, line.number, ""},
@@ -324,7 +323,7 @@ class Builder {
     }
   }
 
-  std::vector<Line> lines_;
+  std::vector<TableLine> lines_;
   Layout layout_;
   TextTable table_;
 };
@@ -369,7 +368,7 @@ std::optional<double> TextTable::Number(const std::string& cell) const { return 
 TextTable ParseTextTable(const std::string& bytes, const std::string& path) {
   std::string encoding;
   const std::string text = WithPlainMinus(DecodeText(bytes, path, &encoding));
-  std::vector<Line> lines = LinesOf(text);
+  std::vector<TableLine> lines = LinesOf(text);
   const Layout layout = FindLayout(lines, path);
   TextTable table = Builder(path, std::move(lines), layout).Build();
   table.encoding = encoding;
