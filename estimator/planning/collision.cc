@@ -8,17 +8,18 @@
 #include <cstdlib>
 
 namespace sagitta {
-namespace {
 
 // A convex body and the sphere around it, by which most pairs are told apart.
-struct Body {
+struct CollisionBody {
   std::string name;
   std::shared_ptr<fcl::CollisionGeometryd> shape;
   fcl::Transform3d place = fcl::Transform3d::Identity();  // base_from_shape
   double reach = 0.0;                                     // m, of the sphere around its centre
 };
 
-bool Meet(const Body& a, const Body& b) {
+namespace {
+
+bool Meet(const CollisionBody& a, const CollisionBody& b) {
   if ((a.place.translation() - b.place.translation()).norm() > a.reach + b.reach) return false;
   const fcl::CollisionRequestd request(1, false);
   fcl::CollisionResultd result;
@@ -26,18 +27,20 @@ bool Meet(const Body& a, const Body& b) {
 }
 
 // FCL's capsule lies along its own z, its centre at the origin.
-Body CapsuleBetween(const std::string& name, const Vector3<double>& from, const Vector3<double>& to, double radius) {
+CollisionBody CapsuleBetween(const std::string& name, const Vector3<double>& from, const Vector3<double>& to,
+                             double radius) {
   const double length = (to - from).norm();
-  Body body{name, std::make_shared<fcl::Capsuled>(radius, length), fcl::Transform3d::Identity(), 0.5 * length + radius};
+  CollisionBody body{name, std::make_shared<fcl::Capsuled>(radius, length), fcl::Transform3d::Identity(),
+                     0.5 * length + radius};
   const Vector3<double> along = length > 0.0 ? Vector3<double>((to - from) / length) : Vector3<double>::UnitZ();
   body.place.linear() = RotationBetween(Vector3<double>::UnitZ(), along);
   body.place.translation() = 0.5 * (from + to);
   return body;
 }
 
-Body BoxOf(const CellBox& box) {
-  Body body{box.name, std::make_shared<fcl::Boxd>(2.0 * box.half_size), fcl::Transform3d::Identity(),
-            box.half_size.norm()};
+CollisionBody BoxOf(const CellBox& box) {
+  CollisionBody body{box.name, std::make_shared<fcl::Boxd>(2.0 * box.half_size), fcl::Transform3d::Identity(),
+                     box.half_size.norm()};
   body.place.linear() = box.base_from_box.rotation;
   body.place.translation() = box.base_from_box.translation;
   return body;
@@ -47,22 +50,22 @@ Body BoxOf(const CellBox& box) {
 
 struct CollisionScene::Shapes {
   struct Link {
-    Body body;
+    CollisionBody body;
     fcl::Transform3d in_frame;  // frame_from_shape
     int frame = 0;              // of the chain
     int moved_by = 0;           // joints before it
     double half_length = 0.0, radius = 0.0;
   };
   std::vector<Link> links;
-  std::vector<Body> boxes;
+  std::vector<CollisionBody> boxes;
   std::vector<std::pair<int, int>> pairs;  // links that must not touch
   std::optional<double> floor;
   double clearance = 0.0, beam_radius = 0.0, beam_end = 0.0;
 
   // With the clearance added to the first of two bodies.
-  Body Placed(int link, const std::vector<Pose<double>>& frames, bool widened) const {
+  CollisionBody Placed(int link, const std::vector<Pose<double>>& frames, bool widened) const {
     const Link& own = links[link];
-    Body body = own.body;
+    CollisionBody body = own.body;
     fcl::Transform3d frame = fcl::Transform3d::Identity();
     frame.linear() = frames[own.frame].rotation;
     frame.translation() = frames[own.frame].translation;
@@ -109,7 +112,7 @@ CollisionScene::~CollisionScene() = default;
 
 std::string CollisionScene::Collision(const std::vector<Pose<double>>& frames) const {
   const int count = static_cast<int>(shapes_->links.size());
-  std::vector<Body> bodies, widened;
+  std::vector<CollisionBody> bodies, widened;
   for (int i = 0; i < count; ++i) {
     bodies.push_back(shapes_->Placed(i, frames, false));
     widened.push_back(shapes_->Placed(i, frames, true));
@@ -120,7 +123,7 @@ std::string CollisionScene::Collision(const std::vector<Pose<double>>& frames) c
     const double rises = link.half_length * std::abs(bodies[i].place.linear()(2, 2));
     const double lowest = bodies[i].place.translation().z() - rises - link.radius - shapes_->clearance;
     if (shapes_->floor && lowest < *shapes_->floor) return link.body.name + " reaches the floor";
-    for (const Body& box : shapes_->boxes) {
+    for (const CollisionBody& box : shapes_->boxes) {
       if (Meet(widened[i], box)) return link.body.name + " meets " + box.name;
     }
   }
@@ -135,11 +138,11 @@ std::string CollisionScene::Obstruction(const std::vector<Pose<double>>& frames,
   const double length = (reflector - instrument).norm();
   if (length <= shapes_->beam_end) return "";
   const Vector3<double> end = instrument + (1.0 - shapes_->beam_end / length) * (reflector - instrument);
-  const Body beam = CapsuleBetween("beam", instrument, end, std::max(shapes_->beam_radius, 1e-4));
+  const CollisionBody beam = CapsuleBetween("beam", instrument, end, std::max(shapes_->beam_radius, 1e-4));
   for (int i = 0; i < static_cast<int>(shapes_->links.size()); ++i) {
     if (Meet(beam, shapes_->Placed(i, frames, false))) return shapes_->links[i].body.name;
   }
-  for (const Body& box : shapes_->boxes) {
+  for (const CollisionBody& box : shapes_->boxes) {
     if (Meet(beam, box)) return box.name;
   }
   return "";

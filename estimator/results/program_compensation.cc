@@ -27,10 +27,10 @@ class Scene {
 
   // Nothing: it is stated nowhere; its name is then among those asked for.
   std::optional<Pose<double>> ToolInFlange(const std::string& name) {
-    return Find(name, kFlange, scene_.tools, program_.tools, &tools_asked_);
+    return Find(name, kFlangeName, scene_.tools, program_.tools, &tools_asked_);
   }
   std::optional<Pose<double>> FrameInBase(const std::string& name) {
-    return Find(name, kWorld, scene_.frames, program_.frames, &frames_asked_);
+    return Find(name, kWorldName, scene_.frames, program_.frames, &frames_asked_);
   }
   void ThrowWhatIsAsked() const;
 
@@ -125,7 +125,7 @@ void Prepare(const RobotProgram& program, const ProgramScene& stated, const Prog
     scene.ToolInFlange(point.tool);
     scene.FrameInBase(point.frame);
   }
-  if (loads.needs_flange) scene.ToolInFlange(kFlange);
+  if (loads.needs_flange) scene.ToolInFlange(kFlangeName);
   scene.ThrowWhatIsAsked();
   std::vector<size_t> way(program.points.size());
   std::iota(way.begin(), way.end(), size_t{0});

@@ -18,7 +18,7 @@ class LoadsReader {
   LoadsReader(const KnownRobot& known, const RobotProgram& program, const ProgramScene& scene)
       : program_(program), scene_(scene) {
     loads_.loading = known.loading;
-    const auto flange = scene.tools.find(kFlange);
+    const auto flange = scene.tools.find(kFlangeName);
     if (flange != scene.tools.end()) flange_ = flange->second;
   }
 

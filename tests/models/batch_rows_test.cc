@@ -215,7 +215,8 @@ TEST(BatchRows, LargeDeflectionsAreLeftToTheModel) {
   ShotInput shot = test::ContractShot(model.chain().FlangeFrame(), &random);
   shot.wrenches[0].force = {0.0, 0.0, -2500.0};
   model.Prepare(&shot);
-  const std::vector<BatchReading> readings = {{0, model.chain().FlangeFrame(), {}, Matrix3<double>::Identity()}};
+  const std::vector<BatchReading> readings = {
+      {0, model.chain().FlangeFrame(), Vector3<double>::Zero(), Matrix3<double>::Identity()}};
   const ShotProgram program = MakeShotProgram(model, shot, readings);
   const std::vector<double> theta = model.NominalValues();
   BatchLayout layout;

@@ -102,7 +102,7 @@ TEST_F(RobotProgramTest, Krl) {
   EXPECT_THAT(ValuesOf(taught), ::testing::ElementsAre(1200.5, -30.0, 900.25, 10.0, 80.0, -5.0));
   EXPECT_EQ(taught.line, 4);
   EXPECT_EQ(taught.tool, "TOOL_DATA[2]");
-  EXPECT_EQ(taught.frame, kWorld);
+  EXPECT_EQ(taught.frame, kWorldName);
   EXPECT_EQ(taught.branch.wrist_behind, false);  // S 2 = 010
   EXPECT_EQ(taught.branch.elbow_past_stretch, true);
   EXPECT_EQ(taught.branch.wrist_negative, false);

@@ -123,8 +123,8 @@ void FanucReader::ReadPosition(const std::string& name, size_t open, size_t end)
     point.numbers.push_back(number);
   }
   if (!point.is_joints) {
-    point.frame = FrameNumber("UF", kWorld, group, next);
-    point.tool = FrameNumber("UT", kFlange, group, next);
+    point.frame = FrameNumber("UF", kWorldName, group, next);
+    point.tool = FrameNumber("UT", kFlangeName, group, next);
     ReadConfiguration(group, next, &point);
   }
   program_.points.push_back(point);

@@ -152,7 +152,7 @@ std::string KrlReader::NameOf(const std::string& text, size_t at, const char* nu
   if (!point.untouched.empty()) return text;
   std::vector<double> numbers;
   for (const TextNumber& number : point.numbers) numbers.push_back(number.value);
-  const std::string name = std::string(null_name == std::string(kFlange) ? "$TOOL" : "$BASE") + " of line " +
+  const std::string name = std::string(null_name == std::string(kFlangeName) ? "$TOOL" : "$BASE") + " of line " +
                            std::to_string(LineAt(code_, at));
   (*stated)[name] = PoseFrom(PoseNotation::kAbcDegrees, numbers);
   return name;
@@ -208,16 +208,16 @@ void KrlReader::ReadScene(const std::string& line, size_t begin) {
     const size_t at = begin + static_cast<size_t>(match.position(2));
     const bool is_tool = match[1] == "TOOL";
     (is_tool ? tool_ : base_) =
-        NameOf(match[2], at, is_tool ? kFlange : kWorld, is_tool ? &program_.tools : &program_.frames);
+        NameOf(match[2], at, is_tool ? kFlangeName : kWorldName, is_tool ? &program_.tools : &program_.frames);
   } else if (SearchPattern(line, &match, bas)) {
     const bool is_tool = match[1] == "TOOL";
-    const std::string null_name = is_tool ? kFlange : kWorld;
+    const std::string null_name = is_tool ? kFlangeName : kWorldName;
     (is_tool ? tool_ : base_) = match[2] == "0" ? null_name : match[1].str() + "_DATA[" + match[2].str() + "]";
     if (is_tool) load_ = match[2] == "0" ? "" : "LOAD_DATA[" + match[2].str() + "]";
   } else if (SearchPattern(line, &match, data)) {
     std::map<std::string, Pose<double>> one;
     const std::string written = "{";
-    const std::string name = NameOf(written, begin + static_cast<size_t>(match.position(3)), kFlange, &one);
+    const std::string name = NameOf(written, begin + static_cast<size_t>(match.position(3)), kFlangeName, &one);
     if (one.empty()) return;
     const std::string place = match[1].str() + "[" + match[2].str() + "]";
     const bool is_tool = match[1] == "TOOL_DATA";
@@ -265,8 +265,8 @@ void KrlReader::ReadFrameData(const std::string& name, size_t open) {
     if (at == fields.end() || !NumberAt(code_, at->second, &value) || value.value < 0) return "";
     return value.value == 0 ? zero : stem + "[" + std::to_string(static_cast<int>(value.value)) + "]";
   };
-  point.tool = number("TOOL_NO", "TOOL_DATA", kFlange);
-  point.frame = number("BASE_NO", "BASE_DATA", kWorld);
+  point.tool = number("TOOL_NO", "TOOL_DATA", kFlangeName);
+  point.frame = number("BASE_NO", "BASE_DATA", kWorldName);
   point.load = number("TOOL_NO", "LOAD_DATA", "");
   loaded_.insert(found->second);
   const auto mode = fields.find("IPO_FRAME");

@@ -112,7 +112,7 @@ std::string RapidReader::LoadWith(const std::string& tool, const std::string& to
   std::vector<ProgramLoad> bodies;
   std::string name;
   bool is_stated = true;
-  if (tool != kFlange) {
+  if (tool != kFlangeName) {
     name = tool;
     const auto found = tool_loads_.find(tool);
     is_stated = found != tool_loads_.end();
@@ -122,10 +122,10 @@ std::string RapidReader::LoadWith(const std::string& tool, const std::string& to
     name += (name.empty() ? "" : " and ") + gripped_;
     const auto found = payloads_.find(gripped_);
     const auto held_by = program_.tools.find(tool);
-    is_stated &= found != payloads_.end() && (tool == kFlange || held_by != program_.tools.end());
+    is_stated &= found != payloads_.end() && (tool == kFlangeName || held_by != program_.tools.end());
     if (is_stated) {
       bodies.push_back(found->second);
-      if (tool != kFlange) bodies.back().centre = held_by->second * found->second.centre;
+      if (tool != kFlangeName) bodies.back().centre = held_by->second * found->second.centre;
     }
   }
   if (bodies.empty() || !is_stated) return name;
@@ -240,12 +240,12 @@ bool RapidReader::ReadStatement(size_t begin, size_t end) {
   const bool is_joints = match[2] == "ABSJ";
   std::smatch with_object;
   const std::string frame_name = SearchPattern(statement, &with_object, object) ? with_object[1].str() : "WOBJ0";
-  const std::string frame = frame_name == "WOBJ0" ? kWorld : frame_name;
+  const std::string frame = frame_name == "WOBJ0" ? kWorldName : frame_name;
   const std::vector<TextRange> parts = PartsOf(code_, begin + static_cast<size_t>(match.length(0)), end);
   const std::string last = upper_.substr(parts.back().first, parts.back().second - parts.back().first);
   std::smatch tool_match;
   std::string tool = SearchPattern(last, &tool_match, tool_at_end) ? tool_match[1].str() : "";
-  if (tool == "TOOL0") tool = kFlange;
+  if (tool == "TOOL0") tool = kFlangeName;
   std::smatch total;
   const std::string load =
       LoadWith(tool, SearchPattern(statement, &total, total_load) ? total[1].str() : std::string());

@@ -35,8 +35,8 @@ Pose<double> PoseFrom(PoseNotation notation, const std::vector<double>& numbers)
 std::vector<double> NumbersOf(PoseNotation notation, const Pose<double>& pose);
 
 // Names that every dialect has, whatever it calls them: no tool, and the controller's world (base) frame.
-constexpr const char* kFlange = "flange";
-constexpr const char* kWorld = "world";
+constexpr const char* kFlangeName = "flange";
+constexpr const char* kWorldName = "world";
 
 // What a file says of the joint solution that a pose is meant to be reached by. Empty: nothing.
 struct StatedBranch {

@@ -54,7 +54,7 @@ int UrReader::AddLiteral(const std::string& name, size_t at) {
   point.is_joints = !is_pose;
   point.numbers = NumbersInBracket(code_, open);
   point.branch.from_before = is_pose;
-  point.frame = is_pose ? kWorld : "";
+  point.frame = is_pose ? kWorldName : "";
   if (static_cast<int>(point.numbers.size()) != (is_pose ? 6 : joints_)) return -1;
   program_.points.push_back(point);
   return static_cast<int>(program_.points.size()) - 1;
