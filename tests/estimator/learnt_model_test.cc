@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sagitta {
+namespace sagitta::learnt_model_test {
 namespace {
 
 EffectSpec BumpsOver240Degrees(const std::string& knots) {
@@ -38,4 +38,4 @@ TEST(LearntLevels, AreEquallySteep) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::learnt_model_test

@@ -10,7 +10,7 @@
 #include "models/constants.h"
 #include "tests/support/moved_kr270.h"
 
-namespace sagitta {
+namespace sagitta::next_poses_test {
 namespace {
 
 constexpr double kSigma = 2e-5;             // m
@@ -77,4 +77,4 @@ TEST(NextPoses, LieWhereTheRivalsDiffer) {
 }
 
 }  // namespace
-}  // namespace sagitta
+}  // namespace sagitta::next_poses_test
