@@ -9,6 +9,7 @@ Arrays are in SI (m, rad), one row per reading, and say so in their names. Frame
 the JSON of docs/FORMATS.md, units in every name, with the numbers of the program to the last digit.
 """
 import json as _json
+import operator as _operator
 import os as _os
 
 import numpy as _np
@@ -504,6 +505,17 @@ class Plan(_WithJson):
         return self._core.report_html()
 
 
+def _experiment(experiment):
+    if not isinstance(experiment, Experiment):
+        raise TypeError("an experiment is expected, as sagitta.read(...) gives it, not %s" % type(experiment).__name__)
+    return experiment._core
+
+
+def _names(names):
+    """One text is a list as well, as it is for the flags: "geometry/p_x1,geometry/p_y1"."""
+    return names.split(",") if isinstance(names, str) else list(names)
+
+
 def _rows(rows):
     if isinstance(rows, _Data):
         return [("rows", dict(_tables.source(rows.to_dataframe(), "rows")[1]))]
@@ -534,6 +546,9 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
     sigma_mm, holdout, free, fixed: the flags of `sagitta calibrate`; they replace what file or rows say.
     """
     if not measurements:
+        if not isinstance(robot_or_experiment, (str, _os.PathLike)):
+            raise _tables._input_error("the measurements are missing", "measurements",
+                                       "read(ROBOT, MEASUREMENTS), or the path of an experiment file")
         if settings:
             raise _tables._input_error("an experiment file states its own '%s'" % next(iter(settings)),
                                        next(iter(settings)), "change it there, or give a robot and measurements")
@@ -546,11 +561,11 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
         core = _core.assemble(text, is_text, tables, _json.dumps(settings, default=_plain), sigma_mm is None,
                               points_required)
     if sigma_mm is not None:
-        core.set_sigma(sigma_mm)
+        core.set_sigma(float(sigma_mm))
     if holdout is not None:
-        core.set_holdout(holdout, seed)
-    core.set_free(list(free)) if free else None
-    core.set_fixed(list(fixed)) if fixed else None
+        core.set_holdout(float(holdout), seed)
+    core.set_free(_names(free)) if free else None
+    core.set_fixed(_names(fixed)) if fixed else None
     return Experiment(core)
 
 
@@ -561,24 +576,30 @@ def load(path):
 
 def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, progress=None):
     """Everything unknown in one solve. progress: called with a sentence now and then."""
-    return Estimate(_core.calibrate(experiment._core, method, threads, seed, force, "sagitta.calibrate", progress))
+    inputs = _experiment(experiment)
+    return Estimate(_core.calibrate(inputs, method, threads, seed, force, "sagitta.calibrate", progress))
 
 
 def diagnose(experiment, *, threads=None, force=False, progress=None):
     """Finds, names and adds the effect that the model lacks."""
     threads = threads or _os.cpu_count() or 1
-    return Diagnosis(_core.diagnose(experiment._core, threads, force, "sagitta.diagnose", progress))
+    return Diagnosis(_core.diagnose(_experiment(experiment), threads, force, "sagitta.diagnose", progress))
 
 
 def inspect(experiment, *, progress=None):
     """What a data set can tell, and what is wrong with it, without an estimate."""
-    return Inspection(_core.inspect(experiment._core, "sagitta.inspect", progress))
+    return Inspection(_core.inspect(_experiment(experiment), "sagitta.inspect", progress))
 
 
 def _known(estimate):
     if isinstance(estimate, (str, _os.PathLike)):
         return load(estimate)
-    return estimate if isinstance(estimate, Known) else estimate.known
+    if isinstance(estimate, Known):
+        return estimate
+    if not hasattr(estimate, "known"):
+        raise TypeError("an estimate is expected, as sagitta.calibrate(...) gives it, or the path of an estimate.json, "
+                        "not %s" % type(estimate).__name__)
+    return estimate.known
 
 
 def predict(estimate, rows, *, force=False):
@@ -628,9 +649,9 @@ def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
 
     truth: an estimate, a Known robot, the path of an estimate.json; None: the experiment with its stations and markers.
     """
-    known = _core.truth_of(experiment._core) if truth is None else _core.with_loads_of(_known(truth)._core,
-                                                                                        experiment._core)
-    return Rows(_core.simulate(known, experiment._core, sigma_mm, seed))
+    inputs = _experiment(experiment)
+    known = _core.truth_of(inputs) if truth is None else _core.with_loads_of(_known(truth)._core, inputs)
+    return Rows(_core.simulate(known, inputs, sigma_mm, seed))
 
 
 def _estimate_text(estimate):
@@ -653,16 +674,18 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
     """
     if (poses is None) == (accuracy_mm is None):
         raise _tables._input_error("one of poses and accuracy_mm says how many", "poses", "poses=20")
+    inputs = _experiment(experiment)
     random_tests = isinstance(tests, str) and tests == "random"
     wishes = {
-        "poses": poses or 0, "accuracy_mm": float(accuracy_mm or 0.0), "augment": augment, "criterion": criterion,
-        "discriminate": ",".join(discriminate), "pool": pool, "seed": seed, "random_tests": random_tests,
+        "poses": _operator.index(poses or 0), "accuracy_mm": float(accuracy_mm or 0.0), "augment": augment,
+        "criterion": criterion,
+        "discriminate": ",".join(_names(discriminate)), "pool": pool, "seed": seed, "random_tests": random_tests,
         "candidates": [] if candidates is None else _tables.sources(candidates, "candidates"),
         "tests": [] if tests is None or random_tests else _tables.sources(tests, "tests"),
         "cell": ("", False) if cell is None else _path_or_text(cell), "move": move,
         "model_error": _estimate_text(model_error),
     }
-    return Plan(_core.plan(experiment._core, wishes, "sagitta.plan", progress))
+    return Plan(_core.plan(inputs, wishes, "sagitta.plan", progress))
 
 
 __all__ = ["Changed", "Compensation", "Diagnosis", "Estimate", "Experiment", "InputError", "Inspection", "Known",

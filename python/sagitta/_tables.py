@@ -58,6 +58,8 @@ def _text(value):
 def _column(name, values):
     """[(name, float64 array or list of texts)]"""
     array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+    if array.dtype.kind == "c":
+        raise _input_error("'%s' holds complex numbers" % name, name)
     if array.ndim == 2:
         return _single_columns(name, np.asarray(array, dtype=np.float64))
     if array.ndim != 1:

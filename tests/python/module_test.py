@@ -316,6 +316,34 @@ class Errors(FolderTest):
         self.caught(sagitta.read, KR270 / "experiment.yaml", noise={"sigma_mm": 1})
         self.caught(sagitta.calibrate, sagitta.read(KR270 / "experiment.yaml"), method="guess")
 
+    def test_one_name_is_a_list_of_one(self):
+        files = (KR270 / "robot.yaml", KR270 / "geometric.csv")
+        error = self.caught(lambda: sagitta.calibrate(sagitta.read(*files, sigma_mm="0.1", free="geometry/p_x9")))
+        self.assertIn("'geometry/p_x9'", str(error))
+        fixed = sagitta.calibrate(sagitta.read(*files, sigma_mm=0.1, fixed="geometry/p_x1,geometry/p_y1"))
+        self.assertFalse(fixed["geometry/p_x1"].free or fixed["geometry/p_y1"].free)
+        error = self.caught(sagitta.plan, sagitta.read(KR270 / "experiment.yaml"), poses=3, discriminate="backlsh/A3")
+        self.assertIn("backlsh", str(error))
+
+    def test_what_is_no_number_and_no_table(self):
+        columns = columns_of(KR270 / "geometric.csv")
+        columns["xyz_mm"] = np.array([columns.pop("%s_mm" % a) for a in "xyz"], dtype=float).T + 1j
+        self.assertEqual(self.caught(sagitta.read, KR270 / "robot.yaml", columns).key, "xyz_mm")
+        self.assertIn("measurements", str(self.caught(sagitta.read, {"schema": "sagitta/robot/1"})))
+
+    def test_arguments_of_another_type(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
+        for call in (sagitta.calibrate, sagitta.diagnose, sagitta.inspect, sagitta.simulate):
+            with self.assertRaisesRegex(TypeError, "sagitta.read"):
+                call(estimate)
+        with self.assertRaisesRegex(TypeError, "sagitta.read"):
+            sagitta.plan(KR270 / "experiment.yaml", poses=3)
+        with self.assertRaises(TypeError):
+            sagitta.plan(experiment, poses="3")
+        with self.assertRaisesRegex(TypeError, "sagitta.calibrate"):
+            sagitta.predict(experiment, KR270 / "geometric.csv")
+
     def test_readings_of_another_robot(self):
         frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
         frame["q2_deg"] = -frame["q2_deg"]
