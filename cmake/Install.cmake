@@ -55,6 +55,10 @@ install(EXPORT sagitta NAMESPACE sagitta:: FILE sagitta-targets.cmake
 configure_package_config_file(cmake/sagitta-config.cmake.in ${PROJECT_BINARY_DIR}/sagitta-config.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/sagitta-config-version.cmake COMPATIBILITY SameMinorVersion)
+# Found from where the file lies: packages and --prefix put it elsewhere than CMAKE_INSTALL_PREFIX. fcl is no Requires:
+# Debian's fcl.pc states -std=c++11, which would come after ours.
+file(RELATIVE_PATH SAGITTA_PREFIX_FROM_PKGCONFIG "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" SAGITTA_PREFIX_FROM_PKGCONFIG "${SAGITTA_PREFIX_FROM_PKGCONFIG}")
 configure_file(cmake/sagitta.pc.in ${PROJECT_BINARY_DIR}/sagitta.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/sagitta-config.cmake ${PROJECT_BINARY_DIR}/sagitta-config-version.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sagitta COMPONENT development)
