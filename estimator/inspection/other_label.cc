@@ -192,19 +192,17 @@ class LabelGroup {
 
 }  // namespace
 
-std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem) {
-  std::optional<FarRows> rows = FindFarRows(problem);
-  if (!rows) return std::nullopt;
-  KeepThoseApart(&*rows);
-  if (rows->far.size() < kFewestOfPose || !AreApart(*rows, problem)) return std::nullopt;
-  const LabelGroup group(problem, *rows);
+std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarRows rows) {
+  KeepThoseApart(&rows);
+  if (rows.far.size() < kFewestOfPose || !AreApart(rows, problem)) return std::nullopt;
+  const LabelGroup group(problem, rows);
   OtherLabel found;
   if (!group.FitsOtherStations(&found) && !group.FitsMarker(&found) && !group.FitsOwnStation(&found)) {
     return std::nullopt;
   }
-  found.far = rows->far;
-  found.rows = rows->far.size() + rows->near.size();
-  found.far_median = rows->far_median;
+  found.far = rows.far;
+  found.rows = rows.far.size() + rows.near.size();
+  found.far_median = rows.far_median;
   return found;
 }
 

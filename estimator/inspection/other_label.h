@@ -31,7 +31,7 @@ struct OtherLabel {
   double far_median = 0.0;  // m, as stated; of a frame RMS
 };
 
-std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem);
+std::optional<OtherLabel> FindOtherLabel(const CalibrationProblem& problem, FarRows rows);
 
 // A marker beside others whose rows fit on the base or after a joint, and not where it is said to be: an `on` that is
 // missing or wrong.

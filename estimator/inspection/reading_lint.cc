@@ -113,7 +113,9 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
   const bool is_missed = lint.misfit <= suspicious && MisfitOfAllRows(problem) > suspicious;  // by the sample
   if (!lint.is_suspicious && !is_missed) return lint;
   std::optional<OtherLabel> other = FindOtherFrame(problem);
-  if (!other) other = FindOtherLabel(problem);
+  std::optional<FarRows> far_rows;
+  if (!other) far_rows = FindFarRows(problem);
+  if (far_rows) other = FindOtherLabel(problem, *far_rows);
   if (other) {
     lint.findings = {OtherLabelInWords(problem, *other)};
     lint.is_suspicious = lint.is_explained = true;
@@ -129,7 +131,8 @@ ReadingLint LintReadingsOfGoodRows(const CalibrationProblem& problem) {
     ReadingLint good = LintReadings(state.problem);
     if (!good.is_suspicious || good.is_explained) return good;
   }
-  if (const std::optional<Finding> wild = FindWildRows(problem)) lint.findings.front() = *wild;
+  if (!far_rows) return lint;
+  if (const std::optional<Finding> wild = FindWildRows(problem, *far_rows)) lint.findings.front() = *wild;
   return lint;
 }
 

@@ -3,7 +3,8 @@
 // Base poses and markers of the nominal robot are aligned to the better half of every marker's rows at every station,
 // in turns with the choice of that half (concentration steps of least trimmed squares: Rousseeuw, Van Driessen, A fast
 // algorithm for the minimum covariance determinant estimator, Technometrics 41 (1999) 212), from all rows and from
-// many small draws of them: all together may lead to a half that fits in a corner.
+// many small draws of them: all together may lead to a half that fits in a corner. Of long tables that is done with
+// some rows of each, and what is found there is followed on all.
 #pragma once
 
 #include <optional>
@@ -32,6 +33,6 @@ bool AreApart(const FarRows& rows, const CalibrationProblem& problem);
 
 // Nothing where no half of the rows fits as a robot's do, or where the rows that are left go over into those that fit:
 // a wrong model misses everywhere by something.
-std::optional<Finding> FindWildRows(const CalibrationProblem& problem);
+std::optional<Finding> FindWildRows(const CalibrationProblem& problem, const FarRows& rows);
 
 }  // namespace sagitta
