@@ -42,14 +42,28 @@ bool Takes(const Command& command, const std::string& flag) {
 
 bool IsSwitch(const std::string& flag) { return gflags::GetCommandLineFlagInfoOrDie(flag.c_str()).type == "bool"; }
 
+std::string WhatIsExpected(const gflags::CommandLineFlagInfo& info) {
+  if (info.type == "bool") return "true or false";
+  if (info.type == "double") return "a number";
+  return info.type.front() == 'u' ? "a whole number from 0 on" : "a whole number";
+}
+
 void SetFlag(const std::string& name, const std::string& value) {
   const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(name.c_str());
   if (!info.is_default) throw InputError({"", 0, "--" + name}, "the flag is given twice");
   if (info.type == "double") NumbersOfFlag(name, value);
   if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
     throw InputError({"", 0, "--" + name}, "'" + value + "' is no value for this flag",
-                     info.type + " expected: " + info.description);
+                     WhatIsExpected(info) + " is expected: " + info.description);
   }
+}
+
+// -out=DIR: no file is called like a flag.
+void RefuseOneHyphen(const Command& command, const std::string& argument) {
+  if (argument.size() < 2 || argument.front() != '-') return;
+  const FlagText flag = SplitFlag(argument);
+  if (!Takes(command, flag.name)) return;
+  throw InputError({"", 0, argument}, "flags begin with two hyphens", "--" + argument.substr(1));
 }
 
 [[noreturn]] void FailUnknownFlag(const Command& command, const std::string& name) {
@@ -76,6 +90,7 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
     if (flags_ended || !(LooksLikeFlag(argument) || argument == "--" || argument == "-h" || argument == "-v")) {
+      if (!flags_ended) RefuseOneHyphen(command, argument);
       line.arguments.push_back(argument);
       continue;
     }

@@ -50,7 +50,6 @@ void RefuseEmpty(const Json& map, const std::string& path, const std::string& ke
 double NumberAt(const Json& result, const std::string& path) {
   const Json* here = &result;
   for (const std::string& key : SplitText(path, '.')) {
-    RefuseEmpty(*here, path, key);
     if (here->is_array() && !key.empty() && key.find_first_not_of("0123456789") == std::string::npos &&
         key.size() < 9 && std::stoul(key) < here->size()) {
       here = &(*here)[std::stoul(key)];
@@ -63,6 +62,7 @@ double NumberAt(const Json& result, const std::string& path) {
       }
       Fail("the result has no '" + path + "'", SpellingHint(key, known));
     }
+    RefuseEmpty(*here, path, key);
     here = &(*here)[key];
   }
   if (!here->is_number()) Fail("'" + path + "' is no number in this result", "");

@@ -40,12 +40,30 @@ bool IsStill(const CalibrationProblem& problem, const MeasuredRange& range) {
   return range.most - range.least < (turns ? kUnmovedAngle : kUnmovedLength);
 }
 
+// Values that the joint cannot have: another joint's column, another zero or unit, or limits of another robot.
+void LintLimits(const CalibrationProblem& problem, const MeasuredRange& range, std::vector<Finding>* findings) {
+  const Joint& joint = problem.robot().chain.joints[range.joint];
+  const double slack = joint.type == JointType::kRevolute ? kStill : kStillLength;
+  const auto is_beyond = [&](double q) {
+    return (joint.min && q < *joint.min - slack) || (joint.max && q > *joint.max + slack);
+  };
+  if (!is_beyond(range.least) && !is_beyond(range.most)) return;
+  std::vector<std::string> rows;
+  for (const auto& [c, row] : CalibrationConfigurations(problem)) {
+    if (is_beyond(problem.data().configurations[c].q[range.joint]))
+      rows.push_back(problem.data().SourceOf(problem.data().observations[row]));
+  }
+  findings->push_back(
+      Found(Severity::kWarning, "beyond_limits", JointBeyondLimits(joint, range.least, range.most), rows));
+}
+
 void LintJoints(const CalibrationProblem& problem, std::vector<Finding>* findings) {
   const Chain& chain = problem.robot().chain;
   for (const MeasuredRange& range : MeasuredRangesOf(problem)) {
     const Joint& joint = chain.joints[range.joint];
     const bool turns = joint.type == JointType::kRevolute;
     const double covered = range.most - range.least;
+    LintLimits(problem, range, findings);
     if (IsStill(problem, range)) {
       findings->push_back(
           Found(Severity::kWarning, "joint_never_moved", JointNeverMoved(joint, range.least, range.most)));

@@ -168,6 +168,21 @@ void AddFrames(Readings* readings) {
   Add("mirrored", FrameMirrored(), OfPoints([](Vector3<double>* point) { point->z() *= -1.0; }), readings);
 }
 
+// Joint values in m below a header that says mm, and the other way round.
+void AddLinearUnits(const Chain& chain, Readings* readings) {
+  std::vector<int> linear;
+  for (int j = 0; j < chain.num_joints(); ++j) {
+    if (!IsRevolute(chain, j)) linear.push_back(j);
+  }
+  for (const bool metres : {true, false}) {
+    if (linear.empty()) return;
+    const auto scale = [linear, factor = metres ? 1e3 : 1e-3](Eigen::VectorXd* q) {
+      for (const int j : linear) (*q)[j] *= factor;
+    };
+    Add("unit", LinearJointsIn(metres), OfJoints(scale), readings);
+  }
+}
+
 void AddUnits(const CalibrationProblem& problem, Readings* readings) {
   const auto robot = [&](Motion motion, double factor, RobotNumbers unit) {
     Robot scaled = problem.robot();
@@ -186,6 +201,7 @@ void AddUnits(const CalibrationProblem& problem, Readings* readings) {
     const auto to_degrees = [j](Eigen::VectorXd* q) { (*q)[j] *= 1.0 / kDegree; };
     Add("unit", JointInRadians(problem.robot().chain.joints[j].name), OfJoints(to_degrees), readings);
   }
+  AddLinearUnits(problem.robot().chain, readings);
 }
 
 // Joint values of the configuration `shift` places on; those at the ends have none.

@@ -86,6 +86,12 @@ Advice JointInRadians(const std::string& joint) {
   return {"joint " + joint + " alone in radians", "convert the column of " + joint + " to degrees"};
 }
 
+Advice LinearJointsIn(bool metres) {
+  const std::string unit = metres ? "metres" : "millimetres";
+  return {"the values of the linear joints as " + unit,
+          "their columns are in " + unit + ": name them so (q1_m, q1_mm)"};
+}
+
 Advice RowsShifted(bool is_after) {
   return {std::string("every point taken for the configuration ") + (is_after ? "after" : "before") + " its own",
           "joint values and points are one row apart: shift one of them"};

@@ -36,6 +36,7 @@ enum class RobotNumbers { kMetres, kMillimetres, kInches, kRadians };
 Advice RobotReadIn(RobotNumbers unit);
 Advice PointsInInches();
 Advice JointInRadians(const std::string& joint);
+Advice LinearJointsIn(bool metres);  // or millimetres
 
 // Every point taken for the configuration after (else before) its own.
 Advice RowsShifted(bool is_after);

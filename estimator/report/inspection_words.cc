@@ -8,10 +8,19 @@
 namespace sagitta {
 namespace {
 
+std::string UnitOf(const Joint& joint) { return joint.type == JointType::kRevolute ? " deg" : " mm"; }
+std::string ValueOf(const Joint& joint, double q) {
+  return Fixed(q / (joint.type == JointType::kRevolute ? kDegree : 1e-3), 1);
+}
+
 std::string RangeInWords(const Joint& joint, double least, double most) {
-  const bool turns = joint.type == JointType::kRevolute;
-  const double unit = turns ? kDegree : 1e-3;
-  return Fixed(least / unit, 1) + " to " + Fixed(most / unit, 1) + (turns ? " deg" : " mm");
+  return ValueOf(joint, least) + " to " + ValueOf(joint, most) + UnitOf(joint);
+}
+
+// At least one of them is stated.
+std::string LimitsInWords(const Joint& joint) {
+  if (joint.min && joint.max) return RangeInWords(joint, *joint.min, *joint.max);
+  return (joint.min ? "from " + ValueOf(joint, *joint.min) : "up to " + ValueOf(joint, *joint.max)) + UnitOf(joint);
 }
 
 std::string OfStations(const std::string& stations) { return stations.empty() ? "" : " (station " + stations + ")"; }
@@ -27,6 +36,12 @@ Advice JointNeverMoved(const Joint& joint, double least, double most) {
 std::string JointStands(const Joint& joint, double least, double most) {
   return "joint " + joint.name + " stands still in all rows (" + RangeInWords(joint, least, most) +
          "): was it recorded?";
+}
+
+Advice JointBeyondLimits(const Joint& joint, double least, double most) {
+  return {"joint " + joint.name + " was at " + RangeInWords(joint, least, most) + ", beyond its limits (" +
+              LimitsInWords(joint) + ")",
+          "check sign, zero position and unit of its column, and the limits"};
 }
 
 Advice JointCoversLittle(const Joint& joint, double least, double most, double share) {

@@ -22,6 +22,7 @@ struct Advice {
 // A joint that stood still, or that covers `share` of its limits (0: it has none): from `least` to `most`, rad or m.
 Advice JointNeverMoved(const Joint& joint, double least, double most);
 std::string JointStands(const Joint& joint, double least, double most);
+Advice JointBeyondLimits(const Joint& joint, double least, double most);
 Advice JointCoversLittle(const Joint& joint, double least, double most, double share);
 
 // `stations`: the ones concerned, "" for all. axis: about which the flange turns, in its own frame, unit.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "estimator/results/known_loads.h"
 #include "estimator/results/residuals_csv.h"
 #include "models/constants.h"
 #include "problems/input_error.h"
@@ -60,6 +61,7 @@ CompensationInput MakeCompensationInput(const KnownRobot& known, const Targets& 
     throw InputError({targets.shots.files[0].path, 0, "station"}, "no pose of station '" + name + "' in " + known.file,
                      SpellingHint(name, names));
   }
+  CheckLoadsAreKnown(known, targets.shots);
   CompensationInput input{MakeKnownProblem(known.robot, targets.shots, known.loading, {known.base_in_station, {}}),
                           NominalChain(known), known.uncertainty};
   CheckEffectColumns(input.problem);

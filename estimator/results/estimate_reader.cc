@@ -8,6 +8,7 @@
 #include "estimator/least_squares/linearization.h"
 #include "estimator/results/estimate_json.h"
 #include "estimator/results/intervals_json.h"
+#include "estimator/results/known_loads.h"
 #include "estimator/results/loading_json.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
@@ -288,6 +289,7 @@ void AddKnownRotations(const KnownRobot& known, Measurements* data) {
 
 CalibrationProblem PredictionProblem(const KnownRobot& known, Measurements data) {
   CheckRows(known, data);
+  CheckLoadsAreKnown(known, data);
   Experiment loading = known.loading;
   loading.file = known.file;
   CalibrationProblem problem =

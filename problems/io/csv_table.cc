@@ -157,12 +157,14 @@ std::vector<std::string> SplitCells(const std::string& path, const CsvLine& line
 
 void CheckHeader(const std::string& path, const CsvLine& line, const std::vector<std::string>& header) {
   if (header.size() == 1 && line.text.find_first_of(";\t") != std::string_view::npos) {
-    throw InputError({path, line.number, ""}, "the header has one column", "columns are separated by commas");
+    throw InputError({path, line.number, ""}, "the header has one column",
+                     "columns are separated by commas; 'sagitta import' reads other tables as well");
   }
   std::set<std::string> seen;
   for (size_t c = 0; c < header.size(); ++c) {
     if (header[c].empty()) {
-      throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has no name");
+      throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has no name",
+                       c + 1 == header.size() ? "the lines end with a comma: take it away" : "");
     }
     if (header[c].size() > limits::kWordBytes) {
       throw InputError({path, line.number, ""}, "column " + std::to_string(c + 1) + " has a name of " +
@@ -178,7 +180,8 @@ CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFi
 
 CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   if (const int bad_line = LineOfInvalidUtf8(text))
-    throw InputError({path, bad_line, ""}, "this is not a text file in UTF-8");
+    throw InputError({path, bad_line, ""}, "this is not a text file in UTF-8",
+                     "save it as UTF-8; 'sagitta import' reads tables in UTF-16 and Latin-1 as well");
   CsvTable table;
   table.file.path = path;
   table.file.sha256 = Sha256(text);

@@ -1,32 +1,60 @@
 #include "problems/io/experiment_inputs.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "problems/input_error.h"
 #include "problems/io/diagnosis_prior.h"
 #include "problems/io/experiment_file.h"
 #include "problems/io/files.h"
 #include "problems/io/robot_file.h"
+#include "problems/io/text_checks.h"
 #include "problems/text.h"
 
 namespace sagitta {
 namespace {
 
+void CheckFilesExist(const Experiment& experiment) {
+  const auto check = [&](const std::string& key, const std::string& path) {
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) return;
+    const auto line = experiment.lines.find(key);
+    throw InputError({experiment.file, line == experiment.lines.end() ? 0 : line->second, key},
+                     "there is no file '" + Printable(path) + "'", "paths are relative to the experiment file");
+  };
+  check("robot", experiment.robot_file);
+  for (const std::string& path : experiment.measurement_files) check("measurements", path);
+}
+
+// One file that is no experiment: what is missing beside it.
+[[noreturn]] void FailAlone(const std::string& path) {
+  const std::string text = ReadTextFile(path);
+  const std::string hint = "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1";
+  const auto has_line = [&text](const std::string& beginning) {
+    return text.compare(0, beginning.size(), beginning) == 0 || text.find("\n" + beginning) != std::string::npos;
+  };
+  if (has_line("measurements:"))
+    throw InputError({path, 0, "schema"}, "this key is missing", "schema: sagitta/experiment/1");
+  if (has_line("config,")) throw InputError({path, 0, ""}, "these are measurements, the robot is missing", hint);
+  throw InputError({path, 0, ""}, "the measurements are missing", hint);
+}
+
 // An experiment file stands alone, wherever it was put.
 Experiment ExperimentOf(const std::vector<std::string>& paths) {
   const auto experiment_file = std::find_if(paths.begin(), paths.end(), IsExperimentFile);
   if (experiment_file != paths.end()) {
-    if (paths.size() == 1) return ReadExperimentFile(*experiment_file);
+    if (paths.size() == 1) {
+      Experiment experiment = ReadExperimentFile(*experiment_file);
+      CheckFilesExist(experiment);
+      return experiment;
+    }
     const std::string& other = experiment_file == paths.begin() ? paths[1] : paths[0];
     throw InputError(
         {*experiment_file, 0, "measurements"},
         "an experiment file names its own robot and measurements, '" + other + "' is one argument too many",
         "list it there under robot: or measurements:, and give the experiment alone");
   }
-  if (paths.size() < 2) {
-    throw InputError({paths[0], 0, ""}, "the measurements are missing",
-                     "give ROBOT.yaml MEAS.csv…, or a file with schema: sagitta/experiment/1");
-  }
+  if (paths.size() < 2) FailAlone(paths[0]);
   Experiment experiment;
   experiment.robot_file = paths[0];
   experiment.measurement_files.assign(paths.begin() + 1, paths.end());

@@ -81,7 +81,10 @@ Json ParseJson(const std::string& text, const std::string& file) {
   try {
     return Json::parse(text, refuse_twice);
   } catch (const Json::parse_error& error) {
-    throw InputError({file, LineOf(text, error.byte), ""}, "this is not JSON, from here on at the latest");
+    const size_t first = text.find_first_not_of(" \t\r\n");
+    const bool begins = first != std::string::npos && (text[first] == '{' || text[first] == '[');
+    throw InputError({file, LineOf(text, error.byte), ""}, "this is not JSON, from here on at the latest",
+                     begins ? "is the file complete?" : "a file as estimate.json belongs here");
   } catch (const Json::exception&) {
     throw InputError({file, 0, ""}, "this is not JSON: a number in it is larger than any that can be computed with");
   }

@@ -52,7 +52,9 @@ class RowReader {
            "at most " + FormatNumber(ToUnit(most, column.unit)));
     }
     if (cell.empty()) Fail(column.name, "the cell is empty, a number is expected", hint);
-    Fail(column.name, "'" + cell + "' is not a finite number", hint);
+    const bool has_comma = cell.find(',') != std::string::npos;
+    Fail(column.name, "'" + cell + "' is not a finite number",
+         has_comma ? "numbers have a decimal point and no commas" : hint);
   }
 
   double NumberOr(const NumberColumn& column, double otherwise, double most) const {

@@ -8,6 +8,7 @@
 #include "problems/io/files.h"
 #include "problems/io/text_checks.h"
 #include "problems/limits.h"
+#include "problems/text.h"
 
 namespace sagitta {
 namespace {
@@ -172,6 +173,23 @@ std::vector<std::pair<std::string, YamlValue>> YamlValue::Entries() const {
   return entries;
 }
 
+namespace {
+
+// Where the reading ended, the cause may stand before.
+std::string HintForBadYaml(const std::string& text, int line) {
+  const std::vector<std::string> lines = SplitText(text, '\n');
+  const int last = std::min(line + 1, static_cast<int>(lines.size()));
+  for (int i = 0; i < last; ++i) {
+    const size_t first = lines[i].find_first_not_of(" \t");
+    if (first != std::string::npos && lines[i].find('\t') < first)
+      return "line " + std::to_string(i + 1) + " begins with a tab: YAML is indented with blanks";
+  }
+  return "look in this line and the one before: a blank after each colon, the same indent for the keys of one map, "
+         "brackets and quotes closed";
+}
+
+}  // namespace
+
 YamlValue ParseYaml(const std::string& text, const std::string& file) {
   CheckText(text, file);
   try {
@@ -181,7 +199,8 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
     CheckTree(root, file, 0, &values);
     return YamlValue(root, file, "", root.Mark().line + 1);
   } catch (const YAML::Exception& error) {
-    throw InputError({file, error.mark.line + 1, ""}, "this is not YAML: " + error.msg);
+    throw InputError({file, error.mark.line + 1, ""}, "this is not YAML, from here on at the latest",
+                     HintForBadYaml(text, error.mark.line));
   }
 }
 

@@ -78,7 +78,8 @@ std::string PlanInWords(const Plan& plan) {
 std::string PredictedInWords(int points, double largest, const std::string& file) {
   const std::string deviation = std::isfinite(largest) ? "at most " + Fixed(largest, 4) + " mm per axis"
                                                        : "not known: there are no more rows than unknowns";
-  return std::to_string(points) + " points predicted, their standard deviation " + deviation + ": " + file + "\n";
+  return std::to_string(points) + (points == 1 ? " point predicted, its" : " points predicted, their") +
+         " standard deviation " + deviation + ": " + file + "\n";
 }
 
 std::string SimulatedInWords(int rows, std::uint64_t seed, bool is_exact, const std::string& file) {

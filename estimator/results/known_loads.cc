@@ -1,0 +1,24 @@
+#include "estimator/results/known_loads.h"
+
+#include "estimator/results/estimate_json.h"
+#include "problems/input_error.h"
+#include "problems/io/files.h"
+#include "problems/loads.h"
+
+namespace sagitta {
+
+void CheckLoadsAreKnown(const KnownRobot& known, const Measurements& data) {
+  std::vector<std::string> loads;
+  for (const auto& [name, spec] : known.loading.loads) loads.push_back(name);
+  for (const Shot& shot : data.shots) {
+    if (!IsLoaded(shot) || known.loading.loads.count(shot.load) > 0) continue;
+    if (known.loading.load_point && !shot.wrench.IsZero()) continue;
+    const Observation& row = data.observations[shot.observations.front()];
+    const MeasurementFile& file = data.files[row.file];
+    throw InputError({file.path, file.rows[row.row].line, "load"},
+                     "load '" + shot.load + "' is none of those in " + known.file,
+                     loads.empty() ? "it knows no load: calibrate with this one" : SpellingHint(shot.load, loads));
+  }
+}
+
+}  // namespace sagitta
