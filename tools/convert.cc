@@ -252,8 +252,9 @@ OUT, by its ending: .yaml (--as=chain, dh, mdh; --as=ur: calibration.yaml), .urd
 differences from --nominal as a controller of Universal Robots has them). What is written is read again and has to move
 alike to 1e-9 m.
 
---template edits the origins of an existing URDF, or the four lists of an existing .conf, and nothing else. --plain gives a DH table without Hayati's beta, for
-controllers that have none, and says what that costs. Details: docs/CONVERT.md.
+--template edits the origins of an existing URDF, or the four lists of an existing .conf, and nothing else. --plain
+gives a DH table without Hayati's beta, for controllers that have none, and says what that costs. Details:
+docs/CONVERT.md.
 
 Examples
   sagitta convert robot.urdf robot.yaml

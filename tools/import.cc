@@ -294,7 +294,8 @@ Command ImportCommand() {
 Takes one robot (anything 'sagitta convert' reads) and any number of measurement tables as text, and writes
 robot.yaml, measurements.csv and experiment.yaml to DIR. Separator, decimal sign, encoding, header and units are
 found out; where a header does not say, the robot decides: the reading that its nominal geometry can have made, also of
-angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
+angles (rotation vector or one of the products of three rotations) and of the convention of a DH table. What was
+understood is printed, column by column, and every guess. --strict refuses guesses. Positions that were commanded,
 nominal or computed are never taken for measured ones. Several files are several stations.
 
 Without a robot the tables that this program ships are tried; --robot=NAME takes one of them. They are

@@ -54,9 +54,9 @@ Command InspectCommand() {
           R"(sagitta inspect EXP [--out=DIR]
 
 Reads the data as an estimate would and says what it could tell: wrong units, signs, zero positions and DH
-conventions, exchanged markers, gross outliers, copied points, joints that hardly moved, constant orientation,
-columns that are absent; which unknowns the data do not support, which go hand in hand, and which configurations
-carry the estimate. Writes inspect.json and report.html to DIR.
+conventions, exchanged markers, gross outliers, copied points, joints that hardly moved or were beyond their limits,
+constant orientation, columns that are absent; which unknowns the data do not support, which go hand in hand, and
+which configurations carry the estimate. Writes inspect.json and report.html to DIR.
 
 Examples
   sagitta inspect robot.yaml measurements.csv

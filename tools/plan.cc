@@ -33,7 +33,7 @@ DEFINE_string(tests, "", "FILE.csv: the test poses; random: drawn in the joint l
 DEFINE_int32(pool, 500, "poses drawn in the joint limits as candidates");
 DEFINE_string(cell, "", "CELL.yaml: floor, boxes, bodies of the arm, lines of sight that poses must keep to");
 DEFINE_string(model_error, "", "estimate.json of a former calibration: what is known to be wrong with the model");
-DEFINE_bool(move, true, "drawn poses may move to where they tell more");
+DEFINE_bool(move, true, "drawn poses may move to where they tell more; --nomove: they stay");
 
 namespace sagitta {
 namespace {
