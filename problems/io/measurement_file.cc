@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 #include <string_view>
 #include <unordered_map>
 
@@ -330,7 +331,23 @@ void MeasurementsBuilder::Add(CsvTable table, const MeasurementColumns& columns,
   }
 }
 
+// "s1" beside "S1": a slip of the hand makes another instrument of it, with a pose of its own.
+void WarnOfLetterCase(const std::string& what, const std::vector<std::string>& labels,
+                      std::vector<std::string>* warnings) {
+  std::map<std::string, std::string> seen;  // by the label in small letters
+  for (const std::string& label : labels) {
+    std::string small = label;
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const auto [entry, is_new] = seen.emplace(small, label);
+    if (is_new) continue;
+    warnings->push_back(what + " '" + entry->second + "' and '" + label +
+                        "' differ in letter case alone and count as two: is it one?");
+  }
+}
+
 Measurements MeasurementsBuilder::Take() {
+  WarnOfLetterCase("stations", data_.stations, &data_.warnings);
+  WarnOfLetterCase("markers", data_.markers, &data_.warnings);
   if (lost_ > 0) {
     data_.warnings.push_back(std::to_string(lost_) + (lost_ == 1 ? " reading is" : " readings are") +
                              " lost (x, y and z are empty): skipped (the first: " + first_lost_ + ")");

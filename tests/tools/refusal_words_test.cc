@@ -172,6 +172,13 @@ TEST_F(RefusalWords, LinearJointsInAnotherUnit) {
   EXPECT_THAT(Refusal({"calibrate", Path("r.yaml"), rows}), HasSubstr("linear joints as millimetres"));
 }
 
+TEST_F(RefusalWords, LabelsThatDifferInLetterCaseAreDoubted) {
+  const std::string rows = Rows(Replaced(kRows, "c3,M1", "c3,m1"));
+  ASSERT_EQ(Run({"calibrate", Robot(), rows, "--quiet", "--out=" + Path("out")}).status, 0);
+  EXPECT_THAT(ReadJson("out/estimate.json")["warnings"].dump(),
+              HasSubstr("markers 'M1' and 'm1' differ in letter case"));
+}
+
 TEST_F(RefusalWords, JointsBeyondTheirLimitsAreNamed) {
   const std::string narrow = Replaced(kRobot, "{name: A1, type: revolute}", "{name: A1, type: revolute, max_deg: 10}");
   ASSERT_EQ(Run({"inspect", Robot(narrow), Rows(), "--out=" + Path("out")}).status, 0);
