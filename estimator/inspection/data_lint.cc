@@ -43,7 +43,7 @@ bool IsStill(const CalibrationProblem& problem, const MeasuredRange& range) {
 // Values that the joint cannot have: another joint's column, another zero or unit, or limits of another robot.
 void LintLimits(const CalibrationProblem& problem, const MeasuredRange& range, std::vector<Finding>* findings) {
   const Joint& joint = problem.robot().chain.joints[range.joint];
-  const double slack = joint.type == JointType::kRevolute ? kStill : kStillLength;
+  const double slack = joint.type == JointType::kRevolute ? kUnmovedAngle : kUnmovedLength;
   const auto is_beyond = [&](double q) {
     return (joint.min && q < *joint.min - slack) || (joint.max && q > *joint.max + slack);
   };

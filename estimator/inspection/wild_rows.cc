@@ -137,7 +137,7 @@ Concentrated FromRandomStarts(const CalibrationProblem& problem, const std::vect
 
 Concentrated BestHalf(const CalibrationProblem& problem, const std::vector<int>& points) {
   std::mt19937_64 random(2);
-  const std::vector<int> searched = Draw(GroupsOf(problem, points), points, kSearched, &random);
+  const std::vector<int> searched = Draw(RowsByMarkerAndStation(problem, points), points, kSearched, &random);
   Concentrated best = FromRandomStarts(problem, searched, Concentrate(problem, searched, searched, kMostTrimmingSteps));
   if (searched.size() == points.size()) return best;
   return Concentrate(problem, points, RowsOf(best.half, searched), kMostTrimmingSteps);

@@ -14,7 +14,7 @@ namespace sagitta::next_poses_test {
 namespace {
 
 constexpr double kSigma = 2e-5;             // m
-constexpr double kGain = 500e-6;            // rad/rad
+constexpr double kGain = 80e-6;             // rad/rad
 constexpr double kLimit = 100.0 * kDegree;  // of joint 3, where it may go
 constexpr double kSeenPart = 0.25;          // of the campaign's angles of joint 3
 
