@@ -141,7 +141,7 @@ int RunDiagnose(const CommandLine& line) {
   {
     // Shares as measured on UR5 and UR10 series.
     Progress progress(FLAGS_quiet, {{"fitting the believed model", 1.0},
-                                    {"listing what may be missing", 2.0},
+                                    {"listing", 2.0},
                                     {"weighing", 8.0},
                                     {"fitting the extended model", 1.0},
                                     {"alternatives and halves", 3.0}});
