@@ -197,6 +197,7 @@ class EvidenceColumns {
   struct AllSums;
   AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
+  void SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots, AllSums* all) const;
   Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const;
   // u'A of all columns of families; along: u' of each block.
   Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;

@@ -201,21 +201,28 @@ EvidenceColumns::AllSums EvidenceColumns::SumAll(const JointScatter& scatter, co
     }
     along.push_back(with.transpose());
   }
-  ShotProducts by_shot(*this, *roots);
-  for (const std::vector<int>& list : own) {
-    if (all.own.count(list) == 0) all.own[list] = by_shot.Own(list);
-  }
   all.with_believed.resize(believed + num_columns_ + 1, believed + 1);
   all.with_believed << of_rows.topRows(believed + of_linearization), AlongFamilies(along).transpose(),
       of_rows.bottomRows(1);
   all.squares.resize(num_columns_);
   all.squares.head(of_linearization) = squares.head(of_linearization);
-  long first = of_linearization;
-  for (size_t f = 0; f < families_.size(); ++f) {
-    all.squares.segment(first, families_[f].functions->cols()) = by_shot.Squares(f);
-    first += families_[f].functions->cols();
-  }
+  SumFamilies(own, *roots, &all);
   return all;
+}
+
+// Squares of the families' columns, and blocks of the lists that hold nothing else.
+void EvidenceColumns::SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots,
+                                  AllSums* all) const {
+  ShotProducts by_shot(*this, roots);
+  for (const std::vector<int>& list : own) {
+    if (all->own.count(list) == 0) all->own[list] = by_shot.Own(list);
+  }
+  auto first = static_cast<long>(catalogue_.size());
+  for (size_t f = 0; f < families_.size(); ++f) {
+    const long columns = families_[f].functions->cols();
+    all->squares.segment(first, columns) = by_shot.Squares(f);
+    first += columns;
+  }
 }
 
 BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const std::set<std::vector<int>>& own) const {
