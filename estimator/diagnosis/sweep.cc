@@ -23,6 +23,12 @@ Eigen::MatrixXd Cross(const ProjectedNormal& normal, const ColumnGroup& a, const
   return block;
 }
 
+// Of no columns none: a solver would ask where the first one lies.
+Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::MatrixXd& right) {
+  if (right.cols() == 0) return right;
+  return root.solve(right);
+}
+
 std::vector<long> AllBut(long first, long size, long count) {
   std::vector<long> kept;
   for (long c = 0; c < count; ++c) {
@@ -139,7 +145,7 @@ void Members::Remove(size_t group) {
   const std::vector<long> kept = AllBut(first, size, num_columns());
   const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = inverse_(kept, Eigen::seqN(first, size));
-  inverse_ = inverse_(kept, kept) - beside * root.solve(beside.transpose());
+  inverse_ = inverse_(kept, kept) - beside * Solved(root, beside.transpose());
   solved_ = solved_(kept) - beside * root.solve(Eigen::VectorXd(solved_.segment(first, size)));
   gradient_ = Eigen::VectorXd(gradient_(kept));
   log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
@@ -161,7 +167,7 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   corner.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> root(corner);
   const Eigen::VectorXd gradient = OwnGradient(*normal_, group);
-  const Eigen::MatrixXd left = root.solve(beside.transpose());  // i U'
+  const Eigen::MatrixXd left = Solved(root, beside.transpose());  // i U'
   const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
   Eigen::MatrixXd inverse(count + more, count + more);
   inverse.topLeftCorner(count, count) = inverse_ + beside * left;
@@ -276,7 +282,7 @@ void MovingSweep::Remove(size_t group) {
   const std::vector<long> kept = AllBut(first, size, members_.num_columns());
   const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = members_.inverse_(kept, Eigen::seqN(first, size));
-  solved_ = solved_(kept, Eigen::all) - beside * own.solve(Eigen::MatrixXd(solved_.middleRows(first, size)));
+  solved_ = solved_(kept, Eigen::all) - beside * Solved(own, solved_.middleRows(first, size));
   rows_ = Eigen::MatrixXd(rows_(kept, Eigen::all));
   members_.Remove(group);
 }
