@@ -124,6 +124,7 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
   const std::vector<int> fitted = FittedShots(extended_);
   struct Column {
     size_t candidate, parameter;
+    std::string name;
     const Eigen::VectorXd* per_unit;
     double size;
   };
@@ -137,7 +138,8 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
     for (size_t k = 0; k < own.size(); ++k) {
       const bool is_joint = motions[k].of == SingleMotion::Of::kJoint;
       const Source source{is_joint ? Source::Kind::kJoint : Source::Kind::kMarker, motions[k].owner, motions[k].axis};
-      of_source[source].push_back({c, k, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source, robot.chain)});
+      of_source[source].push_back(
+          {c, k, spec.Path() + "/" + own[k].name, &motions[k].per_unit, sizes[k] / TypicalSizeOf(source, robot.chain)});
     }
     of_candidate_[c].resize(own.size());
   }
@@ -149,10 +151,8 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
     }
     const std::vector<int> added = Add({source, functions});
     for (size_t i = 0; i < columns.size(); ++i) {
-      const auto& [c, k, per_unit, size] = columns[i];
-      const EffectSpec& spec = candidates[c].spec;
-      of_candidate_[c][k] = added[i];
-      names_[added[i]] = spec.Path() + "/" + FindEffect(robot, spec.effect)->parameters(robot, spec)[k].name;
+      of_candidate_[columns[i].candidate][columns[i].parameter] = added[i];
+      names_[added[i]] = columns[i].name;
     }
   }
 }

@@ -7,7 +7,6 @@
 
 #include "estimator/diagnosis/evidence_columns.h"
 #include "estimator/least_squares/batch_algebra.h"
-#include "estimator/least_squares/row_sums.h"
 
 namespace sagitta {
 namespace {
