@@ -1,6 +1,6 @@
-// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_svd.cc) rather
-// than in each file that uses them. Precompiled into every source of the library: most of the build's time went into
-// these.
+// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_jacobi_svd.cc,
+// dense_bdc_svd.cc) rather than in each file that uses them. Precompiled into every source of the library: most of the
+// build's time went into these.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -14,9 +14,6 @@
 #ifndef SAGITTA_TEMPLATE
 #define SAGITTA_TEMPLATE extern template
 #endif
-#ifndef SAGITTA_SVD_TEMPLATE
-#define SAGITTA_SVD_TEMPLATE extern template
-#endif
 
 namespace Eigen {
 
@@ -25,8 +22,8 @@ SAGITTA_TEMPLATE class LDLT<MatrixXd, Lower>;
 SAGITTA_TEMPLATE class PartialPivLU<MatrixXd>;
 SAGITTA_TEMPLATE class HouseholderQR<MatrixXd>;
 SAGITTA_TEMPLATE class ColPivHouseholderQR<MatrixXd>;
-SAGITTA_SVD_TEMPLATE class JacobiSVD<MatrixXd>;
-SAGITTA_SVD_TEMPLATE class BDCSVD<MatrixXd>;
+extern template class JacobiSVD<MatrixXd>;
+extern template class BDCSVD<MatrixXd>;
 SAGITTA_TEMPLATE class SelfAdjointEigenSolver<MatrixXd>;
 // Member templates are not among what an instantiated class brings with it.
 SAGITTA_TEMPLATE LLT<MatrixXd, Lower>& LLT<MatrixXd, Lower>::compute(const EigenBase<MatrixXd>&);

@@ -4,7 +4,10 @@
 A struct in a header of estimator/, problems/ or tools/ whose name ends with Options or Request and that has numbers (but
 for seeds, which may be anything) is followed by `void CheckOptions(const IT&`, and some source hands each number to a
 check under "IT.number"; options within options go to their own CheckOptions. What the checks refuse and that functions
-ask them first: tests/estimator/options_test.cc. Standard library only.
+ask them first: tests/estimator/options_test.cc.
+
+Flags are read in tools/ by a command (Run…) and by what is named after them (…Flags): helpers get values. Standard
+library only.
 
 usage: options_test.py [ROOT]        check the tree (default: the one this file is in)
        options_test.py --self-test   prove that planted gaps are found
@@ -19,6 +22,11 @@ CONSTANTS = {  # struct: why nobody but its own callers can set it
     'GaussNewtonOptions': 'constants of the refits, no door of the library takes it',
     'AgreementOptions': 'made by Calibrate of the number of rows, no door of the library takes it',
 }
+FLAG_READERS = {  # (file, function): why it reads one
+    ('tools/command_line.cc', 'ParseCommandLine'): 'it is the parser that sets them',
+    ('tools/problem_from_arguments.cc', 'PlausibleProblem'): 'its header promises that it applies the flags',
+}
+FUNCTION = re.compile(r'^(?!DEFINE_|DECLARE_)\w[^;=]*?\b(\w+)\((?!.*\);$)')
 STRUCT = re.compile(r'^struct (\w+(?:Options|Request)) \{\n(.*?)^\};', re.DOTALL | re.MULTILINE)
 NUMBERS = re.compile(r'^  (?:int|double|std::optional<double>|std::vector<double>|Vector3<double>|Eigen::VectorXd) ([^;]+);',
                      re.MULTILINE)
@@ -55,7 +63,32 @@ def gaps(root):
     return found, checked
 
 
+def flags_read_by_helpers(root):
+    """Sentences on helpers that read flags, and the number of reads that are where they should be."""
+    found, good = [], 0
+    for path in sorted((root / 'tools').rglob('*.cc')):
+        name, function = path.relative_to(root).as_posix(), ''
+        for number, line in enumerate(path.read_text(encoding='utf-8').split('\n'), 1):
+            begun = FUNCTION.match(line)
+            function = begun.group(1) if begun else function
+            for flag in re.findall(r'\bFLAGS_(\w+)', line):
+                if re.match('Run[A-Z]', function) or 'Flags' in function or (name, function) in FLAG_READERS:
+                    good += 1
+                else:
+                    found.append('%s:%d: %s reads the flag --%s; give it the value' % (name, number, function, flag))
+    return found, good
+
+
 def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        (root / 'tools').mkdir()
+        (root / 'tools/a.cc').write_text('DEFINE_string(a, "", "f(x)");\nint AFromFlags() { return FLAGS_a; }\n'
+                                         'int Helper(const B& b,\n           int c) {\n  return FLAGS_a + FLAGS_b;\n}\n'
+                                         'int RunA(const L& line) {\n  const B b(FLAGS_a);\n}\n', encoding='utf-8')
+        found, good = flags_read_by_helpers(root)
+        if [line.split(' reads')[0] for line in found] != ['tools/a.cc:5: Helper'] * 2 or good != 2:
+            sys.exit('expected two flags in a helper and two at their place, found %s and %d' % (found, good))
     good = ('struct AOptions {\n  int a = 1, b = 2;  // m, c\n  std::vector<double> w = {1.0, 2.0};\n'
             '  std::uint64_t seed = 1;\n};\nvoid CheckOptions(const AOptions& options);\n'
             'struct BOptions {\n  AOptions inner;\n  bool flag = true;\n};\nvoid CheckOptions(const BOptions& options);\n'
@@ -82,13 +115,14 @@ def main():
         sys.exit(1 if self_test() else 0)
     root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
     found, checked = gaps(root)
-    for sentence in found:
+    helpers, flags = flags_read_by_helpers(root)
+    for sentence in found + helpers:
         print(sentence)
-    if checked < 10:
-        sys.exit('only %d structs of options were found' % checked)
-    if found:
+    if checked < 10 or flags < 50:
+        sys.exit('only %d structs of options and %d flags were found' % (checked, flags))
+    if found or helpers:
         sys.exit(1)
-    print('%d structs of options are checked' % checked)
+    print('%d structs of options are checked, %d flags are read by their commands' % (checked, flags))
 
 
 if __name__ == '__main__':

@@ -1,6 +1,4 @@
 // sagitta calibrate: the main job.
-#include <gflags/gflags.h>
-
 #include <algorithm>
 #include <iostream>
 #include <optional>
@@ -17,9 +15,6 @@
 #include "tools/report/summary.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
-
-DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
-DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==); not met: exit status 1");
 
 namespace sagitta {
 namespace {
@@ -60,13 +55,13 @@ struct ResultFiles {
   }
 };
 
-Calibration CalibrateWithProgress(CalibrationProblem problem) {
+Calibration CalibrateWithProgress(CalibrationProblem problem, CalibrateOptions options, bool quiet) {
   // Shares as measured on UR5 and UR10 series; solving and alignment grow with the rows alike.
   Progress progress(
-      FLAGS_quiet,
+      quiet,
       {{"aligning", 2.0}, {"solving", 3.0}, {"intervals", 1.0}, {"comparing parts", 4.0}, {"cross-validating", 2.0}});
-  return Calibrate(std::move(problem), {MethodNamed(FLAGS_method), FLAGS_threads, FLAGS_seed,
-                                        [&progress](const std::string& what) { progress.Say(what); }});
+  options.progress = [&progress](const std::string& what) { progress.Say(what); };
+  return Calibrate(std::move(problem), options);
 }
 
 int RunCalibrate(const CommandLine& line) {
@@ -77,7 +72,8 @@ int RunCalibrate(const CommandLine& line) {
 
   ExperimentInputs inputs = ReadInputs(line.arguments);
   const std::vector<InputFile> input_files = inputs.files;
-  const Calibration result = CalibrateWithProgress(PlausibleProblem(std::move(inputs)));
+  const Calibration result = CalibrateWithProgress(PlausibleProblem(std::move(inputs)),
+                                                   {MethodNamed(FLAGS_method), FLAGS_threads, FLAGS_seed}, FLAGS_quiet);
   if (!IsUsable(result.estimate.status)) return ReportFailure(result);
 
   CheckInterruption();

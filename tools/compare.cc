@@ -27,10 +27,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<Method> MethodsAsked() {
+std::vector<Method> MethodsNamed(const std::string& names) {
   std::vector<Method> methods;
-  if (FLAGS_methods.empty()) return methods;
-  for (const std::string& word : SplitText(FLAGS_methods, ',')) methods.push_back(MethodNamed(word, "--methods"));
+  if (names.empty()) return methods;
+  for (const std::string& word : SplitText(names, ',')) methods.push_back(MethodNamed(word, "--methods"));
   return methods;
 }
 
@@ -109,7 +109,7 @@ Json ComparisonToJson(const CommandLine& line, const ExperimentInputs& inputs,
 
 int RunCompare(const CommandLine& line) {
   ExpectArguments(line, CompareCommand(), 1, 1000);
-  std::vector<Method> methods = MethodsAsked();
+  std::vector<Method> methods = MethodsNamed(FLAGS_methods);
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"comparison.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);

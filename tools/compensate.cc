@@ -31,7 +31,7 @@ DEFINE_string(turn_joints, "", "j1,j2,j3: the joints whose turns FANUC positions
 namespace sagitta {
 namespace {
 
-void Summarise(const std::vector<CompensatedTarget>& results) {
+void Summarise(const std::vector<CompensatedTarget>& results, const std::string& out) {
   std::map<std::string, int> count;
   double before = 0.0, after = 0.0, u95 = 0.0;
   int solved = 0;
@@ -45,14 +45,15 @@ void Summarise(const std::vector<CompensatedTarget>& results) {
   }
   std::vector<std::string> parts;
   for (const auto& [status, number] : count) parts.push_back(std::to_string(number) + " " + status);
-  std::cout << results.size() << " targets: " << Enumerate(parts) << ": " << FLAGS_out << "\n";
+  std::cout << results.size() << " targets: " << Enumerate(parts) << ": " << out << "\n";
   if (solved == 0) return;
   std::cout << CompensationInWords(before, after, u95);
 }
 
-Eigen::VectorXd StartJoints(const Chain& chain) {
-  if (FLAGS_start_deg.empty()) return {};
-  const std::vector<double> numbers = NumbersOfFlag("start_deg", FLAGS_start_deg);
+// start_deg: of the flag; may be empty.
+Eigen::VectorXd StartJoints(const Chain& chain, const std::string& start_deg) {
+  if (start_deg.empty()) return {};
+  const std::vector<double> numbers = NumbersOfFlag("start_deg", start_deg);
   if (static_cast<int>(numbers.size()) != chain.num_joints()) {
     throw InputError({"", 0, "--start_deg"}, std::to_string(chain.num_joints()) + " joint values are expected");
   }
@@ -62,6 +63,21 @@ Eigen::VectorXd StartJoints(const Chain& chain) {
     start[j] = numbers[static_cast<size_t>(j)] * (turns ? kDegree : 1e-3);
   }
   return start;
+}
+
+ProgramScene SceneFromFlags(const KnownRobot& known) {
+  CheckProgramLoad(known, FLAGS_load, "--load");
+  ProgramScene scene;
+  scene.tools = FramesFromText(FLAGS_tools_mm_deg, "--tools_mm_deg");
+  scene.frames = FramesFromText(FLAGS_frames_mm_deg, "--frames_mm_deg");
+  scene.start = StartJoints(known.robot.chain, FLAGS_start_deg);
+  scene.load = FLAGS_load;
+  scene.loads = LoadsFromText(FLAGS_loads_kg_mm, "--loads_kg_mm");
+  if (!FLAGS_turn_joints.empty()) {
+    scene.turn_joints =
+        TurnJointsFrom(NumbersOfFlag("turn_joints", FLAGS_turn_joints), known.robot.num_joints(), "--turn_joints");
+  }
+  return scene;
 }
 
 int RunProgram(const CommandLine& line) {
@@ -78,17 +94,7 @@ int RunProgram(const CommandLine& line) {
   std::optional<OutputFile> table_out;
   if (!FLAGS_out.empty()) table_out.emplace(FLAGS_out);
   const KnownRobot known = ReadEstimateFile(line.arguments[0]);
-  CheckProgramLoad(known, FLAGS_load, "--load");
-  ProgramScene scene;
-  scene.tools = FramesFromText(FLAGS_tools_mm_deg, "--tools_mm_deg");
-  scene.frames = FramesFromText(FLAGS_frames_mm_deg, "--frames_mm_deg");
-  scene.start = StartJoints(known.robot.chain);
-  scene.load = FLAGS_load;
-  scene.loads = LoadsFromText(FLAGS_loads_kg_mm, "--loads_kg_mm");
-  if (!FLAGS_turn_joints.empty()) {
-    scene.turn_joints =
-        TurnJointsFrom(NumbersOfFlag("turn_joints", FLAGS_turn_joints), known.robot.num_joints(), "--turn_joints");
-  }
+  const ProgramScene scene = SceneFromFlags(known);
   const RobotProgram program = ReadRobotProgram(FLAGS_program, known.robot.num_joints());
   Progress progress(FLAGS_quiet, {{"correcting", 1.0}});
   const std::string all = " of " + std::to_string(program.points.size());
@@ -138,7 +144,7 @@ int RunCompensate(const CommandLine& line) {
     CheckInterruption();
   }
   out.Write(csv);
-  Summarise(results);
+  Summarise(results, FLAGS_out);
   const std::string model_error = ModelErrorInWords(known);
   if (!model_error.empty()) std::cout << model_error << "\n";
   const bool any = std::any_of(results.begin(), results.end(), [](const CompensatedTarget& r) {

@@ -50,6 +50,16 @@ RobotReadOptions RobotOptionsFromFlags() {
 
 namespace {
 
+// How OUT is to describe the robot.
+struct WriteOptions {
+  std::string as;             // chain, dh, mdh, ur; empty: as the robot does
+  std::string template_file;  // URDF or .conf that is edited; may be empty
+  bool plain = false;         // without Hayati's beta
+  RobotReadOptions read;      // links of the template, nominal robot
+};
+
+WriteOptions WriteOptionsFromFlags() { return {FLAGS_as, FLAGS_template, FLAGS_plain, RobotOptionsFromFlags()}; }
+
 struct Written {
   std::string text;
   std::vector<std::string> notes;
@@ -90,12 +100,12 @@ Robot WithTable(const Robot& robot, const DhTable& table) {
   return result;
 }
 
-std::string Wanted(const std::string& fallback) {
-  if (FLAGS_as.empty()) return fallback;
+std::string Wanted(const WriteOptions& options, const std::string& fallback) {
+  if (options.as.empty()) return fallback;
   for (const char* known : {"chain", "dh", "mdh", "ur"}) {
-    if (FLAGS_as == known) return FLAGS_as;
+    if (options.as == known) return options.as;
   }
-  throw InputError({"", 0, "--as"}, "'" + FLAGS_as + "' is no description", "chain, dh, mdh or ur");
+  throw InputError({"", 0, "--as"}, "'" + options.as + "' is no description", "chain, dh, mdh or ur");
 }
 
 DhConvention ConventionOf(const std::string& as) {
@@ -107,64 +117,65 @@ std::string OwnDescription(const Robot& robot) {
   return robot.dh->convention == DhConvention::kModified ? "mdh" : "dh";
 }
 
-Written ToYaml(const Robot& robot) {
+Written ToYaml(const Robot& robot, const WriteOptions& options) {
   Written written;
-  const std::string as = Wanted(FLAGS_plain && !robot.dh ? "dh" : OwnDescription(robot));
+  const std::string as = Wanted(options, options.plain && !robot.dh ? "dh" : OwnDescription(robot));
   if (as == "ur") return {RobotToUrCalibration(robot), {}, true};
   Robot result = robot;
   if (as == "chain") {
     result.dh.reset();
   } else {
     DhTable table = TableOf(robot, ConventionOf(as));
-    if (FLAGS_plain) table = PlainTable(robot, table, &written);
+    if (options.plain) table = PlainTable(robot, table, &written);
     result = WithTable(robot, table);
   }
   written.text = RobotToYaml(result);
   return written;
 }
 
-Written ToCsv(const Robot& robot) {
+Written ToCsv(const Robot& robot, const WriteOptions& options) {
   Written written;
-  const std::string as = Wanted(robot.dh ? OwnDescription(robot) : "dh");
+  const std::string as = Wanted(options, robot.dh ? OwnDescription(robot) : "dh");
   if (as != "dh" && as != "mdh") throw InputError({"", 0, "--as"}, "a CSV holds a DH table", "--as=dh or --as=mdh");
   DhTable table = TableOf(robot, ConventionOf(as));
-  if (FLAGS_plain) table = PlainTable(robot, table, &written);
+  if (options.plain) table = PlainTable(robot, table, &written);
   written.text = DhTableToCsv(robot, table);
   return written;
 }
 
-Written ToUrdf(const Robot& robot) {
-  if (FLAGS_template.empty()) return {RobotToUrdf(robot), {}, true};
-  const EditedUrdf edited =
-      EditUrdf(ReadTextFile(FLAGS_template), FLAGS_template, {FLAGS_base_link, FLAGS_tip_link}, robot);
+Written ToUrdf(const Robot& robot, const WriteOptions& options) {
+  const std::string& edits = options.template_file;
+  if (edits.empty()) return {RobotToUrdf(robot), {}, true};
+  const EditedUrdf edited = EditUrdf(ReadTextFile(edits), edits, options.read.ends, robot);
   return {
       edited.text, {edited.joints.empty() ? "no origin changes" : "origins edited: " + Joined(edited.joints)}, true};
 }
 
-Written ToUrConf(const Robot& robot) {
-  if (FLAGS_nominal.empty()) {
+Written ToUrConf(const Robot& robot, const WriteOptions& options) {
+  const std::string& nominal_file = options.read.nominal_file;
+  if (nominal_file.empty()) {
     throw InputError({"", 0, "--nominal"}, "a .conf holds differences, and from which table is not said",
                      "--nominal=urcontrol.conf (or any file with the nominal standard DH table)");
   }
-  const Robot nominal = ReadAnyRobot(FLAGS_nominal).robot;
+  const Robot nominal = ReadAnyRobot(nominal_file).robot;
   if (!nominal.dh || nominal.dh->convention != DhConvention::kStandard)
-    throw InputError({FLAGS_nominal, 0, ""},
-                     "the nominal robot has no standard DH table, which the differences are of");
-  const std::string kept = FLAGS_template.empty() ? "" : ReadTextFile(FLAGS_template);
-  Written written{RobotToUrConf(robot, *nominal.dh, kept, FLAGS_template), {}, true};
-  written.notes.push_back(kept.empty() ? KeepControllersLines() : ListsAreReplaced(FLAGS_template));
+    throw InputError({nominal_file, 0, ""}, "the nominal robot has no standard DH table, which the differences are of");
+  const std::string& edits = options.template_file;
+  const std::string kept = edits.empty() ? "" : ReadTextFile(edits);
+  Written written{RobotToUrConf(robot, *nominal.dh, kept, edits), {}, true};
+  written.notes.push_back(kept.empty() ? KeepControllersLines() : ListsAreReplaced(edits));
   return written;
 }
 
-Written WrittenAs(const Robot& robot, const std::string& out) {
+Written WrittenAs(const Robot& robot, const std::string& out, const WriteOptions& options) {
   const std::string ending = std::filesystem::path(out).extension().string();
-  if (!FLAGS_template.empty() && ending != ".urdf" && ending != ".conf") {
+  if (!options.template_file.empty() && ending != ".urdf" && ending != ".conf") {
     throw InputError({"", 0, "--template"}, "only a URDF or a .conf is edited", "OUT has to end in .urdf or .conf");
   }
-  if (ending == ".conf") return ToUrConf(robot);
-  if (ending == ".urdf") return ToUrdf(robot);
-  if (ending == ".csv") return ToCsv(robot);
-  if (ending == ".yaml" || ending == ".yml" || ending == ".json") return ToYaml(robot);
+  if (ending == ".conf") return ToUrConf(robot, options);
+  if (ending == ".urdf") return ToUrdf(robot, options);
+  if (ending == ".csv") return ToCsv(robot, options);
+  if (ending == ".yaml" || ending == ".yml" || ending == ".json") return ToYaml(robot, options);
   throw InputError({out, 0, ""}, "the ending does not say which format is meant",
                    ".yaml (robot, or calibration.yaml with --as=ur), .urdf, .csv (DH table) or .conf (Universal "
                    "Robots)");
@@ -204,10 +215,10 @@ double LargestDifference(const Chain& a, const Chain& b) {
 }
 
 // Reads what is about to be written as any reader of it would.
-Robot ReadBack(const std::string& text, const std::string& out) {
+Robot ReadBack(const std::string& text, const std::string& out, const WriteOptions& written_by) {
   RobotReadOptions options;
-  if (!FLAGS_template.empty()) options.ends = {FLAGS_base_link, FLAGS_tip_link};
-  options.nominal_file = FLAGS_nominal;
+  if (!written_by.template_file.empty()) options.ends = written_by.read.ends;
+  options.nominal_file = written_by.read.nominal_file;
   return ReadAnyRobotText(text, out, options).robot;
 }
 
@@ -216,10 +227,11 @@ int RunConvert(const CommandLine& line) {
   const std::string& in = line.arguments[0];
   const std::string& out = line.arguments[1];
   const OutputFile file(out);
-  const RobotReading reading = ReadAnyRobot(in, RobotOptionsFromFlags());
-  const Written written = WrittenAs(reading.robot, out);
+  const WriteOptions options = WriteOptionsFromFlags();
+  const RobotReading reading = ReadAnyRobot(in, options.read);
+  const Written written = WrittenAs(reading.robot, out, options);
   constexpr double kSame = 1e-9;  // m
-  const double difference = LargestDifference(reading.robot.chain, ReadBack(written.text, out).chain);
+  const double difference = LargestDifference(reading.robot.chain, ReadBack(written.text, out, options).chain);
   if (written.is_exact && difference > kSame) {
     throw Failure("the file written would differ from the robot read by " + FormatNumber(1e3 * difference) +
                   " mm; nothing is written");
@@ -233,7 +245,7 @@ int RunConvert(const CommandLine& line) {
   if (written.is_exact) std::cout << "  " << MovesAsBefore(difference) << "\n";
   const std::string left_out = LeftOut(reading.robot);
   const std::string ending = std::filesystem::path(out).extension().string();
-  if (!left_out.empty() && (FLAGS_as == "ur" || ending == ".urdf" || ending == ".csv" || ending == ".conf")) {
+  if (!left_out.empty() && (options.as == "ur" || ending == ".urdf" || ending == ".csv" || ending == ".conf")) {
     std::cout << "  " << LeftOutOfFormat(left_out) << "\n";
   }
   return 0;

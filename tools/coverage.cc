@@ -26,7 +26,6 @@
 #include "tools/run_command.h"
 
 DEFINE_int32(trials, 2000, "of the Monte-Carlo study");
-DECLARE_string(method);
 
 namespace sagitta {
 namespace {
@@ -35,18 +34,25 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kLevel = 0.95;
 
-void CheckCoverageFlags() {
+struct CoverageRequest {
+  int trials, threads;
+  std::uint64_t seed;
+  Method method;
+  std::string method_name, folder;
+};
+
+CoverageRequest RequestFromFlags() {
   CheckIn(allowed::kTrials, FLAGS_trials, "--trials");
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
-  MethodNamed(FLAGS_method);
+  return {FLAGS_trials, FLAGS_threads, FLAGS_seed, MethodNamed(FLAGS_method), FLAGS_method, FLAGS_out};
 }
 
 // What makes two runs the same: everything but how many trials, threads and words.
-Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& problem) {
+Json IdentityOf(const CoverageRequest& request, const ExperimentInputs& inputs, const CalibrationProblem& problem) {
   Json identity = {{"schema", "sagitta/coverage-state/1"},
                    {"version", SAGITTA_VERSION},
-                   {"seed", FLAGS_seed},
-                   {"method", FLAGS_method},
+                   {"seed", request.seed},
+                   {"method", request.method_name},
                    {"covariance", WordOf(problem.experiment().method.covariance)},
                    {"inputs", Json::array()},
                    {"flags", Json::object()}};
@@ -61,36 +67,38 @@ Json IdentityOf(const ExperimentInputs& inputs, const CalibrationProblem& proble
   return identity;
 }
 
-void RunTrials(const CoverageStudy& study, const CalibrationProblem& problem, CoverageState* state,
-               Progress* progress) {
+void RunTrials(const CoverageRequest& request, const CoverageStudy& study, const CalibrationProblem& problem,
+               CoverageState* state, Progress* progress) {
   std::vector<int> missing;
-  for (int i = 0; i < FLAGS_trials; ++i) {
+  for (int i = 0; i < request.trials; ++i) {
     if (state->trials().count(i) == 0) missing.push_back(i);
   }
-  std::vector<CalibrationProblem> own(std::min<size_t>(FLAGS_threads, std::max<size_t>(1, missing.size())), problem);
-  const std::string all = " of " + std::to_string(missing.size()), seed = ", seed " + std::to_string(FLAGS_seed);
+  std::vector<CalibrationProblem> own(std::min<size_t>(request.threads, std::max<size_t>(1, missing.size())), problem);
+  const std::string all = " of " + std::to_string(missing.size()), seed = ", seed " + std::to_string(request.seed);
   std::atomic<int> done{0};
-  ParallelFor(static_cast<int>(missing.size()), FLAGS_threads, [&](int i, int worker) {
+  ParallelFor(static_cast<int>(missing.size()), request.threads, [&](int i, int worker) {
     state->Add(study.Run(missing[i], &own[worker]));
     progress->Say("trials: " + std::to_string(++done) + all + seed);
   });
 }
 
-std::vector<CoverageTrial> FirstTrials(const CoverageState& state) {
+std::vector<CoverageTrial> FirstTrials(const CoverageState& state, int count) {
   std::vector<CoverageTrial> trials;
   for (const auto& [number, trial] : state.trials()) {
-    if (number < FLAGS_trials) trials.push_back(trial);
+    if (number < count) trials.push_back(trial);
   }
   return trials;
 }
 
-std::string FoundInTrials(const CoverageStudy& study, const std::vector<CoverageTrial>& trials) {
+std::string FoundInTrials(const CoverageRequest& request, const CoverageStudy& study,
+                          const std::vector<CoverageTrial>& trials) {
   int covered = 0, of = 0;
   for (const CoverageRow& row : study.Summarise(trials)) {
     covered += row.covered;
     of += row.trials;
   }
-  return of == 0 ? "" : TrialsAreKept(static_cast<int>(trials.size()), FLAGS_trials, covered / (1.0 * of), FLAGS_out);
+  if (of == 0) return "";
+  return TrialsAreKept(static_cast<int>(trials.size()), request.trials, covered / (1.0 * of), request.folder);
 }
 
 Json RowToJson(const CoverageRow& row) {
@@ -113,16 +121,17 @@ Json RowToJson(const CoverageRow& row) {
   return json;
 }
 
-Json ResultToJson(const std::string& command, const ExperimentInputs& inputs, const CalibrationProblem& problem,
-                  const std::vector<CoverageTrial>& trials, const std::vector<CoverageRow>& rows) {
+Json ResultToJson(const std::string& command, const CoverageRequest& request, const ExperimentInputs& inputs,
+                  const CalibrationProblem& problem, const std::vector<CoverageTrial>& trials,
+                  const std::vector<CoverageRow>& rows) {
   Json json = {{"schema", "sagitta/coverage/1"}, {"version", SAGITTA_VERSION}, {"command", command}};
   json["inputs"] = Json::array();
   for (const InputFile& input : inputs.files)
     json["inputs"].push_back({{"file", input.path}, {"sha256", input.sha256}});
   json["trials"] = trials.size();
   json["level"] = kLevel;
-  json["seed"] = FLAGS_seed;
-  json["method"] = FLAGS_method;
+  json["seed"] = request.seed;
+  json["method"] = request.method_name;
   json["covariance"] = WordOf(problem.experiment().method.covariance);
   json["status"] = Json::object();
   for (const CoverageTrial& trial : trials) json["status"][trial.status] = json["status"].value(trial.status, 0) + 1;
@@ -134,7 +143,7 @@ Json ResultToJson(const std::string& command, const ExperimentInputs& inputs, co
 std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
   Section section;
   section.title = "Coverage of the 95 % intervals, " + json.at("trials").dump() + " trials, seed " +
-                  json.at("seed").dump() + ", method " + FLAGS_method + ", covariance " +
+                  json.at("seed").dump() + ", method " + json.at("method").get<std::string>() + ", covariance " +
                   json.at("covariance").get<std::string>();
   section.header = {"name", "coverage", "RMSE", "reported", "bound", "RMSE/bound", "same draws", "unit", ""};
   int outside = 0;
@@ -163,16 +172,15 @@ std::string InWords(const Json& json, const std::vector<CoverageRow>& rows) {
 
 int RunCoverage(const CommandLine& line) {
   ExpectArguments(line, CoverageCommand(), 1, 1000);
-  CheckCoverageFlags();
-  const OutputFolder out(FLAGS_out, {"coverage.json"});
+  const CoverageRequest request = RequestFromFlags();
+  const OutputFolder out(request.folder, {"coverage.json"});
   const ExperimentInputs inputs = ReadInputs(line.arguments);
   const CalibrationProblem problem = PlausibleProblem(inputs);
-  const Method method = MethodNamed(FLAGS_method);
-  CheckMethod(problem, method);
+  CheckMethod(problem, request.method);
   // Shares as measured on 250 rows of a UR10 and 2000 trials.
   Progress progress(FLAGS_quiet, {{"aligning", 0.01}, {"trials", 1.0}});
   JointOptions options;
-  options.num_threads = FLAGS_threads;
+  options.num_threads = request.threads;
   options.progress = [&progress](const std::string& what) { progress.Say(what); };
   const ResolvedEstimate resolved = EstimateWithNoise(problem, options);
   const Estimate& truth = resolved.estimate;
@@ -180,15 +188,15 @@ int RunCoverage(const CommandLine& line) {
     std::cerr << "sagitta: no estimate to simulate at: " << StatusName(truth.status) << ": " << truth.message << "\n";
     return kNumericalFailure;
   }
-  const CoverageStudy study(resolved.problem, truth, method, FLAGS_seed);
-  CoverageState state(FLAGS_out, IdentityOf(inputs, problem), study.coordinates().size());
-  SayingWhatWasFound([&] { RunTrials(study, problem, &state, &progress); },
-                     [&] { return FoundInTrials(study, FirstTrials(state)); });
-  const std::vector<CoverageTrial> trials = FirstTrials(state);
+  const CoverageStudy study(resolved.problem, truth, request.method, request.seed);
+  CoverageState state(request.folder, IdentityOf(request, inputs, problem), study.coordinates().size());
+  SayingWhatWasFound([&] { RunTrials(request, study, problem, &state, &progress); },
+                     [&] { return FoundInTrials(request, study, FirstTrials(state, request.trials)); });
+  const std::vector<CoverageTrial> trials = FirstTrials(state, request.trials);
   const std::vector<CoverageRow> rows = study.Summarise(trials);
-  const Json json = ResultToJson(line.text, inputs, problem, trials, rows);
+  const Json json = ResultToJson(line.text, request, inputs, problem, trials, rows);
   out.Write({{"coverage.json", DumpJson(json)}});
-  std::cout << InWords(json, rows) << "\n" << ResultsIn(FLAGS_out, {"coverage.json"});
+  std::cout << InWords(json, rows) << "\n" << ResultsIn(request.folder, {"coverage.json"});
   return 0;
 }
 

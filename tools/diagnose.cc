@@ -26,7 +26,6 @@
 #include "tools/requirement.h"
 #include "tools/run_command.h"
 
-DECLARE_string(require);
 DEFINE_string(simulation, "model", "what the gap is measured from: model, or columns (sim_x_mm, sim_y_mm, sim_z_mm)");
 
 namespace sagitta {
@@ -51,14 +50,14 @@ ExperimentInputs OnlyBaseAndMarkers(ExperimentInputs inputs) {
   return inputs;
 }
 
-bool IsAgainstColumns() {
+bool AgainstColumnsFromFlags() {
   if (FLAGS_simulation == "model" || FLAGS_simulation == "columns") return FLAGS_simulation == "columns";
   throw InputError({"", 0, "--simulation"}, "'" + FLAGS_simulation + "' is no baseline", "model or columns");
 }
 
 // Against the model itself nothing is shifted.
-SimulationBaseline BaselineOf(const ExperimentInputs& inputs) {
-  if (IsAgainstColumns()) return AgainstSimulation(ProblemFromInputs(OnlyBaseAndMarkers(inputs)));
+SimulationBaseline BaselineOf(const ExperimentInputs& inputs, bool against_columns) {
+  if (against_columns) return AgainstSimulation(ProblemFromInputs(OnlyBaseAndMarkers(inputs)));
   return {PlausibleProblem(inputs), {}, 0.0};
 }
 
@@ -80,15 +79,15 @@ std::string InWords(const Robot& robot, const FoundSoFar& found) {
 }
 
 // What comes out does not depend on how many there are.
-int Threads() {
+int ThreadsFromFlags() {
   if (!gflags::GetCommandLineFlagInfoOrDie("threads").is_default) return FLAGS_threads;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 // Against another simulation it is no calibrated robot, however well it fits.
-Calibration Extended(const Diagnosis& diagnosis) {
-  Calibration extended = ExtendedCalibration(diagnosis, FLAGS_seed);
-  if (!IsAgainstColumns()) return extended;
+Calibration Extended(const Diagnosis& diagnosis, std::uint64_t seed, bool against_columns) {
+  Calibration extended = ExtendedCalibration(diagnosis, seed);
+  if (!against_columns) return extended;
   const std::string reason = CorrectionsToSimulation();
   Verdict& verdict = extended.trust.verdict;
   verdict.trusted = false;
@@ -98,15 +97,14 @@ Calibration Extended(const Diagnosis& diagnosis) {
 }
 
 // Everything but the rows is text before the first file is written.
-void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const SimulationBaseline& baseline,
+void WriteResults(const Provenance& provenance, Calibration extended, const SimulationBaseline& baseline,
                   const Diagnosis& diagnosis, const nlohmann::ordered_json& json, const OutputFolder& out) {
-  Calibration extended = Extended(diagnosis);
-  const Provenance provenance{line.text, "joint", inputs.files, IsAgainstColumns() ? "columns" : ""};
-  const std::string robot = RunComment(provenance) + (IsAgainstColumns() ? NotACalibratedRobot() : "") +
-                            RobotToYaml(RobotOf(diagnosis.final));
+  const bool against_columns = !provenance.simulation.empty();
+  const std::string robot =
+      RunComment(provenance) + (against_columns ? NotACalibratedRobot() : "") + RobotToYaml(RobotOf(diagnosis.final));
   const std::string report = DiagnosisToHtml(diagnosis, extended, provenance);
   const std::string estimate_json = DumpJson(CalibrationToJson(extended, provenance));
-  if (IsAgainstColumns()) baseline.Unshift(&extended.problem, &extended.estimate);
+  if (against_columns) baseline.Unshift(&extended.problem, &extended.estimate);
   nlohmann::ordered_json with_run = json;
   with_run["run"] = RunId(provenance);
   std::vector<NamedText> files = {{"robot.extended.yaml", robot},
@@ -120,9 +118,6 @@ void WriteResults(const CommandLine& line, const ExperimentInputs& inputs, const
     files.push_back({kLearntFile, RunComment(provenance) + LearntFunctionsInFile() + RobotToYaml(RobotOf(learnt))});
   }
   out.Write(files, {ResidualsFile(extended.problem, extended.estimate)});
-  std::cout << "\n"
-            << ResultsIn(FLAGS_out,
-                         {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
 }
 
 int RunDiagnose(const CommandLine& line) {
@@ -135,7 +130,8 @@ int RunDiagnose(const CommandLine& line) {
                                          "diagnosis.json", kNextFile, kLearntFile, kLearntEstimateFile});
   }
   const ExperimentInputs inputs = WithHoldout(ReadInputs(line.arguments));
-  const SimulationBaseline baseline = BaselineOf(inputs);
+  const bool against_columns = AgainstColumnsFromFlags();
+  const SimulationBaseline baseline = BaselineOf(inputs, against_columns);
   const CalibrationProblem& problem = baseline.problem;
   Diagnosis diagnosis;
   {
@@ -149,8 +145,8 @@ int RunDiagnose(const CommandLine& line) {
     DiagnosisOptions options;
     options.significance = problem.experiment().significance;
     options.prior = inputs.prior;
-    options.points_are_measured = !IsAgainstColumns();
-    options.num_threads = Threads();
+    options.points_are_measured = !against_columns;
+    options.num_threads = ThreadsFromFlags();
     options.progress = [&progress](const std::string& what) { progress.Say(what); };
     options.found = [&found](const FoundSoFar& now) { found = now; };
     SayingWhatWasFound([&] { diagnosis = Diagnose(problem, options); },
@@ -161,14 +157,18 @@ int RunDiagnose(const CommandLine& line) {
               << diagnosis.message << "\n";
     return kNumericalFailure;
   }
-  if (IsAgainstColumns()) CautionOfSimulation(baseline, &diagnosis);
+  if (against_columns) CautionOfSimulation(baseline, &diagnosis);
   std::cout << DiagnosisToText(diagnosis);
   const nlohmann::ordered_json json = DiagnosisToJson(diagnosis, problem.experiment().significance);
   const std::vector<std::string> unmet = UnmetRequirements(requirements, json);
   if (FLAGS_out.empty()) {
     std::cout << NothingIsWritten();
   } else {
-    WriteResults(line, inputs, baseline, diagnosis, json, *out);
+    const Provenance provenance{line.text, "joint", inputs.files, against_columns ? "columns" : ""};
+    WriteResults(provenance, Extended(diagnosis, FLAGS_seed, against_columns), baseline, diagnosis, json, *out);
+    std::cout << "\n"
+              << ResultsIn(FLAGS_out,
+                           {"diagnosis.json", "robot.extended.yaml", "estimate.json", "residuals.csv", "report.html"});
   }
   return EndWith(unmet);
 }

@@ -44,7 +44,7 @@ std::set<std::string> LoadsIn(const Robot& robot, const std::string& csv) {
   }
 }
 
-std::map<std::string, std::string> MapFromFlag() {
+std::map<std::string, std::string> MapFromFlags() {
   std::map<std::string, std::string> columns;
   if (FLAGS_map.empty()) return columns;
   for (const std::string& entry : SplitText(FLAGS_map, ',')) {
@@ -134,16 +134,18 @@ FoundRobot RobotByFit(const TextTable& table, const std::map<std::string, std::s
   return found;
 }
 
-FoundRobot RobotOf(const std::vector<std::string>& robot_files, const std::vector<TextTable>& tables,
+// shipped: name of a table that this program ships; may be empty.
+FoundRobot RobotOf(const std::vector<std::string>& robot_files, const std::string& shipped,
+                   const RobotReadOptions& options, const std::vector<TextTable>& tables,
                    const std::map<std::string, std::string>& columns) {
-  if (robot_files.size() > 1 || (!robot_files.empty() && !FLAGS_robot.empty())) {
+  if (robot_files.size() > 1 || (!robot_files.empty() && !shipped.empty())) {
     throw InputError({robot_files.back(), 0, ""}, "this is a second robot",
                      "one robot and any number of measurement files are expected");
   }
   if (!robot_files.empty()) {
-    return {ReadRobotWithReadings(robot_files[0], RobotOptionsFromFlags(), tables.front(), columns), robot_files[0]};
+    return {ReadRobotWithReadings(robot_files[0], options, tables.front(), columns), robot_files[0]};
   }
-  if (!FLAGS_robot.empty()) return ShippedRobot(FLAGS_robot);
+  if (!shipped.empty()) return ShippedRobot(shipped);
   return RobotByFit(tables.front(), columns);
 }
 
@@ -221,7 +223,7 @@ std::string ExperimentText() {
 int RunImport(const CommandLine& line) {
   ExpectArguments(line, ImportCommand(), 1, 1000);
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "the folder for the files is missing", "--out=DIR");
-  const std::map<std::string, std::string> columns = MapFromFlag();
+  const std::map<std::string, std::string> columns = MapFromFlags();
   const OutputFolder out(FLAGS_out, {"robot.yaml", "measurements.csv", "experiment.yaml"});
   std::vector<std::string> robot_files;
   std::vector<TextTable> tables;
@@ -235,7 +237,7 @@ int RunImport(const CommandLine& line) {
   if (tables.empty())
     throw InputError({line.arguments[0], 0, ""}, "there are no measurements among the files",
                      "a robot alone is for 'sagitta convert'");
-  const FoundRobot found = RobotOf(robot_files, tables, columns);
+  const FoundRobot found = RobotOf(robot_files, FLAGS_robot, RobotOptionsFromFlags(), tables, columns);
   const Robot& robot = found.reading.robot;
 
   std::vector<std::string> guesses = found.reading.guesses;

@@ -17,8 +17,6 @@
 #include "tools/requirement.h"
 #include "tools/run_command.h"
 
-DECLARE_string(require);
-
 namespace sagitta {
 namespace {
 

@@ -22,7 +22,6 @@
 #include "tools/report/plan_report.h"
 #include "tools/run_command.h"
 
-DECLARE_double(sigma_mm);
 DEFINE_int32(poses, 0, "how many poses to plan");
 DEFINE_double(accuracy_mm, 0.0, "as few poses as reach this RMS position error at the test poses");
 DEFINE_bool(augment, false, "the calibration rows of EXP are measured already; plan further ones");
@@ -53,11 +52,11 @@ std::string LineOf(const PosesAndAccuracy& point) {
   return "  " + std::to_string(point.poses) + " poses: " + Significant(1e3 * point.position_rms, 3) + " mm\n";
 }
 
-Plan PlanWithProgress(const ExperimentInputs& inputs, PlanRequest request) {
+Plan PlanWithProgress(const ExperimentInputs& inputs, PlanRequest request, bool quiet) {
   // Shares as measured on the KR270 with 5000 candidates; how many numbers an accuracy needs is not known before.
   std::vector<ProgressPhase> phases;
   if (request.poses > 0) phases = {{"drawing", 1.0}, {"best", 8.0}, {"moving", 8.0}, {"accuracy", 6.0}};
-  Progress progress(FLAGS_quiet, phases);
+  Progress progress(quiet, phases);
   request.progress = [&progress](const std::string& what) { progress.Say(what); };
   std::string found;
   request.found = [&found](const PosesAndAccuracy& point) { found += LineOf(point); };
@@ -78,6 +77,21 @@ void Summarise(const Plan& plan) {
   for (const std::string& words : plan.words) std::cout << words << "\n";
 }
 
+// Without what files hold.
+PlanRequest RequestFromFlags(const Robot& robot) {
+  PlanRequest request;
+  request.poses = IsGiven("poses") ? FLAGS_poses : 0;
+  request.accuracy = FLAGS_accuracy_mm / 1e3;
+  request.augment = FLAGS_augment;
+  request.criterion = CriterionNamed(FLAGS_criterion);
+  request.discriminate = RivalEffects(robot, FLAGS_discriminate, "--discriminate");
+  request.pool = FLAGS_pool;
+  request.seed = FLAGS_seed;
+  request.random_tests = FLAGS_tests == "random";
+  request.move = FLAGS_move;
+  return request;
+}
+
 int RunPlan(const CommandLine& line) {
   ExpectArguments(line, PlanCommand(), 1, 1000);
   CheckPlanFlags();
@@ -90,17 +104,9 @@ int RunPlan(const CommandLine& line) {
     inputs.experiment.noise.sigma = FLAGS_sigma_mm / 1e3;
     inputs.experiment.noise.replaces_rows = true;
   }
-  PlanRequest request;
-  request.poses = IsGiven("poses") ? FLAGS_poses : 0;
-  request.accuracy = FLAGS_accuracy_mm / 1e3;
-  request.augment = FLAGS_augment;
-  request.criterion = CriterionNamed(FLAGS_criterion);
-  request.discriminate = RivalEffects(inputs.robot, FLAGS_discriminate, "--discriminate");
-  request.pool = FLAGS_pool;
-  request.seed = FLAGS_seed;
+  PlanRequest request = RequestFromFlags(inputs.robot);
   std::optional<Measurements> candidates, tests;
   if (!FLAGS_candidates.empty()) candidates = ReadMeasurementsFor(inputs.robot, {FLAGS_candidates}, options);
-  request.random_tests = FLAGS_tests == "random";
   if (!FLAGS_tests.empty() && !request.random_tests) {
     tests = ReadMeasurementsFor(inputs.robot, {FLAGS_tests}, options);
   }
@@ -112,8 +118,7 @@ int RunPlan(const CommandLine& line) {
   if (!FLAGS_model_error.empty()) {
     TakeModelError(ReadTextFile(FLAGS_model_error), FLAGS_model_error, &request);
   }
-  request.move = FLAGS_move;
-  const Plan plan = PlanWithProgress(inputs, request);
+  const Plan plan = PlanWithProgress(inputs, request, FLAGS_quiet);
   nlohmann::ordered_json json = PlanToJson(plan);
   json["version"] = SAGITTA_VERSION;
   json["command"] = line.text;

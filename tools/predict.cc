@@ -1,6 +1,4 @@
 // sagitta predict: points of measurement rows from an estimate.
-#include <gflags/gflags.h>
-
 #include <cmath>
 #include <iostream>
 #include <optional>
@@ -10,11 +8,10 @@
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/progress.h"
 #include "tools/report/command_words.h"
 #include "tools/report/summary.h"
-
-DECLARE_bool(force);
 
 namespace sagitta {
 namespace {

@@ -14,6 +14,7 @@ DEFINE_string(validation, "", "COLUMN=VALUE[,VALUE]: rows kept for validation; n
 DEFINE_string(load_point_mm, "", "x,y,z where loads act, flange frame");
 DEFINE_string(free, "", "NAME,…: parameters to estimate besides");
 DEFINE_string(fixed, "", "NAME,…: parameters held at their file or nominal value");
+DEFINE_string(method, "joint", "joint, two-step, two-step-literal, two-step-relinearised or full-pose");
 DEFINE_bool(force, false, "go on where the nominal robot cannot have made these readings");
 DEFINE_double(significance, 0.01, "level of every test");
 
@@ -29,35 +30,36 @@ void ApplyNoiseFlags(Experiment* experiment) {
   experiment->noise.replaces_rows = true;
 }
 
-void ApplyHoldout(Experiment* experiment) {
-  CheckIn(allowed::kFraction, FLAGS_holdout, "--holdout");
-  experiment->validation = ValidationSpec();
-  experiment->validation.kind = ValidationSpec::Kind::kFraction;
-  experiment->validation.fraction = FLAGS_holdout;
+ValidationSpec FractionHeldOut(double fraction) {
+  CheckIn(allowed::kFraction, fraction, "--holdout");
+  ValidationSpec spec;
+  spec.kind = ValidationSpec::Kind::kFraction;
+  spec.fraction = fraction;
+  return spec;
 }
 
-void ApplyValidationColumn(Experiment* experiment) {
-  experiment->validation = ValidationSpec();
-  if (FLAGS_validation == "none") {
-    experiment->validation.kind = ValidationSpec::Kind::kNone;
-    return;
-  }
-  const size_t equals = FLAGS_validation.find('=');
-  if (equals == 0 || equals == std::string::npos || equals + 1 == FLAGS_validation.size()) {
-    throw InputError({"", 0, "--validation"}, "'" + FLAGS_validation + "' does not say which rows",
+// rows: COLUMN=VALUE[,VALUE] or none.
+ValidationSpec HeldOut(const std::string& rows) {
+  ValidationSpec spec;
+  spec.kind = ValidationSpec::Kind::kNone;
+  if (rows == "none") return spec;
+  const size_t equals = rows.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == rows.size()) {
+    throw InputError({"", 0, "--validation"}, "'" + rows + "' does not say which rows",
                      "--validation=COLUMN=VALUE, for example --validation=group=random, or none");
   }
-  experiment->validation.kind = ValidationSpec::Kind::kColumn;
-  experiment->validation.column = FLAGS_validation.substr(0, equals);
-  experiment->validation.values = SplitText(FLAGS_validation.substr(equals + 1), ',');
+  spec.kind = ValidationSpec::Kind::kColumn;
+  spec.column = rows.substr(0, equals);
+  spec.values = SplitText(rows.substr(equals + 1), ',');
+  return spec;
 }
 
 void ApplyValidationFlags(Experiment* experiment) {
   if (IsGiven("holdout") && IsGiven("validation")) {
     throw InputError({"", 0, "--holdout"}, "--holdout and --validation exclude each other");
   }
-  if (IsGiven("holdout")) ApplyHoldout(experiment);
-  if (IsGiven("validation")) ApplyValidationColumn(experiment);
+  if (IsGiven("holdout")) experiment->validation = FractionHeldOut(FLAGS_holdout);
+  if (IsGiven("validation")) experiment->validation = HeldOut(FLAGS_validation);
   if (IsGiven("holdout") || IsGiven("seed")) experiment->validation.seed = FLAGS_seed;
 }
 

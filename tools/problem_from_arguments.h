@@ -10,6 +10,8 @@
 #include "problems/io/experiment_inputs.h"
 
 DECLARE_double(sigma_mm);
+DECLARE_bool(force);
+DECLARE_string(method);
 
 namespace sagitta {
 

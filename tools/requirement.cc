@@ -1,5 +1,7 @@
 #include "tools/requirement.h"
 
+#include <gflags/gflags.h>
+
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +11,8 @@
 #include "problems/io/units.h"
 #include "tools/command_line.h"
 #include "tools/run_command.h"
+
+DEFINE_string(require, "", "'PATH<NUMBER,…' in the result JSON (< <= > >= ==); not met: exit status 1");
 
 namespace sagitta {
 namespace {

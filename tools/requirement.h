@@ -1,9 +1,13 @@
 // --require='validation.distance_rms_mm<0.3,fit.rms_mm<0.1': paths in a result JSON.
 #pragma once
 
+#include <gflags/gflags_declare.h>
+
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
+
+DECLARE_string(require);
 
 namespace sagitta {
 

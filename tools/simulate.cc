@@ -17,15 +17,16 @@ DEFINE_string(truth, "", "an estimate.json or an experiment file that states rob
 namespace sagitta {
 namespace {
 
-KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs& inputs) {
+// truth: estimate.json or experiment; may be empty.
+KnownRobot ReadTruth(const std::string& truth, const std::string& experiment_path, const ExperimentInputs& inputs) {
   KnownRobot known;
-  if (FLAGS_truth.empty() || FLAGS_truth == experiment_path) {
+  if (truth.empty() || truth == experiment_path) {
     known = KnownFrom(experiment_path, inputs.robot, inputs.experiment);
-  } else if (IsExperimentFile(FLAGS_truth)) {
-    const Experiment experiment = ReadExperimentFile(FLAGS_truth);
-    known = KnownFrom(FLAGS_truth, ReadRobotFile(experiment.robot_file), experiment);
+  } else if (IsExperimentFile(truth)) {
+    const Experiment experiment = ReadExperimentFile(truth);
+    known = KnownFrom(truth, ReadRobotFile(experiment.robot_file), experiment);
   } else {
-    known = ReadEstimateFile(FLAGS_truth);
+    known = ReadEstimateFile(truth);
   }
   if (known.robot.num_joints() != inputs.robot.num_joints()) {
     throw InputError({known.file, 0, "robot"}, "the truth has " + std::to_string(known.robot.num_joints()) +
@@ -40,15 +41,15 @@ KnownRobot ReadTruth(const std::string& experiment_path, const ExperimentInputs&
   return known;
 }
 
-std::optional<double> SigmaAsked() {
+std::optional<double> SigmaFromFlags() {
   if (!IsGiven("sigma_mm")) return std::nullopt;
   CheckIn(allowed::kSigmaOrZero, FLAGS_sigma_mm / 1e3, "--sigma_mm");
   return FLAGS_sigma_mm / 1e3;
 }
 
 // Nothing states a standard deviation: the rows are exact.
-bool IsExact(const Measurements& rows, const Experiment& experiment) {
-  if (SigmaAsked()) return *SigmaAsked() == 0.0;
+bool IsExact(const Measurements& rows, const Experiment& experiment, const std::optional<double>& sigma) {
+  if (sigma) return *sigma == 0.0;
   for (const Observation& row : rows.observations) {
     if (IsStated(StatedRoot(experiment, rows, row, Vector3<double>::Ones()))) return false;
   }
@@ -62,11 +63,13 @@ int RunSimulate(const CommandLine& line) {
   MeasurementReadOptions options;
   options.points_required = false;
   const ExperimentInputs inputs = ReadExperimentInputs(line.arguments, options);
+  const std::optional<double> sigma = SigmaFromFlags();
   const Measurements simulated =
-      Simulate(ReadTruth(line.arguments[0], inputs), inputs.data, inputs.experiment, {SigmaAsked(), FLAGS_seed});
+      Simulate(ReadTruth(FLAGS_truth, line.arguments[0], inputs), inputs.data, inputs.experiment, {sigma, FLAGS_seed});
   const std::string csv = MeasurementsToCsv(simulated);
   out.Write(csv);
-  std::cout << SimulatedInWords(simulated.NumRows(), FLAGS_seed, IsExact(inputs.data, inputs.experiment), FLAGS_out);
+  std::cout << SimulatedInWords(simulated.NumRows(), FLAGS_seed, IsExact(inputs.data, inputs.experiment, sigma),
+                                FLAGS_out);
   return 0;
 }
 

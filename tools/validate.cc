@@ -1,6 +1,4 @@
 // sagitta validate: before and after on configurations that the estimate has not seen.
-#include <gflags/gflags.h>
-
 #include <iostream>
 #include <optional>
 
@@ -8,13 +6,11 @@
 #include "problems/io/experiment_inputs.h"
 #include "problems/io/output_files.h"
 #include "tools/commands.h"
+#include "tools/problem_from_arguments.h"
 #include "tools/report/command_words.h"
 #include "tools/report/validation_report.h"
 #include "tools/requirement.h"
 #include "tools/run_command.h"
-
-DECLARE_bool(force);
-DECLARE_string(require);
 
 namespace sagitta {
 namespace {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
 #include "models/matrix_functions.h"
 
@@ -36,6 +37,21 @@ void StandIn(Linearization* all) {
   all->jacobian.bottomRows(1).setOnes();
   all->residual.conservativeResize(all->num_rows() + 1);
   all->residual.tail(1).setZero();
+}
+
+Eigen::MatrixXd SumOf(const RestrictedLikelihood::Rows& rows) {
+  SumOfRows sum(static_cast<int>(rows.cols()));
+  for (Eigen::Index r = 0; r < rows.rows(); ++r) sum.Add(rows.row(r).data());
+  return sum.Total();
+}
+
+// R with R'R = F F', of no more rows than F has columns or rows.
+Eigen::MatrixXd Shortened(const Eigen::MatrixXd& factor) {
+  if (factor.cols() <= factor.rows()) return factor.transpose();
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(factor.transpose())
+      .matrixQR()
+      .topRows(factor.rows())
+      .triangularView<Eigen::Upper>();
 }
 
 // Root of an increasing function between `inside`, where it is negative, and `outside`, where it is `there`
@@ -70,7 +86,7 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   const std::vector<int> observations = reference.CalibrationObservations();
   Linearization all = Linearize(reference, parameters, observations, parameters.EstimatedCoordinates(),
                                 ObservationNoise(reference, observations, kFallbackSigma), LatentTreatment::kIgnore);
-  const int rows = all.num_rows();
+  const int measured = all.num_rows();
   columns_ = all.num_columns();
   AppendPriors(parameters, &all);
   dof_ = all.num_rows() - columns_;
@@ -78,125 +94,129 @@ RestrictedLikelihood::RestrictedLikelihood(const CalibrationProblem& problem, co
   columns_ = static_cast<int>(all.jacobian.cols());
   const Eigen::VectorXd scale = all.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
   all.jacobian = Eigen::MatrixXd(all.jacobian * scale.asDiagonal());
-  const Eigen::MatrixXd priors = all.jacobian.bottomRows(all.num_rows() - rows);
-  const Eigen::VectorXd prior_residual = all.residual.tail(all.num_rows() - rows);
-  prior_normal_ = priors.transpose() * priors;
-  prior_product_ = priors.transpose() * prior_residual;
-  prior_square_ = prior_residual.squaredNorm();
-  rest_normal_ = Eigen::MatrixXd::Zero(columns_, columns_);
-  rest_product_ = Eigen::VectorXd::Zero(columns_);
+  Rows rows(all.num_rows(), columns_ + 1);
+  rows << all.jacobian, all.residual;
+  const auto priors = rows.bottomRows(all.num_rows() - measured);
+  prior_ = priors.transpose() * priors;
+  rest_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_ + 1);
+  rows_.resize(measured, columns_ + 1);
+  int touched = 0;
   for (const auto& [visit, indices] : RowsByVisit(reference, observations)) {
     const Eigen::MatrixXd deviation = all.latent(indices, Eigen::all);
     // L = Q [R; 0]: V = a 1 + L v L' is block diagonal in the rotated rows Q'r, Q'J, and a 1 alone below R. Those rows
     // are summed once, whatever the variances.
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(deviation);
-    Eigen::MatrixXd own(deviation.rows(), columns_ + 1);
-    own << all.jacobian(indices, Eigen::all), all.residual(indices);
-    own = TransposedQ(qr, std::move(own));
-    const Eigen::MatrixXd jacobian = own.leftCols(columns_);
-    const Eigen::VectorXd residual = own.col(columns_);
-    const int touched = static_cast<int>(std::min(deviation.rows(), deviation.cols()));
-    const int rest = static_cast<int>(deviation.rows()) - touched;
-    const Eigen::MatrixXd upper = qr.matrixQR().topRows(touched).triangularView<Eigen::Upper>();
-    visits_.push_back({residual.head(touched), jacobian.topRows(touched), upper});
-    const Eigen::MatrixXd below = jacobian.bottomRows(rest);
-    rest_normal_ += below.transpose() * below;
-    rest_product_ += below.transpose() * residual.tail(rest);
-    rest_square_ += residual.tail(rest).squaredNorm();
-    rest_rows_ += rest;
+    const Eigen::MatrixXd own = TransposedQ(qr, rows(indices, Eigen::all));
+    const int count = static_cast<int>(std::min(deviation.rows(), deviation.cols()));
+    visits_.push_back({touched, qr.matrixQR().topRows(count).triangularView<Eigen::Upper>()});
+    rows_.middleRows(touched, count) = own.topRows(count);
+    touched += count;
+    const auto below = own.bottomRows(own.rows() - count);
+    rest_ += below.transpose() * below;
+    rest_rows_ += static_cast<int>(below.rows());
   }
+  rows_.conservativeResize(touched, Eigen::NoChange);
+}
+
+// V = L L', visit by visit, and L^-1 [J r].
+struct RestrictedLikelihood::Whitened {
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> roots;
+  Rows rows;
+  double log_det = 0.0;  // ln |V|
+};
+
+RestrictedLikelihood::Whitened RestrictedLikelihood::Whiten(const Eigen::VectorXd& variances,
+                                                            const std::vector<DeviationGroup>& groups) const {
+  Whitened result;
+  result.rows = rows_;
+  for (const Visit& visit : visits_) {
+    const Eigen::Index rows = visit.deviation.rows();
+    Eigen::MatrixXd v = variances[0] * Eigen::MatrixXd::Identity(rows, rows);
+    for (size_t g = 0; g < groups.size(); ++g) {
+      const Eigen::MatrixXd moved = visit.deviation(Eigen::all, groups[g].joints);
+      v += variances[g + 1] * moved.lazyProduct(moved.transpose());
+    }
+    result.roots.emplace_back(v);
+    result.roots.back().matrixL().solveInPlace(result.rows.middleRows(visit.first, rows));
+    result.log_det += LogDeterminant(result.roots.back());
+  }
+  return result;
 }
 
 RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::VectorXd& variances,
                                                                 const std::vector<DeviationGroup>& groups,
                                                                 bool with_derivatives) const {
-  const int n = static_cast<int>(variances.size());
-  const double a = variances[0];
-  struct Factored {
-    Eigen::LLT<Eigen::MatrixXd> root;
-    Eigen::MatrixXd jacobian;  // V^-1 J
-    Eigen::VectorXd residual;  // V^-1 r
-  };
-  std::vector<Factored> factored;
-  factored.reserve(visits_.size());
-  Evaluation result;
-  result.deviance = rest_rows_ * std::log(a);
-  Eigen::MatrixXd normal = rest_normal_ / a + prior_normal_;
-  Eigen::VectorXd product = rest_product_ / a + prior_product_;
-  double square = rest_square_ / a + prior_square_;
-  for (const Visit& visit : visits_) {
-    const int rows = static_cast<int>(visit.residual.size());
-    Eigen::MatrixXd v = a * Eigen::MatrixXd::Identity(rows, rows);
-    for (size_t g = 0; g < groups.size(); ++g) {
-      for (const int j : groups[g].joints) {
-        const Eigen::VectorXd moved = visit.deviation.col(j);
-        v.noalias() += (variances[g + 1] * moved) * moved.transpose();
-      }
-    }
-    Factored f;
-    f.root.compute(v);
-    f.jacobian = f.root.solve(visit.jacobian);
-    f.residual = f.root.solve(visit.residual);
-    result.deviance += LogDeterminant(f.root);
-    normal += visit.jacobian.transpose() * f.jacobian;
-    product += f.jacobian.transpose() * visit.residual;
-    square += visit.residual.dot(f.residual);
-    factored.push_back(std::move(f));
-  }
+  const Whitened whitened = Whiten(variances, groups);
+  // [J r]'V^-1 [J r] of all rows.
+  const Eigen::MatrixXd products = SumOf(whitened.rows) + rest_ / variances[0] + prior_;
+  const Eigen::MatrixXd normal = products.topLeftCorner(columns_, columns_);
+  const Eigen::VectorXd product = products.col(columns_).head(columns_);
   // N = J'V^-1 J, x = N^-1 J'V^-1 r:  r'P r = r'V^-1 r - x'J'V^-1 r,  ln|N| = 2 sum ln diag chol(N).
   const Eigen::LLT<Eigen::MatrixXd> root(normal);
-  const Eigen::VectorXd x = root.solve(product);
-  result.chi2 = square - product.dot(x);
-  result.deviance += LogDeterminant(root) + result.chi2;
-  result.inverse = InverseOfPositive(normal);
+  Evaluation result;
+  result.fitted = root.solve(product);
+  result.chi2 = products(columns_, columns_) - product.dot(result.fitted);
+  result.deviance = whitened.log_det + rest_rows_ * std::log(variances[0]) + result.chi2;
+  result.deviance += LogDeterminant(root);
   if (!with_derivatives) return result;
+  result.inverse = InverseOfPositive(normal);
+  Differentiate(whitened, variances[0], groups, &result);
+  return result;
+}
 
-  // dD/dv_i = tr(V^-1 V_i) - tr(N^-1 J'V^-1 V_i V^-1 J) - e'V_i e,   e = P r.
-  result.gradient = Eigen::VectorXd::Zero(n);
-  result.derivative.assign(n, Eigen::MatrixXd::Zero(columns_, columns_));
-  Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(columns_, n);  // J'V^-1 V_i e
-  Eigen::MatrixXd info = Eigen::MatrixXd::Zero(n, n);         // (V_i e)'V^-1 (V_k e)
-  // Rows that no deviation touches: V = a, V_0 = 1, e = (r - J x) / a.
-  const Eigen::VectorXd rest_fitted = rest_normal_ * x, rest_pull = rest_product_ - rest_fitted;
-  const double rest_left = rest_square_ - 2.0 * rest_product_.dot(x) + x.dot(rest_fitted);
-  result.gradient[0] += rest_rows_ / a - rest_left / (a * a);
-  result.derivative[0] += rest_normal_ / (a * a);
-  pull.col(0) += rest_pull / (a * a);
-  info(0, 0) += rest_left / (a * a * a);
+// dD/dv_i = tr(V^-1 V_i) - tr(N^-1 J'V^-1 V_i V^-1 J) - e'V_i e,   e = P r.   With V_i = F_i F_i', all in the rows
+// L^-1 J and L^-1 r - L^-1 J x = L'e of a visit, and F_i standing for L^-1 F_i:
+//
+//   tr(V^-1 V_i) = |F_i|^2,  e'V_i e = |F_i'L'e|^2,  J'V^-1 V_i V^-1 J = |F_i'(L^-1 J)|^2,  L^-1 V_i e = F_i F_i'L'e
+void RestrictedLikelihood::Differentiate(const Whitened& whitened, double a, const std::vector<DeviationGroup>& groups,
+                                         Evaluation* result) const {
+  const auto n = static_cast<Eigen::Index>(groups.size()) + 1;
+  Eigen::VectorXd combination(columns_ + 1);  // [J r] to the residuals that are left
+  combination << -result->fitted, 1.0;
+  const Eigen::VectorXd left = whitened.rows * combination;
+  Eigen::MatrixXd moved(left.size(), n);  // L^-1 V_i e
+  result->gradient = Eigen::VectorXd::Zero(n);
+  std::vector<SumOfRows> seen;
+  for (Eigen::Index i = 0; i < n; ++i) seen.emplace_back(columns_);
   for (size_t s = 0; s < visits_.size(); ++s) {
     const Visit& visit = visits_[s];
-    const Factored& f = factored[s];
-    const int rows = static_cast<int>(visit.residual.size());
-    const Eigen::VectorXd e = f.residual - f.jacobian * x;
-    Eigen::MatrixXd moved(rows, n);  // V_i e
-    for (int i = 0; i < n; ++i) {
-      Eigen::MatrixXd factor = Eigen::MatrixXd::Identity(rows, rows);  // V_i = factor factor'
-      if (i > 0) factor = visit.deviation(Eigen::all, groups[i - 1].joints);
-      const Eigen::MatrixXd seen = factor.transpose() * f.jacobian;
-      const Eigen::VectorXd along = factor.transpose() * e;
-      result.gradient[i] += f.root.matrixL().solve(factor).squaredNorm() - along.squaredNorm();
-      result.derivative[i] += seen.transpose() * seen;
-      moved.col(i) = factor * along;
+    const Eigen::Index rows = visit.deviation.rows();
+    const auto own_left = left.segment(visit.first, rows);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      Eigen::MatrixXd factor = Eigen::MatrixXd::Identity(rows, rows);
+      if (i > 0) factor = visit.deviation(Eigen::all, groups[static_cast<size_t>(i) - 1].joints);
+      whitened.roots[s].matrixL().solveInPlace(factor);
+      const Eigen::VectorXd along = factor.transpose() * own_left;
+      result->gradient[i] += factor.squaredNorm() - along.squaredNorm();
+      moved.col(i).segment(visit.first, rows) = factor * along;
+      const Rows own = Shortened(factor).lazyProduct(whitened.rows.block(visit.first, 0, rows, columns_));
+      for (Eigen::Index r = 0; r < own.rows(); ++r) seen[static_cast<size_t>(i)].Add(own.row(r).data());
     }
-    pull += f.jacobian.transpose() * moved;
-    const Eigen::MatrixXd weighed = f.root.solve(moved);  // V^-1 V_i e
-    info += moved.transpose() * weighed;
   }
-  for (int i = 0; i < n; ++i) {
-    result.gradient[i] -= result.inverse.cwiseProduct(result.derivative[i]).sum();
+  Eigen::MatrixXd pull = whitened.rows.leftCols(columns_).transpose() * moved;  // J'V^-1 V_i e
+  Eigen::MatrixXd info = moved.transpose() * moved;                             // (V_i e)'V^-1 (V_k e)
+  result->derivative.clear();
+  for (SumOfRows& sum : seen) result->derivative.push_back(sum.Total());
+  // Rows that no deviation touches: V = a, V_0 = 1, e = (r - J x) / a.
+  const Eigen::VectorXd rest_pull = rest_ * combination;
+  const double rest_left = combination.dot(rest_pull);
+  result->gradient[0] += rest_rows_ / a - rest_left / (a * a);
+  result->derivative[0] += rest_.topLeftCorner(columns_, columns_) / (a * a);
+  pull.col(0) += rest_pull.head(columns_) / (a * a);
+  info(0, 0) += rest_left / (a * a * a);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    result->gradient[i] -= result->inverse.cwiseProduct(result->derivative[static_cast<size_t>(i)]).sum();
   }
   // y'P V_i P V_k P y with e = P y:  (V_i e)'V^-1 (V_k e) - (V_i e)'V^-1 J N^-1 J'V^-1 (V_k e). Average information:
   // the mean of observed and expected information (Gilmour, Thompson and Cullis 1995).
-  const Eigen::MatrixXd refitted = result.inverse * pull;
-  result.hessian = info - pull.transpose() * refitted;
-  return result;
+  result->hessian = info - pull.transpose() * (result->inverse * pull);
 }
 
 bool RestrictedLikelihood::Minimise(const std::vector<bool>& is_free, const std::vector<DeviationGroup>& groups,
                                     Eigen::VectorXd* variances) const {
   const auto lowest = [](int i) { return i == 0 ? kSmallestInstrument : 0.0; };
+  Evaluation here = Evaluate(*variances, groups, true);
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
-    const Evaluation here = Evaluate(*variances, groups, true);
     std::vector<int> moving;
     for (int i = 0; i < variances->size(); ++i) {
       const bool rests = (*variances)[i] <= lowest(i) && here.gradient[i] >= 0.0;
@@ -224,9 +244,10 @@ bool RestrictedLikelihood::Minimise(const std::vector<bool>& is_free, const std:
         promised -= gradient[m] * (trial[i] - (*variances)[i]);
       }
       if (promised < kConverged) return true;
-      const double there = Evaluate(trial, groups, false).deviance;
+      Evaluation there = Evaluate(trial, groups, true);
       // Armijo: at least a ten-thousandth of what the slope promises.
-      if (!(there < here.deviance - 1e-4 * promised)) continue;
+      if (!(there.deviance < here.deviance - 1e-4 * promised)) continue;
+      here = std::move(there);
       *variances = trial;
       moved = true;
     }
@@ -255,11 +276,10 @@ RemlFit RestrictedLikelihood::Maximise(bool estimate_instrument, const std::vect
   // Several starts of all free deviations together: the deviance can have two valleys (instrument or robot).
   Eigen::VectorXd best = StartVariances(groups);
   if (estimate_instrument) {
-    double square = rest_square_, rows = rest_rows_;
-    for (const Visit& visit : visits_) {
-      if (rest_rows_ >= dof_ / 4) break;  // enough rows that no deviation touches
-      square += visit.residual.squaredNorm();
-      rows += static_cast<double>(visit.residual.size());
+    double square = rest_(columns_, columns_), rows = rest_rows_;
+    if (rest_rows_ < dof_ / 4) {  // too few rows that no deviation touches
+      square += rows_.col(columns_).squaredNorm();
+      rows += static_cast<double>(rows_.rows());
     }
     best[0] = std::max(10.0 * kSmallestInstrument, square / std::max(1.0, rows));
   }

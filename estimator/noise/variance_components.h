@@ -39,6 +39,8 @@ struct RemlFit {
 
 class RestrictedLikelihood {
  public:
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   // At `parameters`, over their estimated coordinates; calibration rows.
   RestrictedLikelihood(const CalibrationProblem& problem, const ParameterSet& parameters);
 
@@ -57,12 +59,13 @@ class RestrictedLikelihood {
 
  private:
   struct Visit {
-    Eigen::VectorXd residual;   // rows that deviations touch
-    Eigen::MatrixXd jacobian;   // columns of unit norm over all rows
-    Eigen::MatrixXd deviation;  // one column per joint, of a reference deviation
+    int first;                  // of its rows
+    Eigen::MatrixXd deviation;  // rows that deviations touch; one column per joint, of a reference deviation
   };
+  struct Whitened;
   struct Evaluation {
     double deviance = 0.0, chi2 = 0.0;
+    Eigen::VectorXd fitted;  // x
     Eigen::VectorXd gradient;
     Eigen::MatrixXd hessian;                  // average information
     Eigen::MatrixXd inverse;                  // (J'V^-1 J)^-1
@@ -71,15 +74,16 @@ class RestrictedLikelihood {
   // Variances in units of the reference: a, then per group.
   Evaluation Evaluate(const Eigen::VectorXd& variances, const std::vector<DeviationGroup>& groups,
                       bool with_derivatives) const;
+  Whitened Whiten(const Eigen::VectorXd& variances, const std::vector<DeviationGroup>& groups) const;
+  void Differentiate(const Whitened& whitened, double a, const std::vector<DeviationGroup>& groups,
+                     Evaluation* result) const;
   bool Minimise(const std::vector<bool>& is_free, const std::vector<DeviationGroup>& groups,
                 Eigen::VectorXd* variances) const;
   Eigen::VectorXd StartVariances(const std::vector<DeviationGroup>& groups) const;
 
   std::vector<Visit> visits_;
-  // Rows that no deviation touches, and priors (not scaled by a).
-  Eigen::MatrixXd rest_normal_, prior_normal_;
-  Eigen::VectorXd rest_product_, prior_product_;
-  double rest_square_ = 0.0, prior_square_ = 0.0;
+  Rows rows_;  // [J r] of the rows that deviations touch; the columns of J have unit norm over all rows
+  Eigen::MatrixXd rest_, prior_;  // [J r]'[J r] of the rows that none touches, and of priors (not scaled by a)
   int rest_rows_ = 0;
   int columns_ = 0;
   int dof_ = 0;

@@ -7,7 +7,11 @@
 
 namespace sagitta {
 
+namespace {
+
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 

@@ -54,13 +54,13 @@ Eigen::MatrixXd ToPoses(const ElasticRun& run, const ElasticScene& scene, int re
 }
 
 // The same load at random configurations, measured with the noise of the published ones.
-struct Plan {
+struct AblationPlan {
   ElasticScene scene;
   Eigen::VectorXd measured;
 };
 
-Plan HeuristicPlan(const ElasticRun& run, const ReproduceOptions& options, int repeats) {
-  Plan plan{run.scene, {}};
+AblationPlan HeuristicPlan(const ElasticRun& run, const ReproduceOptions& options, int repeats) {
+  AblationPlan plan{run.scene, {}};
   const std::vector<Eigen::VectorXd> configurations =
       DrawConfigurations(run.model->chain(), static_cast<int>(run.scene.shots.size()), options.seed + 3000);
   for (size_t s = 0; s < configurations.size(); ++s) plan.scene.shots[s].conditions.q = configurations[s];
@@ -121,14 +121,14 @@ std::vector<AblationCase> RunAblation(Reproduction& reproduction) {
     validation.shots.back().wrenches = {load};
   }
   const Eigen::VectorXd deflections = TrueDeflections(*run.model, validation);
-  const Plan plans[2] = {HeuristicPlan(run, reproduction.options(), repeats), {run.scene, run.measured}};
+  const AblationPlan plans[2] = {HeuristicPlan(run, reproduction.options(), repeats), {run.scene, run.measured}};
   std::vector<AblationCase> cases;
   for (int i = 0; i < 8; ++i) {
     AblationCase one;
     one.compensator = i & 1;
     one.markers = i & 2;
     one.optimal = i & 4;
-    const Plan& plan = plans[one.optimal ? 1 : 0];
+    const AblationPlan& plan = plans[one.optimal ? 1 : 0];
     Eigen::MatrixXd rows = Columns(run, plan.scene, repeats, one.compensator);
     Eigen::MatrixXd values = plan.measured;
     if (!one.markers) {
@@ -155,7 +155,8 @@ void AddAblation(const std::vector<AblationCase>& cases, ReproducedTable* table)
     table->State(name, "-",
                  Fixed(one.after.rms / kMillimetre, 2) + ", " + Fixed(one.after.distance_rms / kMillimetre, 2) +
                      " mm (" + Fixed(one.before.distance_rms / one.after.distance_rms, 1) + ")",
-                 Verdict::kAddition, "the paper changes poses, measurement and model at once; one at a time here");
+                 Reproducibility::kAddition,
+                 "the paper changes poses, measurement and model at once; one at a time here");
   }
 }
 

@@ -43,22 +43,24 @@ ReproducedTable TableV(Reproduction* reproduction) {
   const Eigen::Vector3d with_anchor = IntervalsOf(GeometryOf(given, sigma, kAnchorSigma));
   for (const char* key : {"L_mm", "ax_mm", "ay_mm"}) {
     const std::string value = Fixed(given.at(key), 2);
-    table.State(key, value, value, Verdict::kInput, "a value drives the simulation");
+    table.State(key, value, value, Reproducibility::kInput, "a value drives the simulation");
   }
   const double ax = given.at("ax_ci_mm"), ay = given.at("ay_ci_mm");
   const std::string why_plain =
       "noise that gives the interval of L (" + Fixed(sigma, 3) + " mm per averaged point) gives the anchor no more";
   const std::string why_anchor = "with " + Fixed(kAnchorSigma, 2) + " mm on P2 added, which is not printed";
   table.Compare("interval of L, mm", given.at("L_ci_mm"), plain[0], 2, "the noise is fitted to it: not a test")
-      .verdict = Verdict::kInput;
+      .verdict = Reproducibility::kInput;
   for (const bool is_x : {true, false}) {
     ReproducedRow& row = table.Compare(is_x ? "interval of a_x, mm" : "interval of a_y, mm", is_x ? ax : ay,
                                        plain[is_x ? 1 : 2], 2, why_plain);
     // Short by a factor of 5 and of 2.7: one cause, one verdict.
-    if (row.verdict != Verdict::kReproduced) row.verdict = Verdict::kNotReproducible;
+    if (row.verdict != Reproducibility::kReproduced) row.verdict = Reproducibility::kNotReproducible;
   }
-  table.Compare("interval of a_x, mm, noisy anchor", ax, with_anchor[1], 2, why_anchor, Verdict::kOrderOfMagnitude);
-  table.Compare("interval of a_y, mm, noisy anchor", ay, with_anchor[2], 2, why_anchor, Verdict::kOrderOfMagnitude);
+  table.Compare("interval of a_x, mm, noisy anchor", ax, with_anchor[1], 2, why_anchor,
+                Reproducibility::kOrderOfMagnitude);
+  table.Compare("interval of a_y, mm, noisy anchor", ay, with_anchor[2], 2, why_anchor,
+                Reproducibility::kOrderOfMagnitude);
   table.notes.push_back("Sum of centred squares of the six angles: " + Fixed(squares, 3) + "; var(L) = sigma^2 / " +
                         Fixed(squares, 3) + ".");
   return table;
@@ -108,7 +110,7 @@ ReproducedTable TableVII(Reproduction* reproduction) {
   table.Compare("interval of k0, urad/(N m)", given.at("k0_ci"), OwnInterval(ols), 3, intervals);
   table.State(
       "k21 ... k25 from the spring", "misfit not printed", "RMS " + Fixed(ols.rms / kMicro, 3) + " (OLS k2)",
-      ols.rms > 0.005 * kMicro ? Verdict::kNotReproducible : Verdict::kReproduced,
+      ols.rms > 0.005 * kMicro ? Reproducibility::kNotReproducible : Reproducibility::kReproduced,
       "no reading of the geometry brings all five k2 back: three unknowns, five values, misfit of many intervals");
   table.notes.push_back("A weighted fit of the WLS k2 gives kc " + Fixed(PrintedRate(wls), 2) + ", s0 " +
                         Fixed(wls.s0 / kMillimetre, 0) + ": three unknowns from five values are ill-conditioned.");

@@ -29,11 +29,11 @@ ReproducedTable TableVI(Reproduction* reproduction) {
   for (int p = 0; p < 9; ++p) {
     const std::string name = given.at("names").at(p);
     table.State(name + " urad/(N m), OLS | WLS",
-                Fixed(given.at("ols").at(p), 3) + " | " + Fixed(given.at("wls").at(p), 3), "", Verdict::kInput,
+                Fixed(given.at("ols").at(p), 3) + " | " + Fixed(given.at("wls").at(p), 3), "", Reproducibility::kInput,
                 "values rest on the measurements; the WLS column drives the simulation");
     table.Compare(name + " OLS / WLS, honest", given.at("factor").at(p), ols[p] / wls[p], 2, honest);
     table.Compare(name + " OLS / WLS, per residual", given.at("factor").at(p), trick[p], 1, per_residual,
-                  Verdict::kOrderOfMagnitude);
+                  Reproducibility::kOrderOfMagnitude);
   }
   table.notes.push_back("Intervals in percent: see 003-4, of which this table is a copy.");
   return table;
@@ -70,17 +70,19 @@ ReproducedTable Figure5(Reproduction* reproduction) {
   const Eigen::Matrix3Xd left = AsPoints(run.measured - run.design.rows * FitOls(run));
   const double share = 100.0 * (1.0 - left.row(2).cwiseAbs().sum() / measured.row(2).cwiseAbs().sum());
   table.Compare("share of Z deflection compensated, %", reproduction->table("002-fig5").at("share_z_percent"), share, 1,
-                "mean |Z|; judged by what is left: the simulation lacks what else bends", Verdict::kOrderOfMagnitude);
+                "mean |Z|; judged by what is left: the simulation lacks what else bends",
+                Reproducibility::kOrderOfMagnitude);
   const Eigen::VectorXd m = measured.row(2), c = (measured - left).row(2);
   const Eigen::VectorXd dm = m.array() - m.mean(), dc = c.array() - c.mean();
   const double correlation = dm.dot(dc) / (dm.norm() * dc.norm());
   table.State("measured against computed", "good agreement", "correlation " + Fixed(correlation, 4),
-              correlation > 0.99 ? Verdict::kReproduced : Verdict::kNotReproducible, "reproduced above 0.99");
+              correlation > 0.99 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
+              "reproduced above 0.99");
   for (int axis = 0; axis < 3; ++axis) {
     table.State(std::string("residual RMS ") + "xyz"[axis] + ", mm",
                 axis < 2 ? "higher than Z (joint 1)" : "as geometric",
-                Fixed(left.row(axis).norm() / std::sqrt(1.0 * left.cols()) / kMillimetre, 3), Verdict::kAddition,
-                "the published sizes stand in no table");
+                Fixed(left.row(axis).norm() / std::sqrt(1.0 * left.cols()) / kMillimetre, 3),
+                Reproducibility::kAddition, "the published sizes stand in no table");
   }
   return table;
 }
@@ -119,14 +121,16 @@ ReproducedTable TableIX(Reproduction* reproduction) {
     if (j == 0) {
       const SidewaysStage stage = PullSideways(run, kMicro * ols, reproduction->options().seed);
       table.State("k1, this work", Fixed(given.at("this_work").at(0), 3),
-                  Fixed(stage.k1 / kMicro, 3) + " +-" + Fixed(3.0 * stage.sigma / kMicro, 3), Verdict::kInput,
+                  Fixed(stage.k1 / kMicro, 3) + " +-" + Fixed(3.0 * stage.sigma / kMicro, 3), Reproducibility::kInput,
                   "its own stage: 500 N sideways in three configurations, noise of the size of Table 1 of paper 003, "
                   "3 sigma; a vertical load on a vertical axis does not see it");
     } else {
-      table.State(name + ", this work", Fixed(given.at("this_work").at(j), 3), Fixed(values[j], 3), Verdict::kInput,
+      table.State(name + ", this work", Fixed(given.at("this_work").at(j), 3), Fixed(values[j], 3),
+                  Reproducibility::kInput,
                   "recovered from simulated deflections of the published values (k2: mean of k21 ... k25)");
     }
-    table.State(name + ", previous work", Fixed(given.at("previous_work").at(j), 3), "-", Verdict::kNotReproducible,
+    table.State(name + ", previous work", Fixed(given.at("previous_work").at(j), 3), "-",
+                Reproducibility::kNotReproducible,
                 "configurations, loads and data of the previous work are not printed");
   }
   table.notes.push_back(

@@ -35,7 +35,7 @@ double AddParameter(const GeometricRun& run, const std::string& name, double val
   ReproducedRow& added = table->State(
       name + " " + unit_name, PlusMinus(value, interval, decimals),
       PlusMinus(row.value / unit, 3.0 * row.sigma / unit, decimals) + " (" + Fixed(typical, decimals) + ")",
-      JudgeRatio(interval, typical, Verdict::kOrderOfMagnitude), kIntervalsOfPaper);
+      JudgeRatio(interval, typical, Reproducibility::kOrderOfMagnitude), kIntervalsOfPaper);
   added.published_value = interval;
   added.computed_value = typical;
   return typical / interval;
@@ -123,7 +123,7 @@ ReproducedTable Figure4(Reproduction* reproduction) {
                   3, "of 54 residuals; 39 unknowns of 162 rows take up a factor 0.87");
     const double p = NormalityPValue(values);
     table.State("normal in " + name, "tend to normal", "P = " + Fixed(p, 2) + ", mean " + Fixed(MeanOf(values), 3),
-                p > 0.01 ? Verdict::kReproduced : Verdict::kNotReproducible,
+                p > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
                 "the simulated noise is normal (Jarque-Bera)");
   }
   table.pictures = {HistogramPicture("Residuals by axis", "residual, mm", of_axis)};
@@ -136,9 +136,9 @@ void AddResiduals(const nlohmann::json& published, const ResidualSize& before, c
                   const std::string& why, ReproducedTable* table) {
   const auto add = [&](const std::string& name, const std::string& key, double b, double a) {
     const double pb = published.at(key).at(0), pa = published.at(key).at(1);
-    table->Compare(name + " before, mm", pb, b / kMillimetre, 2, why, Verdict::kOrderOfMagnitude);
-    table->Compare(name + " after, mm", pa, a / kMillimetre, 2, why, Verdict::kOrderOfMagnitude);
-    table->Compare(name + " factor", pb / pa, b / a, 1, why, Verdict::kOrderOfMagnitude);
+    table->Compare(name + " before, mm", pb, b / kMillimetre, 2, why, Reproducibility::kOrderOfMagnitude);
+    table->Compare(name + " after, mm", pa, a / kMillimetre, 2, why, Reproducibility::kOrderOfMagnitude);
+    table->Compare(name + " factor", pb / pa, b / a, 1, why, Reproducibility::kOrderOfMagnitude);
   };
   add("coordinate max", "coordinate_max_mm", before.max, after.max);
   add("coordinate RMS", "coordinate_rms_mm", before.rms, after.rms);

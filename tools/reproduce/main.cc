@@ -20,7 +20,7 @@ DEFINE_string(data, "", "folder with the published tables (else $SAGITTA_DATA, e
 namespace sagitta {
 namespace {
 
-std::string DataFolder() {
+std::string DataFolderFromFlags() {
   if (!FLAGS_data.empty()) return FLAGS_data;
   const char* set = std::getenv("SAGITTA_DATA");
   if (set != nullptr && *set != '\0') return set;
@@ -72,26 +72,27 @@ std::vector<ReproducibleTable> TablesAsked(const std::vector<std::string>& argum
 double ShareOf(const std::string& table) { return table == "002-VI" ? 7.0 : table == "003-3" ? 1.5 : 0.05; }
 
 // A file of another version or a mutilated one: an input error, not a crash.
-ReproducedTable Made(const ReproducibleTable& table, Reproduction* reproduction) {
+ReproducedTable Made(const ReproducibleTable& table, const std::string& folder, Reproduction* reproduction) {
   try {
     return table.make(reproduction);
   } catch (const nlohmann::json::exception&) {
-    throw InputError({DataFolder(), 0, table.id}, "the published data lack something that this table needs");
+    throw InputError({folder, 0, table.id}, "the published data lack something that this table needs");
   }
 }
 
-std::vector<ReproducedTable> Compute(const std::vector<ReproducibleTable>& asked, Reproduction* reproduction) {
+std::vector<ReproducedTable> Compute(const std::vector<ReproducibleTable>& asked, const std::string& folder, bool quiet,
+                                     Reproduction* reproduction) {
   std::vector<ReproducedTable> tables;
   std::vector<ProgressPhase> phases;
   for (const ReproducibleTable& table : asked) phases.push_back({"computing " + table.id + ":", ShareOf(table.id)});
-  Progress progress(FLAGS_quiet, phases);
+  Progress progress(quiet, phases);
   std::string now;
   reproduction->Listen([&](const std::string& words) { progress.Say(now + words); });
   const auto compute = [&] {
     for (const ReproducibleTable& table : asked) {
       now = "computing " + table.id + ": ";
       progress.Say(now + "published values");
-      tables.push_back(Made(table, reproduction));
+      tables.push_back(Made(table, folder, reproduction));
     }
   };
   SayingWhatWasFound(compute, [&] {
@@ -103,10 +104,11 @@ std::vector<ReproducedTable> Compute(const std::vector<ReproducibleTable>& asked
   return tables;
 }
 
-nlohmann::ordered_json ToJson(const std::vector<ReproducedTable>& tables, const CommandLine& line) {
+nlohmann::ordered_json ToJson(const std::vector<ReproducedTable>& tables, const std::string& command,
+                              const ReproduceOptions& options) {
   nlohmann::ordered_json json = {
-      {"schema", "sagitta/reproduction/1"}, {"version", SAGITTA_VERSION}, {"command", line.text},
-      {"note", SimulationNote()},           {"trials", FLAGS_trials},     {"seed", FLAGS_seed}};
+      {"schema", "sagitta/reproduction/1"}, {"version", SAGITTA_VERSION}, {"command", command},
+      {"note", SimulationNote()},           {"trials", options.trials},   {"seed", options.seed}};
   json["tables"] = nlohmann::ordered_json::array();
   for (const ReproducedTable& table : tables) json["tables"].push_back(TableToJson(table));
   return json;
@@ -124,9 +126,11 @@ int RunReproduce(const CommandLine& line) {
   const std::vector<ReproducibleTable> asked = TablesAsked(line.arguments);
   std::optional<OutputFolder> out;
   if (!FLAGS_out.empty()) out.emplace(FLAGS_out, std::vector<std::string>{"report.html", "reproduce.json"});
-  Reproduction reproduction(ReadPublishedData(DataFolder()), {FLAGS_trials, FLAGS_seed});
-  const std::vector<ReproducedTable> tables = Compute(asked, &reproduction);
-  const std::string report = ReproductionToHtml(tables, line.text), json = DumpJson(ToJson(tables, line));
+  const std::string folder = DataFolderFromFlags();
+  Reproduction reproduction(ReadPublishedData(folder), {FLAGS_trials, FLAGS_seed});
+  const std::vector<ReproducedTable> tables = Compute(asked, folder, FLAGS_quiet, &reproduction);
+  const std::string report = ReproductionToHtml(tables, line.text),
+                    json = DumpJson(ToJson(tables, line.text, reproduction.options()));
   std::cout << ToText(tables);
   if (FLAGS_out.empty()) {
     std::cout << "\nNothing is written; --out=DIR keeps the results.\n";

@@ -38,8 +38,8 @@ ReproducedTable PosesTableI(Reproduction* reproduction) {
   for (size_t p = 0; p < study.parameters.size(); ++p) {
     const std::string& name = study.parameters[p];
     const double published = given.at("improvement_factor").at(name);
-    ReproducedRow& added =
-        table.Compare(name + ", approach 1 / approach 2", published, row.median[p], 2, why, Verdict::kOrderOfMagnitude);
+    ReproducedRow& added = table.Compare(name + ", approach 1 / approach 2", published, row.median[p], 2, why,
+                                         Reproducibility::kOrderOfMagnitude);
     added.computed += " (" + Fixed(row.low[p], 2) + " ... " + Fixed(row.high[p], 2) + ")";
   }
   double smallest = study.rows[0].smallest, gap = 0.0;
@@ -52,11 +52,11 @@ ReproducedTable PosesTableI(Reproduction* reproduction) {
   const double high = *std::max_element(centred.median.begin(), centred.median.end());
   table.State("approach 2 \"always provides essentially better results\"", "always",
               "never worse (" + Fixed(smallest, 4) + "); " + Fixed(low, 2) + " ... " + Fixed(high, 2),
-              low < 1.1 ? Verdict::kNotReproducible : Verdict::kReproduced,
+              low < 1.1 ? Reproducibility::kNotReproducible : Reproducibility::kReproduced,
               "smallest factor of all sets; medians over random sets for a disc of 100 mm with the TCP at its centre, "
               "100 mm/rad: nothing to gain there");
   table.State("full poses with their propagated 6 x 6 covariance", "-",
-              "equal to markers within " + Significant(gap, 1), Verdict::kAddition,
+              "equal to markers within " + Significant(gap, 1), Reproducibility::kAddition,
               "the pose is a sufficient statistic: the gain is bad weighting avoided");
   table.notes.push_back(
       "Standard deviations scale with the noise and the configurations; only the factors can be compared.");
@@ -90,7 +90,7 @@ void AddEstimate(const Estimate& estimate, const std::string& name, double value
   for (const ParameterEstimate& row : estimate.table) {
     if (row.name != name) continue;
     table->State(name + (row.quantity == Quantity::kLength ? ", mm" : ", mrad"), Fixed(value, 1),
-                 Fixed(1e3 * row.value, 3) + " +-" + Fixed(3e3 * row.sigma, 3), Verdict::kInput,
+                 Fixed(1e3 * row.value, 3) + " +-" + Fixed(3e3 * row.sigma, 3), Reproducibility::kInput,
                  "drives the simulation; computed: joint estimate with 3 sigma at 0.1 mm, geometry known");
   }
 }
@@ -121,10 +121,10 @@ ReproducedTable PosesTableIII(Reproduction* reproduction) {
       EstimateInTwoSteps(BaseAndTool(reproduction->published(), run, true, reproduction->options().seed), options);
   table.State(
       "eq. 9-16 as printed, residual RMS, mm", "-", Fixed(literal.estimate.fit.rms / kMillimetre, 2),
-      literal.estimate.fit.rms > 1e-3 ? Verdict::kNotReproducible : Verdict::kReproduced,
+      literal.estimate.fit.rms > 1e-3 ? Reproducibility::kNotReproducible : Reproducibility::kReproduced,
       "as printed the two rotations of eq. 11 are commuted: at 52.8 mrad the steps cannot have given this table");
-  table.State("joint estimate, residual RMS, mm", "-", Fixed(estimate.fit.rms / kMillimetre, 2), Verdict::kAddition,
-              "0.1 mm simulated noise");
+  table.State("joint estimate, residual RMS, mm", "-", Fixed(estimate.fit.rms / kMillimetre, 2),
+              Reproducibility::kAddition, "0.1 mm simulated noise");
   return table;
 }
 
@@ -135,7 +135,7 @@ ReproducedTable PosesTableIV(Reproduction* reproduction) {
   const Eigen::VectorXd wls = 3.0 * PredictWlsSigma(run.design) / kMicro;
   for (int p = 0; p < 9; ++p) {
     const std::string name = given.at("names").at(p);
-    table.State(name, Fixed(given.at("wls").at(p), 3), Fixed(run.truth[p] / kMicro, 3), Verdict::kInput,
+    table.State(name, Fixed(given.at("wls").at(p), 3), Fixed(run.truth[p] / kMicro, 3), Reproducibility::kInput,
                 "drives the simulation; the unit is printed as rad/(N mm)");
     CompareWithBound(name + " interval", given.at("wls_ci").at(p), wls[p], &table);
   }

@@ -18,16 +18,16 @@ constexpr const char* kStyle = R"(body{max-width:72em}th,td{text-align:left;vert
 figure td,figure th{text-align:right}.reproduced{color:#1a8b3f}.order{color:#a8701a}.not{color:#d2352b}.note,.input{opacity:.75}
 )";
 
-const char* StyleOf(Verdict verdict) {
+const char* StyleOf(Reproducibility verdict) {
   switch (verdict) {
-    case Verdict::kReproduced:
+    case Reproducibility::kReproduced:
       return "reproduced";
-    case Verdict::kOrderOfMagnitude:
+    case Reproducibility::kOrderOfMagnitude:
       return "order";
-    case Verdict::kNotReproducible:
+    case Reproducibility::kNotReproducible:
       return "not";
-    case Verdict::kInput:
-    case Verdict::kAddition:
+    case Reproducibility::kInput:
+    case Reproducibility::kAddition:
       break;
   }
   return "input";
@@ -55,7 +55,7 @@ std::string ReasonNumber(const ReproducedRow& row, const std::vector<std::string
 std::string RowToHtml(const ReproducedRow& row, const std::vector<std::string>& reasons) {
   return "<tr title=\"" + EscapeHtml(row.why) + "\"><td>" + EscapeHtml(row.quantity) + "</td><td class=\"n\">" +
          EscapeHtml(row.published) + "</td><td class=\"n\">" + EscapeHtml(row.computed) + "</td><td class=\"" +
-         StyleOf(row.verdict) + "\">" + VerdictName(row.verdict) + ReasonNumber(row, reasons) + "</td></tr>\n";
+         StyleOf(row.verdict) + "\">" + ReproducibilityName(row.verdict) + ReasonNumber(row, reasons) + "</td></tr>\n";
 }
 
 std::string ReproducedToHtml(const ReproducedTable& table) {
@@ -93,37 +93,37 @@ std::string OverviewToHtml(const std::vector<ReproducedTable>& tables) {
 
 }  // namespace
 
-const char* VerdictName(Verdict verdict) {
+const char* ReproducibilityName(Reproducibility verdict) {
   switch (verdict) {
-    case Verdict::kReproduced:
+    case Reproducibility::kReproduced:
       return "reproduced";
-    case Verdict::kOrderOfMagnitude:
+    case Reproducibility::kOrderOfMagnitude:
       return "order of magnitude";
-    case Verdict::kNotReproducible:
+    case Reproducibility::kNotReproducible:
       return "not reproducible";
-    case Verdict::kAddition:
+    case Reproducibility::kAddition:
       return "not in the paper";
-    case Verdict::kInput:
+    case Reproducibility::kInput:
       break;
   }
   return "input";
 }
 
-int ReproducedTable::Count(Verdict verdict) const {
+int ReproducedTable::Count(Reproducibility verdict) const {
   int count = 0;
   for (const ReproducedRow& row : rows) count += row.verdict == verdict ? 1 : 0;
   return count;
 }
 
-Verdict JudgeRatio(double published, double computed, Verdict best) {
+Reproducibility JudgeRatio(double published, double computed, Reproducibility best) {
   const double ratio = computed / published;
-  if (!(ratio > 1.0 / kFactor && ratio < kFactor)) return Verdict::kNotReproducible;
+  if (!(ratio > 1.0 / kFactor && ratio < kFactor)) return Reproducibility::kNotReproducible;
   if (std::abs(ratio - 1.0) <= kNearPublished) return best;
-  return Verdict::kOrderOfMagnitude;
+  return Reproducibility::kOrderOfMagnitude;
 }
 
 ReproducedRow& ReproducedTable::Compare(const std::string& quantity, double published_value, double computed_value,
-                                        int decimals, const std::string& why, Verdict best) {
+                                        int decimals, const std::string& why, Reproducibility best) {
   State(quantity, Fixed(published_value, decimals), Fixed(computed_value, decimals),
         JudgeRatio(published_value, computed_value, best), why);
   rows.back().published_value = published_value;
@@ -132,7 +132,8 @@ ReproducedRow& ReproducedTable::Compare(const std::string& quantity, double publ
 }
 
 ReproducedRow& ReproducedTable::State(const std::string& quantity, const std::string& published_text,
-                                      const std::string& computed_text, Verdict verdict, const std::string& why) {
+                                      const std::string& computed_text, Reproducibility verdict,
+                                      const std::string& why) {
   ReproducedRow row;
   row.quantity = quantity;
   row.published = published_text;
@@ -157,7 +158,7 @@ Section TableToSection(const ReproducedTable& table) {
   const std::vector<std::string> reasons = ReasonsOf(table);
   for (const ReproducedRow& row : table.rows) {
     section.rows.push_back(
-        {row.quantity, row.published, row.computed, VerdictName(row.verdict) + ReasonNumber(row, reasons)});
+        {row.quantity, row.published, row.computed, ReproducibilityName(row.verdict) + ReasonNumber(row, reasons)});
   }
   for (size_t i = 0; i < reasons.size(); ++i) {
     section.paragraphs.push_back("(" + std::to_string(i + 1) + ") " + reasons[i]);
@@ -173,8 +174,8 @@ Section OverviewSection(const std::vector<ReproducedTable>& tables) {
   section.header = {"table", "reproduced", "order of magnitude", "not reproducible", "input"};
   for (const ReproducedTable& table : tables) {
     section.rows.push_back({table.id + "  " + table.title});
-    for (const Verdict verdict :
-         {Verdict::kReproduced, Verdict::kOrderOfMagnitude, Verdict::kNotReproducible, Verdict::kInput}) {
+    for (const Reproducibility verdict : {Reproducibility::kReproduced, Reproducibility::kOrderOfMagnitude,
+                                          Reproducibility::kNotReproducible, Reproducibility::kInput}) {
       section.rows.back().push_back(std::to_string(table.Count(verdict)));
     }
   }
@@ -195,7 +196,7 @@ nlohmann::ordered_json TableToJson(const ReproducedTable& table) {
       entry["computed"] = row.computed;
     }
     if (!row.numbers.empty()) entry["numbers"] = row.numbers;
-    entry["verdict"] = VerdictName(row.verdict);
+    entry["verdict"] = ReproducibilityName(row.verdict);
     if (!row.why.empty()) entry["why"] = row.why;
     json["rows"].push_back(entry);
   }

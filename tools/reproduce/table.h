@@ -18,13 +18,13 @@
 
 namespace sagitta {
 
-enum class Verdict { kReproduced, kOrderOfMagnitude, kNotReproducible, kInput, kAddition };
-const char* VerdictName(Verdict verdict);
+enum class Reproducibility { kReproduced, kOrderOfMagnitude, kNotReproducible, kInput, kAddition };
+const char* ReproducibilityName(Reproducibility verdict);
 
 struct ReproducedRow {
   std::string quantity;
   std::string published, computed;  // as shown
-  Verdict verdict = Verdict::kInput;
+  Reproducibility verdict = Reproducibility::kInput;
   std::string why;  // empty where it goes without saying
   double published_value = std::numeric_limits<double>::quiet_NaN();
   double computed_value = std::numeric_limits<double>::quiet_NaN();
@@ -38,18 +38,18 @@ struct ReproducedTable {
   std::vector<std::string> notes;
   std::vector<Picture> pictures;  // for the page alone
 
-  int Count(Verdict verdict) const;
+  int Count(Reproducibility verdict) const;
 
   // Two numbers, shown with `decimals`; the ratio decides, but never better than `best`.
   ReproducedRow& Compare(const std::string& quantity, double published_value, double computed_value, int decimals,
-                         const std::string& why = "", Verdict best = Verdict::kReproduced);
+                         const std::string& why = "", Reproducibility best = Reproducibility::kReproduced);
   // Words; the caller decides.
   ReproducedRow& State(const std::string& quantity, const std::string& published_text, const std::string& computed_text,
-                       Verdict verdict, const std::string& why = "");
+                       Reproducibility verdict, const std::string& why = "");
 };
 
 // Ratio within 10 %: reproduced; within a factor of 3: order of magnitude.
-Verdict JudgeRatio(double published, double computed, Verdict best = Verdict::kReproduced);
+Reproducibility JudgeRatio(double published, double computed, Reproducibility best = Reproducibility::kReproduced);
 
 // The note on every page.
 const std::string& SimulationNote();

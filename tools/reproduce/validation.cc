@@ -46,12 +46,12 @@ void AddConfiguration(const nlohmann::json& given, int c, const Eigen::Matrix3Xd
     }
   }
   table->State(name + ", x | y | z, mm", Ranges(given.at("low_mm").at(c), given.at("high_mm").at(c)), Ranges(residuals),
-               JudgeRatio(farthest, residuals.cwiseAbs().maxCoeff() / kMillimetre, Verdict::kOrderOfMagnitude),
+               JudgeRatio(farthest, residuals.cwiseAbs().maxCoeff() / kMillimetre, Reproducibility::kOrderOfMagnitude),
                "judged by the largest error; validation configurations are ours");
   table->Compare(name + ", by experiment, mm", given.at("experiment_mm").at(c), CoordinateRms(residuals) / kMillimetre,
-                 2, kOwnConfigurations, Verdict::kOrderOfMagnitude);
+                 2, kOwnConfigurations, Reproducibility::kOrderOfMagnitude);
   table->Compare(name + ", by covariance, mm", given.at("model_mm").at(c), predicted / kMillimetre, 2, why_model,
-                 Verdict::kOrderOfMagnitude);
+                 Reproducibility::kOrderOfMagnitude);
 }
 
 // What the paper concludes: covariance and experiment agree. Ours: within 3 Monte-Carlo errors.
@@ -60,7 +60,7 @@ void AddAgreement(const std::string& where, double experiment, double predicted,
   const double deviation = (experiment / predicted - 1.0) * std::sqrt(2.0 * coordinates);
   table->State("experiment against covariance" + where, "good agreement",
                "ratio " + Fixed(experiment / predicted, 2) + ", " + Fixed(deviation, 1) + " of its Monte-Carlo errors",
-               std::abs(deviation) < 3.0 ? Verdict::kReproduced : Verdict::kNotReproducible,
+               std::abs(deviation) < 3.0 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
                std::abs(deviation) < 3.0
                    ? ""
                    : "joint 1 and equilibrium are not in the linear model: no covariance knows of them");
@@ -115,7 +115,7 @@ ReproducedTable Figure8(Reproduction* reproduction) {
     for (const int i : run.validation) values.push_back(run.residuals(axis, i) / kMillimetre);
     const double mean = MeanOf(values), sigma = DeviationOf(values);
     table.State(std::string("mean in ") + "xyz"[axis] + ", mm", "zero", Fixed(mean, 3),
-                std::abs(mean) < 0.5 * sigma ? Verdict::kReproduced : Verdict::kOrderOfMagnitude,
+                std::abs(mean) < 0.5 * sigma ? Reproducibility::kReproduced : Reproducibility::kOrderOfMagnitude,
                 "below half a standard deviation: configurations share one parameter error");
   }
   return table;
@@ -135,13 +135,13 @@ ReproducedTable Figure9(Reproduction* reproduction) {
     const std::string name(1, "xyz"[axis]);
     of_axis.push_back({name, after});
     table.Compare("sigma " + name + " before, mm", given.at("before_mm").at(axis), DeviationOf(before), 2,
-                  kOwnConfigurations, Verdict::kOrderOfMagnitude);
+                  kOwnConfigurations, Reproducibility::kOrderOfMagnitude);
     table.Compare("sigma " + name + " after, mm", given.at("sigma_mm").at(axis), DeviationOf(after), 2,
                   "printed noise 0.1 mm; the rest of the published value is not in any printed model",
-                  Verdict::kOrderOfMagnitude);
+                  Reproducibility::kOrderOfMagnitude);
     const double p = NormalityPValue(after);
     table.State("normal in " + name, "tend to normal", "P = " + Fixed(p, 2),
-                p > 0.01 ? Verdict::kReproduced : Verdict::kNotReproducible, "60 values, Jarque-Bera");
+                p > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible, "60 values, Jarque-Bera");
   }
   table.pictures = {HistogramPicture("Errors by axis", "error, mm", of_axis)};
   return table;
@@ -174,11 +174,12 @@ ReproducedTable TableXIII(Reproduction* reproduction) {
     const char* columns[3] = {" before, mm", " previous work, mm", " this work, mm"};
     for (int c = 0; c < 3; ++c) {
       table.Compare(name + columns[c], given.at(key + "_mm").at(c), sizes[c] / kMillimetre, 2,
-                    c == 1 ? serial : kOwnConfigurations, Verdict::kOrderOfMagnitude);
+                    c == 1 ? serial : kOwnConfigurations, Reproducibility::kOrderOfMagnitude);
     }
     for (int c = 0; c < 2; ++c) {
       table.Compare(name + (c == 0 ? " factor, previous work" : " factor, this work"), given.at(key + "_factor").at(c),
-                    sizes[0] / sizes[c + 1], 1, c == 0 ? serial : kOwnConfigurations, Verdict::kOrderOfMagnitude);
+                    sizes[0] / sizes[c + 1], 1, c == 0 ? serial : kOwnConfigurations,
+                    Reproducibility::kOrderOfMagnitude);
     }
   };
   for (int axis = 0; axis < 3; ++axis) {
@@ -190,7 +191,7 @@ ReproducedTable TableXIII(Reproduction* reproduction) {
   add("distance RMS", "distance_rms", {first.before.distance_rms, first.after.distance_rms, last.after.distance_rms});
   table.Compare("share of Z compensated, %", given.at("share_z_percent"),
                 100.0 * (1.0 - last.after.rms_axis.z() / first.before.rms_axis.z()), 1,
-                "by RMS; judged by what is left", Verdict::kOrderOfMagnitude);
+                "by RMS; judged by what is left", Reproducibility::kOrderOfMagnitude);
   AddAblation(cases, &table);
   return table;
 }
@@ -208,17 +209,17 @@ ReproducedTable Figure10(Reproduction* reproduction) {
   }
   for (int axis = 0; axis < 3; ++axis) {
     table.Compare(std::string("RMS ") + "xyz"[axis] + ", mm", given.at("rms_mm").at(axis), RmsOf(of_axis[axis]), 2,
-                  kOwnConfigurations, Verdict::kOrderOfMagnitude);
+                  kOwnConfigurations, Reproducibility::kOrderOfMagnitude);
   }
   table.pictures = {
       HistogramPicture("Errors by axis", "error, mm", {{"x", of_axis[0]}, {"y", of_axis[1]}, {"z", of_axis[2]}})};
   const MaxwellFit maxwell = FitMaxwell(lengths);
   table.Compare("Maxwell sigma, mm", given.at("maxwell_sigma_mm"), maxwell.sigma, 2,
                 "published RMS per axis of 0.21, 0.44, 0.21 mm make a Maxwell sigma of 0.31 mm, not 0.14",
-                Verdict::kOrderOfMagnitude);
+                Reproducibility::kOrderOfMagnitude);
   table.State("lengths follow Maxwell", "tend to, with few data",
               "gap " + Fixed(maxwell.gap, 2) + ", P = " + Fixed(maxwell.p_value, 3),
-              maxwell.p_value > 0.01 ? Verdict::kReproduced : Verdict::kNotReproducible,
+              maxwell.p_value > 0.01 ? Reproducibility::kReproduced : Reproducibility::kNotReproducible,
               "Maxwell needs equal normal errors along the axes; what joint 1 leaves is neither");
   return table;
 }

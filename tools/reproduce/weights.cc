@@ -41,14 +41,16 @@ ReproducedTable Table1(Reproduction* reproduction) {
       if (given.at("std_um").at(c).at(axis).get<double>() < 0.5 * spread) ++too_sure;
     }
     table.State("configuration " + std::to_string(c + 1) + ", sigma x y z, um", Triple(run.sigma[c] / kMicro, 0),
-                Triple(sample, 0), Verdict::kInput, "drives the simulation; computed: sample of 18 differences");
+                Triple(sample, 0), Reproducibility::kInput,
+                "drives the simulation; computed: sample of 18 differences");
   }
   const double ratio = run.design.sigma.maxCoeff() / run.design.sigma.minCoeff();
-  table.State("samples outside their 99.9 % range", "-", std::to_string(outside) + " of 45", Verdict::kAddition);
+  table.State("samples outside their 99.9 % range", "-", std::to_string(outside) + " of 45",
+              Reproducibility::kAddition);
   table.Compare("largest / smallest sigma", 153.0 / 17.0, ratio, 2, "153 and 17 um of the text").verdict =
-      Verdict::kInput;
+      Reproducibility::kInput;
   table.State("printed +- below half the sampling error", "-", std::to_string(too_sure) + " of 45",
-              Verdict::kNotReproducible,
+              Reproducibility::kNotReproducible,
               "a standard deviation of 18 values is known to 17 %; what the printed +- means is not said");
   table.notes.push_back("The sigmas are of differences loaded - unloaded: of one reading they are sigma / sqrt(2).");
   return table;
@@ -73,17 +75,17 @@ void CompareWithBound(const std::string& name, double published_interval, double
       name, published_interval, bound, 4,
       "below the Cramer-Rao bound at the sigmas of Table 1: no unbiased estimator can; k6 depends on where the load "
       "hangs off axis 6, which is not printed (here: centroid of the markers)");
-  if (published_interval < 0.9 * bound) row.verdict = Verdict::kNotReproducible;
+  if (published_interval < 0.9 * bound) row.verdict = Reproducibility::kNotReproducible;
 }
 
 // Shared with 000, Table II: the same 15 configurations.
 void AddConfigurations(Reproduction* reproduction, ReproducedTable* table) {
   const ElasticRun& run = reproduction->elastic();
   const Eigen::MatrixXd rows = ElasticColumns(*run.model, run.scene, run.columns);
-  table->State("configurations, values of q2", "15, 5", std::to_string(run.scene.shots.size()) + ", 5", Verdict::kInput,
-               "joint angles as shipped drive the simulation");
-  table->State("unknowns, condition of their columns", "-", "9, " + Fixed(ColumnCondition(rows), 1), Verdict::kAddition,
-               "columns of unit norm");
+  table->State("configurations, values of q2", "15, 5", std::to_string(run.scene.shots.size()) + ", 5",
+               Reproducibility::kInput, "joint angles as shipped drive the simulation");
+  table->State("unknowns, condition of their columns", "-", "9, " + Fixed(ColumnCondition(rows), 1),
+               Reproducibility::kAddition, "columns of unit norm");
   // Same q2, the other joints at random.
   constexpr int kSets = 200;
   const std::vector<Eigen::VectorXd> random = DrawConfigurations(
@@ -100,7 +102,7 @@ void AddConfigurations(Reproduction* reproduction, ReproducedTable* table) {
   }
   table->State(
       "random sets with the same q2 that know k less well", "optimal", Fixed(100.0 * worse / kSets, 0) + " %",
-      worse > 0.9 * kSets ? Verdict::kReproduced : Verdict::kOrderOfMagnitude,
+      worse > 0.9 * kSets ? Reproducibility::kReproduced : Reproducibility::kOrderOfMagnitude,
       "by the geometric mean of nine standard deviations; the paper minimised its own measure under cell limits");
 }
 
@@ -133,7 +135,7 @@ void AddLambda(Reproduction* reproduction, ReproducedTable* table) {
   }
   table->State(
       "lambda = 0.5 | 1 | 2, claimed gain", "alike to all digits", factors,
-      gains[2] > 1.01 * gains[0] ? Verdict::kNotReproducible : Verdict::kReproduced,
+      gains[2] > 1.01 * gains[0] ? Reproducibility::kNotReproducible : Reproducibility::kReproduced,
       "geometric mean of nine, per residual; values and intervals that agree to every printed digit need weights "
       "in which lambda cancels, and with sigma0 = 10 um it does not");
 }
@@ -160,14 +162,15 @@ ReproducedTable Table3(Reproduction* reproduction) {
     const std::string name = given.at("names").at(p);
     const double o = given.at("ols_ci").at(p), w = given.at("wls_ci").at(p);
     table.State(name + ", OLS | WLS", Fixed(given.at("ols").at(p), 3) + " | " + Fixed(given.at("wls").at(p), 3), "",
-                Verdict::kInput, "values rest on the measurements; the WLS column drives the simulation");
+                Reproducibility::kInput, "values rest on the measurements; the WLS column drives the simulation");
     table.Compare(name + " interval OLS, eq. 8", o, ols[p], 4, table1);
-    table.Compare(name + " interval OLS, common residual", o, coarse[p], 4, common, Verdict::kOrderOfMagnitude);
+    table.Compare(name + " interval OLS, common residual", o, coarse[p], 4, common, Reproducibility::kOrderOfMagnitude);
     CompareWithBound(name + " interval WLS, eq. 13", w, wls[p], &table);
-    table.Compare(name + " interval WLS, per residual", w, trick[p], 4, per_residual, Verdict::kOrderOfMagnitude);
+    table.Compare(name + " interval WLS, per residual", w, trick[p], 4, per_residual,
+                  Reproducibility::kOrderOfMagnitude);
   }
   table.Compare("k6 interval OLS, eq. 8, load 100 mm off", given.at("ols_ci").at(8), off_axis[8], 3,
-                "the load point is ours", Verdict::kOrderOfMagnitude);
+                "the load point is ours", Reproducibility::kOrderOfMagnitude);
   const std::vector<MethodStudy>& studies = reproduction->weights(true);
   AddLambda(reproduction, &table);
   table.notes.push_back("Coverage of 95 % intervals with joint 1 missing from the model: OLS " +
@@ -185,7 +188,7 @@ void AddStudies(const std::vector<MethodStudy>& studies, const nlohmann::json& n
         study.name + data, "-",
         Fixed(claim, 3) + " (k21 " + Fixed(study.claimed[0] / kMicro, 5) + " / " + Fixed(study.actual[0] / kMicro, 5) +
             ") | " + Fixed(100.0 * c95, 1) + " % | " + Fixed(100.0 * c3s, 1) + " %",
-        Verdict::kAddition,
+        Reproducibility::kAddition,
         "claimed / actual standard deviation, geometric mean of nine (and of k21, urad/(N m)) | coverage of 95 % | of "
         "3-sigma intervals");
     row.numbers = {{"claimed_over_actual", claim}, {"coverage_95", c95}, {"coverage_3_sigma", c3s}};
@@ -217,7 +220,7 @@ ReproducedTable Table4(Reproduction* reproduction) {
     const std::string name = given.at("names").at(p);
     const double factor = given.at("factor").at(p);
     table.Compare(name + " OLS / WLS, honest", factor, ols[p] / wls[p], 2, honest);
-    table.Compare(name + " OLS / WLS, per residual", factor, trick[p], 1, claimed, Verdict::kOrderOfMagnitude);
+    table.Compare(name + " OLS / WLS, per residual", factor, trick[p], 1, claimed, Reproducibility::kOrderOfMagnitude);
     table.Compare(name + " interval OLS, %, from Table 3", given.at("ols_ci_percent").at(p),
                   100.0 * given.at("ols_ci").at(p).get<double>() / given.at("ols").at(p).get<double>(), 2);
     const double percent = given.at("wls_ci_percent").at(p), wls_value = given.at("wls").at(p);
@@ -226,9 +229,10 @@ ReproducedTable Table4(Reproduction* reproduction) {
                                        p == 8 ? "1.28 % here, 1.23 % in the text" : "within the rounding of Table 3");
     // Table 3 prints four decimals, Table 4 two.
     const double rounding = 100.0 * 0.00005 / wls_value + 0.005;
-    if (std::abs(row.computed_value - percent) <= rounding) row.verdict = Verdict::kReproduced;
+    if (std::abs(row.computed_value - percent) <= rounding) row.verdict = Reproducibility::kReproduced;
   }
-  table.State("largest gain any design allows", "27.2 ... 42.0", Fixed(bound, 2), Verdict::kNotReproducible, honest);
+  table.State("largest gain any design allows", "27.2 ... 42.0", Fixed(bound, 2), Reproducibility::kNotReproducible,
+              honest);
   AddStudies(studies, given.at("names"), "", &table);
   AddStudies({with_joint1[0], with_joint1[1], with_joint1.back()}, given.at("names"), "; joint 1 missing", &table);
   return table;
@@ -247,7 +251,7 @@ ReproducedTable Figure3(Reproduction* reproduction) {
   for (size_t i = 0; i < fits.size(); ++i) {
     table.State("iteration " + std::to_string(i), i == 0 ? "0.297 +-0.010" : "-",
                 Fixed(fits[i].value[0] / kMicro, 5) + " +-" + Fixed(3.0 * fits[i].sigma[0] / kMicro, 5),
-                Verdict::kAddition,
+                Reproducibility::kAddition,
                 "k21 with 3 sigma, urad/(N m), one simulated experiment; the figure has no readable scale");
   }
   std::vector<double> iterations, values, intervals;
@@ -261,13 +265,13 @@ ReproducedTable Figure3(Reproduction* reproduction) {
                                  "log10 of 3 sigma in urad/(N m)", intervals)};
   const double later = std::abs(fits.back().sigma[0] / fits[10].sigma[0] - 1.0);
   table.Compare("interval shrinks by, this experiment", given.at("factor"), fits.front().sigma[0] / fits[10].sigma[0],
-                1, "eq. 8 over eq. 13, both with |r|, 10 iterations", Verdict::kOrderOfMagnitude);
+                1, "eq. 8 over eq. 13, both with |r|, 10 iterations", Reproducibility::kOrderOfMagnitude);
   table.Compare("interval shrinks by, mean of " + std::to_string(reproduction->options().trials), given.at("factor"),
                 reproduction->weights(true).back().claimed_factor[0], 1,
-                "eq. 8 over eq. 13, both with |r|, 10 iterations", Verdict::kOrderOfMagnitude);
+                "eq. 8 over eq. 13, both with |r|, 10 iterations", Reproducibility::kOrderOfMagnitude);
   table.State("interval settled after 10 iterations", "yes",
               "changes by " + Fixed(100.0 * later, 0) + " % to iteration 15",
-              later < 0.25 ? Verdict::kOrderOfMagnitude : Verdict::kNotReproducible,
+              later < 0.25 ? Reproducibility::kOrderOfMagnitude : Reproducibility::kNotReproducible,
               "weights chase the smallest residuals: it slows down, it need not settle");
   table.Compare("k21 changes by, %", given.at("change_percent"),
                 100.0 * std::abs(fits[10].value[0] / fits.front().value[0] - 1.0), 2,

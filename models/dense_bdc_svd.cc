@@ -1,0 +1,3 @@
+#include "models/dense_algebra.h"
+
+template class Eigen::BDCSVD<Eigen::MatrixXd>;

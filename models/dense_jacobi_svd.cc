@@ -1,0 +1,3 @@
+#include "models/dense_algebra.h"
+
+template class Eigen::JacobiSVD<Eigen::MatrixXd>;

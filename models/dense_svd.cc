@@ -1,2 +1,0 @@
-#define SAGITTA_SVD_TEMPLATE template
-#include "models/dense_algebra.h"
