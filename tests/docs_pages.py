@@ -2,7 +2,7 @@
 
 A block ```sh is run, by bash, from the root of a checkout. The block ```text that follows it is what the commands print:
 all of it, or parts of it with a line "…" for what is left out. Words have to be the same; a number may differ by 0.5 %
-because compilers differ. Other blocks are not run.
+because compilers differ. Files in blocks ```yaml are taken by docs_blocks_test.py; other blocks are not run.
 """
 import os
 import pathlib
