@@ -182,6 +182,21 @@ def ten_thousand_rows(folder):
     return folder / 'many/report.html'
 
 
+def one_row_far_off(folder):
+    """The page of 420 configurations, three markers each, 42 of them held out; one reading is 10 mm off."""
+    write_poses(folder / 'hundreds.csv', 420, ('S1',))
+    run('calibrate', EXPERIMENT, '--out=%s' % (folder / 'truth'))
+    run('simulate', ROBOT, str(folder / 'hundreds.csv'), '--truth=%s' % (folder / 'truth/estimate.json'),
+        '--sigma_mm=0.05', '--out=%s' % (folder / 'far.csv'))
+    lines = (folder / 'far.csv').read_text().splitlines()
+    cells, z = lines[100].split(','), lines[0].split(',').index('z_mm')
+    cells[z] = str(float(cells[z]) + 10.0)
+    lines[100] = ','.join(cells)
+    (folder / 'far.csv').write_text('\n'.join(lines) + '\n')
+    run('calibrate', ROBOT, str(folder / 'far.csv'), '--sigma_mm=0.05', '--holdout=0.1', '--out=%s' % (folder / 'far'))
+    return folder / 'far/report.html'
+
+
 def two_effects(folder):
     """The page of a diagnosis that finds two effects with names longer than a phone is wide."""
     write_poses(folder / 'few_poses.csv', 60, ('S1',))
@@ -312,6 +327,21 @@ class ReportPages(unittest.TestCase):
         self.assertEqual(len(drawn), 54)
         fitted, held_out = ('#0072b2', '0.6'), ('#d55e00', '1')  # 2 of 18 configurations, three markers each
         self.assertEqual(drawn, [fitted] * 48 + [held_out] * 6)
+
+    def test_of_hundreds_of_poses_the_held_out_ones_keep_their_colour(self):
+        page = one_row_far_off(pathlib.Path(self.folder.name))
+        with self.browser(1100) as browser:
+            shown, _ = browser.open(page)
+            figures = json.loads(browser.value(FIGURES))
+        points = re.search(r'role-mark points".*?</g>', shown, re.S).group(0)
+        colours = re.findall(r'fill="([^"]*)" fill-opacity', points)
+        self.assertEqual(colours, ['#0072b2'] * (3 * 378) + ['#d55e00'] * (3 * 42))
+        # A point that is far off does not press all others into a line: most of them take most of the height.
+        scatter = [figure for figure in figures if figure['kind'] == 'scatter'][0]
+        heights = sorted(float(y) for y in re.findall(r'translate\([^,]*,([^)]*)\)', scatter['path']))
+        self.assertEqual(len(heights), 3 * 420)
+        self.assertGreater(heights[1197] - heights[63], 0.2 * (heights[-1] - heights[0]))
+        self.assertIn('1 beyond the axis, at its edge', scatter['texts'])
 
     def test_suspects_and_directions_are_lists(self):
         for name, path in self.pages.items():
