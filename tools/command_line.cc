@@ -6,6 +6,7 @@
 
 #include "problems/input_error.h"
 #include "problems/io/text_checks.h"
+#include "problems/io/trimmed.h"
 #include "problems/io/units.h"
 #include "problems/range.h"
 
@@ -73,6 +74,14 @@ void RefuseOneHyphen(const Command& command, const std::string& argument) {
                    SpellingHint("--" + name, known));
 }
 
+[[noreturn]] void FailUsage(const Command& command, const std::string& what) {
+  throw InputError({"", 0, "sagitta " + command.name}, what, command.help.substr(0, command.help.find('\n')));
+}
+
+[[noreturn]] void FailWithoutValue(const std::string& name) {
+  throw InputError({"", 0, "--" + name}, "the flag needs a value", "--" + name + "=…");
+}
+
 std::string JoinForShell(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) {
@@ -90,6 +99,7 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
     if (flags_ended || !(LooksLikeFlag(argument) || argument == "--" || argument == "-h" || argument == "-v")) {
+      if (Trimmed(argument).empty()) FailUsage(command, "an argument is empty");
       if (!flags_ended) RefuseOneHyphen(command, argument);
       line.arguments.push_back(argument);
       continue;
@@ -104,10 +114,10 @@ CommandLine ParseCommandLine(const Command& command, const std::vector<std::stri
     } else if (Takes(command, flag.name)) {
       const bool is_switch = IsSwitch(flag.name);
       const bool takes_next = !flag.has_value && !is_switch;
-      if (takes_next && (i + 1 == arguments.size() || LooksLikeFlag(arguments[i + 1]))) {
-        throw InputError({"", 0, "--" + flag.name}, "the flag needs a value", "--" + flag.name + "=…");
-      }
-      SetFlag(flag.name, flag.has_value ? flag.value : is_switch ? "true" : arguments[++i]);
+      if (takes_next && (i + 1 == arguments.size() || LooksLikeFlag(arguments[i + 1]))) FailWithoutValue(flag.name);
+      const std::string value = flag.has_value ? flag.value : is_switch ? "true" : arguments[++i];
+      if (Trimmed(value).empty()) FailWithoutValue(flag.name);  // --out=$DIR where the shell knows no DIR
+      SetFlag(flag.name, value);
     } else if (!flag.has_value && flag.name.rfind("no", 0) == 0 && Takes(command, flag.name.substr(2)) &&
                IsSwitch(flag.name.substr(2))) {
       SetFlag(flag.name.substr(2), "false");
@@ -124,9 +134,7 @@ bool IsGiven(const std::string& flag) { return !gflags::GetCommandLineFlagInfoOr
 void ExpectArguments(const CommandLine& line, const Command& command, size_t least, size_t most) {
   const size_t n = line.arguments.size();
   if (n >= least && n <= most) return;
-  const std::string what =
-      n < least ? "an argument is missing" : "'" + line.arguments[most] + "' is one argument too many";
-  throw InputError({"", 0, "sagitta " + command.name}, what, command.help.substr(0, command.help.find('\n')));
+  FailUsage(command, n < least ? "an argument is missing" : "'" + line.arguments[most] + "' is one argument too many");
 }
 
 std::string DescribeFlag(const std::string& flag) {

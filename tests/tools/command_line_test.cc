@@ -65,6 +65,34 @@ TEST_F(CommandLineTest, BadValuesAreUsageErrors) {
   }
 }
 
+// As in --out="$DIR" of a shell that knows no DIR: results would be nowhere, and status 0 would say that all is well.
+TEST_F(CommandLineTest, AFlagWithNothingBehindItIsAUsageError) {
+  for (const char* command : {"calibrate", "diagnose", "predict", "simulate", "validate", "compare", "inspect",
+                              "coverage", "plan", "compensate", "reproduce", "import", "changed"}) {
+    for (const std::vector<std::string>& flag : {std::vector<std::string>{"--out="}, {"--out", ""}, {"--out= "}}) {
+      std::vector<std::string> arguments = {command, kExperiment};
+      arguments.insert(arguments.end(), flag.begin(), flag.end());
+      const Outcome outcome = Run(arguments);
+      EXPECT_EQ(outcome.status, 2) << command << outcome.err;
+      EXPECT_EQ(outcome.out, "") << command;
+      EXPECT_NE(outcome.err.find("--out: the flag needs a value"), std::string::npos) << command << outcome.err;
+    }
+  }
+  EXPECT_EQ(Run({"compensate", kExperiment, kExperiment, "--out=" + Path("a"), "--program_out="}).status, 2);
+  EXPECT_EQ(Run({"calibrate", kExperiment, "--fixed=", "--out=" + Path("a")}).status, 2);
+  EXPECT_FALSE(Exists("a"));
+}
+
+TEST_F(CommandLineTest, AnEmptyArgumentIsSaid) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"calibrate", ""}, {"calibrate", kExperiment, " "}, {"convert", kExperiment, ""}}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments[0];
+    EXPECT_NE(outcome.err.find("sagitta " + arguments[0] + ": an argument is empty"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("hint: sagitta " + arguments[0] + " "), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(CommandLineTest, NoCommandRunsOnNoThread) {
   for (const char* command : {"compare", "inspect", "diagnose"}) {
     EXPECT_EQ(Run({command, kExperiment, "--threads=0"}).status, 2) << command;
