@@ -62,8 +62,9 @@ struct CompensatedRows {
 std::shared_ptr<CalibratedExperiment> CalibrateInputs(const ExperimentInputs& inputs, const std::string& method,
                                                       int threads, std::uint64_t seed, bool force,
                                                       const std::string& command, const py::object& progress) {
+  CheckIn(allowed::kThreads, threads, "threads");
   Calibration calibration = ResultOf<Calibration>(progress, [&](const Say& say) {
-    return Calibrate(ProblemOf(inputs, force), {MethodNamed(method), threads, seed, say});
+    return Calibrate(ProblemOf(inputs, force), {MethodNamed(method, "method"), threads, seed, say});
   });
   const Estimate& estimate = calibration.estimate;
   if (!IsUsable(estimate.status)) {

@@ -13,6 +13,7 @@
 #include "problems/io/effect_names.h"
 #include "problems/io/files.h"
 #include "problems/io/output_files.h"
+#include "problems/range.h"
 #include "python/inputs.h"
 #include "python/interruptible.h"
 #include "tools/report/diagnosis_report.h"
@@ -61,6 +62,7 @@ std::shared_ptr<InspectedExperiment> InspectInputs(const ExperimentInputs& input
 
 std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int threads, bool force,
                                                     const std::string& command, const py::object& progress) {
+  CheckIn(allowed::kThreads, threads, "threads");
   HoldOutForDiagnosis(inputs.data, &inputs.experiment);
   Diagnosis diagnosis = ResultOf<Diagnosis>(progress, [&](const Say& say) {
     DiagnosisOptions options;
@@ -80,10 +82,17 @@ std::shared_ptr<DiagnosedExperiment> DiagnoseInputs(ExperimentInputs inputs, int
 std::shared_ptr<PlannedExperiment> PlanInputs(const ExperimentInputs& inputs, const py::dict& wishes,
                                               const std::string& command, const py::object& progress) {
   PlanRequest request;
-  request.poses = py::cast<int>(wishes["poses"]);
-  request.accuracy = py::cast<double>(wishes["accuracy_mm"]) / 1e3;
+  if (const auto poses = py::cast<std::optional<int>>(wishes["poses"])) {
+    CheckIn(allowed::kPoses, *poses, "poses");
+    request.poses = *poses;
+  }
+  if (const auto accuracy_mm = py::cast<std::optional<double>>(wishes["accuracy_mm"])) {
+    CheckIn(allowed::kAccuracy, *accuracy_mm / 1e3, "accuracy_mm");
+    request.accuracy = *accuracy_mm / 1e3;
+  }
+  CheckIn(allowed::kPool, py::cast<int>(wishes["pool"]), "pool");
   request.augment = py::cast<bool>(wishes["augment"]);
-  request.criterion = CriterionNamed(py::cast<std::string>(wishes["criterion"]));
+  request.criterion = CriterionNamed(py::cast<std::string>(wishes["criterion"]), "criterion");
   request.discriminate = RivalEffects(inputs.robot, py::cast<std::string>(wishes["discriminate"]), "discriminate");
   request.pool = py::cast<int>(wishes["pool"]);
   request.seed = py::cast<std::uint64_t>(wishes["seed"]);

@@ -162,14 +162,14 @@ Eigen::Matrix<double, 5, 1> ObservabilityIndices(const Eigen::MatrixXd& block) {
   return indices;
 }
 
-CriterionKind CriterionNamed(const std::string& name) {
+CriterionKind CriterionNamed(const std::string& name, const std::string& key) {
   std::vector<std::string> known;
   for (const auto& [own, kind] : Names()) {
     if (kind == CriterionKind::kDiscriminate) continue;  // asked for with --discriminate
     if (own == name) return kind;
     known.push_back(own);
   }
-  throw InputError({"", 0, "--criterion"}, "there is no criterion '" + name + "'", SpellingHint(name, known));
+  throw InputError({"", 0, key}, "there is no criterion '" + name + "'", SpellingHint(name, known));
 }
 
 const char* NameOf(CriterionKind kind) {

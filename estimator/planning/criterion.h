@@ -50,8 +50,8 @@ struct Criterion {
   std::vector<int> Columns(int all) const;
 };
 
-// "I", "D", ... ; throws InputError for another name.
-CriterionKind CriterionNamed(const std::string& name);
+// "I", "D", ... ; throws InputError at `key` for another name.
+CriterionKind CriterionNamed(const std::string& name, const std::string& key = "--criterion");
 const char* NameOf(CriterionKind kind);
 
 // O1 .. O5 of C_SS.

@@ -469,7 +469,7 @@ class Compensation:
     """Corrected targets, one row per row."""
 
     def __init__(self, known, targets, threads):
-        self._core = _core.compensate(known, _tables.source(targets, "targets"), threads)
+        self._core = _core.compensate(known, _tables.source(targets, "targets"), _whole(threads, "threads"))
 
     @property
     def status(self):
@@ -514,6 +514,21 @@ def _experiment(experiment):
 def _names(names):
     """One text is a list as well, as it is for the flags: "geometry/p_x1,geometry/p_y1"."""
     return names.split(",") if isinstance(names, str) else list(names)
+
+
+def _whole(number, name, least=-2**31, most=2**31 - 1):
+    """As an int of C++; what it may be besides is asked there."""
+    try:
+        whole = _operator.index(number)
+    except TypeError:
+        raise TypeError("%s: a whole number is expected, not %r" % (name, number)) from None
+    if not least <= whole <= most:
+        raise _tables._input_error("%s: %d is too %s" % (name, whole, "small" if whole < least else "large"), name)
+    return whole
+
+
+def _seed(seed):
+    return _whole(seed, "seed", 0, 2**64 - 1)
 
 
 def _rows(rows):
@@ -563,7 +578,7 @@ def read(robot_or_experiment, *measurements, sigma_mm=None, holdout=None, seed=1
     if sigma_mm is not None:
         core.set_sigma(float(sigma_mm))
     if holdout is not None:
-        core.set_holdout(float(holdout), seed)
+        core.set_holdout(float(holdout), _seed(seed))
     core.set_free(_names(free)) if free else None
     core.set_fixed(_names(fixed)) if fixed else None
     return Experiment(core)
@@ -577,12 +592,13 @@ def load(path):
 def calibrate(experiment, *, method="joint", threads=1, seed=1, force=False, progress=None):
     """Everything unknown in one solve. progress: called with a sentence now and then."""
     inputs = _experiment(experiment)
-    return Estimate(_core.calibrate(inputs, method, threads, seed, force, "sagitta.calibrate", progress))
+    return Estimate(_core.calibrate(inputs, method, _whole(threads, "threads"), _seed(seed), force, "sagitta.calibrate",
+                                    progress))
 
 
 def diagnose(experiment, *, threads=None, force=False, progress=None):
     """Finds, names and adds the effect that the model lacks."""
-    threads = threads or _os.cpu_count() or 1
+    threads = (_os.cpu_count() or 1) if threads is None else _whole(threads, "threads")
     return Diagnosis(_core.diagnose(_experiment(experiment), threads, force, "sagitta.diagnose", progress))
 
 
@@ -641,7 +657,8 @@ def compensate_program(estimate, program, *, tools_mm_deg=None, frames_mm_deg=No
     """
     return Program(_core.compensate_program(_known(estimate)._core, _os.fspath(program), _frames(tools_mm_deg or {}),
                                             _frames(frames_mm_deg or {}), [float(q) for q in start_deg], load,
-                                            _frames(loads_kg_mm or {}), [float(j) for j in turn_joints], threads))
+                                            _frames(loads_kg_mm or {}), [float(j) for j in turn_joints],
+                                            _whole(threads, "threads")))
 
 
 def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
@@ -651,7 +668,7 @@ def simulate(experiment, truth=None, *, sigma_mm=None, seed=1):
     """
     inputs = _experiment(experiment)
     known = _core.truth_of(inputs) if truth is None else _core.with_loads_of(_known(truth)._core, inputs)
-    return Rows(_core.simulate(known, inputs, sigma_mm, seed))
+    return Rows(_core.simulate(known, inputs, sigma_mm, _seed(seed)))
 
 
 def _estimate_text(estimate):
@@ -677,9 +694,10 @@ def plan(experiment, *, poses=None, accuracy_mm=None, augment=False, criterion="
     inputs = _experiment(experiment)
     random_tests = isinstance(tests, str) and tests == "random"
     wishes = {
-        "poses": _operator.index(poses or 0), "accuracy_mm": float(accuracy_mm or 0.0), "augment": augment,
-        "criterion": criterion,
-        "discriminate": ",".join(_names(discriminate)), "pool": pool, "seed": seed, "random_tests": random_tests,
+        "poses": None if poses is None else _whole(poses, "poses"),
+        "accuracy_mm": None if accuracy_mm is None else float(accuracy_mm), "augment": augment,
+        "criterion": criterion, "discriminate": ",".join(_names(discriminate)), "pool": _whole(pool, "pool"),
+        "seed": _seed(seed), "random_tests": random_tests,
         "candidates": [] if candidates is None else _tables.sources(candidates, "candidates"),
         "tests": [] if tests is None or random_tests else _tables.sources(tests, "tests"),
         "cell": ("", False) if cell is None else _path_or_text(cell), "move": move,

@@ -344,6 +344,33 @@ class Errors(FolderTest):
         with self.assertRaisesRegex(TypeError, "sagitta.calibrate"):
             sagitta.predict(experiment, KR270 / "geometric.csv")
 
+    def test_arguments_out_of_range_have_their_own_names(self):
+        experiment = sagitta.read(KR270 / "experiment.yaml")
+        estimate = sagitta.calibrate(experiment)
+        targets = {"target": ["a"], "q_deg": np.zeros((1, 6))}
+        for call, arguments, options in (
+                (sagitta.plan, (experiment,), {"poses": -3}), (sagitta.plan, (experiment,), {"poses": 0}),
+                (sagitta.plan, (experiment,), {"poses": 2**40}), (sagitta.plan, (experiment,), {"accuracy_mm": -1}),
+                (sagitta.plan, (experiment,), {"accuracy_mm": 0}),
+                (sagitta.plan, (experiment,), {"accuracy_mm": float("nan")}),
+                (sagitta.plan, (experiment,), {"pool": 0, "poses": 6}),
+                (sagitta.plan, (experiment,), {"seed": -1, "poses": 6}),
+                (sagitta.plan, (experiment,), {"criterion": "Q", "poses": 6}),
+                (sagitta.calibrate, (experiment,), {"threads": 0}), (sagitta.calibrate, (experiment,), {"seed": -1}),
+                (sagitta.calibrate, (experiment,), {"seed": 2**64}),
+                (sagitta.calibrate, (experiment,), {"method": "joynt"}),
+                (sagitta.diagnose, (experiment,), {"threads": 0}), (sagitta.diagnose, (experiment,), {"threads": -1}),
+                (sagitta.compensate, (estimate, targets), {"threads": 0}),
+                (sagitta.simulate, (experiment, estimate), {"sigma_mm": -1}),
+                (sagitta.simulate, (experiment, estimate), {"seed": -1})):
+            error = self.caught(call, *arguments, **options)
+            name = next(iter(options))
+            self.assertEqual(error.key, name)
+            self.assertTrue(str(error).startswith(name + ": "), error)
+        for options in ({"poses": 2.5}, {"poses": 6, "pool": 1.5}, {"poses": 6, "seed": "one"}):
+            with self.assertRaisesRegex(TypeError, list(options)[-1] + ": a whole number is expected"):
+                sagitta.plan(experiment, **options)
+
     def test_readings_of_another_robot(self):
         frame = pandas.read_csv(KR270 / "geometric.csv", comment="#")
         frame["q2_deg"] = -frame["q2_deg"]
