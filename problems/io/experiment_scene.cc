@@ -1,5 +1,6 @@
 // Loads, tool, gravity, markers and stations of an experiment file.
 #include "problems/io/experiment_parts.h"
+#include "problems/io/load_names.h"
 
 namespace sagitta {
 namespace {
@@ -28,6 +29,7 @@ std::map<std::string, LoadSpec> ReadLoads(const YamlValue& value) {
     if (const auto frame = map.Find("frame")) load.frame = ReadWrenchFrame(*frame);
     map.Finish();
     if (id == kNoLoad) entry.Fail("the load id 'none' means that there is no external load", "use another id");
+    if (IsNoneInOtherLetters(id)) entry.Fail(kLoadOrNone, kHowNoneIsWritten);
     loads[id] = load;
   }
   return loads;

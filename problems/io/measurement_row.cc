@@ -7,6 +7,7 @@
 #include "models/effects/effect.h"
 #include "problems/input_error.h"
 #include "problems/io/files.h"
+#include "problems/io/load_names.h"
 #include "problems/limits.h"
 
 namespace sagitta {
@@ -141,6 +142,9 @@ void ReadLoad(const RowReader& reader, const MeasurementColumns& columns, Measur
   const bool loaded = !row->wrench.IsZero();
   // Without a load column the wrench alone tells the two states apart.
   row->load = reader.Text(columns.load, columns.load < 0 && loaded ? "unnamed" : kNoLoad);
+  if (IsNoneInOtherLetters(row->load)) {
+    reader.Fail("load", "'" + std::string(row->load) + "': " + kLoadOrNone, kHowNoneIsWritten);
+  }
   if (row->load == kNoLoad && loaded) {
     reader.Fail("load", "load 'none' has a wrench that is not 0", "name the load state, or set the wrench to 0");
   }

@@ -8,6 +8,7 @@
 #include "problems/input_error.h"
 #include "problems/io/csv_table.h"
 #include "problems/io/files.h"
+#include "problems/io/load_names.h"
 #include "problems/io/units.h"
 #include "problems/limits.h"
 
@@ -190,6 +191,7 @@ void TargetReader::AddShot(const Target& target, Measurements* data) {
   }
   if (load_.index < 0 && !shot.wrench.IsZero()) shot.load = "unnamed";
   if (!Cell(load_).empty()) shot.load = Cell(load_);
+  if (IsNoneInOtherLetters(shot.load)) Fail("load", "'" + shot.load + "': " + kLoadOrNone, kHowNoneIsWritten);
   if (const std::optional<double> time = Number(time_)) shot.has_time = true, shot.time = *time;
   if (const std::optional<double> kelvin = Number(temperature_)) {
     shot.has_temperature = true, shot.temperature = *kelvin;

@@ -208,6 +208,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadExperiment{"load_mass", "mass_kg: 250", "mass_kg: -1", {"5: loads.V250.mass_kg", "below 0"}},
         BadExperiment{"load_frame", "0.1], frame: base", "0.1], frame: bse", {"5: loads.V250.frame", "'base'"}},
         BadExperiment{"load_none", "V100: {}", "none: {}", {"5: loads.none"}},
+        BadExperiment{
+            "load_none_in_capitals", "V100: {}", "NONE: {}", {"5: loads.NONE", "or no load?", "written none"}},
         BadExperiment{"load_twice", "V100: {}", "V250: {}", {"5: loads.V250", "twice"}},
         BadExperiment{"tool", "com_mm", "com", {"6: tool.com", "unit", "com_mm, com_m"}},
         BadExperiment{"gravity_zero", "[0, 0, -2]", "[0, 0, 0]", {"7: gravity.direction", "no length"}},

@@ -103,6 +103,9 @@ INSTANTIATE_TEST_SUITE_P(
                    {"t.csv:3", "q3_deg", "'zero' is not a finite number"}},
         BadTargets{"Beyond", "target," + kPose + ",fx_N\na,1,1,1,0,0,0,1e40\n", {"t.csv:2", "fx_N", "beyond anything"}},
         BadTargets{"HalfAPose", "target," + kPose + "\na,1,1,1,0,,0\n", {"t.csv:2", "ry_mrad", "is empty"}},
+        BadTargets{"NoneInCapitals",
+                   "target,load," + kJoints + "\na,none,0,0,0,0,0,0\nb,None,0,0,0,0,0,0\n",
+                   {"t.csv:3", "load", "'None'", "or no load?", "written none"}},
         BadTargets{"NoNameHere", "target," + kPose + "\n,1,1,1,0,0,0\n", {"t.csv:2", "target", "is empty"}},
         BadTargets{
             "Nothing", "target," + kPose + "\na,,,,,,\n", {"t.csv:2", "'a' has neither joint values nor a pose"}},
