@@ -184,4 +184,6 @@ std::string RowIsOff(double distance, double times) {
 
 std::string MeasureAgain() { return "measure it again or take it out"; }
 
+std::string ReadingIsLost() { return "x, y and z are one number, as of a lost reading: leave the three cells empty"; }
+
 }  // namespace sagitta

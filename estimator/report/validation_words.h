@@ -52,5 +52,6 @@ std::string FitsStation(const std::string& station);
 // times: the median of all distances.
 std::string RowIsOff(double distance, double times);
 std::string MeasureAgain();
+std::string ReadingIsLost();  // x, y and z are one number
 
 }  // namespace sagitta

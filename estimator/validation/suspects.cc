@@ -18,6 +18,9 @@ namespace sagitta {
 namespace {
 
 constexpr double kGain = 5.0;  // times nearer than as stated: what was meant
+// What fits lies where other rows do, or is nearer by the digits that a point in metres or inches has at least.
+constexpr double kFits = 10.0;  // median distances
+constexpr double kFitsShare = 1e-3;
 
 struct SuspectedRows {
   const CalibrationProblem& problem;
@@ -35,7 +38,9 @@ struct SuspectedRows {
 // Other ways to read one point; the nearest to its prediction wins.
 class Proposals {
  public:
-  Proposals(double as_stated, const Vector3<double>& predicted) : least_(as_stated / kGain), predicted_(predicted) {}
+  // median: of the distances of all rows.
+  Proposals(double as_stated, double median, const Vector3<double>& predicted)
+      : least_(std::min(as_stated / kGain, std::max(kFits * median, kFitsShare * as_stated))), predicted_(predicted) {}
   void TryPoint(const Vector3<double>& point, const std::string& words) {
     TryDistance((point - predicted_).norm(), words);
   }
@@ -94,6 +99,9 @@ void TryLabels(const SuspectedRows& rows, int k, Proposals* proposals) {
                            FitsStation(data.stations[s]));
   }
 }
+
+// What trackers write where they lost their target: one number three times, as -9999 or 0.
+bool IsOneNumber(const Vector3<double>& point) { return point.x() == point.y() && point.x() == point.z(); }
 
 // Excluded as an outlier by the noise model, which has looked closer.
 std::vector<Suspect> LeftOut(const CalibrationProblem& problem, const Estimate& estimate) {
@@ -201,15 +209,16 @@ std::vector<Suspect> FindAmong(const CalibrationProblem& problem, const FittedSt
     const int observation = rows.observations[k];
     const auto is_known = [&](const Suspect& suspect) { return suspect.observation == observation; };
     if (std::any_of(suspects.begin(), suspects.end(), is_known)) continue;
-    Proposals proposals(distances[k], rows.predicted(k));
-    if (is_near) {
+    Proposals proposals(distances[k], median, rows.predicted(k));
+    const bool is_lost = IsOneNumber(rows.measured(k));
+    if (is_near && !is_lost) {
       TryNumbers(rows.measured(k), &proposals);
       TryLabels(rows, k, &proposals);
     }
-    const std::string off = RowIsOff(distances[k], distances[k] / median);
-    const bool explained = !proposals.words().empty();
+    std::string cure = proposals.words().empty() ? MeasureAgain() : proposals.words();
+    if (is_lost) cure = ReadingIsLost();
     suspects.push_back({observation, problem.data().SourceOf(rows.at(k)),
-                        off + "; " + (explained ? proposals.words() : MeasureAgain())});
+                        RowIsOff(distances[k], distances[k] / median) + "; " + cure});
   }
   std::stable_sort(suspects.begin(), suspects.end(),
                    [](const Suspect& a, const Suspect& b) { return a.observation < b.observation; });

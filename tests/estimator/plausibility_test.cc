@@ -129,6 +129,17 @@ TEST(Plausibility, ManyRowsShiftedByOneAreRefusedWithTheirCure) {
   EXPECT_EQ(found.finding.code, "row_shift") << found.finding.words;
 }
 
+// A lost reading at the end is left out where each point is taken for the configuration after its own: that the others
+// fit says nothing for it.
+TEST(Plausibility, ALostReadingIsNoShift) {
+  for (const bool is_last : {true, false}) {
+    Measurements data = Measure(test::Ur5Rows(), 8, 12);
+    data.observations[is_last ? 11 : 0].point_in_station.setConstant(-9.999);
+    const Plausibility found = CheckPlausible(ProblemOf(test::Ur5Rows(), data));
+    EXPECT_NE(found.finding.code, "row_shift") << found.finding.words;
+  }
+}
+
 // The rows of one configuration are a pose, wherever its joints are: that a station of their own fits them says
 // nothing.
 TEST(Plausibility, RowsOfOneConfigurationAreNoOtherStations) {

@@ -79,6 +79,9 @@ TEST(Suspects, EachIsNamedWithWhatWouldMakeItFit) {
     rows[20].point_in_station.y() *= -1.0;
     rows[40].point_in_station *= 1e-3;
     rows[61].point_in_station.z() += 3e-3;
+    // Both are nearer in a unit 1000 times smaller, and fit no better.
+    rows[72].point_in_station.setConstant(-9.999);
+    rows[80].point_in_station = {-9.9, -9.7, -9.999};
   });
   const Estimate estimate = EstimateJointly(problem);
   const std::vector<Suspect> suspects = FindSuspects(problem, estimate);
@@ -89,7 +92,9 @@ TEST(Suspects, EachIsNamedWithWhatWouldMakeItFit) {
   EXPECT_THAT(words["simulated.csv:22"], HasSubstr("y of the other sign"));
   EXPECT_THAT(words["simulated.csv:42"], HasSubstr("read in m"));
   EXPECT_THAT(words["simulated.csv:63"], HasSubstr("measure it again"));
-  EXPECT_EQ(suspects.size(), 5u);
+  EXPECT_THAT(words["simulated.csv:74"], HasSubstr("one number, as of a lost reading: leave the three cells empty"));
+  EXPECT_THAT(words["simulated.csv:82"], HasSubstr("measure it again"));
+  EXPECT_EQ(suspects.size(), 7u);
 }
 
 // Two rows are no reason to doubt the robot file, however far they move everything.
