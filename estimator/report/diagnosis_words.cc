@@ -94,12 +94,12 @@ std::string Percent(double probability) {
   return Significant(100.0 * probability, probability > 0.9 ? 3 : 2) + " %";
 }
 
-// Of the squared gap on untouched rows: groups share what is closed of it.
+// Of the squared gap on untouched rows: those of the groups add up to what is closed of it.
 std::string ShareOfGap(const Diagnosis& d, double share) {
-  const double closed = std::isnan(d.gap.closed) ? 1.0 : d.gap.closed;
-  const std::string whole = std::isnan(d.gap.closed) ? " % of what is explained" : " % of the gap";
-  if (!std::isfinite(share) || !(closed > 0.0)) return "";
-  return share > 0.0 ? Significant(100.0 * share * closed, 2) + whole : "no gain on untouched rows";
+  const bool is_known = !std::isnan(d.gap.closed);
+  const std::string whole = is_known ? " % of the gap" : " % of what is explained";
+  if (!std::isfinite(share) || (is_known && !(d.gap.closed > 0.0))) return "";
+  return share > 0.0 ? Significant(100.0 * share, 2) + whole : "no gain on untouched rows";
 }
 
 double LeastProbability(const Diagnosis& d, const EffectGroup& group) {
@@ -146,7 +146,7 @@ std::vector<std::string> CausesInWords(const Diagnosis& d) {
 
 std::string RestInWords(const Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::kExplained) return "Nothing significant is left.";
-  const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 / d.gap.closed - 1.0);
+  const std::string share = std::isnan(d.gap.closed) ? "" : ShareOfGap(d, 1.0 - d.gap.closed);
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
 }
 
