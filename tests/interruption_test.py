@@ -130,6 +130,28 @@ def test_predict_and_compensate_say_how_far_they_are():
             assert not out.exists() and len(left_in(folder)) == 2, left_in(folder)
 
 
+def test_long_tables_say_how_far_they_are():
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        robot, rows = PUBLISHED / 'robot.yaml', folder / 'rows.csv'
+        run('calibrate', PUBLISHED / 'experiment.yaml', f'--out={folder / "truth"}', '--quiet')
+        estimate = folder / 'truth' / 'estimate.json'
+        simulation = ['simulate', robot, many_rows(folder, 'config,marker,station', 'C%d,P1,S1'), f'--truth={estimate}',
+                      f'--out={rows}']
+        for command, words, arguments in (('simulate', 'phase 2 of 3: simulating', simulation),
+                                          ('validate', 'phase 2 of 3: comparing 400000', ['validate', estimate, rows]),
+                                          ('import', 'phase 2 of 4: taking', ['import', robot, rows])):
+            if command != 'simulate':
+                if not rows.exists():
+                    run(*simulation, '--quiet')
+                arguments.append(f'--out={folder / "out"}')
+            before = left_in(folder)
+            ended = interrupt_when([words], arguments)
+            assert ended is not None, command
+            assert 'interrupted; no result is written' in ended[1], ended[1]
+            assert left_in(folder) == before, left_in(folder)
+
+
 def test_compare_says_which_methods_are_done():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -197,5 +219,6 @@ if __name__ == '__main__':
     test_reproduce_says_which_tables_are_done()
     test_calibrate_writes_nothing()
     test_predict_and_compensate_say_how_far_they_are()
+    test_long_tables_say_how_far_they_are()
     test_diagnose_says_what_was_found_so_far()
     print('ok')

@@ -29,7 +29,8 @@ int RunInspect(const CommandLine& line) {
   const CalibrationProblem problem = ProblemAsStated(inputs);
   Inspection inspection;
   {
-    Progress progress(FLAGS_quiet);
+    // Shares as measured on 390000 rows of the KR 270.
+    Progress progress(FLAGS_quiet, {{"reading robot", 1.0}, {"linearizing", 6.0}});
     inspection = Inspect(problem, [&progress](const std::string& what) { progress.Say(what); });
   }
   const Provenance provenance{line.text, "inspection", inputs.files};
