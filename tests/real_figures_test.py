@@ -64,6 +64,27 @@ class RealFigures(unittest.TestCase):
         self.assertEqual(held_out['observations'], 1470)
         self.expect_as_good_as(0.502, 0.507, held_out)
 
+    # A robot with model error: the first sentence is of points that took no part in the fit, and the intervals that people
+    # are shown are the wider ones. (Where model error is nil they are equal: estimator/validation_test.cc.)
+    def test_the_first_screen_is_of_unseen_points_and_ci95_carries_model_error(self):
+        for flags, unseen in (([], lambda e: e['cross_validation']), (['--holdout=0.3'], lambda e: e['validation'])):
+            done = self.calibrate(UR5 / 'robot.yaml', UR5 / 'measurements.csv', *flags)
+            estimate = json.loads((self.folder / 'out/estimate.json').read_text())
+            self.assertEqual(estimate['cross_validation']['folds'], 10)
+            words = 'now within %.3f mm (RMS; 95 %% of points within ' % unseen(estimate)['distance_rms_mm']
+            self.assertIn(words, estimate['verdict']['words'])
+            first = ' '.join(done.stdout.split('\n\n')[0].split())
+            self.assertIn(words, first)
+            self.assertIn('Model error: the intervals are', first)
+            wider = 0
+            for parameter in estimate['parameters']:
+                if parameter['ci95'] is None:
+                    continue
+                wide, narrow = ((p[1] - p[0]) for p in (parameter['ci95'], parameter['ci95_noise_only']))
+                self.assertGreaterEqual(wide, narrow * (1 - 1e-9), parameter['name'])
+                wider += wide > 1.2 * narrow
+            self.assertGreater(wider, 0.5 * len(estimate['correlation']['names']))
+
     def expect_refused(self, robot, table, cure):
         done = self.calibrate(robot, table)
         self.assertEqual(done.returncode, 2, done.stdout)
