@@ -379,7 +379,7 @@ INSTANTIATE_TEST_SUITE_P(
                 kFull,
                 "0,none,0.5,0.2,1,2,4,0.1,0.2,0.3,0,0,0",
                 "0,None,0.5,0.2,1,2,4,0.1,0.2,0.3,0,0,0",
-                {"m.csv:5", "load", "'None'", "or no load?", "written none"}},
+                {"5: load", "'None'", "or no load?", "written none"}},
         BadFile{"wrench_differs",
                 kFull,
                 "C1,M2,S2,v1,0,none,0.5,0.2,1,2,4,0.1,0.2,0.3,0,0,0",
