@@ -72,6 +72,23 @@ TEST(Diagnosis, NamesAHarmonicWithItsSizeAndClosesTheGap) {
   EXPECT_NEAR(diagnosis.groups[0].share_of_gap, 1.0, 1e-9);
 }
 
+// A ripple in the fitted rows that the held-out rows do not have: it explains the former, and the latter have a veto.
+TEST(Diagnosis, WhatMakesUntouchedRowsWorseIsNoStep) {
+  CalibrationProblem problem = Hidden(2, [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); });
+  const CalibrationProblem healthy = Hidden(2, [](double) { return 0.0; });
+  const std::vector<int> held_out = problem.ValidationObservations();
+  ASSERT_EQ(held_out.size(), 45u);
+  for (const int i : held_out) {
+    problem.mutable_data()->observations[i].point_in_station = healthy.data().observations[i].point_in_station;
+  }
+  const Diagnosis diagnosis = Diagnose(problem, DiagnosisOptions());
+  EXPECT_NE(diagnosis.verdict, DiagnosisVerdict::kExplained);
+  for (const FoundEffect& effect : diagnosis.effects) {
+    EXPECT_NE(effect.candidate.spec.Path(), "effect/joint_harmonic[order=2]/A3");
+  }
+  EXPECT_LT(diagnosis.final.estimate.validation.rms, 1.01 * diagnosis.baseline.estimate.validation.rms);
+}
+
 TEST(Diagnosis, MeasuredAndSimulatedFollowTheDriver) {
   const auto harmonic = [](double q) { return 80e-6 * std::cos(2 * q) - 50e-6 * std::sin(2 * q); };
   const Diagnosis diagnosis = Diagnose(Hidden(2, harmonic), DiagnosisOptions());
