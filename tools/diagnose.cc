@@ -135,12 +135,13 @@ int RunDiagnose(const CommandLine& line) {
   const CalibrationProblem& problem = baseline.problem;
   Diagnosis diagnosis;
   {
-    // Shares as measured on UR5 and UR10 series.
-    Progress progress(FLAGS_quiet, {{"fitting the believed model", 1.0},
-                                    {"listing", 2.0},
-                                    {"weighing", 8.0},
-                                    {"fitting the extended model", 1.0},
-                                    {"alternatives and halves", 3.0}});
+    // Shares as measured on the UR5 and on series D of the UR10; how often it is weighed anew is not known before.
+    Progress progress(FLAGS_quiet, {{"fitting the believed model", 0.5},
+                                    {"listing", 0.5},
+                                    {"weighing", 7.5},
+                                    {"fitting the extended model", 0.5},
+                                    {"alternatives and halves", 2.5},
+                                    {"learning", 2.5}});
     FoundSoFar found;
     DiagnosisOptions options;
     options.significance = problem.experiment().significance;

@@ -180,8 +180,10 @@ CsvTable ReadCsvTable(const std::string& path) { return ParseCsvTable(ReadTextFi
 
 CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
   if (const int bad_line = LineOfInvalidUtf8(text))
-    throw InputError({path, bad_line, ""}, "this is not a text file in UTF-8",
-                     "save it as UTF-8; 'sagitta import' reads tables in UTF-16 and Latin-1 as well");
+    throw InputError(
+        {path, bad_line, ""}, "this is not a text file in UTF-8",
+        "save it as UTF-8, the sheet of a workbook as CSV; 'sagitta import' reads tables in UTF-16 and Latin-1 "
+        "as well");
   CsvTable table;
   table.file.path = path;
   table.file.sha256 = Sha256(text);
