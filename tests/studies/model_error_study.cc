@@ -1,6 +1,7 @@
 // Real robots: does `ci95`, the interval with model error that calibrate gives, hold elsewhere?
 //
-//   sagitta_model_error_study [simulated=0 [file]]     # file: of one series alone, series_C.csv
+//   sagitta_model_error_study [simulated=0 [file]]     # file: of one series alone, series_C.csv; series: only against
+//                                                      # each other
 //
 // Every part is calibrated by itself, as `sagitta calibrate` does, and states its own intervals: the halves of a series
 // (UR5; UR10 A, B, C, D) above and below the median of each joint and of x, y, z; the UR10's series against each other.
@@ -198,6 +199,7 @@ int main(int argc, char** argv) {
     std::printf("no ../shared/data: nothing to study\n");
     return 0;
   }
+  const std::string asked = argc > 2 ? argv[2] : "";
   Tally regions, series;
   Predicted points, thirds;
   std::vector<Calibration> alone;
@@ -206,18 +208,20 @@ int main(int argc, char** argv) {
                                      {"ur10_leica", "series_B.csv"},
                                      {"ur10_leica", "series_C.csv"},
                                      {"ur10_leica", "series_D.csv"}}) {
-    if (argc > 2 && std::string(argv[2]) != file) continue;
+    if (!asked.empty() && asked != "series" && asked != file) continue;
     const CalibrationProblem problem = test::RealProblem(folder, {file}, Experiment());
-    Tally own;
-    Predicted of_halves;
-    for (int by = 0; by < problem.robot().chain.num_joints() + 3; ++by) own.Add(Halves(problem, by, &of_halves));
-    own.Print(std::string("halves of ") + folder + " " + file);
-    of_halves.Print("  the other half");
-    Predicted of_thirds = RandomThirds(problem);
-    of_thirds.Print("  a random third");
-    thirds.Add(of_thirds);
-    regions.Add(own);
-    points.Add(of_halves);
+    if (asked != "series") {
+      Tally own;
+      Predicted of_halves;
+      for (int by = 0; by < problem.robot().chain.num_joints() + 3; ++by) own.Add(Halves(problem, by, &of_halves));
+      own.Print(std::string("halves of ") + folder + " " + file);
+      of_halves.Print("  the other half");
+      Predicted of_thirds = RandomThirds(problem);
+      of_thirds.Print("  a random third");
+      thirds.Add(of_thirds);
+      regions.Add(own);
+      points.Add(of_halves);
+    }
     if (std::string(folder) == "ur10_leica") alone.push_back(Calibrate(problem));
   }
   for (size_t a = 0; a < alone.size(); ++a) {
