@@ -193,7 +193,7 @@ CalibrationProblem CalibrationProblem::WithEffects(const std::vector<EffectSpec>
         GravityCompensator{robot().chain.FindJoint(spec.target), p[0], p[1], p[2], p[3], p[4], true};
     adds_compensator = true;
   }
-  CalibrationProblem problem(ForwardModel(std::move(extended), data_->markers), data_, experiment_);
+  CalibrationProblem problem(ForwardModel(extended, data_->markers), data_, experiment_);
   problem.parameters.CopyByName(parameters);
   if (adds_compensator)
     problem.parameters.coordinate(problem.parameters.FindCoordinate(CompensatorPart::kL)).free = false;
@@ -212,8 +212,8 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   CheckLoadStates(&data);
   CheckStatedLoads(experiment, &data);
   const std::vector<std::string> compliant = CompliantJoints(robot, data, experiment);
-  Robot elastic = WithCompliances(std::move(robot), compliant);
-  ForwardModel model(std::move(elastic), data.markers);
+  const Robot elastic = WithCompliances(std::move(robot), compliant);
+  ForwardModel model(elastic, data.markers);
   CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));
   CheckNames(problem);
   CheckCompensator(problem);
@@ -234,7 +234,7 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
 
 CalibrationProblem MakeKnownProblem(Robot robot, Measurements data, Experiment experiment, const KnownPlaces& places) {
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
-  ForwardModel model(std::move(robot), data.markers);
+  ForwardModel model(robot, data.markers);
   CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));
   const Measurements& rows = problem.data();
   for (size_t s = 0; s < rows.stations.size(); ++s) {

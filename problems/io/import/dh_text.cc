@@ -211,8 +211,6 @@ class DhReader {
           slides |= variable;
           break;
         case DhColumn::kTheta:
-          link.theta += Quantity(row, c, &variable);
-          break;
         case DhColumn::kOffset:
           link.theta += Quantity(row, c, &variable);
           break;

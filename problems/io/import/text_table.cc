@@ -43,7 +43,7 @@ std::vector<TableLine> LinesOf(const std::string& text) {
     TableLine line{number, text.substr(at, end - at)};
     at = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     if (Trimmed(line.text, kBlanks).empty()) continue;
-    const size_t first = line.text.find_first_not_of(" ");
+    const size_t first = line.text.find_first_not_of(' ');
     if (line.text[first] == '#' || line.text[first] == '%') {
       line.is_comment = true;
       line.text = line.text.substr(first + 1);
