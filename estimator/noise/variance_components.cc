@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "estimator/least_squares/normal_algebra.h"
 #include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/distributions.h"
 #include "models/matrix_functions.h"
@@ -37,12 +38,6 @@ void StandIn(Linearization* all) {
   all->jacobian.bottomRows(1).setOnes();
   all->residual.conservativeResize(all->num_rows() + 1);
   all->residual.tail(1).setZero();
-}
-
-Eigen::MatrixXd SumOf(const RestrictedLikelihood::Rows& rows) {
-  SumOfRows sum(static_cast<int>(rows.cols()));
-  for (Eigen::Index r = 0; r < rows.rows(); ++r) sum.Add(rows.row(r).data());
-  return sum.Total();
 }
 
 // R with R'R = F F', of no more rows than F has columns or rows.
@@ -148,7 +143,7 @@ RestrictedLikelihood::Evaluation RestrictedLikelihood::Evaluate(const Eigen::Vec
                                                                 bool with_derivatives) const {
   const Whitened whitened = Whiten(variances, groups);
   // [J r]'V^-1 [J r] of all rows.
-  const Eigen::MatrixXd products = SumOf(whitened.rows) + rest_ / variances[0] + prior_;
+  const Eigen::MatrixXd products = SelfProduct(whitened.rows) + rest_ / variances[0] + prior_;
   const Eigen::MatrixXd normal = products.topLeftCorner(columns_, columns_);
   const Eigen::VectorXd product = products.col(columns_).head(columns_);
   // N = J'V^-1 J, x = N^-1 J'V^-1 r:  r'P r = r'V^-1 r - x'J'V^-1 r,  ln|N| = 2 sum ln diag chol(N).
