@@ -232,7 +232,8 @@ CalibrationProblem MakeCalibrationProblem(Robot robot, Measurements data, Experi
   return problem;
 }
 
-CalibrationProblem MakeKnownProblem(Robot robot, Measurements data, Experiment experiment, const KnownPlaces& places) {
+CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
+                                    const KnownPlaces& places) {
   for (const auto& [name, marker] : places.markers) experiment.markers[name] = marker;
   ForwardModel model(robot, data.markers);
   CalibrationProblem problem(std::move(model), std::move(data), std::move(experiment));

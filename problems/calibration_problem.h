@@ -96,7 +96,7 @@ class CalibrationProblem {
 
  private:
   friend CalibrationProblem MakeCalibrationProblem(Robot, Measurements, Experiment);
-  friend CalibrationProblem MakeKnownProblem(Robot, Measurements, Experiment, const KnownPlaces&);
+  friend CalibrationProblem MakeKnownProblem(const Robot&, Measurements, Experiment, const KnownPlaces&);
 
   // All unknowns at their nominal values; throws InputError.
   CalibrationProblem(ForwardModel model, SharedValue<Measurements> data, SharedValue<Experiment> experiment);
@@ -122,6 +122,7 @@ struct KnownPlaces {
 
 // The problem of prediction and simulation, where nothing is to be found: stations and markers where they are known to
 // be (others at the origin), the robot as it is. Throws InputError.
-CalibrationProblem MakeKnownProblem(Robot robot, Measurements data, Experiment experiment, const KnownPlaces& places);
+CalibrationProblem MakeKnownProblem(const Robot& robot, Measurements data, Experiment experiment,
+                                    const KnownPlaces& places);
 
 }  // namespace sagitta

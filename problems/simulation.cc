@@ -100,7 +100,7 @@ Measurements SimulateMeasurements(const Measurements& rows, const SimulationTrut
   KnownPlaces places;
   for (size_t s = 0; s < rows.stations.size(); ++s) places.base_in_station[rows.stations[s]] = truth.base_in_station[s];
   for (size_t m = 0; m < rows.markers.size(); ++m) places.markers[rows.markers[m]].point = truth.markers[m].point;
-  CalibrationProblem problem = MakeKnownProblem(std::move(rigid), rows, Experiment(), places);
+  CalibrationProblem problem = MakeKnownProblem(rigid, rows, Experiment(), places);
   for (size_t m = 0; m < truth.markers.size(); ++m)
     problem.set_marker_frame(static_cast<int>(m), truth.markers[m].frame);
   NoiseRoots roots;

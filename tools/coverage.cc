@@ -38,13 +38,13 @@ struct CoverageRequest {
   int trials, threads;
   std::uint64_t seed;
   Method method;
-  std::string method_name, folder;
+  std::string folder;
 };
 
 CoverageRequest RequestFromFlags() {
   CheckIn(allowed::kTrials, FLAGS_trials, "--trials");
   if (FLAGS_out.empty()) throw InputError({"", 0, "--out"}, "where to write is missing", "--out=DIR");
-  return {FLAGS_trials, FLAGS_threads, FLAGS_seed, MethodNamed(FLAGS_method), FLAGS_method, FLAGS_out};
+  return {FLAGS_trials, FLAGS_threads, FLAGS_seed, MethodNamed(FLAGS_method), FLAGS_out};
 }
 
 // What makes two runs the same: everything but how many trials, threads and words.
@@ -52,7 +52,7 @@ Json IdentityOf(const CoverageRequest& request, const ExperimentInputs& inputs, 
   Json identity = {{"schema", "sagitta/coverage-state/1"},
                    {"version", SAGITTA_VERSION},
                    {"seed", request.seed},
-                   {"method", request.method_name},
+                   {"method", WordOf(request.method)},
                    {"covariance", WordOf(problem.experiment().method.covariance)},
                    {"inputs", Json::array()},
                    {"flags", Json::object()}};
@@ -131,7 +131,7 @@ Json ResultToJson(const std::string& command, const CoverageRequest& request, co
   json["trials"] = trials.size();
   json["level"] = kLevel;
   json["seed"] = request.seed;
-  json["method"] = request.method_name;
+  json["method"] = WordOf(request.method);
   json["covariance"] = WordOf(problem.experiment().method.covariance);
   json["status"] = Json::object();
   for (const CoverageTrial& trial : trials) json["status"][trial.status] = json["status"].value(trial.status, 0) + 1;

@@ -135,13 +135,14 @@ int RunDiagnose(const CommandLine& line) {
   const CalibrationProblem& problem = baseline.problem;
   Diagnosis diagnosis;
   {
-    // Shares as measured on the UR5 and on series D of the UR10; how often it is weighed anew is not known before.
-    Progress progress(FLAGS_quiet, {{"fitting the believed model", 0.5},
-                                    {"listing", 0.5},
-                                    {"weighing", 7.5},
-                                    {"fitting the extended model", 0.5},
-                                    {"alternatives and halves", 2.5},
-                                    {"learning", 2.5}});
+    // Per cent, the means of the UR5 and of series D and B + C + D of the UR10; how often it is weighed anew is not
+    // known before.
+    Progress progress(FLAGS_quiet, {{"fitting the believed model", 3.0},
+                                    {"listing", 3.0},
+                                    {"weighing", 54.0},
+                                    {"fitting the extended model", 5.0},
+                                    {"alternatives and halves", 9.0},
+                                    {"learning", 26.0}});
     FoundSoFar found;
     DiagnosisOptions options;
     options.significance = problem.experiment().significance;

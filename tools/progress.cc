@@ -59,12 +59,19 @@ void ProgressMeter::Say(const std::string& what, double seconds) {
     expected_ = seconds / done;
 }
 
+// s, all together. A phase that takes longer than its share makes what follows longer in proportion, even if it ended
+// now.
+double ProgressMeter::Expected(double seconds) const {
+  if (expected_ == 0.0 || phase_ < 0 || ShareIn(what_) > 0.0) return expected_;
+  return std::max(expected_, seconds / ShareDone(1.0));
+}
+
 std::string ProgressMeter::Line(double seconds) const {
   if (what_.empty()) return "";
   std::string line = what_;
   if (phase_ >= 0)
     line = "phase " + std::to_string(phase_ + 1) + " of " + std::to_string(phases_.size()) + ": " + what_;
-  const double left = expected_ - seconds;
+  const double left = Expected(seconds) - seconds;
   if (left >= kWorthSaying) return line + " (about " + InWords(left) + " left)";
   return seconds >= kWorthSaying ? line + " (" + InWords(seconds) + " so far)" : line + " ...";
 }

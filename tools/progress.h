@@ -31,6 +31,7 @@ class ProgressMeter {
 
  private:
   double ShareDone(double of_phase) const;
+  double Expected(double seconds) const;
 
   std::vector<ProgressPhase> phases_;
   int phase_ = -1;

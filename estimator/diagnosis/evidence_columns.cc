@@ -244,7 +244,7 @@ std::vector<int> EvidenceColumns::Add(const FunctionFamily& family) {
 std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const {
   std::vector<std::pair<int, double>> lengths;
   const std::vector<std::vector<int>> links = LengthsByLink(extended_.robot().chain);
-  for (const int transform : links[static_cast<size_t>(joint + 1)]) {
+  for (const int transform : links[static_cast<size_t>(joint) + 1]) {
     const ElementaryTransform& length = extended_.robot().chain.transforms[transform];
     const int coordinate = length.error.empty() ? -1 : extended_.parameters.FindCoordinate("geometry/" + length.error);
     if (coordinate >= 0) lengths.emplace_back(coordinate, length.nominal);

@@ -139,11 +139,12 @@ class JointFunctions : public UnnamedList {
       const Eigen::ArrayXd q = OfShots(problem_, [j](const ShotConditions& shot) { return shot.q[j]; });
       // Waves of orders n and k are the same functions on these angles where (n - k) q or (n + k) q is the same.
       const std::vector<bool> same = SameEverywhere(OnFitted(q.matrix()).array(), kMostHarmonicOrders + first);
+      const auto is_same = [&same](int order) { return same[static_cast<size_t>(order)]; };
       std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
       Scan<int> scan;
       for (int n = first; n <= kMostHarmonicOrders; ++n) {
         int k = 1;
-        while (k < first && !same[static_cast<size_t>(n - k)] && !same[static_cast<size_t>(n + k)]) ++k;
+        while (k < first && !is_same(n - k) && !is_same(n + k)) ++k;
         if (k < first) {
           ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
         } else {

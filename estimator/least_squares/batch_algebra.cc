@@ -379,8 +379,8 @@ namespace sagitta {
 
 double* Aligned(double* p) {
   constexpr std::size_t kAlignment = kBatchLanes * sizeof(double);
-  const auto at = reinterpret_cast<std::uintptr_t>(p);
-  return reinterpret_cast<double*>((at + kAlignment - 1) / kAlignment * kAlignment);
+  const std::uintptr_t past = reinterpret_cast<std::uintptr_t>(p) % kAlignment;
+  return past == 0 ? p : p + (kAlignment - past) / sizeof(double);
 }
 
 HWY_EXPORT(AddGramBlock);

@@ -76,8 +76,8 @@ void CheckText(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-YamlValue::YamlValue(YAML::Node node, std::string file, std::string path, int line)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
+YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string path, int line)
+    : node_(node), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
 void YamlValue::Fail(const std::string& what, const std::string& hint) const {
   throw InputError({file_, line_, path_}, what, hint);

@@ -24,7 +24,7 @@ namespace sagitta {
 
 class YamlValue {
  public:
-  YamlValue(YAML::Node node, std::string file, std::string path, int line);
+  YamlValue(const YAML::Node& node, std::string file, std::string path, int line);
 
   bool IsMap() const { return node_.IsMap(); }
   bool IsList() const { return node_.IsSequence(); }

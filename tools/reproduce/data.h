@@ -73,7 +73,7 @@ void CheckOptions(const ReproduceOptions& options);
 // Owns what tables ask for; each simulation runs once, when first asked.
 class Reproduction {
  public:
-  Reproduction(PublishedData published, ReproduceOptions options)
+  Reproduction(PublishedData published, const ReproduceOptions& options)
       : published_(std::move(published)), options_(options) {
     CheckOptions(options_);
   }

@@ -108,7 +108,7 @@ bool Determines(const Eigen::MatrixXd& marker_rows) {
 double Quantile(std::vector<double> values, double p) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(p * (values.size() - 1) + 0.5)];
+  return values[static_cast<size_t>(std::lround(p * (values.size() - 1)))];
 }
 
 // Factors of all sets: [weight][parameter][set].

@@ -11,7 +11,7 @@ namespace {
 
 std::string Converted(const std::string& bytes, const char* encoding, const std::string& path) {
   const iconv_t conversion = iconv_open("UTF-8", encoding);
-  if (conversion == reinterpret_cast<iconv_t>(-1)) {
+  if (conversion == reinterpret_cast<iconv_t>(-1)) {  // NOLINT(performance-no-int-to-ptr): as POSIX says it
     throw InputError({path, 0, ""}, std::string("this system cannot convert ") + encoding, "save the file as UTF-8");
   }
   std::string text(4 * bytes.size() + 16, '\0');  // no character of these encodings takes more
