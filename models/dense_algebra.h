@@ -11,6 +11,11 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+// Where Eigen packs matrices as dense_kernel.cc reads them: version 3.4 with vectors of two numbers.
+#if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 90) && defined(__x86_64__) && !defined(__AVX__)
+#define SAGITTA_OWN_DENSE_KERNEL
+#endif
+
 #ifndef SAGITTA_TEMPLATE
 #define SAGITTA_TEMPLATE extern template
 #endif
@@ -62,8 +67,17 @@ SAGITTA_TEMPLATE void tridiagonalization_inplace(MatrixXd&, VectorXd&);
 SAGITTA_TEMPLATE ComputationInfo computeFromTridiagonal_impl(VectorXd&, VectorXd&, Index, bool, MatrixXd&);
 
 using DoubleMapper = blas_data_mapper<double, Index, ColMajor, Unaligned, 1>;
+using DenseKernel = gebp_kernel<double, double, Index, DoubleMapper, gebp_traits<double, double>::mr,
+                                gebp_traits<double, double>::nr, false, false>;
+#ifdef SAGITTA_OWN_DENSE_KERNEL
+template <>
+void DenseKernel::operator()(const DoubleMapper& result, const double* left, const double* right, Index rows,
+                             Index depth, Index columns, double factor, Index left_stride, Index right_stride,
+                             Index left_offset, Index right_offset);
+#else
 SAGITTA_TEMPLATE struct gebp_kernel<double, double, Index, DoubleMapper, gebp_traits<double, double>::mr,
                                     gebp_traits<double, double>::nr, false, false>;
+#endif
 SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, ColMajor, false, double, ColMajor, false, ColMajor,
                                                       1>;
 SAGITTA_TEMPLATE struct general_matrix_matrix_product<Index, double, RowMajor, false, double, ColMajor, false, ColMajor,

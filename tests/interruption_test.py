@@ -185,7 +185,7 @@ def test_plan_says_what_was_found_so_far():
             ended = interrupt_when([words], ['plan', PUBLISHED / 'experiment.yaml', '--poses=60', '--pool=8000',
                                              '--sigma_mm=0.1', f'--out={out}'])
             assert ended is not None
-            assert 'found so far:\n  60 poses: ' in ended[1] and ' left)' in ended[1], ended[1]
+            assert 'found so far:\n  60 poses: ' in ended[1] and 'it was at phase ' in ended[1], ended[1]
             assert 'interrupted; no result is written' in ended[1], ended[1]
             assert not out.exists() and 'Written' not in ended[0]
 

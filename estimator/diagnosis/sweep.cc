@@ -46,6 +46,22 @@ std::vector<long> WithMoreAt(long first, long size, long count) {
   return places;
 }
 
+Eigen::MatrixXd WithRowsAt(long first, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& others) {
+  Eigen::MatrixXd all(others.rows() + rows.rows(), rows.cols());
+  all.topRows(first) = others.topRows(first);
+  all.middleRows(first, rows.rows()) = rows;
+  all.bottomRows(others.rows() - first) = others.bottomRows(others.rows() - first);
+  return all;
+}
+
+Eigen::MatrixXd WithoutRows(long first, long size, const Eigen::MatrixXd& all) {
+  const long left = all.rows() - size;
+  Eigen::MatrixXd others(left, all.cols());
+  others.topRows(first) = all.topRows(first);
+  others.bottomRows(left - first) = all.bottomRows(left - first);
+  return others;
+}
+
 }  // namespace
 
 Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix) {
@@ -252,7 +268,6 @@ MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const 
 
 // rows: W = L^-1 s M'G, then T_k = L^-T W;  along: w;  beside: U = s T M, M of the new group.
 void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
-  const long count = members_.num_columns(), more = group.size();
   const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
   Eigen::MatrixXd rows = own;  // s M'G of what is left
   rows.noalias() -= scale * (ColumnsOf(group, rows_).transpose() * solved_);
@@ -264,15 +279,10 @@ void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   factor.matrixL().solveInPlace(rows);  // W
   gradient_.noalias() -= rows.transpose() * along;
   factor.matrixU().solveInPlace(rows);  // T of the group
-  Eigen::MatrixXd solved(count + more, rows.cols()), all(count + more, rows.cols());
-  solved.topRows(count) = solved_ - beside * rows;
-  solved.bottomRows(more) = rows;
-  all.topRows(count) = rows_;
-  all.bottomRows(more) = own;
+  solved_.noalias() -= beside * rows;
   members_.Insert(place, group, scale);
-  const std::vector<long> order = WithMoreAt(members_.First(place), more, count);
-  solved_ = solved(order, Eigen::all);
-  rows_ = all(order, Eigen::all);
+  solved_ = WithRowsAt(members_.First(place), rows, solved_);
+  rows_ = WithRowsAt(members_.First(place), own, rows_);
 }
 
 void MovingSweep::Remove(size_t group) {
@@ -282,8 +292,10 @@ void MovingSweep::Remove(size_t group) {
   const std::vector<long> kept = AllBut(first, size, members_.num_columns());
   const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
   const Eigen::MatrixXd beside = members_.inverse_(kept, Eigen::seqN(first, size));
-  solved_ = solved_(kept, Eigen::all) - beside * Solved(own, solved_.middleRows(first, size));
-  rows_ = Eigen::MatrixXd(rows_(kept, Eigen::all));
+  const Eigen::MatrixXd of_group = Solved(own, solved_.middleRows(first, size));
+  solved_ = WithoutRows(first, size, solved_);
+  solved_.noalias() -= beside * of_group;
+  rows_ = WithoutRows(first, size, rows_);
   members_.Remove(group);
 }
 

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -139,6 +138,15 @@ bool SolveByProducts(const Linearization& rows, LinearSolution* solution) {
   solution->covariance_root = unit.asDiagonal() * root;
   solution->covariance = unit.asDiagonal() * SquareOfRoot(root) * unit.asDiagonal();
   return true;
+}
+
+// Largest over least singular value of R, each as the largest of a product: that of R and that of R^-1, which keep its
+// digits. Infinite where R has no inverse.
+double ConditionOf(const Eigen::MatrixXd& r, const Eigen::MatrixXd& inverse) {
+  if (!inverse.allFinite()) return std::numeric_limits<double>::infinity();
+  const double condition =
+      std::sqrt(EndsOfSpectrum(SelfProduct(r)).second) * std::sqrt(EndsOfSpectrum(SelfProduct(inverse)).second);
+  return std::isfinite(condition) ? condition : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -330,7 +338,7 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
 LinearSolution SolveLinearization(const Linearization& linearization) {
   LinearSolution solution;
   const int n = linearization.num_columns();
-  if (n == 0) {  // everything is held; Eigen's SVD takes no empty matrix
+  if (n == 0) {  // everything is held
     solution.step.resize(0);
     solution.covariance.resize(0, 0);
     solution.covariance_root.resize(0, 0);
@@ -350,15 +358,12 @@ LinearSolution SolveLinearization(const Linearization& linearization) {
   const Eigen::MatrixXd scaled = linearization.jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
   const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r);  // values alone
-  const double largest = n > 0 ? svd.singularValues()[0] : 0.0;
-  const double smallest = n > 0 ? svd.singularValues()[n - 1] : 0.0;
-  solution.condition = smallest > 0.0 ? largest / smallest : std::numeric_limits<double>::infinity();
-  solution.full_rank = n == 0 || smallest > 1e-12 * largest;
+  const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
+  solution.condition = ConditionOf(r, inverse);
+  solution.full_rank = solution.condition < 1e12;
   const Eigen::VectorXd rotated = TransposedQ(qr, linearization.residual);
   solution.residual_norm_squared = rotated.tail(linearization.num_rows() - n).squaredNorm();
   if (!solution.full_rank) return solution;
-  const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));
   const Eigen::MatrixXd unscaled = scale.cwiseInverse().asDiagonal() * inverse;
   solution.step = -unscaled * rotated.head(n);
   solution.covariance_root = unscaled;
