@@ -1,9 +1,9 @@
 #include "problems/measurement_rows.h"
 
+#include <cstring>
 #include <stdexcept>
 
 namespace sagitta {
-
 std::string_view MeasurementRows::Cells::at(std::size_t column) const {
   if (column >= count_) throw std::out_of_range("the row has no such column");
   return (*this)[column];
@@ -58,6 +58,18 @@ void MeasurementRows::SetCell(std::size_t row, std::size_t column, std::string_v
 void MeasurementRows::BeginRow(int line) {
   Store* const own = Own();
   own->rows.push_back({line, static_cast<std::uint32_t>(own->ends.size())});
+}
+
+void MeasurementRows::AddCells(std::string_view text) {
+  const std::size_t first = store_->text.size();
+  store_->text.append(text);
+  store_->text.push_back(kSeparator);
+  const char* const begin = store_->text.data();
+  const char* const end = begin + store_->text.size();
+  for (const char* at = begin + first; at != end; ++at) {
+    at = static_cast<const char*>(std::memchr(at, kSeparator, static_cast<std::size_t>(end - at)));
+    store_->ends.push_back(static_cast<std::uint32_t>(at - begin));
+  }
 }
 
 void MeasurementRows::Reserve(std::size_t rows, std::size_t cells, std::size_t bytes) {

@@ -87,7 +87,11 @@ class MeasurementRows {
   void AddCell(std::string_view text) {
     store_->text.append(text);
     store_->ends.push_back(static_cast<std::uint32_t>(store_->text.size()));
+    store_->text.push_back(kSeparator);
   }
+  // All cells of a row, as they are: with one separator between two.
+  void AddCells(std::string_view text);
+  static constexpr char kSeparator = ',';
   // Room for what will come.
   void Reserve(std::size_t rows, std::size_t cells, std::size_t bytes);
 
@@ -98,7 +102,7 @@ class MeasurementRows {
   };
   // limits::kFileBytes is far below what 32 bits count.
   struct Store {
-    std::string text;  // cell by cell
+    std::string text;  // cell by cell, a separator behind each
     std::vector<std::uint32_t> ends;
     std::vector<Begin> rows;
   };
@@ -110,7 +114,7 @@ class MeasurementRows {
 
 inline std::string_view MeasurementRows::Cells::operator[](std::size_t column) const {
   const std::size_t cell = first_ + column;
-  const std::size_t begin = cell == 0 ? 0 : store_->ends[cell - 1];
+  const std::size_t begin = cell == 0 ? 0 : store_->ends[cell - 1] + 1;
   return {store_->text.data() + begin, store_->ends[cell] - begin};
 }
 

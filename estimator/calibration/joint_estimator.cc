@@ -37,17 +37,16 @@ void ReportStage(const JointOptions& options, const std::string& what) {
 }
 
 // What the residuals of a linearization scatter by at its optimum, whitened.
-double ResidualScale(const Linearization& rows, int equations) {
-  const LinearSolution solution = SolveLinearization(rows);
-  const double dof = equations - rows.num_columns();
+double ResidualScale(const LinearSolution& solution, int columns, int equations) {
+  const double dof = equations - columns;
   // sqrt(r'r / (equations - columns)): 1 where the noise is as stated.
   return dof > 0 ? std::sqrt(solution.residual_norm_squared / dof) : 1.0;
 }
 
 // The scale of the whitened noise seen at a linearization: a-posteriori sigma,
 // not below the stated one.
-double ScaleOfRows(const CalibrationProblem& problem, const Linearization& rows, int equations) {
-  const double scale = ResidualScale(rows, equations);
+double ScaleOfRows(const CalibrationProblem& problem, const LinearSolution& solution, int columns, int equations) {
+  const double scale = ResidualScale(solution, columns, equations);
   return problem.sigma_is_stated() ? std::max(1.0, scale) : scale;
 }
 
@@ -72,7 +71,8 @@ bool DecideHeld(const CalibrationProblem& problem, const NormalEquations& equati
   if (!all.valid) return false;
   const auto motions = [&](const std::vector<ParameterSet>& at) { return equations.batches().LargestMotions(at); };
   SetHoldLimits(problem, motions, &parameters);
-  const Unidentifiable found = FindUnidentifiable(all, parameters, ScaleOfRows(problem, all, fitted.equations));
+  const double scale = ScaleOfRows(problem, SolveLinearization(all), all.num_columns(), fitted.equations);
+  const Unidentifiable found = FindUnidentifiable(all, parameters, scale);
   std::vector<Direction>& directions = estimate->identifiability.unidentifiable;
   std::vector<bool> hold(parameters.num_coordinates(), false);
   if (!only_add) directions.clear();
@@ -106,10 +106,9 @@ struct Certificate {
   double step = std::numeric_limits<double>::infinity();  // that was left, standard deviations
 };
 
-// Columns that rest on their bound, or would end there: they have no say in the optimum.
-std::vector<int> PinnedColumns(const Linearization& here, const ParameterSet& parameters) {
+// Columns that rest on their bound, or would end there: they have no say in the optimum. free: without bounds.
+std::vector<int> PinnedColumns(const Linearization& here, const LinearSolution& free, const ParameterSet& parameters) {
   const auto lower = [&](int c) { return parameters.coordinates()[here.columns[c]].lower; };
-  const LinearSolution free = SolveLinearization(here);
   std::vector<int> resting;
   bool is_inside = free.full_rank;
   for (int c = 0; c < here.num_columns(); ++c) {
@@ -122,31 +121,33 @@ std::vector<int> PinnedColumns(const Linearization& here, const ParameterSet& pa
   return bounded.valid ? bounded.pinned : resting;
 }
 
+// What the columns that are not pinned are left with once those that are have moved onto their bounds: r + J_p d_p.
+Linearization InsideBounds(const Linearization& here, const std::vector<int>& kept, const Eigen::VectorXd& to_bounds) {
+  Linearization inside = here;
+  inside.residual += here.jacobian * to_bounds;
+  inside.jacobian = here.jacobian(Eigen::all, kept);
+  inside.columns.assign(kept.size(), 0);
+  return inside;
+}
+
 // One bounded Gauss-Newton step: certificate before it, delta per column.
 Eigen::VectorXd BoundedGaussNewton(const CalibrationProblem& problem, const FittedRows& fitted,
                                    const ParameterSet& parameters, Certificate* certificate) {
   const Linearization& here = fitted.rows;
-  const std::vector<int> pinned = PinnedColumns(here, parameters);
+  LinearSolution solution = SolveLinearization(here);
+  const std::vector<int> pinned = PinnedColumns(here, solution, parameters);
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(here.num_columns());
-  std::vector<bool> is_pinned(here.num_columns(), false);
-  Linearization inside = here;
   for (const int c : pinned) {
-    is_pinned[c] = true;
-    const double to_bound = parameters.coordinates()[here.columns[c]].lower - parameters.Value(here.columns[c]);
-    delta[c] = std::min(0.0, to_bound);
-    // r + J_p d_p: what the free columns are left with once the pinned ones have moved onto their bounds.
-    inside.residual += delta[c] * here.jacobian.col(c);
+    delta[c] = std::min(0.0, parameters.coordinates()[here.columns[c]].lower - parameters.Value(here.columns[c]));
   }
   std::vector<int> kept;
   for (int c = 0; c < here.num_columns(); ++c) {
-    if (!is_pinned[c]) kept.push_back(c);
+    if (std::find(pinned.begin(), pinned.end(), c) == pinned.end()) kept.push_back(c);
   }
-  inside.jacobian = here.jacobian(Eigen::all, kept);
-  inside.columns.assign(kept.size(), 0);
-  const LinearSolution solution = SolveLinearization(inside);
-  const double scale = std::max(1e-12, ScaleOfRows(problem, inside, fitted.equations));
+  if (!pinned.empty()) solution = SolveLinearization(InsideBounds(here, kept, delta));
   certificate->columns = static_cast<int>(kept.size());
   certificate->full_rank = solution.full_rank;
+  const double scale = std::max(1e-12, ScaleOfRows(problem, solution, certificate->columns, fitted.equations));
   certificate->exact_fit = here.residual.norm() < 1e-9 * std::sqrt(fitted.equations);
   certificate->step = RemainingStep(solution, scale);
   for (const int c : pinned) {
@@ -228,9 +229,10 @@ bool SolveFromNear(const CalibrationProblem& problem, const NormalEquations& equ
   double before = kWarmReach;
   while (true) {
     const Certificate certificate = Polish(problem, equations, kWarmReach, kMaxWarmSteps, &trial);
-    if (!certificate.valid || !certificate.full_rank || !(certificate.step < 0.5 * before)) return false;
+    if (!certificate.valid || !certificate.full_rank) return false;
+    if (certificate.step < kConvergedSteps) break;
+    if (!(certificate.step < 0.5 * before)) return false;
     before = certificate.step;
-    if (before < kConvergedSteps) break;
   }
   *parameters = trial;
   return true;
@@ -274,7 +276,7 @@ MinimizeSummary SolveAtRest(const CalibrationProblem& problem, const ResidualSel
   const FittedRows here = RowsOf(equations, *parameters, RequestedCoordinates(*parameters));
   if (!here.rows.valid) return solve(parameters);
   // As the rows scatter, whatever sigma is stated: with another sigma what is held rests at the same place.
-  const double scale = ResidualScale(here.rows, here.equations);
+  const double scale = ResidualScale(SolveLinearization(here.rows), here.rows.num_columns(), here.equations);
   ParameterSet released = ReleaseHeld(problem, *parameters, aligned, here.rows, scale);
   const MinimizeSummary summary = solve(&released);
   if (!summary.usable) return solve(parameters);

@@ -215,7 +215,8 @@ void EvidenceColumns::SumFamilies(const std::set<std::vector<int>>& own, const s
                                   AllSums* all) const {
   ShotProducts by_shot(*this, roots);
   for (const std::vector<int>& list : own) {
-    if (all->own.count(list) == 0) all->own[list] = by_shot.Own(list);
+    const auto [place, is_new] = all->own.try_emplace(list);
+    if (is_new) place->second = by_shot.Own(list);
   }
   auto first = static_cast<long>(catalogue_.size());
   for (size_t f = 0; f < families_.size(); ++f) {

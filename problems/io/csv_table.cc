@@ -131,20 +131,9 @@ void ForEachCell(const std::string& path, const CsvLine& line, std::string* quot
   }
 }
 
-// The same where no cell of the file is in quotes or guarded.
-template <typename Take>
-void ForEachPlainCell(std::string_view line, const Take& take) {
-  const char* first = line.data();
-  const char* const end = first + line.size();
-  while (true) {
-    const char* last = first;
-    while (last != end && *last != ',') ++last;
-    const std::string_view cell(first, static_cast<size_t>(last - first));
-    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    take(!cell.empty() && (is_blank(cell.front()) || is_blank(cell.back())) ? Trimmed(cell, kBlanks) : cell);
-    if (last == end) return;
-    first = last + 1;
-  }
+bool HasBlank(std::string_view line) {
+  const auto holds = [line](char blank) { return line.find(blank) != std::string_view::npos; };
+  return std::any_of(kBlanks.begin(), kBlanks.end(), holds);
 }
 
 std::vector<std::string> SplitCells(const std::string& path, const CsvLine& line) {
@@ -212,16 +201,12 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
                    content.size());
     }
     rows.BeginRow(line.number);
-    size_t count = 0;
-    const auto add = [&](std::string_view cell) {
-      rows.AddCell(cell);
-      ++count;
-    };
-    if (is_plain) {
-      ForEachPlainCell(line.text, add);
+    if (is_plain && !HasBlank(line.text)) {
+      rows.AddCells(line.text);
     } else {
-      ForEachCell(path, line, &quoted, add);
+      ForEachCell(path, line, &quoted, [&](std::string_view cell) { rows.AddCell(cell); });
     }
+    const size_t count = rows[rows.size() - 1].cells.size();
     if (count != columns) {
       throw InputError({path, line.number, ""},
                        "the row has " + std::to_string(count) + " cells, the header has " + std::to_string(columns),

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <memory_resource>
 #include <string_view>
 #include <unordered_map>
 
@@ -42,7 +43,8 @@ class IdsByText {
     size_t followed_by;
   };
   std::vector<Word> words_;
-  std::unordered_map<std::string_view, size_t> indices_;
+  std::pmr::monotonic_buffer_resource memory_;  // of the map: given back as a whole
+  std::pmr::unordered_map<std::string_view, size_t> indices_{&memory_};
   size_t last_ = 0;
 };
 
@@ -153,10 +155,11 @@ class MeasurementsBuilder {
   Measurements data_;
   int current_ = 0;  // the observation that is being added
   IdsByText stations_, markers_, configurations_, visits_, repeat_ids_, loads_;
-  std::unordered_map<Ids, int, IdsHash> first_shots_;  // of the shots of equal ids
-  std::pair<Ids, int> latest_ = {Ids(), -1};           // of these: of the row before
-  std::unordered_map<int, Repeated> repeats_;          // by the first shot
-  std::vector<std::vector<size_t>> headers_;           // hashes of each file's names
+  std::pmr::monotonic_buffer_resource memory_;                        // of the map: given back as a whole
+  std::pmr::unordered_map<Ids, int, IdsHash> first_shots_{&memory_};  // of the shots of equal ids
+  std::pair<Ids, int> latest_ = {Ids(), -1};                          // of these: of the row before
+  std::unordered_map<int, Repeated> repeats_;                         // by the first shot
+  std::vector<std::vector<size_t>> headers_;                          // hashes of each file's names
   std::vector<int> first_of_configuration_;
   std::vector<Moment> moments_;  // of the shots
   int repeated_ = 0;

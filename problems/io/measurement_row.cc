@@ -43,9 +43,12 @@ class RowReader {
     NumberRead& last = last_[column.index];
     if (!text.empty() && text == last.text) return last.si;
     const std::optional<double> number = ParseNumber(text);
-    if (number && std::abs(column.unit.ToSi(*number)) <= most) {
-      last = {text, column.unit.ToSi(*number)};
-      return last.si;
+    if (number) {
+      const double si = column.unit.ToSi(*number);
+      if (std::abs(si) <= most) {
+        last = {text, si};
+        return si;
+      }
     }
     const std::string cell(text);
     if (number) {
