@@ -33,9 +33,10 @@ JointScatter Scatter(int joints, double visit, double pose) {
 
 TEST(EvidenceColumns, ProductsThatAreAskedForAreThoseOfAllRows) {
   const CalibrationProblem problem = Campaign();
-  const CandidateList candidates = ListCandidates(problem, problem.parameters);
-  EvidenceColumns columns(problem, problem.parameters, candidates.candidates);
-  const ExplanationList list = ListExplanations(problem, problem.parameters, candidates, PriorMasses(), &columns);
+  const ParameterSet parameters = EstimateJointly(problem).parameters;  // residuals of noise, not of decimetres
+  const CandidateList candidates = ListCandidates(problem, parameters);
+  EvidenceColumns columns(problem, parameters, candidates.candidates);
+  const ExplanationList list = ListExplanations(problem, parameters, candidates, PriorMasses(), &columns);
   std::set<std::vector<int>> own;
   for (const Explanation& explanation : list.math) own.insert(explanation.group.columns);
   const int joints = problem.robot().num_joints();
