@@ -213,13 +213,14 @@ void DrawErrors(const RobotKind& robot, Stream* random, Arm* arm) {
 void DrawSurroundings(const RobotKind& robot, int stations, Stream* random, Nature* nature) {
   for (int s = 0; s < stations; ++s) {
     StationPose& pose = nature->stations["S" + std::to_string(s + 1)];
-    const Vector3d turn(random->Normal(3e-3), random->Normal(3e-3), random->Uniform(-3.0, 3.0));
-    pose.turn = SmallTurn(turn);
+    const double z = random->Uniform(-3.0, 3.0), y = random->Normal(3e-3), x = random->Normal(3e-3);
+    pose.turn = SmallTurn(Vector3d(x, y, z));
     pose.origin = {random->Uniform(2.0, 4.0), random->Uniform(-2.0, 2.0), random->Uniform(-1.0, 0.5)};
   }
   const double spread = robot.marker_spread;
   for (const char* marker : {"M1", "M2", "M3"}) {
-    nature->markers[marker] = Vector3d(0.3 * spread, 0, 0) + spread * random->Direction() * random->Uniform(0.8, 1.4);
+    const double far = random->Uniform(0.8, 1.4);
+    nature->markers[marker] = Vector3d(0.3 * spread, 0, 0) + spread * random->Direction() * far;
   }
 }
 

@@ -110,7 +110,8 @@ void LinkBending(Draw d) {
   const double mass = d.robot.heavy.mass * d.random->Uniform(0.5, 1.0);
   const double reach = d.robot.heavy.mass > 50 ? 0.4 : 0.15;  // m
   const Weight beyond{link + 1, mass, d.random->NormalVector(reach)};
-  const Matrix3d principal = SmallTurn(d.random->Uniform(0.3, 1.2) * d.random->Direction());
+  const Vector3d axis_of_turn = d.random->Direction();
+  const Matrix3d principal = SmallTurn(d.random->Uniform(0.3, 1.2) * axis_of_turn);
   Vector3d softness;
   for (int axis = 0; axis < 3; ++axis) softness[axis] = d.random->Uniform(0.2, 1.0);
   const double typical = d.scale * kTypicalAngle / (d.robot.heavy.mass * kGravity);  // rad/(N m)

@@ -12,6 +12,8 @@ namespace hidden {
 
 enum class Purpose : std::uint32_t { kDesign = 1, kGeometry, kEffect, kNoise, kRepeatability, kOutliers };
 
+// A stream hands out numbers in the order of its calls: at most one call in an expression, unless a comma between
+// declarations or in braces says which comes first. Compilers differ in the order of arguments and of operands.
 class Stream {
  public:
   Stream(std::uint64_t study, std::uint64_t number, Purpose purpose) {
