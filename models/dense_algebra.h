@@ -1,5 +1,5 @@
-// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_jacobi_svd.cc,
-// dense_bdc_svd.cc) rather than in each file that uses them. Precompiled into every source of the library: most of the
+// Eigen with its decompositions and products of dynamic matrices, compiled once (dense_algebra.cc, dense_jacobi_svd.cc)
+// rather than in each file that uses them. Precompiled into every source of the library: most of the
 // build's time went into these.
 #pragma once
 
@@ -28,7 +28,6 @@ SAGITTA_TEMPLATE class PartialPivLU<MatrixXd>;
 SAGITTA_TEMPLATE class HouseholderQR<MatrixXd>;
 SAGITTA_TEMPLATE class ColPivHouseholderQR<MatrixXd>;
 extern template class JacobiSVD<MatrixXd>;
-extern template class BDCSVD<MatrixXd>;
 SAGITTA_TEMPLATE class SelfAdjointEigenSolver<MatrixXd>;
 // Member templates are not among what an instantiated class brings with it.
 SAGITTA_TEMPLATE LLT<MatrixXd, Lower>& LLT<MatrixXd, Lower>::compute(const EigenBase<MatrixXd>&);

@@ -1,3 +1,0 @@
-#include "models/dense_algebra.h"
-
-template class Eigen::BDCSVD<Eigen::MatrixXd>;
