@@ -75,11 +75,14 @@ std::vector<ScreenedCandidate> Screen(const Evidence& evidence, const DiagnosedM
 }
 
 // By name; a deviation that follows the pose has no member.
-ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& members, double probability) {
+ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& members, double probability,
+                      const std::vector<int>& pieces = {}) {
   ReportedSet reported{probability, {}, {}};
   for (const int m : members) {
     if (list.IsUnnamed(m)) {
       reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
+    } else if (std::binary_search(pieces.begin(), pieces.end(), m)) {
+      reported.unnamed.push_back(PartlyLike(list.SpecOf(m).Path()));
     } else {
       reported.specs.push_back(list.start[m]);
     }
@@ -102,7 +105,7 @@ ReportedPosterior Report(const Evidence& evidence, const Posterior& posterior, c
     if (sum >= kMostOfTheSets) break;
     sum += set.probability;
     const WeightedModel& best = evidence.models()[set.best];
-    report.sets.push_back(ReportSet(list, best.set.members, set.probability));
+    report.sets.push_back(ReportSet(list, best.set.members, set.probability, best.pieces));
     if (evidence.views()[best.view].view.kind == NoiseView::Kind::kPose) {
       report.sets.back().unnamed.push_back(JointsFollowPose());
     }

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "estimator/diagnosis/nameless_cause.h"
 #include "estimator/report/diagnosis_function_words.h"
 #include "models/constants.h"
 
@@ -248,11 +249,26 @@ void Evidence::Explore(std::deque<SetSearch>* searches) {
       }
     }
   }
+  AddReadings();
   Normalise(&models_);
   if (models_.size() <= kMostModels) return;
   const auto holds_something = [](const WeightedModel& model) { return !model.set.members.empty(); };
   models_.erase(std::remove_if(models_.begin() + kMostModels, models_.end(), holds_something), models_.end());
   Normalise(&models_);
+}
+
+void Evidence::AddReadings() {
+  NamelessCauses causes(list_, masses_.further);
+  for (size_t i = models_.size(); i-- > 0;) {
+    const NamelessCauses::Cause cause = causes.OneOf(models_[i].set.members);
+    const double odds = causes.LogPriorOdds(models_[i].set.members, cause);
+    if (odds <= 0.0) continue;  // so many causes that there are more of them is no wonder
+    WeightedModel as_one = models_[i];
+    as_one.pieces = cause.pieces;
+    as_one.set = causes.WithOneSize(as_one.set, cause, views_[as_one.view].beside.normal, LikelihoodOf(as_one.view));
+    as_one.log_weight += as_one.set.log_weight + odds - models_[i].set.log_weight;
+    models_.push_back(std::move(as_one));
+  }
 }
 
 std::vector<const ColumnGroup*> Evidence::GroupsOf(const WeightedSet& set) const {

@@ -9,6 +9,7 @@
 // A view is searched only where it is worth that, which the best set so far says at the cost of its few columns.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <limits>
@@ -44,6 +45,10 @@ struct WeightedModel {
   WeightedSet set;
   double probability = 0.0;
   double log_weight = 0.0;  // before normalisation
+  // Members of the catalogue that are read as pieces of the set's nameless cause, ascending (nameless_cause.h).
+  std::vector<int> pieces = {};
+
+  bool HasPiece(int member) const { return std::binary_search(pieces.begin(), pieces.end(), member); }
 };
 
 // Sorted by weight, with probabilities that sum to 1.
@@ -115,6 +120,8 @@ class Evidence {
   // All models, by views that are not hopeless: what lies further below the best than is kept is not explored.
   void Explore(std::deque<SetSearch>* searches);
   void AddModel(int view, const WeightedSet& set);
+  // Of each model of which members may be pieces of one nameless cause, that reading too.
+  void AddReadings();
 
   const CalibrationProblem problem_;
   EvidenceColumns columns_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "estimator/diagnosis/driver_functions.h"
@@ -55,13 +56,20 @@ class Learner {
         set_(leading.set),
         final_(WithSpringsAsTheyAre(final)),
         with_(final_),
-        joint_(joint) {}
+        joint_(joint) {
+    WeightedModel as_effects = leading;
+    as_effects.pieces.clear();
+    for (const SelectedEffect& effect : SelectedEffectsOf(evidence, as_effects, final)) {
+      if (leading.HasPiece(effect.explanation)) pieces_.emplace(effect.explanation, effect.candidate);
+    }
+  }
 
   std::optional<LearntModel> Run(const DiagnosedModel& baseline) {
     WeightedSet kept;
     for (size_t k = 0; k < set_.members.size(); ++k) {
       const int member = set_.members[k];
       if (evidence_.list().IsUnnamed(member) && !Take(member, set_.scales[k])) continue;
+      if (pieces_.count(member) > 0 && !TakeAll({pieces_.at(member)})) continue;
       kept.members.push_back(member);
       kept.scales.push_back(set_.scales[k]);
     }
@@ -94,7 +102,10 @@ class Learner {
         if (!Has(level)) fresh.push_back(CandidateOf(level, final_.problem->robot(), size));
       }
     }
-    if (fresh.empty()) return false;
+    return !fresh.empty() && TakeAll(fresh);
+  }
+
+  bool TakeAll(const std::vector<Candidate>& fresh) {
     DiagnosedModel with = Extend(with_, fresh, joint_);
     if (!IsUsable(with.estimate.status) || IsNoBetter(with, with_)) return false;
     with_ = std::move(with);
@@ -143,6 +154,7 @@ class Learner {
   DiagnosedModel final_;
   DiagnosedModel with_;
   JointOptions joint_;
+  std::map<int, Candidate> pieces_;  // of the nameless cause that are like effects of the catalogue, by explanation
   std::vector<Candidate> added_;
   std::set<std::string> passed_;  // names of functions that were tried
 };

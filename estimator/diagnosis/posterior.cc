@@ -28,7 +28,9 @@ struct Changed {
     const size_t count = model.set.members.size();
     if (count == 0) return std::log(HasUnnamed(evidence, model) ? unnamed : nothing);
     double log = static_cast<double>(count - 1) * std::log(further);
-    for (const int m : model.set.members) log += std::log(evidence.list().IsUnnamed(m) ? unnamed : catalogue);
+    for (const int m : model.set.members) {  // of which a piece has the mass of its nameless cause alone
+      if (!model.HasPiece(m)) log += std::log(evidence.list().IsUnnamed(m) ? unnamed : catalogue);
+    }
     return log;
   }
 };
@@ -88,6 +90,7 @@ Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>
     }
     std::set<std::string> names;
     for (const int m : model.set.members) {
+      if (model.HasPiece(m)) continue;
       names.insert(list.name[m]);
       auto& entries = list.IsUnnamed(m) ? functions : named;
       NamedProbability& entry = entries.emplace(list.name[m], NamedProbability{list.name[m], m, 0.0}).first->second;

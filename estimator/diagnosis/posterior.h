@@ -38,7 +38,8 @@ struct Posterior {
   double Of(const std::string& name) const;
 };
 
-// The unnamed part of a deviation that follows the pose in its own way counts as unnamed.
+// The unnamed part of a deviation that follows the pose in its own way counts as unnamed; pieces of a nameless cause
+// have no name.
 Posterior PosteriorOf(const Evidence& evidence, const std::vector<WeightedModel>& models);
 
 // What would be named otherwise with a prior mass three times as large or as small.

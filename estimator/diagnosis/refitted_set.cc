@@ -97,7 +97,8 @@ RefittedSet RefitLeading(const CalibrationProblem& working, const DiagnosedModel
   if (posterior->sets.empty()) return refitted[0];
   const WeightedModel& leading = evidence->models()[posterior->sets[0].best];
   for (RefittedSet& each : refitted) {
-    if (each.model.view == leading.view && each.model.set.members == leading.set.members) return each;
+    const bool is_same = each.model.set.members == leading.set.members && each.model.pieces == leading.pieces;
+    if (each.model.view == leading.view && is_same) return each;
   }
   return RefitSet(*evidence, leading, working, baseline, joint, LastOfView(refitted, leading.view));
 }

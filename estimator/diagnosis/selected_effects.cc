@@ -66,7 +66,7 @@ std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const We
   std::vector<SelectedEffect> effects;
   for (size_t k = 0; k < model.set.members.size(); ++k) {
     const int member = model.set.members[k];
-    if (list.IsUnnamed(member)) continue;
+    if (list.IsUnnamed(member) || model.HasPiece(member)) continue;
     SelectedEffect effect;
     effect.explanation = member;
     effect.candidate = list.candidates[list.candidate[member]];

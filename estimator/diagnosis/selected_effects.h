@@ -17,8 +17,8 @@ struct SelectedEffect {
   double loss = 0.0;  // of log weight where it is left out
 };
 
-// The catalogue's effects of the set, strongest first; a compensator starts from the spring of its shape that the data
-// ask for.
+// The catalogue's effects of the set, strongest first, without the pieces of a nameless cause; a compensator starts
+// from the spring of its shape that the data ask for.
 std::vector<SelectedEffect> SelectedEffectsOf(const Evidence& evidence, const WeightedModel& model,
                                               const DiagnosedModel& lacking);
 // Springs of the next most probable shapes in an effect's place, best first.

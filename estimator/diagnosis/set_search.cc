@@ -118,16 +118,6 @@ std::vector<double> SetSearch::SharesOf(const Key& members) const {
   return shares;
 }
 
-// log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
-std::vector<double> SetSearch::LogsOfScales(const GivenOthers& given) const {
-  std::vector<double> logs;
-  for (const double scale : kScales) {
-    const GroupGain gain = GainOf(given.information, given.gradient, scale);
-    logs.push_back(likelihood_.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
-  }
-  return logs;
-}
-
 // Coordinate ascent over the scales, each member's given the others at theirs; then the average over each.
 WeightedSet SetSearch::Evaluate(const std::vector<int>& given_members, const std::vector<double>& scales) const {
   Members members(normal_, GroupsOf(given_members));
@@ -178,7 +168,7 @@ WeightedSet SetSearch::EvaluateFrom(const std::vector<int>& given_members, Membe
   WeightedSet set{given_members, members.scales(), likelihood_.Log(normal_.residual), 0.0};
   std::vector<double> logs;
   const auto weigh = [&](size_t k) {
-    logs = LogsOfScales(members.Of(k));
+    logs = LogsOfScales(likelihood_, members.Of(k));
     return std::max_element(logs.begin(), logs.end()) - logs.begin();
   };
   bool moved = true;
@@ -215,7 +205,7 @@ double SetSearch::AverageOverScales(Members* members) const {
     for (size_t k = 0; k < last; ++k) {
       if (members->scales()[k] != kScales[at[k]]) members->Rescale(k, kScales[at[k]]);
     }
-    for (const double log : LogsOfScales(members->Of(last))) logs.push_back(log);
+    for (const double log : LogsOfScales(likelihood_, members->Of(last))) logs.push_back(log);
     size_t next = 0;
     while (next < last && ++at[next] == kNumScales) at[next++] = 0;
     if (next == last) break;
@@ -323,8 +313,7 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
     const GivenOthers given = all.Of(m);
     others.log_likelihood = likelihood_.Log(given.residual) - 0.5 * given.log_det;
     without.push_back(std::move(others));
-    const std::vector<double> logs = LogsOfScales(given);
-    own_averages.push_back(LogSumExp(logs) - std::log(kNumScales) - *std::max_element(logs.begin(), logs.end()));
+    own_averages.push_back(LossOfScale(likelihood_, given));
     averages += own_averages.back();
   }
   for (size_t m = 0; m < without.size(); ++m) {

@@ -106,8 +106,6 @@ class SetSearch {
   std::vector<const ColumnGroup*> GroupsOf(const Key& members) const;
   // conditioned: the members, at scales to begin with.
   WeightedSet EvaluateFrom(const std::vector<int>& given_members, Members conditioned) const;
-  // Log likelihood at each scale of one member given the others.
-  std::vector<double> LogsOfScales(const GivenOthers& given) const;
   double AverageOverScales(Members* members) const;
   const Own& OwnOf(size_t candidate) const;
   Own Left(const Sweep& sweep, size_t candidate) const;

@@ -81,6 +81,21 @@ Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& gr
   return group.mixing.transpose() * own;
 }
 
+// log L(s_k) = log f(R - quad(s_k)) - 1/2 (log |Q| + log |I + s_k^2 G_k|), R, Q, G_k given the others.
+std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given) {
+  std::vector<double> logs;
+  for (const double scale : kScales) {
+    const GroupGain gain = GainOf(given.information, given.gradient, scale);
+    logs.push_back(likelihood.Log(given.residual - gain.quad) - 0.5 * (given.log_det + gain.log_det));
+  }
+  return logs;
+}
+
+double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given) {
+  const std::vector<double> logs = LogsOfScales(likelihood, given);
+  return LogSumExp(logs) - std::log(kNumScales) - *std::max_element(logs.begin(), logs.end());
+}
+
 Members::Members(const ProjectedNormal& normal, std::vector<const ColumnGroup*> groups)
     : normal_(&normal), groups_(std::move(groups)), residual_(normal.residual) {
   SetFirst();

@@ -37,6 +37,10 @@ struct GivenOthers {
   double residual = 0.0, log_det = 0.0;
 };
 
+// Log likelihood at each of kScales of a group given others; and what their average has less than the best of them.
+std::vector<double> LogsOfScales(const ResidualLikelihood& likelihood, const GivenOthers& given);
+double LossOfScale(const ResidualLikelihood& likelihood, const GivenOthers& given);
+
 // Groups among themselves, for any scales: with D = diag(s), t = Q^-1 D M'g,
 //
 //   Q = I + D M'GM D;   of group k given the others:  I + s_k^2 G_k = ((Q^-1)_kk)^-1,  s_k g_k = ((Q^-1)_kk)^-1 t_k

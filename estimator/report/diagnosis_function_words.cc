@@ -22,6 +22,8 @@ std::string RepeatsPerTurn(const std::string& joint, int times) {
 
 std::string JointsFollowPose() { return "a deviation of the joints that follows the pose"; }
 
+std::string PartlyLike(const std::string& effect) { return "in part like " + effect; }
+
 std::string EachJointDeviatesWithTime() { return "each joint deviates with time"; }
 
 std::string StationMoves(const std::string& station) { return "station " + station + " moves with time"; }

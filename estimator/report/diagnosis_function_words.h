@@ -11,6 +11,8 @@ std::string DeviatesWithBoth(const std::string& joint, const std::string& one, c
 std::string DeviatesOver(const std::string& joint, const std::string& one, const std::string& other);
 std::string RepeatsPerTurn(const std::string& joint, int times);
 std::string JointsFollowPose();
+// A cause without a name that in part does what this effect does.
+std::string PartlyLike(const std::string& effect);
 std::string EachJointDeviatesWithTime();
 std::string StationMoves(const std::string& station);
 std::string BaseTurnsInStation(const std::string& station);

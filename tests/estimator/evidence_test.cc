@@ -9,6 +9,7 @@
 #include <random>
 
 #include "estimator/diagnosis/evidence_score.h"
+#include "estimator/diagnosis/nameless_cause.h"
 #include "estimator/diagnosis/set_search.h"
 #include "estimator/diagnosis/sweep.h"
 
@@ -375,6 +376,41 @@ TEST(SetSearch, AveragesOverTheScale) {
   for (const double scale : kScales) sum += std::exp(small.LogDensity(Scaled(1, scale))) / kNumScales;
   const double nothing = small.LogDensity(Scaled(1, 0.0));
   EXPECT_NEAR(search.Evaluate({0}).log_weight - search.Evaluate({}).log_weight, std::log(sum) - nothing, 1e-9);
+}
+
+// A function of two columns and a piece of one move the rows by as much at every size, none of them by more than causes
+// do; a fourth column is another cause.
+TEST(NamelessCause, PartsOfOneCauseHaveOneSize) {
+  Small small(20, 2, 4, 31);
+  small.columns.col(2) *= 7.0;
+  small.residual += 0.6 * small.columns.col(0) + 0.2 * small.columns.col(2) + 2.0 * small.columns.col(3);
+  const ProjectedNormal normal = small.Normal();
+  ExplanationList list;
+  list.math = {{{{0, 1}, {}}, 0.2, 0}, {{{2}, {}}, 0.3, 1}, {{{3}, {}}, 0.5, 2}};
+  const ResidualLikelihood likelihood(normal.dof, kInfinity, 0.0);
+  const SetSearch search(normal, list.math, {0.5, 0.3}, likelihood);
+  const WeightedSet many = search.Evaluate({0, 1, 2});
+  const WeightedSet one = NamelessCauses(list, 0.3).WithOneSize(many, {{0}, {1}}, normal, likelihood);
+  const Eigen::MatrixXd a = small.left.transpose() * small.columns;
+  const double unit = a.col(2).norm() / std::sqrt(a.col(0).squaredNorm() + a.col(1).squaredNorm());
+  const auto density = [&](double size, double other) {
+    const double of_function = std::min(size * unit, 3.0);
+    const Eigen::Vector4d scales(of_function, of_function, size, other);
+    return small.LogDensity(scales.asDiagonal());
+  };
+  std::vector<double> as_one, of_other;
+  for (const double scale : kScales) {
+    as_one.push_back(density(scale, many.scales[2]));
+    const Eigen::Vector4d scales(many.scales[0], many.scales[0], many.scales[1], scale);
+    of_other.push_back(small.LogDensity(scales.asDiagonal()));
+  }
+  const double lost = LogSumExp(of_other) - *std::max_element(of_other.begin(), of_other.end());
+  const double expected = LogSumExp(as_one) + lost - 2.0 * std::log(kNumScales) - small.LogDensity(Scaled(4, 0.0));
+  EXPECT_NEAR(one.log_likelihood - search.Evaluate({}).log_likelihood, expected, 1e-9);
+  EXPECT_NEAR(one.log_weight - one.log_likelihood, many.log_weight - many.log_likelihood, 1e-12);
+  EXPECT_EQ(one.members, many.members);
+  EXPECT_NEAR(one.scales[0], std::min(one.scales[1] * unit, 3.0), 1e-12);
+  EXPECT_EQ(one.scales[2], many.scales[2]);
 }
 
 }  // namespace

@@ -1,0 +1,106 @@
+#include "estimator/diagnosis/nameless_cause.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "models/effects/catalogue.h"
+
+namespace sagitta {
+namespace {
+
+bool Holds(const std::vector<std::string>& list, const std::string& name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+// What needs loads or compliances bends the arm by torques, which turn with gravity.
+bool HasSameDriver(const EffectDefinition& effect, const UnnamedFunction& function) {
+  switch (effect.driven_by) {
+    case EffectDriver::kTime:
+      return Holds(function.depends_on, "time");
+    case EffectDriver::kTemperature:
+      return Holds(function.depends_on, "temperature");
+    case EffectDriver::kJoint:
+      break;
+  }
+  const bool is_by_weight = function.driver.kind == DriverKind::kTorque || Holds(function.depends_on, "gravity");
+  return is_by_weight && effect.needs != EffectNeeds::kNothing;
+}
+
+bool IsLike(const UnnamedFunction& function, const EffectSpec& spec) {
+  if (function.acts_on == spec.target || Holds(function.depends_on, spec.target)) return true;
+  const EffectDefinition* effect = FindEffect(spec.effect);
+  return effect != nullptr && HasSameDriver(*effect, function);
+}
+
+}  // namespace
+
+bool NamelessCauses::MayBePieceOf(const std::vector<int>& functions, int named) const {
+  return !list_.IsUnnamed(named) && std::any_of(functions.begin(), functions.end(), [&](int function) {
+    return IsLike(list_.functions[static_cast<size_t>(list_.unnamed[function])], list_.SpecOf(named));
+  });
+}
+
+NamelessCauses::Cause NamelessCauses::OneOf(const std::vector<int>& members) const {
+  Cause cause;
+  std::copy_if(members.begin(), members.end(), std::back_inserter(cause.functions),
+               [&](int m) { return list_.IsUnnamed(m); });
+  std::copy_if(members.begin(), members.end(), std::back_inserter(cause.pieces),
+               [&](int m) { return MayBePieceOf(cause.functions, m); });
+  return cause;
+}
+
+// Of m causes one more, k, has the prior  rho m share(k)  (SetPrior: m draws in any order; rho: that there is one
+// more). rho is `further` before anything is known. A machine of which m - 2 further ones were found has more of them:
+// the mean of a beta distribution that began with the weight of one,  rho = (further + m - 2) / (m - 1). As a piece of
+// the nameless cause k has the prior  further share(k) / (shares of all that may be pieces): that a cause has another
+// piece is as likely as that there is another cause.
+double NamelessCauses::LogPriorOdds(const std::vector<int>& members, const Cause& cause) {
+  if (cause.pieces.empty()) return 0.0;
+  const auto [shares, is_new] = shares_.try_emplace(cause.functions, 0.0);
+  for (size_t k = 0; k < list_.math.size() && is_new; ++k) {
+    if (MayBePieceOf(cause.functions, static_cast<int>(k))) shares->second += list_.math[k].share;
+  }
+  const double m = static_cast<double>(members.size());
+  const double one_more = (further_ + m - 2.0) / (m - 1.0);
+  return static_cast<double>(cause.pieces.size()) * std::log(further_ / (one_more * m * shares->second));
+}
+
+// log L = log mean_s L(pieces at s, functions at s w; the others at their best)
+//         + sum over the others of what averaging over their scales takes,
+//   w^2 = mean over the pieces of tr G_k / tr G_f:  at one s each moves the rows by as much. No part is larger than
+// causes are.
+WeightedSet NamelessCauses::WithOneSize(const WeightedSet& set, const Cause& cause, const ProjectedNormal& normal,
+                                        const ResidualLikelihood& likelihood) const {
+  const auto shown = [&](int m) { return OwnInformation(normal, list_.math[m].group).trace(); };
+  double shown_by_pieces = 0.0;
+  for (const int m : cause.pieces) shown_by_pieces += shown(m) / static_cast<double>(cause.pieces.size());
+  std::vector<const ColumnGroup*> groups;
+  for (const int m : set.members) groups.push_back(&list_.math[m].group);
+  Members members(normal, groups);
+  members.Condition(set.scales);
+  std::vector<double> units;  // of the scales; 0: of another cause
+  double lost = 0.0;
+  for (size_t k = 0; k < groups.size(); ++k) {
+    const int m = set.members[k];
+    const bool is_piece = std::binary_search(cause.pieces.begin(), cause.pieces.end(), m);
+    const bool is_function = std::binary_search(cause.functions.begin(), cause.functions.end(), m);
+    units.push_back(is_piece ? 1.0 : is_function ? std::sqrt(shown_by_pieces / shown(m)) : 0.0);
+    if (!is_piece && !is_function) lost += LossOfScale(likelihood, members.Of(k));
+  }
+  WeightedSet one = set;
+  std::vector<double> logs;
+  for (const double scale : kScales) {
+    for (size_t k = 0; k < units.size(); ++k) {
+      if (units[k] > 0.0) members.Rescale(k, std::min(scale * units[k], kScales[kNumScales - 1]));
+    }
+    const double log = likelihood.Log(members.residual()) - 0.5 * members.log_det();
+    if (logs.empty() || log > *std::max_element(logs.begin(), logs.end())) one.scales = members.scales();
+    logs.push_back(log);
+  }
+  one.log_likelihood = LogSumExp(logs) - std::log(kNumScales) + lost;
+  one.log_weight += one.log_likelihood - set.log_likelihood;
+  return one;
+}
+
+}  // namespace sagitta

@@ -1,0 +1,42 @@
+// One cause without a name, or several causes of which some have one.
+//
+// A set that holds a function without a name beside effects of the catalogue on the same part, or with the same driver,
+// can be read in two ways: as so many causes, or as one cause without a name of which these effects are pieces. A hose,
+// for instance, pulls at a wrist joint in a way of its own, and in part like a wrong encoder gain there. Both readings
+// predict the same rows; the priors of causes and of sizes decide between them. Causes have sizes of their own. Parts
+// of one cause move the rows by as much: an effect beside a function that the rows do not show is no piece of it.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "estimator/diagnosis/explanations.h"
+
+namespace sagitta {
+
+// The second reading of sets of one list.
+class NamelessCauses {
+ public:
+  // further: SetPrior::further.
+  NamelessCauses(const ExplanationList& list, double further) : list_(list), further_(further) {}
+
+  // Of a set, ascending: functions without a name, and effects of the catalogue that may be pieces of the same cause.
+  struct Cause {
+    std::vector<int> functions, pieces;
+  };
+  Cause OneOf(const std::vector<int>& members) const;
+  // Log of how much more probable one nameless cause with these pieces is than so many causes, before any row is seen.
+  double LogPriorOdds(const std::vector<int>& members, const Cause& cause);
+  // The set with one size of the cause, averaged over it; the other members at their best scales.
+  WeightedSet WithOneSize(const WeightedSet& set, const Cause& cause, const ProjectedNormal& normal,
+                          const ResidualLikelihood& likelihood) const;
+
+ private:
+  bool MayBePieceOf(const std::vector<int>& functions, int named) const;
+
+  const ExplanationList& list_;
+  const double further_;
+  std::map<std::vector<int>, double> shares_;  // of all that may be pieces, by functions
+};
+
+}  // namespace sagitta
