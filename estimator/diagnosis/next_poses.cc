@@ -17,6 +17,8 @@ namespace sagitta {
 namespace {
 
 constexpr int kPosesDrawn = 400;
+constexpr size_t kPosesTogether = 64;  // solved at once
+constexpr double kLeastPivot = 1e-300;
 constexpr size_t kPosesKept = 80;        // of these, asked again after each choice
 constexpr double kDecided = 0.95;        // of the leading explanation: nothing is left to decide
 constexpr double kWorthDeciding = 0.02;  // of an explanation
@@ -213,15 +215,20 @@ class Choice {
     double most = -1.0;
     Eigen::MatrixXd gained;
     std::vector<std::pair<double, size_t>> worths;
-    for (const size_t c : asked_) {
-      if ((*taken)[c]) continue;
-      const Eigen::MatrixXd apart = Apart(shown_[c]);
-      const double worth = MutualInformation(Probabilities(), apart_ + apart);
-      worths.emplace_back(-worth, c);
-      if (worth <= most) continue;
-      most = worth;
-      best = c;
-      gained = apart;
+    std::vector<size_t> left;
+    std::copy_if(asked_.begin(), asked_.end(), std::back_inserter(left), [&](size_t c) { return !(*taken)[c]; });
+    for (size_t first = 0; first < left.size(); first += kPosesTogether) {
+      const size_t end = std::min(left.size(), first + kPosesTogether);
+      const std::vector<size_t> some(left.begin() + static_cast<long>(first), left.begin() + static_cast<long>(end));
+      const std::vector<Eigen::MatrixXd> aparts = Apart(some);
+      for (size_t k = 0; k < some.size(); ++k) {
+        const double worth = MutualInformation(Probabilities(), apart_ + aparts[k]);
+        worths.emplace_back(-worth, some[k]);
+        if (worth <= most) continue;
+        most = worth;
+        best = some[k];
+        gained = aparts[k];
+      }
     }
     std::sort(worths.begin(), worths.end());
     worths.resize(std::min(worths.size(), kPosesKept));
@@ -246,23 +253,47 @@ class Choice {
     return probabilities;
   }
 
-  Eigen::MatrixXd Apart(const Shown& shown) const {
+  // D_ij of each of these poses by itself. C_i = I + X_i P_i^-1 X_i' of the rows X_i that the pose shows and the
+  // precision P_i = L_i D_i L_i': one solution with L_i for all poses.
+  std::vector<Eigen::MatrixXd> Apart(const std::vector<size_t>& poses) const {
     const long n = static_cast<long>(rivals_.size());
-    std::vector<Eigen::VectorXd> means;
-    std::vector<Eigen::MatrixXd> covariances;
-    for (long i = 0; i < n; ++i) {
-      const Eigen::MatrixXd& rows = shown.rows[static_cast<size_t>(i)];
-      const Rival& rival = rivals_[static_cast<size_t>(i)];
-      means.push_back(rows * rival.values);
-      covariances.push_back(Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) +
-                            rows * rival.factor.solve(rows.transpose()));
+    std::vector<std::vector<Eigen::VectorXd>> means(poses.size());
+    std::vector<std::vector<Eigen::MatrixXd>> covariances(poses.size());
+    for (size_t i = 0; i < rivals_.size(); ++i) {
+      const Rival& rival = rivals_[i];
+      long count = 0;
+      for (const size_t c : poses) count += shown_[c].rows[i].rows();
+      Eigen::MatrixXd columns(rival.values.size(), count);  // of all poses
+      long at = 0;
+      for (size_t k = 0; k < poses.size(); ++k) {
+        const Eigen::MatrixXd& rows = shown_[poses[k]].rows[i];
+        columns.middleCols(at, rows.rows()) = rows.transpose();
+        means[k].push_back(rows * rival.values);
+        at += rows.rows();
+      }
+      columns = rival.factor.transpositionsP() * columns;
+      rival.factor.matrixL().solveInPlace(columns);
+      columns = rival.factor.vectorD().cwiseMax(kLeastPivot).cwiseSqrt().cwiseInverse().asDiagonal() * columns;
+      at = 0;
+      for (size_t k = 0; k < poses.size(); ++k) {
+        const auto own = columns.middleCols(at, means[k].back().size());
+        covariances[k].push_back(Eigen::MatrixXd::Identity(own.cols(), own.cols()) + own.transpose() * own);
+        at += own.cols();
+      }
     }
+    std::vector<Eigen::MatrixXd> aparts;
+    for (size_t k = 0; k < poses.size(); ++k) aparts.push_back(Distances(means[k], covariances[k], n));
+    return aparts;
+  }
+
+  static Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& means,
+                                   const std::vector<Eigen::MatrixXd>& covariances, long n) {
     Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(n, n);
     for (long i = 0; i < n; ++i) {
       for (long j = 0; j < i; ++j) {
         const Eigen::VectorXd difference = means[static_cast<size_t>(i)] - means[static_cast<size_t>(j)];
         const Eigen::MatrixXd mean = 0.5 * (covariances[static_cast<size_t>(i)] + covariances[static_cast<size_t>(j)]);
-        apart(i, j) = apart(j, i) = difference.dot(mean.ldlt().solve(difference));
+        apart(i, j) = apart(j, i) = difference.dot(mean.llt().solve(difference));
       }
     }
     return apart;
