@@ -20,6 +20,7 @@ namespace {
 // Two files may state the same angle in two units.
 constexpr double kSameJointValue = 1e-9;  // rad or m
 constexpr double kLongShot = 600.0;       // s
+constexpr int kMany = 5;                  // rows of one label: the file is no list of single points
 
 // Ids by number, in order of appearance. Most rows say what the row before said, or what followed that when it was
 // said last.
@@ -348,9 +349,31 @@ void WarnOfLetterCase(const std::string& what, const std::vector<std::string>& l
   }
 }
 
+// A label in one row alone, where others are in many: unknowns of its own take up all that the row says.
+void WarnOfSingleRows(const std::string& what, const std::vector<std::string>& labels,
+                      const std::function<int(const Observation&)>& label_of, Measurements* data) {
+  std::vector<int> count(labels.size(), 0), first(labels.size(), -1);
+  for (const Observation& row : data->observations) {
+    if (!row.is_point()) continue;
+    const int label = label_of(row);
+    if (count[label]++ == 0) first[label] = static_cast<int>(&row - data->observations.data());
+  }
+  if (count.empty() || *std::max_element(count.begin(), count.end()) < kMany) return;
+  for (size_t k = 0; k < labels.size(); ++k) {
+    if (count[k] != 1) continue;
+    data->warnings.push_back(what + " '" + labels[k] + "' is in one row alone (" +
+                             data->SourceOf(data->observations[first[k]]) +
+                             "), which by itself says nothing of the robot: is the label right?");
+  }
+}
+
 Measurements MeasurementsBuilder::Take() {
   WarnOfLetterCase("stations", data_.stations, &data_.warnings);
   WarnOfLetterCase("markers", data_.markers, &data_.warnings);
+  WarnOfSingleRows(
+      "marker", data_.markers, [](const Observation& row) { return row.marker; }, &data_);
+  WarnOfSingleRows(
+      "station", data_.stations, [this](const Observation& row) { return data_.shots[row.shot].station; }, &data_);
   if (lost_ > 0) {
     data_.warnings.push_back(std::to_string(lost_) + (lost_ == 1 ? " reading is" : " readings are") +
                              " lost (x, y and z are empty): skipped (the first: " + first_lost_ + ")");

@@ -179,6 +179,19 @@ TEST_F(RefusalWords, LabelsThatDifferInLetterCaseAreDoubted) {
               HasSubstr("markers 'M1' and 'm1' differ in letter case"));
 }
 
+TEST_F(RefusalWords, ALabelInOneRowAloneIsDoubted) {
+  const std::string rows = Rows(Replaced(kRows, "c3,M1", "c3,M7"));
+  ASSERT_EQ(Run({"calibrate", Robot(), rows, "--quiet", "--out=" + Path("out")}).status, 0);
+  EXPECT_THAT(ReadJson("out/estimate.json")["warnings"].dump(),
+              HasSubstr("marker 'M7' is in one row alone (" + rows + ":4)"));
+}
+
+TEST_F(RefusalWords, ALabelInTwoRowsIsNot) {
+  const std::string rows = Rows(Replaced(Replaced(kRows, "c3,M1", "c3,M7"), "c4,M1", "c4,M7"));
+  ASSERT_EQ(Run({"calibrate", Robot(), rows, "--quiet", "--out=" + Path("out")}).status, 0);
+  EXPECT_EQ(Read("out/estimate.json").find("in one row alone"), std::string::npos);
+}
+
 TEST_F(RefusalWords, JointsBeyondTheirLimitsAreNamed) {
   const std::string narrow = Replaced(kRobot, "{name: A1, type: revolute}", "{name: A1, type: revolute, max_deg: 10}");
   ASSERT_EQ(Run({"inspect", Robot(narrow), Rows(), "--out=" + Path("out")}).status, 0);
