@@ -82,7 +82,7 @@ ReportedSet ReportSet(const ExplanationList& list, const std::vector<int>& membe
     if (list.IsUnnamed(m)) {
       reported.unnamed.push_back(list.functions[list.unnamed[m]].words);
     } else if (std::binary_search(pieces.begin(), pieces.end(), m)) {
-      reported.unnamed.push_back(PartlyLike(list.SpecOf(m).Path()));
+      reported.unnamed.push_back(PartlyLike(list.SpecOf(m).effect, list.SpecOf(m).target));
     } else {
       reported.specs.push_back(list.start[m]);
     }

@@ -183,6 +183,7 @@ LearntFunction LearnFunction(const Evidence& evidence, const WeightedModel& mode
   learnt.acts_on = what.acts_on;
   learnt.depends_on = what.depends_on;
   learnt.words = what.words;
+  for (const int m : model.pieces) learnt.pieces.push_back(evidence.list().SpecOf(m));
   if (what.driver.of_shot.size() == 0) return learnt;
   learnt.driver = what.driver.name;
   learnt.driver_unit = what.driver.unit;

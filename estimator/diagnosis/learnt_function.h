@@ -29,6 +29,7 @@ struct LearntFunction {
   DriverKind driver_kind = DriverKind::kOther;
   std::vector<FunctionPoint> table;
   std::string formula;
+  std::vector<EffectSpec> pieces;  // of the same cause, each like an effect of the catalogue
 };
 
 // The strongest unnamed function of a model, the others of its set given; none (empty acts_on) where it has none.

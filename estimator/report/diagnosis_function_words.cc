@@ -22,7 +22,9 @@ std::string RepeatsPerTurn(const std::string& joint, int times) {
 
 std::string JointsFollowPose() { return "a deviation of the joints that follows the pose"; }
 
-std::string PartlyLike(const std::string& effect) { return "in part like " + effect; }
+std::string PartlyLike(const std::string& effect, const std::string& target) {
+  return "in part like " + effect + " on " + target;
+}
 
 std::string EachJointDeviatesWithTime() { return "each joint deviates with time"; }
 

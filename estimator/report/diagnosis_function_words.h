@@ -12,7 +12,7 @@ std::string DeviatesOver(const std::string& joint, const std::string& one, const
 std::string RepeatsPerTurn(const std::string& joint, int times);
 std::string JointsFollowPose();
 // A cause without a name that in part does what this effect does.
-std::string PartlyLike(const std::string& effect);
+std::string PartlyLike(const std::string& effect, const std::string& target);
 std::string EachJointDeviatesWithTime();
 std::string StationMoves(const std::string& station);
 std::string BaseTurnsInStation(const std::string& station);

@@ -6,6 +6,7 @@
 
 #include "estimator/diagnosis/learnt_model.h"
 #include "estimator/estimate/parameter_table.h"
+#include "estimator/report/diagnosis_function_words.h"
 #include "models/effects/catalogue.h"
 #include "problems/text.h"
 
@@ -273,7 +274,9 @@ std::string GroupInWords(const Diagnosis& d, const EffectGroup& group) {
 std::string UnexplainedInWords(const Diagnosis& d) {
   const LearntFunction& learnt = d.unexplained;
   if (learnt.acts_on.empty()) return "no driving variable stands out";
-  return learnt.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
+  std::string words = learnt.words + (learnt.formula.empty() ? "" : ": " + learnt.formula);
+  for (const EffectSpec& piece : learnt.pieces) words += "; " + PartlyLike(piece.effect, piece.target);
+  return words;
 }
 
 std::string LearntInWords(const Diagnosis& d) {
