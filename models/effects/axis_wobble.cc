@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace axis_wobble {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"u_cos", Quantity::kSmallAngle, 50e-6},
@@ -21,11 +21,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace axis_wobble
 
 const EffectDefinition& AxisWobble() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"axis_wobble", "axis wobble", "bearing run-out", EffectTarget::kJoint, Parameters, Apply};
+    EffectDefinition effect{"axis_wobble",        "axis wobble",           "bearing run-out",
+                            EffectTarget::kJoint, axis_wobble::Parameters, axis_wobble::Apply};
     effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}, 2}};
     effect.tilts = true;
     effect.separate_by = kSeparateByRange;

@@ -5,7 +5,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace backlash {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"half_gap", Quantity::kSmallAngle, 50e-6}};
@@ -33,12 +33,13 @@ std::string Missing(const EffectContext& context) {
   return "approach" + std::to_string(context.joint() + 1);
 }
 
-}  // namespace
+}  // namespace backlash
 
 const EffectDefinition& Backlash() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{
-        "backlash", "backlash (or friction wind-up)", "play of a gear", EffectTarget::kJoint, Parameters, Apply};
+    EffectDefinition effect{"backlash",           "backlash (or friction wind-up)",
+                            "play of a gear",     EffectTarget::kJoint,
+                            backlash::Parameters, backlash::Apply};
     effect.settings = {{"by", SettingDefinition::Kind::kChoice, "approach", {"approach", "torque"}},
                        {"width_Nm",
                         SettingDefinition::Kind::kNumber,
@@ -47,8 +48,8 @@ const EffectDefinition& Backlash() {
     effect.settings[1].silent = true;
     effect.settings[1].above = 0.0;
     effect.settings[1].only_with = "by=torque";
-    effect.missing = Missing;
-    effect.pressed_by = By;
+    effect.missing = backlash::Missing;
+    effect.pressed_by = backlash::By;
     effect.separate_by = "the same poses approached from both sides";
     effect.note = "Friction wind-up has the same signature.";
     effect.largest = 1.0;

@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace base_compliance {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"kx", Quantity::kCompliance, 1e-4, true}, {"ky", Quantity::kCompliance, 1e-4, true}};
@@ -15,16 +15,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace base_compliance
 
 const EffectDefinition& BaseCompliance() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"base_compliance",
-                            "tilting of the foot under load",
-                            "compliance of foundation or pedestal",
-                            EffectTarget::kBase,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{
+        "base_compliance",   "tilting of the foot under load", "compliance of foundation or pedestal",
+        EffectTarget::kBase, base_compliance::Parameters,      base_compliance::Apply};
     effect.tilts = true;
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = kSeparateByLoads;

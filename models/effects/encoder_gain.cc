@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace encoder_gain {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"gain", Quantity::kRatio, 100e-6}};
@@ -15,12 +15,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign() * (q - middle)});
 }
 
-}  // namespace
+}  // namespace encoder_gain
 
 const EffectDefinition& EncoderGain() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"encoder_gain",       "encoder gain", "scale error of the joint sensor or gear ratio",
-                            EffectTarget::kJoint, Parameters,     Apply};
+    EffectDefinition effect{
+        "encoder_gain",       "encoder gain",           "scale error of the joint sensor or gear ratio",
+        EffectTarget::kJoint, encoder_gain::Parameters, encoder_gain::Apply};
     effect.on_prismatic = true;
     effect.separate_by = kSeparateByRange;
     effect.sizes = "100 ppm: some 300 urad at the ends of a range of 360 deg, the accuracy of a gear";

@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace frozen_geometry {
 
 std::vector<EffectParameter> Parameters(const Robot& robot, const EffectSpec& spec) {
   const int slot = robot.chain.FindError(spec.target);
@@ -14,16 +14,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.chain().FindError(context.spec->target), context.first_parameter, 1.0});
 }
 
-}  // namespace
+}  // namespace frozen_geometry
 
 const EffectDefinition& FrozenGeometry() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"frozen_geometry",
-                            "frozen geometric error",
-                            "identification Jacobian, paper 002",
-                            EffectTarget::kError,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{"frozen_geometry",    "frozen geometric error",    "identification Jacobian, paper 002",
+                            EffectTarget::kError, frozen_geometry::Parameters, frozen_geometry::Apply};
     effect.separate_by = "unloaded poses that turn every joint over its whole range, markers apart from each other";
     effect.sizes =
         "identified errors of industrial arms: 0.1 to 0.5 mm and 0.005 to 0.03 deg (papers 000 and 002, KUKA KR 270)";

@@ -12,7 +12,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace hysteresis {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"amplitude", Quantity::kSmallAngle, 50e-6}};
@@ -37,13 +37,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign() * context.memory});
 }
 
-}  // namespace
+}  // namespace hysteresis
 
 const EffectDefinition& Hysteresis() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{
-        "hysteresis", "hysteresis with memory", "play operator, Prandtl-Ishlinskii", EffectTarget::kJoint, Parameters,
-        Apply};
+    EffectDefinition effect{"hysteresis",         "hysteresis with memory", "play operator, Prandtl-Ishlinskii",
+                            EffectTarget::kJoint, hysteresis::Parameters,   hysteresis::Apply};
     effect.settings = {{"width_deg", SettingDefinition::Kind::kNumber, "", {"1", "3", "10", "30"}}};
     effect.settings[0].above = 0.0;
     effect.separate_by = "the same poses approached from both sides, after short ways and after long ones";
@@ -53,7 +52,7 @@ const EffectDefinition& Hysteresis() {
     effect.sizes =
         "hysteresis loss of strain wave and cycloidal gears: below 1 arcmin (291 urad) at rated torque, a "
         "third of its half in motion without load (makers' data sheets)";
-    effect.remember = Remember;
+    effect.remember = hysteresis::Remember;
     effect.largest = 1.0;
     return effect;
   }();

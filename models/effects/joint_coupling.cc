@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace joint_coupling {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"ratio", Quantity::kRatio, 100e-6}};
@@ -14,12 +14,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
       {context.joint_slot(), context.first_parameter, context.joint_sign() * context.shot->q[driver]});
 }
 
-}  // namespace
+}  // namespace joint_coupling
 
 const EffectDefinition& JointCoupling() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{
-        "joint_coupling", "coupling between joints", "wrist gear coupling", EffectTarget::kJoint, Parameters, Apply};
+    EffectDefinition effect{"joint_coupling",     "coupling between joints",  "wrist gear coupling",
+                            EffectTarget::kJoint, joint_coupling::Parameters, joint_coupling::Apply};
     effect.settings = {{"driver", SettingDefinition::Kind::kJoint, "", {}}};
     effect.separate_by = "poses with {target} and its driver over their whole ranges, each independent of the other";
     effect.sizes = "as a wrong gear ratio: 100 ppm, some 300 urad over a range of 360 deg";

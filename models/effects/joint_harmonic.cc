@@ -3,7 +3,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace joint_harmonic {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"cos", Quantity::kSmallAngle, 75e-6}, {"sin", Quantity::kSmallAngle, 75e-6}};
@@ -16,16 +16,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.joint_slot(), context.first_parameter + 1, sign * std::sin(phase)});
 }
 
-}  // namespace
+}  // namespace joint_harmonic
 
 const EffectDefinition& JointHarmonic() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"joint_harmonic",
-                            "periodic joint error",
-                            "encoder eccentricity, gear transmission error",
-                            EffectTarget::kJoint,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{
+        "joint_harmonic",     "periodic joint error",     "encoder eccentricity, gear transmission error",
+        EffectTarget::kJoint, joint_harmonic::Parameters, joint_harmonic::Apply};
     effect.settings = {{"order", SettingDefinition::Kind::kInteger, "1", {}}};
     effect.separate_by = kSeparateByRange;
     effect.largest = 1.0;

@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace joint_slip {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"jump", Quantity::kSmallAngle, 100e-6}};
@@ -13,13 +13,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->slots.push_back({context.joint_slot(), context.first_parameter, context.joint_sign()});
 }
 
-}  // namespace
+}  // namespace joint_slip
 
 const EffectDefinition& JointSlip() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{
-        "joint_slip", "zero shift of a joint", "slipped coupling, lost mastering", EffectTarget::kJoint, Parameters,
-        Apply};
+    EffectDefinition effect{"joint_slip",         "zero shift of a joint", "slipped coupling, lost mastering",
+                            EffectTarget::kJoint, joint_slip::Parameters,  joint_slip::Apply};
     effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;

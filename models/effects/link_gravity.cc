@@ -4,7 +4,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace link_gravity {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"mass", Quantity::kMass, 3e-4, true},
@@ -27,12 +27,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace link_gravity
 
 const EffectDefinition& LinkGravity() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"link_gravity",       "weight of a link", "statics of the links",
-                            EffectTarget::kJoint, Parameters,         Apply};
+    EffectDefinition effect{"link_gravity",       "weight of a link",       "statics of the links",
+                            EffectTarget::kJoint, link_gravity::Parameters, link_gravity::Apply};
     effect.needs = EffectNeeds::kCompliances;
     effect.separate_by = kSeparateByWeight;
     effect.note = "Of the last joint it is the weight of flange and tool as well.";

@@ -4,7 +4,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace load_com {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"dx", Quantity::kLength, 20e-3}, {"dy", Quantity::kLength, 20e-3}, {"dz", Quantity::kLength, 20e-3}};
@@ -25,12 +25,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace load_com
 
 const EffectDefinition& LoadCom() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{
-        "load_com", "load point off the stated one", "statics: M = d x F", EffectTarget::kLoad, Parameters, Apply};
+    EffectDefinition effect{"load_com",           "load point off the stated one",
+                            "statics: M = d x F", EffectTarget::kLoad,
+                            load_com::Parameters, load_com::Apply};
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = "the load hung on another point, or poses that turn the flange about all its axes";
     effect.sizes = "centres of gravity taken from a drawing or by eye: 10 to 30 mm";

@@ -4,7 +4,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace marker_acceptance {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"offset", Quantity::kShift, 50e-6}};
@@ -29,7 +29,7 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace marker_acceptance
 
 const EffectDefinition& MarkerAcceptance() {
   static const EffectDefinition definition = [] {
@@ -37,11 +37,11 @@ const EffectDefinition& MarkerAcceptance() {
                             "reflector seen at an angle",
                             "acceptance-angle error of spherically mounted retroreflectors",
                             EffectTarget::kMarker,
-                            Parameters,
-                            Apply};
+                            marker_acceptance::Parameters,
+                            marker_acceptance::Apply};
     effect.settings = {{"axis", SettingDefinition::Kind::kChoice, "", {"x", "-x", "y", "-y", "z", "-z"}}};
     effect.settings[0].silent = true;
-    effect.settings[0].fallback_of = FlangeAxis;
+    effect.settings[0].fallback_of = marker_acceptance::FlangeAxis;
     effect.separate_by = "the same poses with the reflector turned in its nest, or from a second station";
     effect.sizes = "13 um at the 30 degrees (0.27 rad^2) that data sheets of reflectors allow";
     return effect;

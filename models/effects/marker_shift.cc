@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace marker_shift {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"x", Quantity::kLength, 50e-6}, {"y", Quantity::kLength, 50e-6}, {"z", Quantity::kLength, 50e-6}};
@@ -18,12 +18,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace marker_shift
 
 const EffectDefinition& MarkerShift() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"marker_shift",        "reseated marker", "reflector moved in its nest",
-                            EffectTarget::kMarker, Parameters,        Apply};
+    EffectDefinition effect{"marker_shift",        "reseated marker",        "reflector moved in its nest",
+                            EffectTarget::kMarker, marker_shift::Parameters, marker_shift::Apply};
     effect.settings = {{"after_s", SettingDefinition::Kind::kMoment, "", {}}};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;

@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace payload {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"dmass", Quantity::kMass, 5e-5, true}};
@@ -18,12 +18,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->wrenches.push_back({context.first_parameter, {extra}});
 }
 
-}  // namespace
+}  // namespace payload
 
 const EffectDefinition& Payload() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"payload", "load heavier than stated", "weighing error", EffectTarget::kLoad, Parameters,
-                            Apply};
+    EffectDefinition effect{"payload",           "load heavier than stated", "weighing error",
+                            EffectTarget::kLoad, payload::Parameters,        payload::Apply};
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = "the load weighed, or the same poses under another load";
     effect.sizes = "5 % of the load: what weighing and forgotten adapters leave, times a deflection of 1 mrad";

@@ -4,7 +4,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace self_weight_sag {
 
 int LastLink(const Robot& robot) { return robot.num_joints(); }
 
@@ -39,16 +39,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace self_weight_sag
 
 const EffectDefinition& SelfWeightSag() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"self_weight_sag",
-                            "sag under the own weight",
-                            "statics of the links, compliance unknown",
-                            EffectTarget::kJoint,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{
+        "self_weight_sag",    "sag under the own weight",  "statics of the links, compliance unknown",
+        EffectTarget::kJoint, self_weight_sag::Parameters, self_weight_sag::Apply};
     effect.settings = {{"about", SettingDefinition::Kind::kChoice, "axis", {"axis", "u", "v"}}};
     effect.tilts = true;
     effect.needs = EffectNeeds::kNoCompliances;

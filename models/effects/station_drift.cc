@@ -2,7 +2,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace station_drift {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"x", Quantity::kDrift, 15e-6 / 3600},    {"y", Quantity::kDrift, 15e-6 / 3600},
@@ -20,16 +20,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace station_drift
 
 const EffectDefinition& StationDrift() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"station_drift",
-                            "drift of the station",
-                            "stand or foundation moves",
-                            EffectTarget::kStation,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{"station_drift",        "drift of the station",    "stand or foundation moves",
+                            EffectTarget::kStation, station_drift::Parameters, station_drift::Apply};
     effect.driven_by = EffectDriver::kTime;
     effect.separate_by = kSeparateByReturn;
     effect.sizes =

@@ -4,7 +4,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace station_eccentricity {
 
 constexpr double kTypical = 15e-6;  // rad
 
@@ -26,7 +26,7 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace station_eccentricity
 
 const EffectDefinition& StationEccentricity() {
   static const EffectDefinition definition = [] {
@@ -34,8 +34,8 @@ const EffectDefinition& StationEccentricity() {
                             "eccentric circles of the instrument",
                             "Muralikrishnan et al., J. Res. NIST 114 (2009) 21",
                             EffectTarget::kStation,
-                            Parameters,
-                            Apply};
+                            station_eccentricity::Parameters,
+                            station_eccentricity::Apply};
     effect.separate_by = "the same poses from a second station, or in the instrument's other face";
     effect.note = "It counts from instrument_mm of the station; where that is not stated, from the origin.";
     effect.sizes =

@@ -3,7 +3,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace station_range_offset {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"offset", Quantity::kShift, 15e-6}};
@@ -14,16 +14,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->sights.push_back({context.first_parameter, Sensed::kRange, SightLaw::kOne, context.shot->instrument});
 }
 
-}  // namespace
+}  // namespace station_range_offset
 
 const EffectDefinition& StationRangeOffset() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"station_range_offset",
-                            "range offset of the instrument",
-                            "ranging parameter R0, ASME B89.4.19-2006",
-                            EffectTarget::kStation,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{
+        "station_range_offset", "range offset of the instrument", "ranging parameter R0, ASME B89.4.19-2006",
+        EffectTarget::kStation, station_range_offset::Parameters, station_range_offset::Apply};
     effect.separate_by = "a calibrated length measured in line with the instrument and from its middle";
     effect.note = "It counts from instrument_mm of the station; where that is not stated, from the origin.";
     effect.sizes = "R0 of absolute distance meters: 10 to 25 um in tracker data sheets";

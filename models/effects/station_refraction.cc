@@ -6,7 +6,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace station_refraction {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"curvature", Quantity::kCurvature, 1e-6}};
@@ -18,13 +18,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
       {context.first_parameter, Sensed::kElevation, SightLaw::kRange, context.shot->instrument, 0.5});
 }
 
-}  // namespace
+}  // namespace station_refraction
 
 const EffectDefinition& StationRefraction() {
   static const EffectDefinition definition = [] {
     EffectDefinition effect{
-        "station_refraction",   "bent line of sight", "refraction in a vertical gradient of temperature",
-        EffectTarget::kStation, Parameters,           Apply};
+        "station_refraction",   "bent line of sight",           "refraction in a vertical gradient of temperature",
+        EffectTarget::kStation, station_refraction::Parameters, station_refraction::Apply};
     effect.separate_by = "the same poses from a second station at another distance";
     effect.note = "It counts from instrument_mm of the station; where that is not stated, from the origin.";
     effect.sizes = "1 K per metre of height in a hall: 0.95 urad/m, 12 um at 5 m";

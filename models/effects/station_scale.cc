@@ -3,7 +3,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace station_scale {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"scale", Quantity::kRatio, 10e-6}};
@@ -14,16 +14,12 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   terms->station.push_back({context.first_parameter, Matrix3<double>::Identity(), -context.shot->instrument});
 }
 
-}  // namespace
+}  // namespace station_scale
 
 const EffectDefinition& StationScale() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"station_scale",
-                            "scale of the instrument",
-                            "refraction, wavelength",
-                            EffectTarget::kStation,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{"station_scale",        "scale of the instrument", "refraction, wavelength",
+                            EffectTarget::kStation, station_scale::Parameters, station_scale::Apply};
     effect.separate_by = "a calibrated length in view of the station, or the same points from another one";
     effect.sizes =
         "0.95 ppm/K and 0.27 ppm/hPa of air that is not compensated for (Ciddor, Applied Optics 35 (1996) 1566)";

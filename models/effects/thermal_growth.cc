@@ -4,7 +4,7 @@
 #include "models/effects/first_order_lag.h"
 
 namespace sagitta {
-namespace {
+namespace thermal_growth {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"growth", Quantity::kGrowth, 10e-6}};
@@ -30,12 +30,12 @@ std::string Missing(const EffectContext& context) {
   return Lag(*context.spec) > 0.0 && !context.shot->has_time ? "time_s" : "";
 }
 
-}  // namespace
+}  // namespace thermal_growth
 
 const EffectDefinition& ThermalGrowth() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{
-        "thermal_growth", "thermal growth of the arm", "linear expansion", EffectTarget::kRobot, Parameters, Apply};
+    EffectDefinition effect{"thermal_growth",     "thermal growth of the arm", "linear expansion",
+                            EffectTarget::kRobot, thermal_growth::Parameters,  thermal_growth::Apply};
     effect.driven_by = EffectDriver::kTemperature;
     effect.separate_by = "the same poses at other temperatures, in an order that is not that of time";
     effect.note = "Links that lag behind the thermometer bias the value.";
@@ -43,8 +43,8 @@ const EffectDefinition& ThermalGrowth() {
     effect.settings = {{"lag_s", SettingDefinition::Kind::kNumber, "0", {"300", "600", "1200", "2400", "4800"}}};
     effect.settings[0].silent = true;
     effect.settings[0].above = 0.0;
-    effect.missing = Missing;
-    effect.remember = Remember;
+    effect.missing = thermal_growth::Missing;
+    effect.remember = thermal_growth::Remember;
     return effect;
   }();
   return definition;

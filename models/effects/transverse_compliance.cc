@@ -3,7 +3,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace transverse_compliance {
 
 std::vector<EffectParameter> Parameters(const Robot&, const EffectSpec&) {
   return {{"ku", Quantity::kCompliance, 2e-4, true}, {"kv", Quantity::kCompliance, 2e-4, true}};
@@ -17,16 +17,13 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace transverse_compliance
 
 const EffectDefinition& TransverseCompliance() {
   static const EffectDefinition definition = [] {
-    EffectDefinition effect{"transverse_compliance",
-                            "tilting of a joint under load",
-                            "bearing and housing compliance",
-                            EffectTarget::kJoint,
-                            Parameters,
-                            Apply};
+    EffectDefinition effect{"transverse_compliance",           "tilting of a joint under load",
+                            "bearing and housing compliance",  EffectTarget::kJoint,
+                            transverse_compliance::Parameters, transverse_compliance::Apply};
     effect.tilts = true;
     effect.needs = EffectNeeds::kLoads;
     effect.separate_by = kSeparateByLoads;

@@ -7,7 +7,7 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
-namespace {
+namespace warm_up {
 
 // A gap that is this many times the usual (median) one from pose to pose is a pause.
 constexpr double kPausePerGap = 10.0;
@@ -65,7 +65,7 @@ void Apply(const EffectContext& context, ShotTerms* terms) {
   }
 }
 
-}  // namespace
+}  // namespace warm_up
 
 const EffectDefinition& WarmUp() {
   static const EffectDefinition definition = [] {
@@ -73,8 +73,8 @@ const EffectDefinition& WarmUp() {
                             "warming up of the instrument",
                             "first-order approach to thermal equilibrium",
                             EffectTarget::kStation,
-                            Parameters,
-                            Apply};
+                            warm_up::Parameters,
+                            warm_up::Apply};
     // Columns of neighbouring time constants correlate above 0.95.
     effect.settings = {{"tau_s", SettingDefinition::Kind::kNumber, "", {"300", "600", "1200", "2400", "4800"}}};
     effect.settings[0].above = 0.0;
@@ -83,7 +83,7 @@ const EffectDefinition& WarmUp() {
     effect.sizes =
         "laser trackers settle by some 30 um and 10 urad in the first hour: makers ask for 30 to 60 min of "
         "warming up (ISO 10360-10:2021, rated operating conditions)";
-    effect.remember = Remember;
+    effect.remember = warm_up::Remember;
     return effect;
   }();
   return definition;
