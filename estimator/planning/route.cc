@@ -29,13 +29,13 @@ class Route {
 
   // Nearest neighbours, from the place where the arm is.
   void Grow(const Eigen::VectorXd& from) {
-    Eigen::VectorXd here = from;
+    const Eigen::VectorXd* here = &from;
     for (size_t k = 0; k < order_.size(); ++k) {
       const auto nearest = std::min_element(order_.begin() + k, order_.end(), [&](int a, int b) {
-        return Way(q_[a], here, ranges_) < Way(q_[b], here, ranges_);
+        return Way(q_[a], *here, ranges_) < Way(q_[b], *here, ranges_);
       });
       std::iter_swap(order_.begin() + k, nearest);
-      here = q_[order_[k]];
+      here = &q_[order_[k]];
     }
   }
 
