@@ -57,6 +57,7 @@ class Learner {
         final_(WithSpringsAsTheyAre(final)),
         with_(final_),
         joint_(joint) {
+    if (leading.pieces.empty()) return;
     WeightedModel as_effects = leading;
     as_effects.pieces.clear();
     for (const SelectedEffect& effect : SelectedEffectsOf(evidence, as_effects, final)) {
