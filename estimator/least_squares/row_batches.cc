@@ -255,7 +255,7 @@ BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& param
       layout.latent_sigmas.assign(problem_.latent.sigmas.begin(), problem_.latent.sigmas.end());
     }
     row += 3 * static_cast<int>(shot.markers.size());
-    result.shots.push_back(std::move(layout));
+    result.shots.emplace_back(shot.program, std::move(layout));
   }
   return result;
 }
@@ -311,7 +311,7 @@ bool RowBatches::EvaluateByModel(const Request& request, const Group& group, con
   const std::vector<double> exact(problem_.robot().num_joints(), 0.0);
   const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
   for (size_t s = 0; s < group.shots.size(); ++s) {
-    const BatchLayout& layout = columns.shots[s];
+    const BatchLayout& layout = columns.shots[s].layout;
     const int shot = problem_.data().observations[observations_[*position]].shot;
     std::vector<MarkerInFrame> markers;
     for (size_t i = 0; i < group.shots[s].markers.size(); ++i) {

@@ -18,8 +18,8 @@ namespace sagitta {
 
 // The columns of one group of units and what they are of.
 struct BatchColumns {
-  std::vector<BatchLayout> shots;  // one per shot of a unit
-  std::vector<int> of;             // per local column: index into the columns asked for, or -1
+  std::vector<BatchPlan> shots;  // one per shot of a unit
+  std::vector<int> of;           // per local column: index into the columns asked for, or -1
   // Units of one shot: rows of a marker share the columns 0 .. 2 with those of the others; per marker what they are.
   // Empty: every marker has columns of its own.
   std::vector<std::vector<int>> own;

@@ -37,6 +37,30 @@ BatchPoint::BatchPoint(const ShotProgram& program, const double* theta_in, const
   }
 }
 
+BatchPlan::BatchPlan(const ShotProgram& program, BatchLayout layout_in) : layout(std::move(layout_in)) {
+  using PartOf = ShotProgram::PartOf;
+  std::vector<char> is_needed(program.twists.size(), 0);
+  for (int i = 0; i < program.num_parameters; ++i) {
+    if (layout.theta[i] < 0) continue;
+    const int first = program.first_part[i], last = program.first_part[i + 1];
+    for (int p = first; p < last; ++p) {
+      if (program.parts[p].of == PartOf::kTransform) is_needed[program.parts[p].index] = 1;
+    }
+    if (last - first == 1 && program.parts[first].of == PartOf::kTransform && program.parts[first].data < 0) {
+      by_transform.push_back({program.parts[first].index, layout.theta[i]});
+    } else {
+      sums.push_back({first, last, layout.theta[i]});
+    }
+  }
+  // The program of what only the model evaluates is empty.
+  for (const int j : layout.latent_joints) {
+    if (!is_needed.empty()) is_needed[program.joint_twists[j]] = 1;
+  }
+  for (std::size_t k = 0; k < is_needed.size(); ++k) {
+    if (is_needed[k] != 0) twists.push_back(static_cast<int>(k));
+  }
+}
+
 struct BatchScratch::Memory {
   hwy::AlignedFreeUniquePtr<double[]> doubles;
   std::size_t size = 0;
@@ -53,9 +77,9 @@ double* BatchScratch::Reserve(std::size_t doubles) {
   return memory_->doubles.get();
 }
 
-unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const BatchLayout& layout, const double* data,
+unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const BatchPlan& plan, const double* data,
                        BatchScratch* scratch, double* rows) {
-  return HWY_DYNAMIC_DISPATCH(EvaluateLanes)(program, at, layout, data, scratch, rows);
+  return HWY_DYNAMIC_DISPATCH(EvaluateLanes)(program, at, plan, data, scratch, rows);
 }
 
 unsigned RaiseMotions(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,

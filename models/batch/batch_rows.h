@@ -47,6 +47,26 @@ struct BatchLayout {
   int residual = 0;
 };
 
+// What a layout asks of a program, sorted by where it is found: the same for all batches of a structure.
+struct BatchPlan {
+  BatchPlan(const ShotProgram& program, BatchLayout layout_in);
+
+  struct ByTransform {  // the derivative by the value of a transform
+    int twist = 0;
+    int column = 0;
+  };
+  struct Sum {  // of parts of the program
+    int first_part = 0, last_part = 0;
+    int column = 0;
+  };
+  BatchLayout layout;
+  std::vector<int> twists;  // of all transforms that any derivative needs
+  std::vector<ByTransform> by_transform;
+  std::vector<Sum> sums;
+
+  std::size_t num_columns() const { return 3 + by_transform.size() + sums.size() + layout.latent_joints.size(); }
+};
+
 // Memory that calls use again; one per thread.
 class BatchScratch {
  public:
@@ -62,7 +82,7 @@ class BatchScratch {
 // data: program.num_data x kBatchLanes, aligned. rows: at least (first_row + 3 markers) x columns x kBatchLanes,
 // aligned; cells that no derivative belongs to are left as they are. Returns the lanes that did not settle, one bit
 // each.
-unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const BatchLayout& layout, const double* data,
+unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const BatchPlan& plan, const double* data,
                        BatchScratch* scratch, double* rows);
 
 // MotionPerUnit (models/excitation.h) of each parameter but geometric errors, the largest over all lanes: raises

@@ -45,13 +45,16 @@ class LaneChain {
     Frame here = {base_, Zero3()};
     if (p_.world_frame >= 0) frames_[p_.world_frame] = here;
     for (size_t e = 0; e < p_.transforms.size(); ++e) {
-      const ShotProgram::Transform& transform = p_.transforms[e];
-      const V3 axis = here.rotation.column[transform.axis];
-      if (transform.twist >= 0) {
-        twists_[transform.twist] = transform.is_rotation ? TwistLanes{axis, here.origin} : TwistLanes{Zero3(), axis};
+      switch (p_.transforms[e].axis) {
+        case 0:
+          Pass<0>(e, data, deflection, &here);
+          break;
+        case 1:
+          Pass<1>(e, data, deflection, &here);
+          break;
+        default:
+          Pass<2>(e, data, deflection, &here);
       }
-      if (!(transform.is_fixed() && at_.fixed[2 * e] == 0.0)) Apply(e, axis, data, deflection, &here);
-      if (transform.kept_frame >= 0) frames_[transform.kept_frame] = here;
     }
   }
   void CompleteTwists() {
@@ -92,22 +95,34 @@ class LaneChain {
     *sine = s;
   }
 
-  HWY_INLINE void Apply(size_t e, V3 axis, const double* data, const V* deflection, Frame* here) {
+  // From the frame before a transform to the one after it. By the axis, so that the frame stays in registers.
+  template <int kAxis>
+  HWY_INLINE void Pass(size_t e, const double* data, const V* deflection, Frame* here) {
+    const ShotProgram::Transform& transform = p_.transforms[e];
+    const V3& axis = here->rotation.column[kAxis];
+    if (transform.twist >= 0) {
+      twists_[transform.twist] = transform.is_rotation ? TwistLanes{axis, here->origin} : TwistLanes{Zero3(), axis};
+    }
+    if (!(transform.is_fixed() && at_.fixed[2 * e] == 0.0)) Apply<kAxis>(e, data, deflection, here);
+    if (transform.kept_frame >= 0) frames_[transform.kept_frame] = *here;
+  }
+  template <int kAxis>
+  HWY_INLINE void Apply(size_t e, const double* data, const V* deflection, Frame* here) {
     const ShotProgram::Transform& transform = p_.transforms[e];
     if (!transform.is_rotation) {
       V value = ValueOf(e, data, deflection);
       if (transform.lane_value >= 0) value = hn::Add(value, Datum(data, transform.lane_value));
-      here->origin = Fma(value, axis, here->origin);
+      here->origin = Fma(value, here->rotation.column[kAxis], here->origin);
       return;
     }
     V sine = Of(at_.fixed[2 * e]), cosine = Of(at_.fixed[2 * e + 1]);
     if (!transform.is_fixed()) Turn(e, data, deflection, &sine, &cosine);
     if (p_.has_spring && p_.spring.transform == static_cast<int>(e)) spring_sine_ = sine, spring_cosine_ = cosine;
-    V3* const u = &here->rotation.column[(transform.axis + 1) % 3];
-    V3* const v = &here->rotation.column[(transform.axis + 2) % 3];
-    const V3 turned = Fma(cosine, *u, Times(sine, *v));
-    *v = Fnma(sine, *u, Times(cosine, *v));
-    *u = turned;
+    V3& u = here->rotation.column[(kAxis + 1) % 3];
+    V3& v = here->rotation.column[(kAxis + 2) % 3];
+    const V3 turned = Fma(cosine, u, Times(sine, v));
+    v = Fnma(sine, u, Times(cosine, v));
+    u = turned;
   }
 
   const ShotProgram& p_;

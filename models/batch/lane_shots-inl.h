@@ -16,17 +16,25 @@ namespace HWY_NAMESPACE {
 
 class LaneShots {
  public:
-  LaneShots(const ShotProgram& program, const BatchPoint& at, const BatchLayout& layout, LaneMemory* memory)
-      : p_(program), at_(at), layout_(layout), next_row_(layout.columns * kBatchLanes), statics_(program, at, memory) {
+  LaneShots(const ShotProgram& program, const BatchPoint& at, const BatchPlan& plan, LaneMemory* memory)
+      : p_(program),
+        at_(at),
+        plan_(plan),
+        layout_(plan.layout),
+        next_row_(layout_.columns * kBatchLanes),
+        statics_(program, at, memory) {
     totals_ = memory->Take<TwistLanes>(p_.twists.size());
+    sums_ = memory->Take<TwistLanes>(plan.num_columns());
     seen_ = memory->Take<Seen>(p_.markers.size());
     equal_ = memory->Take<EqualMarker>(p_.markers.size());
     others_ = memory->Take<Marker>(p_.markers.size());
+    columns_ = memory->Take<Column>(plan.num_columns());
   }
 
-  static std::size_t MemoryFor(const ShotProgram& program) {
+  static std::size_t MemoryFor(const ShotProgram& program, const BatchPlan& plan) {
     return LaneStatics::MemoryFor(program) + program.twists.size() * sizeof(TwistLanes) +
-           program.markers.size() * (sizeof(Seen) + sizeof(EqualMarker) + sizeof(Marker));
+           program.markers.size() * (sizeof(Seen) + sizeof(EqualMarker) + sizeof(Marker)) +
+           plan.num_columns() * (sizeof(TwistLanes) + sizeof(Column));
   }
 
   // Lanes from `lane` on; a bit for each that did not settle.
@@ -152,26 +160,19 @@ class LaneShots {
   void Write(const M3& block, int first_column, double* cells) const {
     for (int c = 0; c < 3; ++c) Write(block.column[c], first_column + c, cells);
   }
-  // Into the rows of all markers of the frame.
-  HWY_INLINE void Write(const TwistLanes& twist, int column) const {
-    for (const EqualMarker* marker = equal_; marker != equal_ + num_equal_; ++marker) {
-      Write(marker->rows.Of(twist), column, marker->cells);
-    }
-    for (const Marker* marker = others_; marker != others_ + num_others_; ++marker) {
-      Write(marker->rows.Of(twist), column, marker->cells);
-    }
-  }
-
-  bool IsAskedFor(int transform) const {
-    const ShotProgram::Transform& own = p_.transforms[transform];
-    bool asked = own.geometry >= 0 && layout_.theta[own.geometry] >= 0;
-    for (const ShotProgram::Scaled& term : own.terms) asked = asked || layout_.theta[term.parameter] >= 0;
-    for (const int j : layout_.latent_joints) asked = asked || p_.twists[p_.joint_twists[j]].transform == transform;
-    return asked;
+  // A column of all markers of the frame: what moves it.
+  struct Column {
+    const TwistLanes* twist;
+    int column;
+  };
+  TwistLanes& AddColumn(int column) {
+    TwistLanes& own = sums_[num_columns_];
+    columns_[num_columns_++] = {&own, column};
+    return own;
   }
 
   // The residual, and the columns of everything that moves the frame.
-  void WriteColumns(int frame) {
+  HWY_NOINLINE void WriteColumns(int frame) {
     const TwistLanes left_over = statics_.LeftOver(frame);
     for (int i = 0; i < num_equal_; ++i) {
       Write(equal_[i].misfit + equal_[i].rows.Of(left_over), layout_.residual, equal_[i].cells);
@@ -179,32 +180,54 @@ class LaneShots {
     for (int i = 0; i < num_others_; ++i) {
       Write(others_[i].misfit + others_[i].rows.Of(left_over), layout_.residual, others_[i].cells);
     }
+    FindColumns(frame);
+    int i = 0;
+    for (; i + 3 <= num_equal_; i += 3) WriteColumnsOf<3>(equal_ + i);
+    for (; i + 2 <= num_equal_; i += 2) WriteColumnsOf<2>(equal_ + i);
+    for (; i < num_equal_; ++i) WriteColumnsOf<1>(equal_ + i);
+    for (i = 0; i < num_others_; ++i) WriteColumnsOf<1>(others_ + i);
+  }
+
+  void FindColumns(int frame) {
+    num_columns_ = 0;
     statics_.RespondOn(frame);
     for (int axis = 0; axis < 3 && layout_.station >= 0; ++axis) {
-      Write(statics_.ByRotation(axis), layout_.station + 3 + axis);
+      AddColumn(layout_.station + 3 + axis) = statics_.ByRotation(axis);
     }
-    for (size_t k = 0; k < p_.twists.size(); ++k) {
-      if (IsAskedFor(p_.twists[k].transform)) totals_[k] = statics_.Total(static_cast<int>(k), frame);
+    for (const int k : plan_.twists) totals_[k] = statics_.Total(k, frame);
+    for (const BatchPlan::ByTransform& by : plan_.by_transform) {
+      columns_[num_columns_++] = {&totals_[by.twist], by.column};
     }
-    for (int i = 0; i < p_.num_parameters; ++i) {
-      if (layout_.theta[i] >= 0) Write(ColumnOf(i), layout_.theta[i]);
+    for (const BatchPlan::Sum& sum : plan_.sums) {
+      TwistLanes& column = AddColumn(sum.column) = ZeroTwist();
+      for (int i = sum.first_part; i < sum.last_part; ++i) Add(p_.parts[i], &column);
     }
     for (size_t k = 0; k < layout_.latent_joints.size(); ++k) {
       const int j = layout_.latent_joints[k];
       const V factor = Of(layout_.latent_sigmas[k] * p_.joint_signs[j]);
-      Write(Times(factor, totals_[p_.joint_twists[j]]), layout_.latent + static_cast<int>(k));
+      AddColumn(layout_.latent + static_cast<int>(k)) = Times(factor, totals_[p_.joint_twists[j]]);
     }
   }
 
-  HWY_INLINE TwistLanes ColumnOf(int parameter) {
-    const int first = p_.first_part[parameter], last = p_.first_part[parameter + 1];
-    if (last - first == 1 && p_.parts[first].of == ShotProgram::PartOf::kTransform && p_.parts[first].data < 0) {
-      return totals_[p_.parts[first].index];
+  // Of some markers side by side, whose own numbers stay in registers meanwhile.
+  template <int kMarkers, typename AnyMarker>
+  HWY_NOINLINE void WriteColumnsOf(const AnyMarker* markers) const {
+    decltype(markers->rows) rows[kMarkers];
+    double* cells[kMarkers];
+    for (int m = 0; m < kMarkers; ++m) rows[m] = markers[m].rows, cells[m] = markers[m].cells;
+    const std::size_t next = next_row_;
+    for (const Column *own = columns_, *const end = columns_ + num_columns_; own != end; ++own) {
+      const TwistLanes twist = Held(*own->twist);
+      const std::size_t at = static_cast<std::size_t>(own->column) * kBatchLanes;
+      for (int m = 0; m < kMarkers; ++m) {
+        const V3 numbers = rows[m].Of(twist);
+        Put(numbers.x, cells[m] + at);
+        Put(numbers.y, cells[m] + at + next);
+        Put(numbers.z, cells[m] + at + 2 * next);
+      }
     }
-    TwistLanes column = ZeroTwist();
-    for (int i = first; i < last; ++i) Add(p_.parts[i], &column);
-    return column;
   }
+
   void Add(const ShotProgram::Part& part, TwistLanes* column) {
     switch (part.of) {
       case ShotProgram::PartOf::kTransform: {
@@ -260,24 +283,27 @@ class LaneShots {
 
   const ShotProgram& p_;
   const BatchPoint& at_;
+  const BatchPlan& plan_;
   const BatchLayout& layout_;
   const int next_row_;
   LaneStatics statics_;
   const double* data_ = nullptr;
   double* rows_ = nullptr;
-  TwistLanes* totals_;  // by the values of transforms, of one frame that bears markers
+  // Of one frame that bears markers: twists by the values of transforms, and of columns that are no such twist.
+  TwistLanes *totals_, *sums_;
+  Column* columns_;
   Seen* seen_;          // of each marker
   EqualMarker* equal_;  // of one frame
   Marker* others_;
-  int num_equal_ = 0, num_others_ = 0;
+  int num_equal_ = 0, num_others_ = 0, num_columns_ = 0;
 };
 
 const char* TargetOfLanes() { return hwy::TargetName(HWY_TARGET); }
 
-unsigned EvaluateLanes(const ShotProgram& program, const BatchPoint& at, const BatchLayout& layout, const double* data,
+unsigned EvaluateLanes(const ShotProgram& program, const BatchPoint& at, const BatchPlan& plan, const double* data,
                        BatchScratch* scratch, double* rows) {
-  LaneMemory memory(scratch->Reserve(LaneShots::MemoryFor(program) / sizeof(double)));
-  LaneShots shots(program, at, layout, &memory);
+  LaneMemory memory(scratch->Reserve(LaneShots::MemoryFor(program, plan) / sizeof(double)));
+  LaneShots shots(program, at, plan, &memory);
   const int stride = static_cast<int>(hn::Lanes(Tag()));
   unsigned unsettled = 0;
   for (int lane = 0; lane < kBatchLanes; lane += stride) unsettled |= shots.Evaluate(data, lane, rows) << lane;

@@ -23,9 +23,9 @@ HWY_INLINE SpringTorque SpringAt(const double* theta, V sine, V cosine) {
   const V length = Of(theta[0]), ax = Of(theta[1]), ay = Of(theta[2]), rest = Of(theta[3]), rate = Of(theta[4]);
   const V across = Fnma(ay, sine, hn::Mul(ax, cosine)), along = Fma(ay, cosine, hn::Mul(ax, sine));
   const V square = Fma(hn::Add(length, hn::Add(along, along)), length, Fma(ax, ax, hn::Mul(ay, ay)));
-  const V s = hn::Sqrt(square);
-  const V ratio = hn::Div(rest, s), slack = hn::Sub(Of(1.0), ratio);
-  const V by_s = hn::Div(ratio, square);  // d slack = (s0 / s^2) ds, ds = (..) / s
+  const V per_s = hn::Div(Of(1.0), hn::Sqrt(square));
+  const V ratio = hn::Mul(rest, per_s), slack = hn::Sub(Of(1.0), ratio);
+  const V by_s = hn::Mul(ratio, hn::Mul(per_s, per_s));  // d slack = (s0 / s^2) ds, ds = (..) / s
   const V arm = hn::Mul(length, across), minus_rate = hn::Neg(rate);
   SpringTorque result;
   result.torque = hn::Mul(hn::Mul(minus_rate, slack), arm);
@@ -35,7 +35,7 @@ HWY_INLINE SpringTorque SpringAt(const double* theta, V sine, V cosine) {
   result.by[0] = by(hn::Add(length, along), across);
   result.by[1] = by(Fma(length, sine, ax), hn::Mul(length, cosine));
   result.by[2] = by(Fma(length, cosine, ay), hn::Neg(hn::Mul(length, sine)));
-  result.by[3] = hn::Div(hn::Mul(rate, arm), s);
+  result.by[3] = hn::Mul(hn::Mul(rate, arm), per_s);
   result.by[4] = hn::Neg(hn::Mul(slack, arm));
   return result;
 }

@@ -66,6 +66,9 @@ class LaneStatics {
   unsigned Settle(const double* data, int lane) {
     data_ = data + lane;
     for (int s = 0; s < slots_; ++s) deflection_[s] = step_[s] = Of(0.0);
+    if (p_.has_spring && p_.spring.commanded >= 0) {
+      idle_ = SpringAt(SpringParameters(), Datum(p_.spring.commanded), Datum(p_.spring.commanded + 1));
+    }
     auto settled = hn::Lt(Of(0.0), Of(slots_ > 0 ? 0.0 : 1.0));
     for (int i = 0; i < kMostNewtonSteps && !hn::AllTrue(Tag(), settled); ++i) {
       if (i > 0) {
@@ -122,13 +125,11 @@ class LaneStatics {
   // By the value of a transform.
   HWY_INLINE TwistLanes Total(int twist, int frame) const {
     const ShotProgram::Twist& own = p_.twists[twist];
-    const TwistLanes moves = chain_.Twist(twist);
-    TwistLanes total = own.transform < frame ? moves : ZeroTwist();
-    for (int s = 0; s < own.slots && own.level < p_.num_levels; ++s) {
-      total = Fma(ByWhatIsBeyond(s, own, moves), imposed_[s], total);
-    }
-    for (int s = own.slots; s < slots_ && own.is_rotation && p_.num_levels > 0; ++s) {
-      total = Fma(Dot(before_[s], moves.w), imposed_[s], total);
+    const TwistLanes& moves = chain_.Twist(twist);
+    TwistLanes total = ZeroTwist();
+    if (own.transform < frame) total = Held(moves);
+    if (p_.num_levels > 0) {
+      total = own.is_rotation ? WithAnswers<true>(own, moves, total) : WithAnswers<false>(own, moves, total);
     }
     if (BearsSpring(own)) total = Fma(SpringLaw(), imposed_[p_.spring.slot], total);
     return total;
@@ -288,13 +289,14 @@ class LaneStatics {
   bool NeedsChain() const { return slots_ > 0 && p_.num_levels > 0; }
 
   void FindStep() {
-    largest_ = bent_ = Of(0.0);
     for (int s = 0; s < slots_; ++s) step_[s] = hn::Sub(law_[s], deflection_[s]);
     Respond(step_);
+    V largest = Of(0.0), bent = Of(0.0);
     for (int s = 0; s < slots_; ++s) {
-      largest_ = hn::Add(largest_, hn::Abs(step_[s]));
-      bent_ = hn::Add(bent_, hn::Abs(hn::Add(deflection_[s], step_[s])));
+      largest = hn::Add(largest, hn::Abs(step_[s]));
+      bent = hn::Add(bent, hn::Abs(hn::Add(deflection_[s], step_[s])));
     }
+    largest_ = largest, bent_ = bent;
   }
   template <typename Mask>
   void Deflect(Mask lanes) {
@@ -378,6 +380,20 @@ class LaneStatics {
     }
   }
 
+  // Adds how the slots answer the value of a transform: those before it to wrenches beyond, those after it to where it
+  // turns them.
+  template <bool kIsRotation>
+  HWY_INLINE TwistLanes WithAnswers(const ShotProgram::Twist& own, const TwistLanes& twist, TwistLanes total) const {
+    const TwistLanes moves = Held(twist);
+    const int before = own.level < p_.num_levels ? own.slots : 0;
+    const TwistLanes* beyond = beyond_ + own.level;
+    for (int s = 0; s < before; ++s, beyond += p_.num_levels) {
+      const V by = kIsRotation ? Work(moves, beyond->w, beyond->v) : Dot(moves.v, beyond->v);
+      total = Fma(by, imposed_[s], total);
+    }
+    for (int s = own.slots; s < slots_ && kIsRotation; ++s) total = Fma(Dot(before_[s], moves.w), imposed_[s], total);
+    return total;
+  }
   // d f_s / d value of a transform that is slot s or beyond it.
   HWY_INLINE V ByWhatIsBeyond(int s, const ShotProgram::Twist& own, const TwistLanes& moves) const {
     const TwistLanes& beyond = Beyond(s)[own.level];
@@ -415,27 +431,29 @@ class LaneStatics {
   // x <- (I - F_u)^-1 x
   void Respond(V* x) const {
     const int n = slots_;
-    for (int r = 0; r < n; ++r) {
-      for (int k = 0; k < r; ++k) x[r] = Fnma(matrix_[r * n + k], x[k], x[r]);
+    for (int r = 1; r < n; ++r) {
+      V rest = x[r];
+      for (int k = 0; k < r; ++k) rest = Fnma(matrix_[r * n + k], x[k], rest);
+      x[r] = rest;
     }
     for (int r = n - 1; r >= 0; --r) {
-      for (int k = r + 1; k < n; ++k) x[r] = Fnma(matrix_[r * n + k], x[k], x[r]);
-      x[r] = hn::Mul(x[r], matrix_[r * n + r]);
+      V rest = x[r];
+      for (int k = n - 1; k > r; --k) rest = Fnma(matrix_[r * n + k], x[k], rest);
+      x[r] = hn::Mul(rest, matrix_[r * n + r]);
     }
   }
 
+  const double* SpringParameters() const { return at_.theta + p_.spring.first_parameter; }
   void EvaluateSpring() {
     const V sign = Of(p_.spring.sign), cos_offset = Of(p_.spring.cos_offset), sin_offset = Of(p_.spring.sin_offset);
     // q = sign (v - offset)
     const V sine = hn::Mul(sign, Fnma(chain_.spring_cosine(), sin_offset, hn::Mul(chain_.spring_sine(), cos_offset)));
     const V cosine = Fma(chain_.spring_cosine(), cos_offset, hn::Mul(chain_.spring_sine(), sin_offset));
-    const double* theta = at_.theta + p_.spring.first_parameter;
-    SpringTorque spring = SpringAt(theta, sine, cosine);
+    SpringTorque spring = SpringAt(SpringParameters(), sine, cosine);
     spring_stiffness_ = spring.by_angle;  // sign^2 = 1
     if (p_.spring.commanded >= 0) {
-      const SpringTorque idle = SpringAt(theta, Datum(p_.spring.commanded), Datum(p_.spring.commanded + 1));
-      spring.torque = hn::Sub(spring.torque, idle.torque);
-      for (int i = 0; i < 5; ++i) spring.by[i] = hn::Sub(spring.by[i], idle.by[i]);
+      spring.torque = hn::Sub(spring.torque, idle_.torque);
+      for (int i = 0; i < 5; ++i) spring.by[i] = hn::Sub(spring.by[i], idle_.by[i]);
     }
     torque_[p_.spring.slot] = Fma(sign, spring.torque, torque_[p_.spring.slot]);
     for (int i = 0; i < 5; ++i) by_spring_[i] = hn::Mul(sign, spring.by[i]);
@@ -457,6 +475,7 @@ class LaneStatics {
   V* matrix_;
   V largest_, bent_;  // sums over the slots: of the step, of the deflection with it
   TwistLanes* imposed_;
+  SpringTorque idle_;  // of the spring at the commanded angle, where only the change acts
   V spring_stiffness_, by_spring_[5];
 };
 

@@ -77,6 +77,8 @@ HWY_INLINE V3 operator*(const Frame& frame, V3 point) { return frame.rotation * 
 struct TwistLanes {
   V3 w, v;
 };
+// What lies in memory, number by number: GCC copies a whole twist through the stack.
+HWY_INLINE TwistLanes Held(const TwistLanes& t) { return {{t.w.x, t.w.y, t.w.z}, {t.v.x, t.v.y, t.v.z}}; }
 HWY_INLINE TwistLanes ZeroTwist() { return {Zero3(), Zero3()}; }
 HWY_INLINE TwistLanes Fma(V a, const TwistLanes& b, const TwistLanes& c) {
   return {Fma(a, b.w, c.w), Fma(a, b.v, c.v)};
@@ -86,8 +88,7 @@ HWY_INLINE TwistLanes Fnma(V a, const TwistLanes& b, const TwistLanes& c) {
 }
 HWY_INLINE TwistLanes Times(V a, const TwistLanes& b) { return {Times(a, b.w), Times(a, b.v)}; }
 HWY_INLINE V Work(const TwistLanes& twist, V3 moment, V3 force) {
-  const V a = Fma(twist.w.x, moment.x, Fma(twist.w.y, moment.y, hn::Mul(twist.w.z, moment.z)));
-  return Fma(twist.v.x, force.x, Fma(twist.v.y, force.y, Fma(twist.v.z, force.z, a)));
+  return hn::Add(Dot(twist.w, moment), Dot(twist.v, force));  // two chains that do not wait for each other
 }
 
 // sin and cos of all lanes: Taylor to order 15 below 1/4 (truncated at 1e-19), else one by one.

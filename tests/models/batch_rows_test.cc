@@ -95,7 +95,7 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
   }
   const BatchPoint at(program, theta.data(), base, points);
   const auto check = [&] {
-    ASSERT_EQ(EvaluateBatch(program, at, layout, data, &scratch, rows), 0u);
+    ASSERT_EQ(EvaluateBatch(program, at, BatchPlan(program, layout), data, &scratch, rows), 0u);
 
     std::vector<int> all(n);
     std::iota(all.begin(), all.end(), 0);
@@ -227,7 +227,7 @@ TEST(BatchRows, LargeDeflectionsAreLeftToTheModel) {
   double* const data = numbers.Reserve(static_cast<std::size_t>(program.num_data) * kBatchLanes);
   for (int lane = 0; lane < kBatchLanes; ++lane) PackShot(model, program, shot, readings, lane, data);
   const BatchPoint at(program, theta.data(), {}, {Vector3<double>::Zero()});
-  EXPECT_EQ(EvaluateBatch(program, at, layout, data, &scratch, results.Reserve(3 * kBatchLanes)),
+  EXPECT_EQ(EvaluateBatch(program, at, BatchPlan(program, layout), data, &scratch, results.Reserve(3 * kBatchLanes)),
             (1u << kBatchLanes) - 1);
   const Equilibrium there = model.Equilibrate(shot, theta.data(), Matrix3<double>::Identity());
   const int slot = model.chain().JointTransform(1);
@@ -265,7 +265,7 @@ TEST(BatchRows, AShotTakesNoNoticeOfItsNeighbours) {
     for (int lane = 0; lane < kBatchLanes; ++lane) {
       PackShot(model, program, lane == 0 ? shot : beside, readings, lane, data);
     }
-    EXPECT_EQ(EvaluateBatch(program, at, layout, data, &scratch, rows) & 1u, 0u);
+    EXPECT_EQ(EvaluateBatch(program, at, BatchPlan(program, layout), data, &scratch, rows) & 1u, 0u);
     std::vector<double> own;
     for (int i = 0; i < 3 * layout.columns; ++i) own.push_back(rows[i * kBatchLanes]);
     return own;
