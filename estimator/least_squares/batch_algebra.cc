@@ -272,102 +272,104 @@ void LeveragesOfLanes(const ClusterLanes& clusters, const double* root, double* 
   }
 }
 
-// column <- G column, G lower triangular: from the last row on, each needs those before it; kRows of them in registers,
-// or any number (0).
+// Lanes of rows that share deviations, and of a square matrix of as many rows: kRows, or any number (0).
 template <int kRows>
-void MultiplyColumn(int num_rows, const double* g, std::size_t step, double* column) {
-  const Tag d;
-  const int rows = kRows > 0 ? kRows : num_rows;
-  V before[kRows > 0 ? kRows : 1];
-  for (int r = 0; r < kRows; ++r) before[r] = hn::Load(d, column + r * step);
-  for (int r = rows - 1; r >= 0; --r) {
-    V sum = hn::Zero(d);
-    for (int k = 0; k <= r; ++k) {
-      const V value = kRows > 0 ? before[kRows > 0 ? k : 0] : hn::Load(d, column + k * step);
-      sum = hn::MulAdd(hn::Load(d, g + (static_cast<std::size_t>(r) * rows + k) * kBatchLanes), value, sum);
-    }
-    hn::Store(sum, d, column + r * step);
-  }
-}
+struct SharedRows {
+  int any_rows;
+  std::size_t step;  // from row to row
+  double *cells, *factor;
 
-// A matrix of lanes, of which the lower triangle counts; f(lane) for all registers that its cells take.
-struct LowerLanes {
-  int rows;
-  double* cells;
-  double* At(int r, int c) const { return cells + (static_cast<std::size_t>(r) * rows + c) * kBatchLanes; }
+  int size() const { return kRows > 0 ? kRows : any_rows; }
+  double* At(int r, int c) const { return cells + r * step + static_cast<std::size_t>(c) * kBatchLanes; }
+  double* F(int r, int c) const { return factor + (static_cast<std::size_t>(r) * size() + c) * kBatchLanes; }
 };
-template <typename Function>
-HWY_INLINE void ForAllLanes(const Function& f) {
-  for (std::size_t lane = 0; lane < kBatchLanes; lane += hn::Lanes(Tag())) f(lane);
+
+// u_rk of C = 1 + L L' = U D U', below.
+template <int kRows>
+HWY_INLINE V Rest(SharedRows<kRows> rows, int r, int k, int latent, int count) {
+  const Tag d;
+  V sum = hn::Set(d, r == k ? 1.0 : 0.0);
+  for (int i = latent; i < latent + count; ++i) {
+    sum = hn::MulAdd(hn::Load(d, rows.At(r, i)), hn::Load(d, rows.At(k, i)), sum);
+  }
+  for (int i = 0; i < k; ++i) sum = hn::NegMulAdd(hn::Load(d, rows.F(i, r)), hn::Load(d, rows.F(k, i)), sum);
+  return sum;
 }
 
-// C <- F, C = F F' (Cholesky); the diagonal as its inverse.
-void Factor(const LowerLanes& c) {
+// U lower triangular with a unit diagonal, column by column:
+//   D_k = u_kk,  U_rk = u_rk / D_k,  u_rk = C_rk - sum_{i < k} u_ri U_ki
+// u_rk lies above the diagonal, D^-1/2 on it.
+template <int kRows>
+void Factor(SharedRows<kRows> rows, int latent, int count) {
   const Tag d;
-  for (int k = 0; k < c.rows; ++k) {
-    double* const pivot = c.At(k, k);
-    ForAllLanes([&](std::size_t lane) HWY_ATTR {
-      hn::Store(hn::Div(hn::Set(d, 1.0), hn::Sqrt(hn::Load(d, pivot + lane))), d, pivot + lane);
-    });
-    for (int r = k + 1; r < c.rows; ++r) {
-      double* const own = c.At(r, k);
-      ForAllLanes([&](std::size_t lane) HWY_ATTR {
-        hn::Store(hn::Mul(hn::Load(d, own + lane), hn::Load(d, pivot + lane)), d, own + lane);
-      });
-      for (int i = k + 1; i <= r; ++i) {
-        double* const to = c.At(r, i);
-        const double* const other = c.At(i, k);
-        ForAllLanes([&](std::size_t lane) HWY_ATTR {
-          const V product = hn::NegMulAdd(hn::Load(d, own + lane), hn::Load(d, other + lane), hn::Load(d, to + lane));
-          hn::Store(product, d, to + lane);
-        });
-      }
+  for (int k = 0; k < rows.size(); ++k) {
+    const V inverse = hn::Div(hn::Set(d, 1.0), Rest(rows, k, k, latent, count));
+    hn::Store(hn::Sqrt(inverse), d, rows.F(k, k));
+    for (int r = k + 1; r < rows.size(); ++r) {
+      const V rest = Rest(rows, r, k, latent, count);
+      hn::Store(rest, d, rows.F(k, r));
+      hn::Store(hn::Mul(rest, inverse), d, rows.F(r, k));
     }
   }
 }
 
-// F <- F^-1, the diagonal as its inverse before: G_rk = -1 / F_rr sum_{k <= i < r} F_ri G_ik.
-void Invert(const LowerLanes& f) {
+// From row k on; by recursion, so that all of x stays in registers.
+template <int k, int kRows, int kColumns>
+HWY_INLINE void Eliminate(SharedRows<kRows> rows, int column, V (&x)[kRows][kColumns]) {
+  if constexpr (k < kRows) {
+    const Tag d;
+    const V scale = hn::Load(d, rows.F(k, k));
+    for (int c = 0; c < kColumns; ++c) hn::Store(hn::Mul(scale, x[k][c]), d, rows.At(k, column + c));
+    for (int r = k + 1; r < kRows; ++r) {
+      const V factor = hn::Load(d, rows.F(r, k));
+      for (int c = 0; c < kColumns; ++c) x[r][c] = hn::NegMulAdd(factor, x[k][c], x[r][c]);
+    }
+    Eliminate<k + 1>(rows, column, x);
+  }
+}
+
+// Columns <- D^-1/2 U^-1 columns; some side by side: in one of them each row waits for the row before.
+template <int kColumns, int kRows>
+void Solve(SharedRows<kRows> rows, int column) {
   const Tag d;
-  for (int r = 1; r < f.rows; ++r) {
-    for (int k = 0; k < r; ++k) {  // F_ri, i >= k, are still there
-      ForAllLanes([&](std::size_t lane) HWY_ATTR {
-        V sum = hn::Zero(d);
-        for (int i = k; i < r; ++i) {
-          sum = hn::NegMulAdd(hn::Load(d, f.At(r, i) + lane), hn::Load(d, f.At(i, k) + lane), sum);
-        }
-        hn::Store(hn::Mul(hn::Load(d, f.At(r, r) + lane), sum), d, f.At(r, k) + lane);
-      });
+  if constexpr (kRows > 0) {
+    V x[kRows][kColumns];
+    for (int r = 0; r < kRows; ++r) {
+      for (int c = 0; c < kColumns; ++c) x[r][c] = hn::Load(d, rows.At(r, column + c));
+    }
+    Eliminate<0>(rows, column, x);
+  } else {
+    for (int k = 0; k < rows.size(); ++k) {
+      V x = hn::Load(d, rows.At(k, column));
+      for (int i = 0; i < k; ++i) x = hn::NegMulAdd(hn::Load(d, rows.F(k, i)), hn::Load(d, rows.At(i, column)), x);
+      hn::Store(x, d, rows.At(k, column));
+    }
+    for (int k = 0; k < rows.size(); ++k) {
+      hn::Store(hn::Mul(hn::Load(d, rows.F(k, k)), hn::Load(d, rows.At(k, column))), d, rows.At(k, column));
     }
   }
 }
 
-// C = 1 + L L' = F F'; then F^-1 of the columns before L. By the inverse and not by substitution: nothing waits for
-// the row before.
+template <int kRows>
+void MarginaliseRowsOf(int num_rows, int columns, int latent, int count, double* cells, double* factor) {
+  // What registers hold: rows of two columns of 32, of one of 16.
+  constexpr int kAtOnce = kRows > 0 && hn::MaxLanes(Tag()) >= 8 ? 2 : 1;
+  for (std::size_t lane = 0; lane < kBatchLanes; lane += hn::Lanes(Tag())) {
+    const SharedRows<kRows> rows = {num_rows, static_cast<std::size_t>(columns) * kBatchLanes, cells + lane,
+                                    factor + lane};
+    Factor(rows, latent, count);
+    int c = 0;
+    for (; c + kAtOnce <= latent; c += kAtOnce) Solve<kAtOnce>(rows, c);
+    for (; c < latent; ++c) Solve<1>(rows, c);
+  }
+}
+
 void MarginaliseRows(int num_rows, int columns, int latent, int count, double* rows, double* factor) {
-  const Tag d;
-  const std::size_t row = static_cast<std::size_t>(columns) * kBatchLanes;
-  const LowerLanes c = {num_rows, factor};
-  for (int r = 0; r < num_rows; ++r) {
-    for (int k = 0; k <= r; ++k) {
-      ForAllLanes([&](std::size_t lane) HWY_ATTR {
-        V sum = hn::Set(d, r == k ? 1.0 : 0.0);
-        for (std::size_t i = latent * kBatchLanes + lane; i < (latent + count) * kBatchLanes + lane; i += kBatchLanes) {
-          sum = hn::MulAdd(hn::Load(d, rows + r * row + i), hn::Load(d, rows + k * row + i), sum);
-        }
-        hn::Store(sum, d, c.At(r, k) + lane);
-      });
-    }
-  }
-  Factor(c);
-  Invert(c);
-  const auto multiply = num_rows == 9   ? MultiplyColumn<9>
-                        : num_rows == 6 ? MultiplyColumn<6>
-                        : num_rows == 3 ? MultiplyColumn<3>
-                                        : MultiplyColumn<0>;
-  ForAllLanes([&](std::size_t lane) HWY_ATTR {
-    for (int i = 0; i < latent; ++i) multiply(num_rows, factor + lane, row, rows + i * kBatchLanes + lane);
-  });
+  const auto marginalise = num_rows == 9   ? MarginaliseRowsOf<9>
+                           : num_rows == 6 ? MarginaliseRowsOf<6>
+                           : num_rows == 3 ? MarginaliseRowsOf<3>
+                                           : MarginaliseRowsOf<0>;
+  marginalise(num_rows, columns, latent, count, rows, factor);
 }
 
 }  // namespace HWY_NAMESPACE

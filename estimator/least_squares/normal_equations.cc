@@ -107,8 +107,6 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
       pointers.clear();
       for (int b = first; b < last; ++b) {
         double* const at = memory + (b - first) * doubles;
-        // Marginalising fills cells that no derivative belongs to.
-        if (own.latent >= 0) std::fill(at, at + doubles, 0.0);
         if (!batches_.Evaluate(request, block.group, b, &scratches[worker], at)) {
           valid = false;
           return;

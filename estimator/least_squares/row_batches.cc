@@ -220,6 +220,7 @@ BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& param
       if (is_new && is_asked(three(block))) marker_at[block.first_coordinate] = append(three(block));
     }
   }
+  result.sparse = static_cast<int>(result.of.size());
   std::vector<int> theta(parameters.num_model_parameters(), -1);
   for (int i = 0; i < parameters.num_model_parameters(); ++i) {
     const int column = column_of[parameters.model_parameter(i).first_coordinate];
@@ -286,6 +287,11 @@ RowBatches::Request::Request(const RowBatches& batches, const ParameterSet& para
 bool RowBatches::Evaluate(const Request& request, int group, int batch, BatchScratch* scratch, double* rows) const {
   const Group& own = *groups_[group];
   const BatchColumns& columns = request.columns_[group];
+  // Marginalising fills cells that no derivative belongs to.
+  for (int r = 0; r < own.rows && marginalises_; ++r) {
+    double* const row = rows + static_cast<std::size_t>(r) * columns.columns * kBatchLanes;
+    std::fill(row, row + columns.sparse * kBatchLanes, 0.0);
+  }
   unsigned by_model = own.by_model ? (1u << kBatchLanes) - 1 : 0;
   for (size_t s = 0; s < own.shots.size() && !own.by_model; ++s) {
     by_model |= EvaluateBatch(own.shots[s].program, request.points_[group][s], columns.shots[s],

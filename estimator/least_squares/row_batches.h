@@ -26,6 +26,7 @@ struct BatchColumns {
   int columns = 0;  // a multiple of kGramBlock; unused ones are zero
   int first = 0;    // of those that all rows share
   int last = 0;     // where they end; deviations and unused ones follow
+  int sparse = 0;   // of stations and markers among them, which come first: a row has cells in some
   int residual = 0;
   int latent = -1, latents = 0;  // deviations of joints, times their sigmas, as they were before they are marginalised
 
@@ -74,8 +75,8 @@ class RowBatches {
     std::vector<std::vector<BatchPoint>> points_;  // by group, by shot of a unit
   };
 
-  // Rows of one batch into rows_of_unit x columns x kBatchLanes numbers, aligned and zero before; deviations of joints
-  // are marginalised here. False: an equilibrium diverges.
+  // Rows of one batch into rows_of_unit x columns x kBatchLanes numbers, aligned, and zero before the first batch of
+  // the group; deviations of joints are marginalised here. False: an equilibrium diverges.
   bool Evaluate(const Request& request, int group, int batch, BatchScratch* scratch, double* rows) const;
 
   // MotionPerUnit (models/excitation.h), the largest over all units, at each of the given values: one number per model
