@@ -1,5 +1,7 @@
 #include "estimator/diagnosis/diagnose.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +13,7 @@
 #include "estimator/diagnosis/refitted_set.h"
 #include "estimator/diagnosis/set_aside.h"
 #include "estimator/noise/rotation_noise.h"
+#include "estimator/report/diagnosis_caution_words.h"
 #include "estimator/report/diagnosis_function_words.h"
 #include "estimator/statistics/distributions.h"
 
@@ -239,22 +242,50 @@ class Session {
   bool IsNamed() const { return posterior_.Something() > NamingGate() && !posterior_.sets.empty(); }
 
   // The full estimator has the last word: an effect with which it finds no optimum is not named, nor one whose values
-  // it takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance.
+  // it takes for chance (all held: certainly), nor one that makes untouched rows worse beyond chance, nor, beside a
+  // rest without a name, one that does not make them better beyond chance: the likelihood is known to be wrong then.
   void JudgeFinal() {
     Say("fitting the extended model");
     while (true) {
       d_.final = selected_.empty() ? lacking_ : JudgedWith(selected_);
       if (selected_.empty()) break;
-      const bool usable = IsUsable(d_.final.estimate.status);
-      const auto idle = usable ? LeastSupported() : selected_.end();
-      const int worse = usable && idle == selected_.end() ? MeasurePrefixes() : -1;
-      if (usable && idle == selected_.end() && worse < 0) break;
-      const auto out = !usable ? selected_.end() - 1 : idle != selected_.end() ? idle : selected_.begin() + worse;
-      selected_.erase(out);
+      const int out = NotNamed();
+      if (out < 0) break;
+      selected_.erase(selected_.begin() + out);
+      prefixes_.resize(std::min({prefixes_.size(), static_cast<size_t>(out) + 1, selected_.size()}));
       SayFound();
       d_.has_unexplained = true;
     }
     aside_.FromHeldOut(!named_, &d_.baseline, &d_.final);
+  }
+
+  // Of the selected effects; -1: all hold.
+  int NotNamed() {
+    if (!IsUsable(d_.final.estimate.status)) return static_cast<int>(selected_.size()) - 1;
+    const auto idle = LeastSupported();
+    if (idle != selected_.end()) return static_cast<int>(idle - selected_.begin());
+    const int worse = MeasurePrefixes();
+    if (worse >= 0) return worse;
+    return CountHeldOut(d_.final) >= kFewHeldOut && (d_.has_unexplained || Misfits()) ? LeastConfirmed() : -1;
+  }
+
+  // Of those that do not make untouched rows better beyond chance.
+  int LeastConfirmed() {
+    std::vector<double> gains;
+    for (size_t k = 0; k < selected_.size(); ++k) gains.push_back(HoldoutGain(prefixes_[k], prefixes_[k + 1]));
+    const size_t least = std::min_element(gains.begin(), gains.end()) - gains.begin();
+    VLOG(1) << "diagnosis: " << selected_[least].candidate.spec.Path() << " makes untouched rows better by "
+            << gains[least] << " of the scatter of that, the others by more";
+    if (IsBeyondChance(gains[least])) return -1;
+    NotConfirm(selected_[least]);
+    return static_cast<int>(least);
+  }
+
+  // It stays a piece of what has no name.
+  void NotConfirm(const SelectedEffect& effect) {
+    std::vector<int>& pieces = leading_.pieces;
+    pieces.insert(std::lower_bound(pieces.begin(), pieces.end(), effect.explanation), effect.explanation);
+    d_.unconfirmed.emplace_back(effect.candidate.spec, posterior_.Of(evidence_->list().name[effect.explanation]));
   }
 
   // The effect whose values the full estimator takes for chance, if there is one.
@@ -280,8 +311,8 @@ class Session {
   // Hold-out after each effect. An effect that makes it worse beyond chance, or, where all since the best prefix do
   // together, the one of these that makes it worst; -1 where none does.
   int MeasurePrefixes() {
-    prefixes_.assign(1, lacking_);
-    for (size_t count = 1; count < selected_.size(); ++count) {
+    if (prefixes_.empty()) prefixes_.push_back(lacking_);
+    for (size_t count = prefixes_.size(); count < selected_.size(); ++count) {
       const bool is_near = IsUsable(prefixes_.back().estimate.status);
       const auto last = selected_.begin() + static_cast<long>(count);
       const std::vector<SelectedEffect> fresh(is_near ? last - 1 : selected_.begin(), last);
@@ -385,21 +416,26 @@ class Session {
     effect.lag = AllowForLag(d_.final, chosen.candidate.spec, &effect.parameters);
   }
 
-  void Decide() {
+  // Whether the noise or untouched rows say that something is left.
+  bool Misfits() {
     d_.noise = FindNoise(*evidence_, leading_, problem_, d_.final);
+    d_.final_p = LackOfFit(problem_, d_.final, d_.noise);
+    const bool is_stated = IsSigmaStated(problem_);
+    return (is_stated && d_.final_p < kShareOfLackOfFit * options_.significance) ||
+           IsFarFromFloor(d_.final, is_stated, options_.significance);
+  }
+
+  void Decide() {
+    d_.has_unexplained |= Misfits();
     for (const int i : aside_.outliers()) {
       d_.noise.outliers.push_back(problem_.data().SourceOf(problem_.data().observations[i]));
     }
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
-    d_.final_p = LackOfFit(problem_, d_.final, d_.noise);
-    const double gate = kShareOfLackOfFit * options_.significance;
-    const bool misfits = IsSigmaStated(problem_) && d_.final_p < gate;
     // Nothing but joints that deviate, and no pose was visited again: a cause that follows the pose looks the same.
     const bool is_ambiguous =
         d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose && !d_.noise.repeatability_is_overstated;
-    const bool is_far = IsFarFromFloor(d_.final, IsSigmaStated(problem_), options_.significance);
-    d_.has_unexplained |= misfits || is_far || (is_ambiguous && selected_.empty());
+    d_.has_unexplained |= is_ambiguous && selected_.empty();
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
       Say("learning what has no name");
@@ -415,6 +451,7 @@ class Session {
       const bool is_noise = d_.noise.is_finding || !d_.noise.outliers.empty();
       d_.verdict = is_noise ? DiagnosisVerdict::kNoise : DiagnosisVerdict::kConsistent;
     }
+    if (!d_.unconfirmed.empty()) d_.cautions.push_back(NotConfirmed(d_.unconfirmed));
     CautionOfHoldout(d_.final, d_.has_unexplained, &d_.cautions);
   }
 
@@ -430,7 +467,7 @@ class Session {
   WeightedModel leading_;
   DiagnosedModel lacking_;  // the believed model beside the noise that goes with the leading set
   std::vector<SelectedEffect> selected_;
-  std::vector<DiagnosedModel> prefixes_;
+  std::vector<DiagnosedModel> prefixes_;  // the lacking model with none, one, two, … of them
 };
 
 }  // namespace

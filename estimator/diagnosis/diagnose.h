@@ -111,6 +111,8 @@ struct Diagnosis {
   std::vector<ScreenedCandidate> candidates;  // of the baseline, best first
   std::vector<NotTestable> not_testable;
   std::vector<FoundEffect> effects;
+  // Of the most probable set, not named: beside a rest without a name untouched rows do not confirm them.
+  std::vector<std::pair<EffectSpec, double>> unconfirmed;  // probability
   std::vector<EffectGroup> groups;
   double baseline_p = kNotKnown, final_p = kNotKnown;  // lack of fit
   GapReport gap;

@@ -13,8 +13,9 @@ namespace sagitta {
 namespace {
 
 constexpr double kWorseBeyondChance = 0.01;
-constexpr size_t kMostSprings = 8;  // of 144 shapes: neighbours in ratio and in direction
-constexpr size_t kMostGroups = 5;   // FORMATS section 6
+constexpr double kBetterBeyondChance = 0.05;  // as of its interval: neither may say that it is chance
+constexpr size_t kMostSprings = 8;            // of 144 shapes: neighbours in ratio and in direction
+constexpr size_t kMostGroups = 5;             // FORMATS section 6
 
 // The spring whose torque moves the joint as the set's columns with their values do.
 EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, int member,
@@ -156,10 +157,25 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
   return ChiSquareSurvival(square, static_cast<double>(own.size()));
 }
 
+int CountHeldOut(const DiagnosedModel& model) {
+  std::vector<int> counts;
+  HoldoutSquares(model, &counts);
+  return static_cast<int>(std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; }));
+}
+
+double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after) {
+  std::vector<int> counts;
+  const Eigen::VectorXd gains = HoldoutSquares(before, &counts) - HoldoutSquares(after, &counts);
+  const double scatter = gains.norm();
+  return scatter > 0.0 ? gains.sum() / scatter : 0.0;
+}
+
+bool IsBeyondChance(double gain) { return gain > NormalQuantile(1.0 - kBetterBeyondChance); }
+
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after) {
   std::vector<int> counts;
   const Eigen::VectorXd now = HoldoutSquares(after, &counts), then = HoldoutSquares(before, &counts);
-  const auto held_out = std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; });
+  const int held_out = CountHeldOut(after);
   if (held_out < kFewHeldOut) return false;
   const double limit = NormalQuantile(1.0 - kWorseBeyondChance);
   if ((now - then).sum() > limit * (now - then).norm()) return true;
@@ -171,9 +187,7 @@ bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after
 
 bool IsFarFromFloor(const DiagnosedModel& model, bool is_sigma_stated, double significance) {
   if (!is_sigma_stated || model.estimate.validation.observations == 0) return false;
-  std::vector<int> counts;
-  HoldoutSquares(model, &counts);
-  const auto held_out = std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; });
+  const int held_out = CountHeldOut(model);
   if (held_out < kFewHeldOut) return false;
   // Rows of one configuration may share what they deviate by: three coordinates each count.
   const double floor = model.estimate.noise_floor, rms = model.estimate.validation.rms;

@@ -39,6 +39,11 @@ bool IsEstimated(const EffectSpec& spec, const Estimate& estimate);
 // P that values as far from 0 come about by chance, by the full estimator's covariance: what it says against an effect.
 double WaldP(const EffectSpec& spec, const Estimate& estimate);
 
+int CountHeldOut(const DiagnosedModel& model);  // configurations
+// By how much the second model predicts untouched configurations better than the first, in units of the scatter of the
+// differences between configurations; whether that is beyond chance (5 %, one-sided).
+double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after);
+bool IsBeyondChance(double gain);
 // Whether the second model predicts untouched configurations worse than the first, beyond chance (1 %, one-sided, by
 // the scatter of the differences between configurations).
 bool MakesHoldoutWorse(const DiagnosedModel& before, const DiagnosedModel& after);

@@ -97,4 +97,15 @@ std::string HoldoutBelowFloor(double rms, double floor) {
          "limit.";
 }
 
+std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects) {
+  std::vector<std::string> names;
+  for (const auto& [spec, probability] : effects) {
+    names.push_back(spec.effect + (spec.target.empty() ? "" : " on " + spec.target) + " (" + WholePercent(probability) +
+                    ")");
+  }
+  return Enumerate(names, kNamesListed) + (names.size() == 1 ? " is" : " are") +
+         " not named, whatever the fitted rows say: something without a name is left, and beside that an effect is "
+         "named only where it predicts rows that were not fitted better, beyond chance.";
+}
+
 }  // namespace sagitta

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "estimator/inspection/finding.h"
+#include "models/effects/effect_spec.h"
 
 namespace sagitta {
 
@@ -37,5 +39,8 @@ std::string FewHeldOut(int configurations);
 // Hold-out RMS against the noise floor, m.
 std::string HoldoutFarAboveFloor(double rms, double floor);
 std::string HoldoutBelowFloor(double rms, double floor);
+
+// Effects beside a rest without a name, each with its probability by the fitted rows.
+std::string NotConfirmed(const std::vector<std::pair<EffectSpec, double>>& effects);
 
 }  // namespace sagitta

@@ -140,6 +140,19 @@ TEST(DiagnosisFormulas, UntouchedRowsSpeakAgainstAnEffectBeyondChance) {
   EXPECT_TRUE(MakesHoldoutWorse(before, one_worse(1.01 * limit)));
 }
 
+// Ten configurations with gains g_k:  sum g / |g|,  and the upper twentieth of a normal distribution is at 1.6449.
+TEST(DiagnosisFormulas, UntouchedRowsSpeakForAnEffectBeyondChance) {
+  const DiagnosedModel before = OffBy([](int) { return 1e-3; });
+  EXPECT_NEAR(HoldoutGain(before, OffBy([](int) { return 0.9e-3; })), std::sqrt(10.0), 1e-6);
+  EXPECT_NEAR(HoldoutGain(before, OffBy([](int) { return 1.1e-3; })), -std::sqrt(10.0), 1e-6);
+  // Six gain half of their square, four lose as much.
+  const auto six_of_ten = OffBy([](int k) { return 1e-3 * std::sqrt(k < 6 ? 0.5 : 1.5); });
+  EXPECT_NEAR(HoldoutGain(before, six_of_ten), 2.0 / std::sqrt(10.0), 1e-6);
+  EXPECT_EQ(HoldoutGain(before, before), 0.0);
+  EXPECT_FALSE(IsBeyondChance(1.644));
+  EXPECT_TRUE(IsBeyondChance(1.646));
+}
+
 // Ten configurations held out count 30: chi-square's upper thousandth is 59.703.
 TEST(DiagnosisFormulas, FarFromTheFloorIsATestOfSquares) {
   DiagnosedModel model = OffBy([](int) { return 1e-3; });

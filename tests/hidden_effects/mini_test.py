@@ -264,6 +264,16 @@ class WhatWasOnceNamedWrong(WithFolder):
         for kind in ('joint_slip', 'marker_shift'):
             self.assert_explained({'kinds': kind, 'scales': 1, 'case': 1, 'stations': 2})
 
+    def test_beside_what_has_no_name_an_effect_needs_untouched_rows(self):
+        """The heat of all drives: the fitted rows are sure of a load point besides, rows that were not fitted are not."""
+        diagnosis, _ = self.diagnosed({'study': 9001, 'case': 4, 'kinds': 'drive_heat', 'scales': 1.97,
+                                       'repeatability_urad': 8})
+        said = {(e['effect'], e['target']): e['probability'] for e in diagnosis['posterior']['explanations']}
+        self.assertGreater(said['load_com', 'V120'], 0.9)
+        self.assertGreater(diagnosis['posterior']['unnamed'], 0.9)
+        self.assertEqual((diagnosis['verdict'], diagnosis['steps']), ('unknown', []))
+        self.assertIn('load_com on V120 (100 %) is not named', ' '.join(diagnosis['cautions']))
+
 
 class AgainstASimulation(WithFolder):
     """--simulation=columns: the generator's own arm without the hidden effect is somebody else's simulation."""
