@@ -70,12 +70,13 @@ class Learner {
     for (size_t k = 0; k < set_.members.size(); ++k) {
       const int member = set_.members[k];
       if (evidence_.list().IsUnnamed(member) && !Take(member, set_.scales[k])) continue;
-      if (pieces_.count(member) > 0 && !TakeAll({pieces_.at(member)})) continue;
+      if (pieces_.count(member) > 0) continue;
       kept.members.push_back(member);
       kept.scales.push_back(set_.scales[k]);
     }
     set_ = search_.Evaluate(kept.members, kept.scales);
     while (TakeNext()) continue;
+    for (const auto& [member, piece] : pieces_) TakeAll({piece});
     if (added_.empty()) return std::nullopt;
     LearntModel learnt;
     const ParameterSet& start = with_.estimate.parameters;

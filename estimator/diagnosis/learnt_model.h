@@ -19,8 +19,8 @@ struct LearntModel {
 
 // Beside the effects that `final` has: unnamed functions, the best one after the other, while each has odds of 20 for
 // it and does not make untouched rows worse beyond chance; fitted with the prior that their evidence is made of.
-// Effects of the catalogue that are pieces of the nameless cause (nameless_cause.h) are among them. Nothing where none
-// is left, or where all together predict untouched rows no better.
+// Effects of the catalogue that are pieces of the nameless cause (nameless_cause.h) come last: beside the functions
+// they take what is left. Nothing where none is left, or where all together predict untouched rows no better.
 std::optional<LearntModel> LearnModel(const Evidence& evidence, const WeightedModel& leading,
                                       const DiagnosedModel& baseline, const DiagnosedModel& final,
                                       const JointOptions& joint);
