@@ -78,7 +78,8 @@ std::string FittedAndHeldOut(int configurations) {
 }
 
 std::string NothingHeldOut() {
-  return "Nothing is held out: whether the gap shrinks on data that took no part is not known.";
+  return "Nothing is held out: whether the gap shrinks on data that took no part is not known, and an effect that is "
+         "named beside something without a name may be a description of it.";
 }
 
 std::string FewHeldOut(int configurations) {
