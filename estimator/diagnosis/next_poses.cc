@@ -245,6 +245,8 @@ class Choice {
 
   // The right one's probability afterwards, expected.
   double Decides() const { return ExpectedProbability(Probabilities(), apart_); }
+  // Of poses like those that are taken.
+  int Needed(int taken) const { return ReadingsNeeded(Probabilities(), apart_, taken, kWanted, kMostNeeded); }
 
  private:
   Eigen::VectorXd Probabilities() const {
@@ -373,6 +375,7 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
   std::vector<bool> taken(drawn.size(), false);
   for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice.Take(&taken)]);
   next.decides = choice.Decides();
+  next.needed = choice.Needed(kPosesProposed);
   if (next.decides < next.decided + kWorthDeciding) return std::nullopt;  // no pose decides
   return next;
 }

@@ -151,6 +151,16 @@ std::string RestInWords(const Diagnosis& d) {
   return "A significant rest has no name in the catalogue" + (share.empty() ? "" : " (" + share + ")") + ".";
 }
 
+std::string NeededInWords(const NextPoses& next) {
+  const std::string wanted = WholePercent(kWanted);
+  if (next.needed == 0) {
+    return " Even " + std::to_string(kMostNeeded) + " such poses would not make it " + wanted +
+           ": a heavier load, another marker or another station tells more.";
+  }
+  if (next.needed <= static_cast<int>(next.poses.size())) return "";
+  return " About " + std::to_string(next.needed) + " such poses would make it " + wanted + ".";
+}
+
 }  // namespace
 
 std::string Title(const Robot& robot, const EffectSpec& spec) {
@@ -240,7 +250,8 @@ std::string NextInWords(const NextPoses& next) {
   return "Measure " + std::to_string(next.poses.size()) +
          " more poses, chosen where the explanations that are left say " +
          "different things (next.csv, to be filled in): whichever is right is expected to have " +
-         Percent(next.decides) + " of the probability then, on average; it is " + Percent(next.decided) + " now.";
+         Percent(next.decides) + " of the probability then, on average; it is " + Percent(next.decided) + " now." +
+         NeededInWords(next);
 }
 
 std::string FlipInWords(const Robot& robot, const ReportedFlip& flip) {

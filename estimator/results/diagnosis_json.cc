@@ -313,7 +313,10 @@ Json DiagnosisToJson(const Diagnosis& d, double significance) {
   json["prior"] = PriorToJson(robot, d.posterior);
   json["groups"] = GroupsToJson(d);
   json["next"] = nullptr;
-  if (d.next) json["next"] = {{"words", NextInWords(*d.next)}, {"file", kNextFile}, {"decides", d.next->decides}};
+  if (d.next) {
+    json["next"] = {{"words", NextInWords(*d.next)}, {"file", kNextFile}, {"decides", d.next->decides}};
+    json["next"]["poses_for_90_percent"] = d.next->needed > 0 ? Json(d.next->needed) : Json();
+  }
   return json;
 }
 

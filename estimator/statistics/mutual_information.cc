@@ -49,6 +49,14 @@ double ExpectedProbability(const Eigen::VectorXd& probabilities, const Eigen::Ma
   return MeanOver(probabilities, apart, [](double minus_log) { return std::exp(-minus_log); });
 }
 
+int ReadingsNeeded(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart, int count, double wanted,
+                   int most) {
+  for (int n = 1; n <= most; ++n) {
+    if (ExpectedProbability(probabilities, n * apart / count) >= wanted) return n;
+  }
+  return 0;
+}
+
 TwoApart InformationOfTwo(double apart) {
   // With equal priors: I = ln 2 - E ln(1 + odds), odds = exp(-D/2 + sqrt(D) z) of the wrong one over the right one.
   const double d = std::max(0.0, apart), root = std::sqrt(d);

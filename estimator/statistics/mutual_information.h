@@ -18,6 +18,10 @@ namespace sagitta {
 // apart: D, symmetric with a diagonal of 0. probabilities sum to 1.
 double MutualInformation(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart);
 double ExpectedProbability(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart);
+// How many readings like `count` that are so far apart give the right one this expected probability, D being in
+// proportion to their number; 0: more than `most`.
+int ReadingsNeeded(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart, int count, double wanted,
+                   int most);
 
 // Of two explanations of the same probability that are D apart: the information, at most ln 2, its derivative by D and
 // the probability of the right one. Concave in D (the mutual information of a binary signal in Gaussian noise; Guo,

@@ -68,6 +68,18 @@ TEST(MutualInformationTest, OfThreeIsNearTheIntegral) {
   EXPECT_NEAR(ExpectedProbability(p, far), 1.0, 1e-9);
 }
 
+// Two that six readings leave D apart: n readings are n D / 6 apart.
+TEST(MutualInformationTest, SoManyReadingsAreNeededAsMakeItNineInTen) {
+  const Eigen::Vector2d even(0.5, 0.5);
+  Eigen::Matrix2d apart;
+  apart << 0.0, 2.0, 2.0, 0.0;
+  const int needed = ReadingsNeeded(even, apart, 6, 0.9, 60);
+  EXPECT_GE(InformationOfTwo(2.0 * needed / 6.0).decides, 0.9);
+  EXPECT_LT(InformationOfTwo(2.0 * (needed - 1) / 6.0).decides, 0.9);
+  EXPECT_EQ(ReadingsNeeded(even, apart, 6, 0.9, needed - 1), 0);
+  EXPECT_EQ(ReadingsNeeded(Eigen::Vector2d(0.95, 0.05), 0.0 * apart, 6, 0.9, 60), 1);
+}
+
 TEST(MutualInformationTest, SlopeIsThatOfFiniteDifferencesAndFalls) {
   double last = 0.2;
   for (const double apart : {0.01, 0.3, 2.0, 7.0, 20.0, 60.0}) {
