@@ -58,7 +58,8 @@ class Generator(WithFolder):
     def test_each_hidden_effect_disturbs_the_believed_model(self):
         listed = subprocess.run([str(PROGRAMS.generator), '--list'], capture_output=True, text=True, check=True).stdout
         kinds = [line.split()[0] for line in listed.splitlines()]
-        self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE + cases.FOREIGN + cases.STRANGERS))
+        self.assertEqual(sorted(kinds), sorted(cases.CATALOGUE + cases.OUTSIDE + cases.FOREIGN + cases.STRANGERS +
+                                               cases.NEWCOMERS))
         for kind in kinds:
             flags = {'kinds': kind, 'study': SEED, 'case': 2, 'stations': 2 if kind == 'station_scale' else 1}
             if kind == 'self_weight_sag':
@@ -68,7 +69,8 @@ class Generator(WithFolder):
             self.assertGreater(chi2, 1e-3, kind)
 
     def moved_by(self, kind, number):
-        """(words of the sealed answer, rows with marker, seconds since the first, displacement in mm)"""
+        """(words of the sealed answer, rows with marker, seconds since the first, undisturbed point and displacement in
+        mm, joint values in rad)"""
         rows = []
         for scale in (0, 1):
             answer = self.folder / ('answer%d' % scale)
@@ -78,9 +80,14 @@ class Generator(WithFolder):
         sealed = json.loads((answer / 'answer.json').read_text())['hidden'][0]
         self.assertFalse(sealed['in_catalogue'])
         start = float(rows[0][0]['time_s'])
-        return sealed, [{'config': true['config'], 'load': true['load'], 'marker': true['marker'], 's': float(true['time_s']) - start,
-                         'mm': math.hypot(*(float(true[c]) - float(zero[c]) for c in ('x_mm', 'y_mm', 'z_mm')))}
-                        for zero, true in zip(*rows)]
+        told = []
+        for zero, true in zip(*rows):
+            at = [float(zero[c]) for c in ('x_mm', 'y_mm', 'z_mm')]
+            by = [float(true[c]) - p for c, p in zip(('x_mm', 'y_mm', 'z_mm'), at)]
+            told.append({'config': true['config'], 'load': true['load'], 'marker': true['marker'],
+                         's': float(true['time_s']) - start, 'mm': math.hypot(*by), 'at': at, 'by': by,
+                         'q': {c[:-4]: math.radians(float(true[c])) for c in true if c.endswith('_deg')}})
+        return sealed, told
 
     def test_foreign_causes_follow_the_laws_their_answers_say(self):
         none = 1e-9  # mm: the tenth decimal of the file
@@ -143,6 +150,51 @@ class Generator(WithFolder):
         self.assertTrue(bars)
         for soft, rows in bars:
             self.assertTrue(all(r['mm'] < (0.06 + none if r['marker'] == soft else none) for r in rows))
+
+    def test_newcomers_follow_the_laws_their_answers_say(self):
+        none = 1e-9  # mm: the tenth decimal of the file
+        number = r'(-?[0-9.]+)'
+
+        def read_as(at, further_left, further_up):
+            """Where a point seems to lie, in mm from where it is, whose azimuth and elevation are read off by so much."""
+            azimuth, elevation = math.atan2(at[1], at[0]) + further_left, math.asin(at[2] / math.hypot(*at)) + further_up
+            unit = (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation))
+            return [math.hypot(*at) * u - p for u, p in zip(unit, at)]
+
+        def assert_near(row, expected):
+            self.assertLess(math.dist(row['by'], expected), none + 1e-4 * row['mm'])
+
+        for case in range(3):
+            # The textbook's collimation c / cos E, transit axis i tan E and index e, by the face of the configuration.
+            sealed, rows = self.moved_by('two_faces', case)
+            c, i, e = (1e-6 * float(t) for t in re.findall(r'(?:collimation|axis|index) ' + number, sealed['words']))
+            joint, far = re.search(r'when A(\d) turns by ' + number, sealed['words']).groups()
+            face = 1
+            for before, row in zip([rows[0]] + rows, rows):
+                if abs(row['q']['q' + joint] - before['q']['q' + joint]) > float(far):
+                    face = -face
+                up = math.asin(row['at'][2] / math.hypot(*row['at']))
+                assert_near(row, read_as(row['at'], face * (c / math.cos(up) + i * math.tan(up)), face * e))
+
+            # A bend b u exp((1 - u^2) / 2) in the sheet is an angle at the instrument by the part of the way beyond.
+            sealed, rows = self.moved_by('warm_sheet', case)
+            at, width, away, bend = (float(t) for t in re.findall(r'(?:azimuth|as|,|by) ' + number, sealed['words']))
+            for row in rows:
+                level, far = math.hypot(*row['at'][:2]), math.hypot(*row['at'])
+                u = math.remainder(math.atan2(row['at'][1], row['at'][0]) - at, 2 * math.pi) / width
+                aside = 1e-6 * bend * u * math.exp((1 - u * u) / 2) * max(0.0, far - 1e3 * away)
+                self.assertLess(math.dist(row['by'], read_as(row['at'], aside / level, 0.0)), 1e-5)
+
+            sealed, rows = self.moved_by('swapped_balls', case)
+            other = re.search(r'with (\w+) at', sealed['words']).group(1)
+            times = [float(t) for t in re.findall(r'[0-9]+\.[0-9]+', sealed['words'])]
+            for row in rows:
+                swapped = row['marker'] in (sealed['target'], other) and sum(row['s'] > t for t in times) % 2 == 1
+                self.assertLess(abs(row['mm'] - (0.06 if swapped else 0.0)), none)
+
+            sealed, rows = self.moved_by('radiant_heat', case)
+            self.assertLess(max(r['mm'] for r in rows if r['s'] == 0.0), none)
+            self.assertGreater(max(r['mm'] for r in rows), 0.01)
 
     def test_the_value_that_is_hidden_is_the_value_that_is_estimated(self):
         # The generator makes these from their causes, so their second order remains: 20 urad squared over metres.

@@ -4,32 +4,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tests/hidden_effects/generator/hidden_effect.h"
+#include "tests/hidden_effects/generator/causes.h"
 
 namespace hidden {
 namespace {
-
-constexpr double kTurn = 6.283185307179586;  // rad
-constexpr double kTypicalAngle = 100e-6;     // rad
-constexpr double kTypicalLength = 30e-6;     // m
-
-struct Draw {
-  const RobotKind& robot;
-  const Design& design;
-  double scale;
-  Stream* random;
-  Nature* nature;
-  HiddenEffect* effect;
-
-  double LogUniform(double low, double high) const { return std::exp(random->Uniform(std::log(low), std::log(high))); }
-  int Configurations() const { return design.shots.back().config + 1; }
-  double Duration() const { return design.shots.back().since_first; }  // s
-  std::string Marker() const {
-    const int number = random->Below(static_cast<int>(nature->markers.size()));
-    return std::next(nature->markers.begin(), number)->first;
-  }
-  const std::string& Name(int joint) const { return robot.arm.joints[joint].name; }
-};
 
 // Values of single readings, drawn once: by time of the shot and marker.
 using Readings = std::map<std::pair<double, std::string>, Vector3d>;
@@ -261,34 +239,22 @@ void FloorSettling(Draw d) {
   };
 }
 
-const std::vector<std::pair<std::string, void (*)(Draw)>>& Makers() {
-  static const std::vector<std::pair<std::string, void (*)(Draw)>> makers = {
-      {"loose_bolt", LooseBolt},         {"soft_lost_motion", SoftLostMotion}, {"link_bending", LinkBending},
-      {"cable_drag", CableDrag},         {"gear_ripple", GearRipple},          {"link_heating", LinkHeating},
-      {"reading_bursts", ReadingBursts}, {"air_turbulence", AirTurbulence},    {"seat_wear", SeatWear},
-      {"floor_settling", FloorSettling}};
+const Makers& All() {
+  static const Makers makers = {{"loose_bolt", LooseBolt},         {"soft_lost_motion", SoftLostMotion},
+                                {"link_bending", LinkBending},     {"cable_drag", CableDrag},
+                                {"gear_ripple", GearRipple},       {"link_heating", LinkHeating},
+                                {"reading_bursts", ReadingBursts}, {"air_turbulence", AirTurbulence},
+                                {"seat_wear", SeatWear},           {"floor_settling", FloorSettling}};
   return makers;
 }
 
 }  // namespace
 
-std::vector<std::string> ForeignKinds() {
-  std::vector<std::string> kinds;
-  for (const auto& maker : Makers()) kinds.push_back(maker.first);
-  return kinds;
-}
+std::vector<std::string> ForeignKinds() { return KindsOf(All()); }
 
 HiddenEffect HideForeign(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                          Stream* random, Nature* nature) {
-  for (const auto& [name, make] : Makers()) {
-    if (name != kind) continue;
-    HiddenEffect effect;
-    effect.kind = kind;
-    effect.in_catalogue = false;
-    make({robot, design, scale, random, nature, &effect});
-    return effect;
-  }
-  throw std::invalid_argument("no effect " + kind);
+  return HideOneOf(All(), kind, scale, robot, design, random, nature);
 }
 
 }  // namespace hidden

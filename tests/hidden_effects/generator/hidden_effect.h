@@ -33,6 +33,7 @@ std::vector<std::string> CatalogueKinds();
 std::vector<std::string> OutsideKinds();
 std::vector<std::string> ForeignKinds();
 std::vector<std::string> StrangerKinds();
+std::vector<std::string> NewcomerKinds();
 
 // Draws target and shape, sets it to `scale` times a typical size, adds it to
 // nature. Throws for a kind that is not known.
@@ -47,6 +48,8 @@ HiddenEffect HideOutside(const std::string& kind, double scale, const RobotKind&
 HiddenEffect HideForeign(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                          Stream* random, Nature* nature);
 HiddenEffect HideStranger(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
+                          Stream* random, Nature* nature);
+HiddenEffect HideNewcomer(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                           Stream* random, Nature* nature);
 
 // Any revolute joint.

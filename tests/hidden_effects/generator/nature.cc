@@ -87,6 +87,7 @@ Posture Undeflected(const Nature& nature, const Shot& shot) {
   for (const auto& encoder : nature.encoder) posture.values[encoder.joint] += encoder.deviation(shot);
   for (const auto& wobble : nature.wobble) posture.tilt[wobble.joint][wobble.about] += wobble.tilt(shot);
   if (nature.floor) posture.foot += nature.floor(shot);
+  for (int link = 0; nature.warp && link < nature.arm.size(); ++link) posture.bend[link] += nature.warp(shot, link);
   for (int link = 0; nature.lengthening && link <= nature.arm.size(); ++link) {
     posture.lengthening[link] = nature.lengthening(shot, link);
   }

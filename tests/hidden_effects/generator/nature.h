@@ -106,6 +106,7 @@ struct Nature {
     std::function<Vector3d(const Vector3d& across)> tilt;
   };
   std::vector<Bearing> bearings;
+  std::function<Vector3d(const Shot&, int link)> warp;       // bend without a moment, as bendings: rad; may be empty
   std::function<double(const Shot&, int link)> lengthening;  // part of its length; may be empty
   std::function<Vector3d(const Shot&)> floor;                // tilt of the foot, rad; may be empty
 

@@ -1,64 +1,12 @@
 // A second list of causes outside the catalogue that real robots, cells and trackers have; none is in foreign.cc.
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
-#include "tests/hidden_effects/generator/hidden_effect.h"
+#include "tests/hidden_effects/generator/causes.h"
 
 namespace hidden {
 namespace {
-
-constexpr double kTurn = 6.283185307179586;  // rad
-constexpr double kTypicalAngle = 100e-6;     // rad
-constexpr double kTypicalLength = 30e-6;     // m
-
-struct Draw {
-  const RobotKind& robot;
-  const Design& design;
-  double scale;
-  Stream* random;
-  Nature* nature;
-  HiddenEffect* effect;
-
-  double LogUniform(double low, double high) const { return std::exp(random->Uniform(std::log(low), std::log(high))); }
-  double Duration() const { return design.shots.back().since_first; }   // s
-  double TypicalTorque() const { return robot.heavy.mass * kGravity; }  // N m at 1 m
-  double Reach() const { return robot.heavy.mass > 50 ? 0.4 : 0.15; }   // m, of a link's centre of mass
-  const std::string& Name(int joint) const { return robot.arm.joints[joint].name; }
-  std::string Marker() const {
-    const int number = random->Below(static_cast<int>(nature->markers.size()));
-    return std::next(nature->markers.begin(), number)->first;
-  }
-  std::vector<int> RevoluteJoints() const {
-    std::vector<int> joints;
-    for (int j = 0; j < robot.arm.size(); ++j) {
-      if (!robot.arm.joints[j].prismatic) joints.push_back(j);
-    }
-    return joints;
-  }
-  // Those that carry the arm.
-  std::vector<int> MainAxes() const {
-    std::vector<int> joints = RevoluteJoints();
-    joints.resize(std::min<size_t>(3, joints.size()));
-    return joints;
-  }
-};
-
-// When the arm arrived, by configuration: s.
-std::vector<double> Arrivals(const Design& design) {
-  std::vector<double> times;
-  for (const Shot& shot : design.shots) {
-    if (shot.config == static_cast<int>(times.size())) times.push_back(shot.since_first);
-  }
-  return times;
-}
-
-Placement PlaceAsCommanded(const Arm& arm, const Shot& shot) {
-  Posture posture(arm.size());
-  posture.values = shot.q;
-  return Place(arm, posture);
-}
 
 // The drives hold the first shot of a configuration; then the brakes close and the load is hung on. A brake's hub has
 // play on its shaft: what is left of it towards the side to which the torque turns, s - u with s = sign T and u where
@@ -297,35 +245,22 @@ void HuntingServo(Draw d) {
   };
 }
 
-const std::vector<std::pair<std::string, void (*)(Draw)>>& Makers() {
-  static const std::vector<std::pair<std::string, void (*)(Draw)>> makers = {
-      {"brake_drop", BrakeDrop},       {"bearing_play", BearingPlay},
-      {"shifting_load", ShiftingLoad}, {"soft_tool", SoftTool},
-      {"drive_heat", DriveHeat},       {"correction_table", CorrectionTable},
-      {"shared_slab", SharedSlab},     {"weather_dropouts", WeatherDropouts},
-      {"range_cycles", RangeCycles},   {"hunting_servo", HuntingServo}};
+const Makers& All() {
+  static const Makers makers = {{"brake_drop", BrakeDrop},       {"bearing_play", BearingPlay},
+                                {"shifting_load", ShiftingLoad}, {"soft_tool", SoftTool},
+                                {"drive_heat", DriveHeat},       {"correction_table", CorrectionTable},
+                                {"shared_slab", SharedSlab},     {"weather_dropouts", WeatherDropouts},
+                                {"range_cycles", RangeCycles},   {"hunting_servo", HuntingServo}};
   return makers;
 }
 
 }  // namespace
 
-std::vector<std::string> StrangerKinds() {
-  std::vector<std::string> kinds;
-  for (const auto& maker : Makers()) kinds.push_back(maker.first);
-  return kinds;
-}
+std::vector<std::string> StrangerKinds() { return KindsOf(All()); }
 
 HiddenEffect HideStranger(const std::string& kind, double scale, const RobotKind& robot, const Design& design,
                           Stream* random, Nature* nature) {
-  for (const auto& [name, make] : Makers()) {
-    if (name != kind) continue;
-    HiddenEffect effect;
-    effect.kind = kind;
-    effect.in_catalogue = false;
-    make({robot, design, scale, random, nature, &effect});
-    return effect;
-  }
-  throw std::invalid_argument("no effect " + kind);
+  return HideOneOf(All(), kind, scale, robot, design, random, nature);
 }
 
 }  // namespace hidden

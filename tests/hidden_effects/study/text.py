@@ -116,7 +116,8 @@ def summary(figures):
         lines += block('Outside the catalogue', ['%-26s %s' % (
             g, ', '.join('%s %s' % (k.replace('_', ' '), share(v)) for k, v in f.items()))
             for g, f in figures['outside'].items()])
-    for suite, title in (('foreign', 'Foreign causes'), ('strangers', 'Foreign causes, the second list')):
+    for suite, title in (('foreign', 'Foreign causes'), ('strangers', 'Foreign causes, the second list'),
+                         ('newcomers', 'Foreign causes, the third list')):
         if figures[suite]:
             lines += block(title, foreign_lines(figures[suite]))
     learnt = figures['closed_by_learning']
