@@ -266,7 +266,7 @@ class Session {
     if (idle != selected_.end()) return static_cast<int>(idle - selected_.begin());
     const int worse = MeasurePrefixes();
     if (worse >= 0) return worse;
-    return CountHeldOut(d_.final) >= kFewHeldOut && (d_.has_unexplained || Misfits()) ? LeastConfirmed() : -1;
+    return CountHeldOut(d_.final) >= kFewHeldOut && MayLeaveARest() ? LeastConfirmed() : -1;
   }
 
   // Of those that do not make untouched rows better beyond chance.
@@ -425,6 +425,15 @@ class Session {
            IsFarFromFloor(d_.final, is_stated, options_.significance);
   }
 
+  // Joints are said to deviate more than stated, and no pose was visited again: a cause that follows the pose looks the
+  // same. Of the noise that Misfits found.
+  bool MayFollowThePose() const {
+    return d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose &&
+           !d_.noise.repeatability_is_overstated;
+  }
+
+  bool MayLeaveARest() { return d_.has_unexplained || Misfits() || MayFollowThePose(); }
+
   void Decide() {
     d_.has_unexplained |= Misfits();
     for (const int i : aside_.outliers()) {
@@ -432,10 +441,7 @@ class Session {
     }
     d_.noise.outliers_held_out = aside_.held_out();
     d_.baseline_p = LackOfFit(problem_, d_.baseline, {});
-    // Nothing but joints that deviate, and no pose was visited again: a cause that follows the pose looks the same.
-    const bool is_ambiguous =
-        d_.noise.HasUndeclaredRepeatability() && !d_.noise.is_told_from_pose && !d_.noise.repeatability_is_overstated;
-    d_.has_unexplained |= is_ambiguous && selected_.empty();
+    d_.has_unexplained |= MayFollowThePose() && selected_.empty();
     if (d_.has_unexplained) {
       d_.unexplained = LearnFunction(*evidence_, leading_, *lacking_.problem);
       Say("learning what has no name");
