@@ -79,6 +79,19 @@ AddedColumn OutlierColumn(const Measurements& data, const NoiseReport& report) {
   return column;
 }
 
+// The first cells of a row, at least one, as they lie in its file.
+std::string_view FirstCells(const MeasurementRows::Cells& cells, size_t count) {
+  const std::string_view first = cells[0], last = cells[count - 1];
+  return {first.data(), static_cast<size_t>(last.data() + last.size() - first.data())};
+}
+
+// How many columns are a file's own, in its order, before one is not. index: of each column in the file.
+size_t CountOwn(const std::vector<int>& index, const std::vector<const AddedColumn*>& replaced) {
+  size_t own = 0;
+  while (own < index.size() && index[own] == static_cast<int>(own) && replaced[own] == nullptr) ++own;
+  return own;
+}
+
 }  // namespace
 
 std::string RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added) {
@@ -98,12 +111,16 @@ void RowsToCsv(const Measurements& data, const std::vector<AddedColumn>& added, 
     for (size_t f = 0; f < data.files.size(); ++f) index[f].push_back(data.files[f].FindColumn(name));
   }
   csv += "\n";
+  std::vector<size_t> own_columns;  // of each file, that come first
+  for (const std::vector<int>& of_file : index) own_columns.push_back(CountOwn(of_file, replaced));
   for (size_t i = 0; i < data.observations.size(); ++i) {
     CheckInterruption();
     const Observation& observation = data.observations[i];
     if (!observation.is_point()) continue;  // in the line of its point
     const MeasurementRows::Cells cells = data.files[observation.file].rows[observation.row].cells;
-    for (size_t c = 0; c < names.size(); ++c) {
+    const size_t together = own_columns[observation.file];
+    const bool are_taken = together > 0 && AddCsvCells(FirstCells(cells, together), together, &csv);
+    for (size_t c = are_taken ? together : 0; c < names.size(); ++c) {
       if (c > 0) csv += ",";
       const int source = index[observation.file][c];
       if (replaced[c] != nullptr) {

@@ -189,8 +189,9 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
 
   const size_t columns = table.file.header.size();
   MeasurementRows& rows = table.file.rows;
-  // No cell is guarded or in quotes.
-  const bool is_plain = content.find('"') == std::string_view::npos && content.find('\'') == std::string_view::npos;
+  const auto holds = [&](char c) { return content.find(c) != std::string_view::npos; };
+  // No cell is guarded or in quotes; and none of all has blanks about it: '\r' stands at ends of lines alone.
+  const bool is_plain = !holds('"') && !holds('\''), is_without_blanks = !has_control && !holds(' ') && !holds('\t');
   std::string quoted;
   while (reader.Next(&line)) {
     CheckInterruption();
@@ -201,7 +202,7 @@ CsvTable ParseCsvTable(const std::string& text, const std::string& path) {
                    content.size());
     }
     rows.BeginRow(line.number);
-    if (is_plain && !HasBlank(line.text)) {
+    if (is_plain && (is_without_blanks || !HasBlank(line.text))) {
       rows.AddCells(line.text);
     } else {
       ForEachCell(path, line, &quoted, [&](std::string_view cell) { rows.AddCell(cell); });

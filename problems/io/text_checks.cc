@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "problems/io/files.h"
 #include "problems/io/units.h"
@@ -11,6 +12,36 @@ namespace sagitta {
 namespace {
 
 constexpr std::string_view kFormulaStarts = "=+-@\t\r";
+
+// Bytes that no reader of tables takes for anything else.
+constexpr std::array<bool, 256> PlainBytes() {
+  std::array<bool, 256> plain = {};
+  for (const char c : std::string_view("0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz._")) {
+    plain[static_cast<unsigned char>(c)] = true;
+  }
+  return plain;
+}
+constexpr std::array<bool, 256> kIsPlain = PlainBytes();
+
+// A cell that stands as it is, byte by byte: of plain bytes alone, as most are, or a negative decimal.
+class PlainCell {
+ public:
+  // False: it is none.
+  bool Take(char c) {
+    const bool is_digit = c >= '0' && c <= '9', is_minus = c == '-' && length_ == 0;
+    is_negative_ |= is_minus;
+    digits_ += is_digit ? 1 : 0;
+    points_ += c == '.' ? 1 : 0;
+    ++length_;
+    return is_minus || (is_negative_ ? is_digit || c == '.' : kIsPlain[static_cast<unsigned char>(c)]);
+  }
+  bool IsWhole() const { return !is_negative_ || (digits_ > 0 && digits_ <= kFinite && points_ <= 1); }
+
+ private:
+  static constexpr size_t kFinite = 300;  // digits: with many more it is infinite
+  bool is_negative_ = false;
+  size_t length_ = 0, digits_ = 0, points_ = 0;
+};
 
 // C1 in UTF-8 is C2 80 to C2 9F.
 bool IsC1(std::string_view text, size_t i) {
@@ -77,16 +108,24 @@ std::string CsvCell(const std::string& text) {
 }
 
 void AddCsvCell(std::string_view text, std::string* line) {
-  // Of letters, digits and points alone, as most cells are, or a negative number.
-  const std::string_view body = !text.empty() && text.front() == '-' ? text.substr(1) : text;
-  const auto is_plain = [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_';
-  };
-  if (std::all_of(body.begin(), body.end(), is_plain) && (body.size() == text.size() || ParseNumber(text))) {
-    *line += text;
-  } else {
-    *line += CsvCell(std::string(text));
+  if (!AddCsvCells(text, 1, line)) *line += CsvCell(std::string(text));
+}
+
+bool AddCsvCells(std::string_view cells, size_t count, std::string* line) {
+  PlainCell cell;
+  size_t commas = 0;
+  for (const char c : cells) {
+    if (c != ',') {
+      if (!cell.Take(c)) return false;
+      continue;
+    }
+    if (!cell.IsWhole()) return false;
+    cell = PlainCell();
+    ++commas;
   }
+  if (!cell.IsWhole() || commas + 1 != count) return false;
+  *line += cells;
+  return true;
 }
 
 std::string UnguardedCell(std::string cell) {

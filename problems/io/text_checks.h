@@ -25,6 +25,9 @@ std::string ValidUtf8(const std::string& text);
 std::string CsvCell(const std::string& text);
 // Appends the same to a line.
 void AddCsvCell(std::string_view text, std::string* line);
+// Appends cells that lie one behind the other with a comma between two, where all of them stand as they are. False, and
+// nothing is appended: one of them may not.
+bool AddCsvCells(std::string_view cells, size_t count, std::string* line);
 // The cell as it was before CsvCell guarded it.
 std::string UnguardedCell(std::string cell);
 

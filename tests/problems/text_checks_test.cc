@@ -52,6 +52,28 @@ TEST(TextChecksTest, GuardedCellsReadBack) {
   }
 }
 
+// Cells that are taken together are those that stand as they are one by one; the usual ones are.
+TEST(TextChecksTest, CellsTogetherAreThoseOneByOne) {
+  const auto taken = [](const std::string& cells, size_t count) {
+    std::string line = "before,";
+    const bool all = AddCsvCells(cells, count, &line);
+    EXPECT_EQ(line, all ? "before," + cells : "before,");
+    return all;
+  };
+  EXPECT_TRUE(taken("C1,M_1,-12.5,,0.25,-3", 6));
+  EXPECT_TRUE(taken("", 1));
+  EXPECT_FALSE(taken("a,b", 1));  // one cell with a comma in it
+  const std::string long_number = "-" + std::string(400, '9');
+  for (const std::string& cell : std::vector<std::string>{"-", "-x", "-1.2.3", "-.", "=1", "+1", "@f", "#1", " b", "b ",
+                                                          "\"", "'a", "x-1", "a\tb", "a\nb", "-1-1", long_number}) {
+    for (const std::string& cells : {cell + ",1,2", "1," + cell + ",2", "1,2," + cell}) {
+      if (!taken(cells, 3)) continue;
+      EXPECT_EQ(CsvCell(cell), cell);
+    }
+  }
+  for (const char* cell : {"=1", "-x", "-", "#1", " b", "a\nb"}) EXPECT_FALSE(taken(cell, 1)) << cell;
+}
+
 TEST(TextChecksTest, TheShellReadsWordsBack) {
   for (const std::string& word : std::vector<std::string>{"a b", "it's", "$(touch x)", "`x`", "a\nb", "*", "\\", "",
                                                           "-n", "~", "a;b", "#c", "!"}) {
