@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "estimator/least_squares/row_batches.h"
 #include "models/constants.h"
 
 namespace sagitta {
@@ -40,6 +41,25 @@ Eigen::MatrixXd TorquesOfWrenches(const CalibrationProblem& problem, const Param
     const ElasticQuery query{&chain, &slots, nullptr, &shot.conditions.q, &wrenches, &shot.terms};
     torques.row(s) = TorquesOf(query, equilibrium.state, wrenches, rotation).transpose();
   }
+  return torques;
+}
+
+// The same of the shots' own wrenches, several shots side by side; zero where a shot has none.
+Eigen::MatrixXd TorquesOfOwnWrenches(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                     const std::vector<int>& shots) {
+  std::vector<int> looked_at;  // an observation of each
+  for (const int s : shots) {
+    const std::vector<int>& own = problem.data().shots[s].observations;
+    if (!problem.shot_inputs()[s].wrenches.empty() && !own.empty()) looked_at.push_back(own.front());
+  }
+  const NoiseRoots metres(looked_at.size(), Matrix3<double>::Identity());
+  const RowBatches batches(problem, looked_at, metres, LatentTreatment::kIgnore, RowsAgainst::kOrigin);
+  Eigen::MatrixXd torques =
+      Eigen::MatrixXd::Zero(static_cast<long>(problem.shot_inputs().size()), problem.robot().chain.num_joints());
+  const std::vector<int> left = batches.FindWrenchTorques(parameters, &torques);
+  const Eigen::MatrixXd by_model =
+      TorquesOfWrenches(problem, parameters, left, [](const ShotInput& shot) { return shot.wrenches; });
+  torques(left, Eigen::all) = by_model(left, Eigen::all);
   return torques;
 }
 
@@ -102,8 +122,7 @@ Eigen::MatrixXd JointTorques(const CalibrationProblem& problem, const ParameterS
   std::vector<int> shots = of_shots == nullptr ? AllShots(problem) : *of_shots;
   std::sort(shots.begin(), shots.end());
   shots.erase(std::unique(shots.begin(), shots.end()), shots.end());
-  Eigen::MatrixXd torques =
-      TorquesOfWrenches(problem, parameters, shots, [](const ShotInput& shot) { return shot.wrenches; });
+  Eigen::MatrixXd torques = TorquesOfOwnWrenches(problem, parameters, shots);
   for (const int s : shots) {
     for (size_t j = 0; j < slots.size(); ++j) {
       const auto stated = StatedTorqueOn(problem.shot_inputs()[s].terms, slots[j]);

@@ -394,11 +394,40 @@ std::vector<std::vector<double>> RowBatches::LargestMotions(const std::vector<Pa
   return all;
 }
 
-void RowBatches::RaiseByModel(const Group& group, size_t shot, int unit, const ParameterSet& at,
-                              std::vector<double>* largest) const {
+std::vector<int> RowBatches::FindWrenchTorques(const ParameterSet& at, Eigen::MatrixXd* torques) const {
+  using Lane = Eigen::Map<const Eigen::RowVectorXd, 0, Eigen::InnerStride<kBatchLanes>>;
+  const Request request(*this, at, {});
+  BatchScratch scratch;
+  std::vector<int> left_out;
+  std::vector<double> found(static_cast<size_t>(torques->cols()) * kBatchLanes);
+  for (int g = 0; g < num_groups(); ++g) {
+    const Group& group = *groups_[g];
+    for (int batch = 0; batch < group.num_batches(); ++batch) {
+      for (size_t s = 0; s < group.shots.size(); ++s) {
+        const unsigned left = group.by_model
+                                  ? (1u << kBatchLanes) - 1
+                                  : WrenchTorques(group.shots[s].program, request.points_[g][s],
+                                                  group.Data(batch, static_cast<int>(s)), &scratch, found.data());
+        for (int lane = 0; lane < kBatchLanes && batch * kBatchLanes + lane < group.num_units; ++lane) {
+          const int shot = ShotOf(group, s, batch * kBatchLanes + lane);
+          if ((left >> lane & 1u) != 0) left_out.push_back(shot);
+          if ((left >> lane & 1u) == 0) torques->row(shot) = Lane(found.data() + lane, torques->cols());
+        }
+      }
+    }
+  }
+  return left_out;
+}
+
+int RowBatches::ShotOf(const Group& group, size_t shot, int unit) const {
   const int* position = group.observations.data() + static_cast<std::size_t>(unit) * group.per_unit();
   for (size_t s = 0; s < shot; ++s) position += group.shots[s].markers.size();
-  const int index = problem_.data().observations[observations_[*position]].shot;
+  return problem_.data().observations[observations_[*position]].shot;
+}
+
+void RowBatches::RaiseByModel(const Group& group, size_t shot, int unit, const ParameterSet& at,
+                              std::vector<double>* largest) const {
+  const int index = ShotOf(group, shot, unit);
   std::vector<MarkerInFrame> markers;
   for (const int m : group.shots[shot].markers) markers.push_back({problem_.marker_frames()[m], at.MarkerPoint(m), m});
   const std::vector<double> motion =

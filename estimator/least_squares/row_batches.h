@@ -97,9 +97,14 @@ class RowBatches {
   const bool marginalises_;
   const RowsAgainst against_;
   std::vector<std::unique_ptr<Group>> groups_;
+  // Torques of the known wrenches about each joint's axis at the equilibrium, N m (N), into a shot's row of torques.
+  // Returns the shots that are left to the model.
+  std::vector<int> FindWrenchTorques(const ParameterSet& at, Eigen::MatrixXd* torques) const;
+
 };
 
 // The rows of all batches, in the order of their observations.
+  int ShotOf(const Group& group, size_t shot, int unit) const;  // among those of the problem
 Linearization Linearize(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns);
 
 // The same observation by observation through ForwardModel::Predict: the reference of the batched pass, and what is

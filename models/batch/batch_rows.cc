@@ -24,6 +24,7 @@ namespace sagitta {
 HWY_EXPORT(EvaluateLanes);
 HWY_EXPORT(MotionsOfLanes);
 HWY_EXPORT(TargetOfLanes);
+HWY_EXPORT(TorquesOfLanes);
 
 BatchPoint::BatchPoint(const ShotProgram& program, const double* theta_in, const Pose<double>& base_in_station_in,
                        std::vector<Vector3<double>> marker_points_in)
@@ -85,6 +86,11 @@ unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const B
 unsigned RaiseMotions(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
                       double* motions) {
   return HWY_DYNAMIC_DISPATCH(MotionsOfLanes)(program, at, data, scratch, motions);
+}
+
+unsigned WrenchTorques(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
+                       double* torques) {
+  return HWY_DYNAMIC_DISPATCH(TorquesOfLanes)(program, at, data, scratch, torques);
 }
 
 const char* BatchInstructions() { return HWY_DYNAMIC_DISPATCH(TargetOfLanes)(); }

@@ -91,6 +91,11 @@ unsigned EvaluateBatch(const ShotProgram& program, const BatchPoint& at, const B
 unsigned RaiseMotions(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
                       double* motions);
 
+// Torques (forces) of the shots' own wrenches about each joint's axis, N m (N), at the equilibrium: joints x
+// kBatchLanes numbers. Shots are as in EvaluateBatch. Returns the lanes that are left to the caller.
+unsigned WrenchTorques(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
+                       double* torques);
+
 // Which instructions run: "AVX3", "AVX2", ...
 const char* BatchInstructions();
 

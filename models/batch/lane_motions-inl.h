@@ -1,4 +1,5 @@
-// What one unit of each parameter moves in one register's worth of shots (models/excitation.h). Compiled once per
+// What one unit of each parameter moves in one register's worth of shots (models/excitation.h), and what their wrenches
+// ask of the joints. Compiled once per
 // instruction set; see batch_rows.h.
 #if defined(SAGITTA_MODELS_BATCH_LANE_MOTIONS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SAGITTA_MODELS_BATCH_LANE_MOTIONS_INL_H_
@@ -86,6 +87,23 @@ unsigned MotionsOfLanes(const ShotProgram& program, const BatchPoint& at, const 
   const int stride = static_cast<int>(hn::Lanes(Tag()));
   unsigned unsettled = 0;
   for (int lane = 0; lane < kBatchLanes; lane += stride) unsettled |= shots.Raise(data, lane) << lane;
+  return unsettled;
+}
+
+unsigned TorquesOfLanes(const ShotProgram& program, const BatchPoint& at, const double* data, BatchScratch* scratch,
+                        double* torques) {
+  if (program.loads.empty()) return (1u << kBatchLanes) - 1;  // nothing answers to wrenches, and these are not packed
+  LaneMemory memory(scratch->Reserve(LaneStatics::MemoryFor(program) / sizeof(double)));
+  LaneStatics statics(program, at, &memory);
+  unsigned unsettled = 0;
+  for (int lane = 0; lane < kBatchLanes; lane += static_cast<int>(hn::Lanes(Tag()))) {
+    unsettled |= statics.Settle(data, lane) << lane;
+    statics.TakeLastStep();
+    for (size_t j = 0; j < program.joint_twists.size(); ++j) {
+      hn::StoreU(statics.TorqueAbout(program.loads[0], program.joint_twists[j]), Tag(),
+                 torques + j * kBatchLanes + lane);
+    }
+  }
   return unsettled;
 }
 

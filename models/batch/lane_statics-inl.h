@@ -180,6 +180,24 @@ class LaneStatics {
     return total;
   }
 
+  // Goes by the last Newton step as well, for what asks for the state itself: it is exact then to the step's square.
+  void TakeLastStep() {
+    for (int s = 0; s < slots_; ++s) deflection_[s] = hn::Add(deflection_[s], step_[s]);
+    chain_.Evaluate(data_, deflection_);
+    chain_.CompleteTwists();
+  }
+  // Of wrenches, about the axis of any transform.
+  V TorqueAbout(const ShotProgram::Loads& loads, int twist) const {
+    V torque = Of(0.0);
+    for (const ShotProgram::Wrench& wrench : loads.wrenches) {
+      if (wrench.level < p_.twists[twist].level) continue;
+      const Applied applied = Apply(wrench);
+      const V3 about_base = Cross(applied.point, applied.force) + applied.moment;
+      torque = hn::Add(torque, Work(chain_.Twist(twist), about_base, applied.force));
+    }
+    return torque;
+  }
+
   // What the last Newton step would still move.
   TwistLanes LeftOver(int frame) const {
     TwistLanes total = ZeroTwist();

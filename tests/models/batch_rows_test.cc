@@ -37,6 +37,29 @@ ShotInput RandomShot(const ForwardModel& model, const BatchCase& setup, test::Ra
   return shot;
 }
 
+// Torques of each lane's wrenches, relative to the largest; an arm that nothing bends is left to the model.
+void ExpectTorquesOfTheModel(const ForwardModel& model, const std::vector<ShotInput>& shots,
+                             const std::vector<double>& theta, const BatchPoint& at, const ShotProgram& program,
+                             const double* data) {
+  const Chain& chain = model.chain();
+  std::vector<int> transforms;
+  for (int j = 0; j < chain.num_joints(); ++j) transforms.push_back(chain.JointTransform(j));
+  std::vector<double> torques(transforms.size() * kBatchLanes);
+  BatchScratch scratch;
+  const unsigned left = WrenchTorques(program, at, data, &scratch, torques.data());
+  EXPECT_EQ(left, program.is_elastic() ? 0u : (1u << kBatchLanes) - 1);
+  for (size_t lane = 0; left == 0 && lane < shots.size(); ++lane) {
+    const ShotInput& shot = shots[lane];
+    const Equilibrium there = model.Equilibrate(shot, theta.data(), at.base_in_station.rotation);
+    const ElasticQuery query{&chain, &transforms, nullptr, &shot.conditions.q, &shot.wrenches, &shot.terms};
+    const Eigen::VectorXd expected = TorquesOf(query, there.state, shot.wrenches, at.base_in_station.rotation);
+    for (size_t j = 0; j < transforms.size(); ++j) {
+      EXPECT_NEAR(torques[j * kBatchLanes + lane], expected[static_cast<long>(j)],
+                  1e-12 * expected.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
 // A batch with every derivative asked for, against ForwardModel::Predict lane by lane. Sizes: of the arm, 1 m.
 // softness: factor of all compliances and effects.
 void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, double tolerance) {
@@ -129,6 +152,7 @@ void ExpectBatchIsTheModel(const BatchCase& setup, int seed, double softness, do
     }
   };
   test::OnEveryInstructionSet(check);
+  test::OnEveryInstructionSet([&] { ExpectTorquesOfTheModel(model, shots, theta, at, program, data); });
 }
 
 // Points are exact to the square of the Newton step that is left, 1e-8 at most, derivatives to that step. Of a stiff
