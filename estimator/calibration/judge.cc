@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <set>
 #include <tuple>
 
 #include "estimator/calibration/bounds.h"
@@ -109,7 +108,8 @@ class RowJudge {
     by_held_ = RootOf(estimate->held.second_moment);
   }
 
-  void Judge() {
+  // fitted: rows of all observations as the instrument's noise whitens them, or null.
+  void Judge(const RowBatches* fitted) {
     std::vector<int> columns = estimate_->estimated;
     columns.insert(columns.end(), estimate_->held.coordinates.begin(), estimate_->held.coordinates.end());
     std::vector<int> all(problem_.data().observations.size()), visits;
@@ -122,9 +122,13 @@ class RowJudge {
       for (const int k : listed) roots.push_back(estimate_->noise[k]);
       return roots;
     };
-    const RowStream stream(problem_, all, noise, LatentTreatment::kIgnore, visits);
+    const auto judge = [this](const RowPiece& piece) { Judge(piece); };
     estimate_->predicted.setConstant(3, static_cast<Eigen::Index>(all.size()), std::nan(""));
-    stream.ForEach(estimate_->parameters, columns, [this](const RowPiece& piece) { Judge(piece); });
+    if (fitted != nullptr) {
+      ForEachPiece(*fitted, estimate_->parameters, columns, judge);
+    } else {
+      RowStream(problem_, all, noise, LatentTreatment::kIgnore, visits).ForEach(estimate_->parameters, columns, judge);
+    }
     std::vector<int> others;  // rotations, and what was not measured
     for (const int k : all) {
       if (!estimate_->predicted.col(k).allFinite()) others.push_back(k);
@@ -168,9 +172,7 @@ class RowJudge {
       }
       const Observation& observation = problem_.data().observations[k];
       if (observation.is_point()) {
-        // S r = predicted - measured.
-        estimate.predicted.col(k) =
-            observation.point_in_station + own * piece.rows.col(piece.rows.cols() - 1).segment<3>(row);
+        estimate.predicted.col(k) = piece.PredictedPoint(static_cast<int>(i), observation, own);
       }
       if (observation.excluded || !problem_.data().IsValidation(observation) || !observation.is_point()) continue;
       // In the station frame, m^2, summed over the axes: the instrument and the joints' deviations; the parameters.
@@ -285,9 +287,15 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
   };
   std::map<decltype(key_of(data.observations[0])), Mean> unloaded;
   const std::vector<int> fitted = data.PointsAmong(problem.CalibrationObservations());
+  std::vector<bool> is_loaded(data.configurations.size(), false);  // in some shot: others are compared with nothing
+  for (const int k : fitted) {
+    const Shot& shot = data.shots[data.observations[k].shot];
+    if (IsLoaded(shot)) is_loaded[shot.configuration] = true;
+  }
   for (const int k : fitted) {
     const Observation& observation = data.observations[k];
-    if (IsLoaded(data.shots[observation.shot])) continue;
+    const Shot& shot = data.shots[observation.shot];
+    if (IsLoaded(shot) || !is_loaded[shot.configuration]) continue;
     Mean& mean = unloaded[key_of(observation)];
     mean.measured += observation.point_in_station;
     mean.predicted += estimate->predicted.col(k);
@@ -313,6 +321,33 @@ void JudgeDeflections(const CalibrationProblem& problem, Estimate* estimate) {
 }  // namespace
 
 namespace {
+
+// Where the fit's rows are those of all observations, whitened by the instrument's noise alone: its batches; else null.
+const RowBatches* RowsOfAll(const CalibrationProblem& problem, const NormalEquations* equations) {
+  if (equations == nullptr || !problem.latent.empty() || !problem.weight_roots.empty()) return nullptr;
+  const RowBatches& fitted = equations->batches();
+  return fitted.num_observations() == static_cast<int>(problem.data().observations.size()) ? &fitted : nullptr;
+}
+
+// All points at the aligned nominal robot; none where nothing was aligned. of_all: or null.
+Eigen::Matrix3Xd PredictAligned(const CalibrationProblem& problem, const RowBatches* of_all, const Estimate& estimate) {
+  const std::vector<Observation>& observations = problem.data().observations;
+  if (estimate.aligned.num_coordinates() == 0) return {};
+  const auto is_point = [](const Observation& observation) { return observation.is_point(); };
+  if (of_all != nullptr && std::all_of(observations.begin(), observations.end(), is_point)) {
+    Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(observations.size()));
+    const bool valid = ForEachPiece(*of_all, estimate.aligned, {}, [&](const RowPiece& piece) {
+      for (int i = 0; i < piece.num_observations(); ++i) {
+        const int k = piece.positions[i];
+        points.col(k) = piece.PredictedPoint(i, observations[k], estimate.noise[k]);
+      }
+    });
+    if (valid && points.allFinite()) return points;
+  }
+  std::vector<int> all(observations.size());
+  std::iota(all.begin(), all.end(), 0);
+  return PredictPoints(problem, estimate.aligned, all);
+}
 
 // equations: of the fit, or null.
 void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equations, Estimate* estimate) {
@@ -353,24 +388,25 @@ void JudgeFit(const CalibrationProblem& problem, const NormalEquations* equation
   std::vector<int> all(problem.data().observations.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
   estimate->noise = ObservationNoise(problem, all, kFallbackSigma);
-  RowJudge(problem, normal_root, scale, estimate).Judge();
+  const RowBatches* const of_all = RowsOfAll(problem, equations);
+  RowJudge(problem, normal_root, scale, estimate).Judge(of_all);
+  const Eigen::Matrix3Xd before = PredictAligned(problem, of_all, *estimate);
   if (!estimate->sigma.stated) {
     for (NoiseRoots* roots : {&estimate->noise, &estimate->scatter}) {
       for (Matrix3<double>& root : *roots) root *= estimate->sigma.estimated / kFallbackSigma;
     }
   }
 
-  std::set<int> configurations;
+  std::vector<bool> is_fitted(problem.data().configurations.size(), false);
   for (const int i : calibration)
-    configurations.insert(problem.data().shots[problem.data().observations[i].shot].configuration);
-  estimate->calibration_configurations = static_cast<int>(configurations.size());
+    is_fitted[problem.data().shots[problem.data().observations[i].shot].configuration] = true;
+  estimate->calibration_configurations = static_cast<int>(std::count(is_fitted.begin(), is_fitted.end(), true));
   estimate->fit = SizeOf(problem, estimate->predicted, calibration);
   estimate->validation = SizeOf(problem, estimate->predicted, validation);
   JudgeDeflections(problem, estimate);
   const std::string tie = TieInWords(problem, parameters);
   if (!tie.empty()) estimate->warnings.push_back(tie);
   if (estimate->aligned.num_coordinates() > 0) {
-    const Eigen::Matrix3Xd before = PredictPoints(problem, estimate->aligned, all);
     estimate->fit_before = SizeOf(problem, before, calibration);
     estimate->validation_before = SizeOf(problem, before, validation);
   }

@@ -98,7 +98,7 @@ Eigen::Matrix3Xd PointsByModel(const CalibrationProblem& problem, const Paramete
 }
 
 // One lane's unit of a batch into its rows, column by column as these lie in memory.
-void Unpack(const BatchColumns& columns, const std::vector<int>& unit, const double* lane, Linearization* result) {
+void Unpack(const BatchColumns& columns, RowBatches::Unit unit, const double* lane, Linearization* result) {
   const std::size_t next_row = static_cast<size_t>(columns.columns) * kBatchLanes;
   const auto copy = [&](size_t m, int column, double* to) {
     const double* const from = lane + 3 * m * next_row + static_cast<size_t>(column) * kBatchLanes;
@@ -323,7 +323,7 @@ Eigen::Matrix3Xd PredictPoints(const CalibrationProblem& problem, const Paramete
             buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * columns.columns * kBatchLanes);
         if (!batches.Evaluate(request, g, b, &scratch, rows)) return PointsByModel(problem, parameters, observations);
         for (int lane = 0; lane < kBatchLanes; ++lane) {
-          const std::vector<int> unit = batches.UnitOf(g, b, lane);
+          const RowBatches::Unit unit = batches.UnitOf(g, b, lane);
           for (size_t k = 0; k < 3 * unit.size(); ++k) {
             points(static_cast<Eigen::Index>(k % 3), static_cast<Eigen::Index>(first) + unit[k / 3]) =
                 rows[(k * columns.columns + columns.residual) * kBatchLanes + lane];

@@ -65,7 +65,7 @@ class GroupSums {
   std::vector<GramSums> own_;
 };
 
-void WeighLane(const std::vector<int>& unit, const std::vector<double>& weights, int columns, double* lane) {
+void WeighLane(RowBatches::Unit unit, const std::vector<double>& weights, int columns, double* lane) {
   for (size_t row = 0; row < 3 * unit.size(); ++row) {
     const double root = std::sqrt(weights[unit[row / 3]]);
     for (int c = 0; c < columns; ++c) lane[(row * columns + c) * kBatchLanes] *= root;

@@ -93,13 +93,19 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       marginalises_(treatment == LatentTreatment::kMarginalise && !problem.latent.empty()),
       against_(against) {
   std::vector<BatchReading> readings;  // of the run that is looked at
+  // Most readings are as noisy as the one before.
+  Matrix3<double> latest = Matrix3<double>::Identity(), whitener = latest;
+  const auto whitener_of = [&](const Matrix3<double>& root) -> const Matrix3<double>& {
+    if (root != latest) latest = root, whitener = root.inverse();
+    return whitener;
+  };
   const auto read = [&](const ShotRun& run) {
     readings.clear();
     for (int k = run.first; k < run.last; ++k) {
       const Observation& row = problem.data().observations[observations[k]];
       const Vector3<double> target =
           against_ == RowsAgainst::kMeasured ? row.point_in_station : Vector3<double>::Zero().eval();
-      readings.push_back({row.marker, problem.marker_frames()[row.marker], target, noise[k].inverse()});
+      readings.push_back({row.marker, problem.marker_frames()[row.marker], target, whitener_of(noise[k])});
     }
   };
   const auto shot_of = [&](const ShotRun& run) { return problem.data().observations[observations[run.first]].shot; };
@@ -159,7 +165,7 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
       for (size_t s = 0; s < group.shots.size(); ++s) {
         for (int k = runs[s].first; k < runs[s].last && i < group.num_units; ++k) {
           group.observations.push_back(k);
-          if (group.by_model) group.whiteners.push_back(noise[k].inverse());
+          if (group.by_model) group.whiteners.push_back(whitener_of(noise[k]));
         }
         if (group.by_model) continue;
         read(runs[s]);
@@ -173,12 +179,12 @@ RowBatches::RowBatches(const CalibrationProblem& problem, const std::vector<int>
 int RowBatches::num_batches(int group) const { return groups_[group]->num_batches(); }
 int RowBatches::rows_of_unit(int group) const { return groups_[group]->rows; }
 
-std::vector<int> RowBatches::UnitOf(int group, int batch, int lane) const {
+RowBatches::Unit RowBatches::UnitOf(int group, int batch, int lane) const {
   const Group& own = *groups_[group];
   const int unit = batch * kBatchLanes + lane;
   if (unit >= own.num_units) return {};
-  const auto first = own.observations.begin() + static_cast<long>(unit) * own.per_unit();
-  return {first, first + own.per_unit()};
+  const auto size = static_cast<std::size_t>(own.per_unit());
+  return {own.observations.data() + static_cast<std::size_t>(unit) * size, size};
 }
 
 BatchColumns RowBatches::ColumnsOf(const Group& group, const ParameterSet& parameters,

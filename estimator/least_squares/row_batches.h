@@ -55,7 +55,21 @@ class RowBatches {
   int rows_of_unit(int group) const;
   // Positions in the list of observations, by row / 3, of one lane's unit; empty: the lane is filled up and counts for
   // nothing.
-  std::vector<int> UnitOf(int group, int batch, int lane) const;
+  class Unit {
+   public:
+    Unit() = default;
+    Unit(const int* first, std::size_t count) : first_(first), count_(count) {}
+    bool empty() const { return count_ == 0; }
+    std::size_t size() const { return count_; }
+    int operator[](std::size_t i) const { return first_[i]; }
+    const int* begin() const { return first_; }
+    const int* end() const { return first_ + count_; }
+
+   private:
+    const int* first_ = nullptr;
+    std::size_t count_ = 0;
+  };
+  Unit UnitOf(int group, int batch, int lane) const;
 
   // The coordinates asked for, at one point; shared by all batches and threads.
   class Request {
@@ -83,9 +97,14 @@ class RowBatches {
   // parameter; those of geometric errors are 0.
   std::vector<std::vector<double>> LargestMotions(const std::vector<ParameterSet>& at) const;
 
+  // Torques of the known wrenches about each joint's axis at the equilibrium, N m (N), into a shot's row of torques.
+  // Returns the shots that are left to the model.
+  std::vector<int> FindWrenchTorques(const ParameterSet& at, Eigen::MatrixXd* torques) const;
+
  private:
   struct Group;
 
+  int ShotOf(const Group& group, size_t shot, int unit) const;  // among those of the problem
   void RaiseByModel(const Group& group, size_t shot, int unit, const ParameterSet& at,
                     std::vector<double>* largest) const;
   bool EvaluateByModel(const Request& request, const Group& group, const BatchColumns& columns, int unit, int lane,
@@ -97,14 +116,9 @@ class RowBatches {
   const bool marginalises_;
   const RowsAgainst against_;
   std::vector<std::unique_ptr<Group>> groups_;
-  // Torques of the known wrenches about each joint's axis at the equilibrium, N m (N), into a shot's row of torques.
-  // Returns the shots that are left to the model.
-  std::vector<int> FindWrenchTorques(const ParameterSet& at, Eigen::MatrixXd* torques) const;
-
 };
 
 // The rows of all batches, in the order of their observations.
-  int ShotOf(const Group& group, size_t shot, int unit) const;  // among those of the problem
 Linearization Linearize(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns);
 
 // The same observation by observation through ForwardModel::Predict: the reference of the batched pass, and what is

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 
 #include "estimator/least_squares/sandwich.h"
@@ -26,8 +27,8 @@ class Unpacker {
     unused_.resize(static_cast<size_t>(piece->rows.cols()));
   }
 
-  // units: of each lane; empty: filled up.
-  void Unpack(const std::array<std::vector<int>, kBatchLanes>& units, const double* rows) {
+  // units: of each lane, places in the piece; empty: filled up.
+  void Unpack(const std::array<RowBatches::Unit, kBatchLanes>& units, const double* rows) {
     std::array<double*, kBatchLanes> to;
     for (int row = 0; row < rows_; ++row, rows += static_cast<size_t>(columns_.columns) * kBatchLanes) {
       for (size_t lane = 0; lane < units.size(); ++lane) {
@@ -56,6 +57,46 @@ class Unpacker {
   RowPiece& piece_;
   std::vector<std::vector<Place>> places_;  // of each marker
   std::vector<double> unused_;
+};
+
+struct PieceMemory {
+  BatchScratch scratch;
+  BatchBuffer buffer;
+};
+
+// Rows of batches at one point, written into pieces.
+class PieceWriter {
+ public:
+  PieceWriter(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns,
+              PieceMemory* memory)
+      : batches_(batches), request_(batches, parameters, columns), numbers_(columns.size() + 1), memory_(*memory) {}
+
+  // Zero rows for the piece's positions.
+  void Clear(RowPiece* piece) const {
+    piece->rows.setZero(static_cast<Eigen::Index>(3 * piece->positions.size()), static_cast<Eigen::Index>(numbers_));
+    piece->latent.setZero(piece->rows.rows(), batches_.num_latents());
+  }
+  // Those of some batches of a group; unit_of(batch, lane): places in the piece. False: an equilibrium diverges.
+  template <typename UnitOf>
+  bool Write(int group, int first, int last, const UnitOf& unit_of, RowPiece* piece) {
+    const BatchColumns& layout = request_.columns(group);
+    const int rows_of_unit = batches_.rows_of_unit(group);
+    Unpacker unpacker(layout, rows_of_unit, piece);
+    for (int b = first; b < last; ++b) {
+      double* const rows = memory_.buffer.Reserve(static_cast<size_t>(rows_of_unit) * layout.columns * kBatchLanes);
+      if (!batches_.Evaluate(request_, group, b, &memory_.scratch, rows)) return false;
+      std::array<RowBatches::Unit, kBatchLanes> units;
+      for (int lane = 0; lane < kBatchLanes; ++lane) units[lane] = unit_of(b, lane);
+      unpacker.Unpack(units, rows);
+    }
+    return true;
+  }
+
+ private:
+  const RowBatches& batches_;
+  const RowBatches::Request request_;
+  const size_t numbers_;
+  PieceMemory& memory_;
 };
 
 // The group of each observation where none is asked for.
@@ -111,31 +152,50 @@ void RowStream::Keep() {
 
 bool RowStream::ForEach(const ParameterSet& parameters, const std::vector<int>& columns,
                         const std::function<void(const RowPiece& piece)>& visit) const {
-  BatchScratch scratch;
-  BatchBuffer buffer;
+  PieceMemory memory;
   RowPiece piece;
   for (size_t i = 0; i + 1 < pieces_.size(); ++i) {
     piece.positions.assign(order_.begin() + static_cast<long>(pieces_[i]),
                            order_.begin() + static_cast<long>(pieces_[i + 1]));
     const std::unique_ptr<RowBatches> made = kept_.empty() ? BatchesOf(i) : nullptr;
     const RowBatches& batches = kept_.empty() ? *made : *kept_[i];
-    const RowBatches::Request request(batches, parameters, columns);
-    piece.rows.setZero(static_cast<Eigen::Index>(3 * piece.positions.size()),
-                       static_cast<Eigen::Index>(columns.size()) + 1);
-    piece.latent.setZero(piece.rows.rows(), batches.num_latents());
+    PieceWriter writer(batches, parameters, columns, &memory);
+    writer.Clear(&piece);
     for (int g = 0; g < batches.num_groups(); ++g) {
-      const BatchColumns& layout = request.columns(g);
-      Unpacker unpacker(layout, batches.rows_of_unit(g), &piece);
-      for (int b = 0; b < batches.num_batches(g); ++b) {
-        double* const rows =
-            buffer.Reserve(static_cast<size_t>(batches.rows_of_unit(g)) * layout.columns * kBatchLanes);
-        if (!batches.Evaluate(request, g, b, &scratch, rows)) return false;
-        std::array<std::vector<int>, kBatchLanes> units;
-        for (int lane = 0; lane < kBatchLanes; ++lane) units[lane] = batches.UnitOf(g, b, lane);
-        unpacker.Unpack(units, rows);
-      }
+      const auto unit_of = [&](int batch, int lane) { return batches.UnitOf(g, batch, lane); };
+      if (!writer.Write(g, 0, batches.num_batches(g), unit_of, &piece)) return false;
     }
     visit(piece);
+  }
+  return true;
+}
+
+bool ForEachPiece(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns,
+                  const std::function<void(const RowPiece& piece)>& visit) {
+  PieceMemory memory;
+  PieceWriter writer(batches, parameters, columns, &memory);
+  RowPiece piece;
+  std::vector<int> places;  // one unit behind the other
+  for (int g = 0; g < batches.num_groups(); ++g) {
+    const auto per_unit = static_cast<size_t>(batches.rows_of_unit(g) / 3);
+    const int at_once = std::max(1, static_cast<int>(kObservationsAtOnce / (kBatchLanes * per_unit)));
+    for (int first = 0; first < batches.num_batches(g); first += at_once) {
+      const int last = std::min(first + at_once, batches.num_batches(g));
+      piece.positions.clear();
+      for (int i = 0; i < (last - first) * kBatchLanes; ++i) {
+        const RowBatches::Unit unit = batches.UnitOf(g, first + i / kBatchLanes, i % kBatchLanes);
+        piece.positions.insert(piece.positions.end(), unit.begin(), unit.end());
+      }
+      places.resize(piece.positions.size());
+      std::iota(places.begin(), places.end(), 0);
+      const auto unit_of = [&](int batch, int lane) -> RowBatches::Unit {
+        const size_t own = (static_cast<size_t>(batch - first) * kBatchLanes + static_cast<size_t>(lane)) * per_unit;
+        return own < places.size() ? RowBatches::Unit(places.data() + own, per_unit) : RowBatches::Unit();
+      };
+      writer.Clear(&piece);
+      if (!writer.Write(g, first, last, unit_of, &piece)) return false;
+      visit(piece);
+    }
   }
   return true;
 }
@@ -155,6 +215,7 @@ Eigen::Matrix3Xd FittedStream::Predict(const CalibrationProblem& problem, const 
   if (!problem.latent.empty() || !std::includes(fitted.begin(), fitted.end(), listed.begin(), listed.end())) {
     return PredictPoints(problem, parameters, listed);
   }
+  const bool are_all = listed.size() == fitted.size();  // then they are the same
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Constant(3, static_cast<Eigen::Index>(listed.size()), std::nan(""));
   stream.ForEach(parameters, {}, [&](const RowPiece& piece) {
     std::vector<int> own;
@@ -162,11 +223,11 @@ Eigen::Matrix3Xd FittedStream::Predict(const CalibrationProblem& problem, const 
     const NoiseRoots roots = FitRoots(problem, own, kFallbackSigma);
     for (int i = 0; i < piece.num_observations(); ++i) {
       const int k = own[i];
-      const auto place = std::lower_bound(listed.begin(), listed.end(), k);
+      const auto place =
+          are_all ? piece.positions[i] : std::lower_bound(listed.begin(), listed.end(), k) - listed.begin();
       const Observation& observation = problem.data().observations[k];
-      if (place == listed.end() || *place != k || !observation.is_point()) continue;
-      // S r = predicted - measured.
-      points.col(place - listed.begin()) = observation.point_in_station + roots[i] * piece.rows.block<3, 1>(3 * i, 0);
+      if (place == points.cols() || listed[place] != k || !observation.is_point()) continue;
+      points.col(place) = piece.PredictedPoint(i, observation, roots[i]);
     }
   });
   return points.allFinite() ? points : PredictPoints(problem, parameters, listed);

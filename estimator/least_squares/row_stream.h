@@ -20,7 +20,16 @@ struct RowPiece {
   Eigen::MatrixXd latent;      // L of each row (linearization.h); no columns where joints are exact
 
   int num_observations() const { return static_cast<int>(positions.size()); }
+  // Where the point of an observation is predicted, m; root: S, its noise. S r = predicted - measured.
+  Vector3<double> PredictedPoint(int i, const Observation& observation, const Matrix3<double>& root) const {
+    return observation.point_in_station + root * rows.col(rows.cols() - 1).segment<3>(3 * i);
+  }
 };
+
+// Calls visit(piece) for piece after piece of batches that are at hand; positions in their list. False: an equilibrium
+// diverges, and the rest was left out.
+bool ForEachPiece(const RowBatches& batches, const ParameterSet& parameters, const std::vector<int>& columns,
+                  const std::function<void(const RowPiece& piece)>& visit);
 
 // Rows of listed observations, piece by piece.
 class RowStream {
