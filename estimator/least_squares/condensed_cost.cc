@@ -48,7 +48,8 @@ class CondensedCost : public ceres::CostFunction {
     const int n = static_cast<int>(columns_.size());
     Eigen::Map<Eigen::VectorXd> residual(residuals, n + 1);
     if (jacobians == nullptr) {
-      const NormalSums sums = equations_.Sum(here, {}, {}, /*with_priors=*/false);
+      // With the columns, which Ceres asks for next unless the step was a bad one.
+      const NormalSums sums = equations_.Sum(here, columns_, {}, /*with_priors=*/false);
       // Ceres compares |residual|^2 alone: one row holds its root.
       residual.setZero();
       if (sums.valid) residual[n] = std::sqrt(sums.squared_residual() + SquaredPriors(here));
@@ -79,7 +80,7 @@ class CondensedCost : public ceres::CostFunction {
   }
 
  private:
-  // Without columns the sums know of no priors: the cost alone has the same as the cost with its derivatives.
+  // The cost alone has the same as the cost with its derivatives.
   double SquaredPriors(const ParameterSet& here) const {
     Linearization priors;
     priors.columns = columns_;

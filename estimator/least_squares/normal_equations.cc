@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 
 #include "estimator/least_squares/batch_algebra.h"
 #include "estimator/least_squares/parallel.h"
@@ -72,11 +73,33 @@ void WeighLane(RowBatches::Unit unit, const std::vector<double>& weights, int co
   }
 }
 
+std::vector<double> AllValues(const ParameterSet& parameters) {
+  std::vector<double> values;
+  for (const ParameterBlock& block : parameters.blocks()) {
+    values.insert(values.end(), block.values.begin(), block.values.end());
+  }
+  return values;
+}
+
 }  // namespace
+
+struct NormalEquations::Latest {
+  std::mutex mutex;  // of those who ask at the same time
+  std::vector<double> values;
+  NormalSums sums;
+
+  bool Holds(const std::vector<double>& asked, const std::vector<int>& columns) const {
+    return sums.valid && values == asked && sums.columns == columns;
+  }
+};
+
+NormalEquations::~NormalEquations() = default;
 
 NormalEquations::NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations,
                                  const NoiseRoots& noise, LatentTreatment treatment, int num_threads)
-    : batches_(problem, observations, noise, treatment), num_threads_(num_threads) {
+    : batches_(problem, observations, noise, treatment),
+      num_threads_(num_threads),
+      latest_(std::make_unique<Latest>()) {
   for (int g = 0; g < batches_.num_groups(); ++g) {
     for (int first = 0; first < batches_.num_batches(g); first += kBatchesOfBlock) {
       blocks_.push_back({g, first, std::min(batches_.num_batches(g), first + kBatchesOfBlock)});
@@ -84,8 +107,8 @@ NormalEquations::NormalEquations(const CalibrationProblem& problem, const std::v
   }
 }
 
-NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vector<int>& columns,
-                                const std::vector<double>& weights, bool with_priors) const {
+NormalSums NormalEquations::SumOfAll(const ParameterSet& parameters, const std::vector<int>& columns,
+                                     const std::vector<double>& weights) const {
   const RowBatches::Request request(batches_, parameters, columns);
   const int n = static_cast<int>(columns.size());
   std::vector<Eigen::MatrixXd> parts(blocks_.size());
@@ -128,9 +151,26 @@ NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vecto
   result.rows = 3 * batches_.num_observations();
   if (!result.valid) return result;
   for (const Eigen::MatrixXd& part : parts) result.matrix += part;
-  if (!with_priors) return result;
+  return result;
+}
+
+NormalSums NormalEquations::Sum(const ParameterSet& parameters, const std::vector<int>& columns,
+                                const std::vector<double>& weights, bool with_priors) const {
+  NormalSums result;
+  if (weights.empty()) {
+    const std::lock_guard<std::mutex> lock(latest_->mutex);
+    const std::vector<double> values = AllValues(parameters);
+    if (!latest_->Holds(values, columns)) {
+      latest_->sums = SumOfAll(parameters, columns, weights);
+      latest_->values = values;
+    }
+    result = latest_->sums;
+  } else {
+    result = SumOfAll(parameters, columns, weights);
+  }
+  if (!result.valid || !with_priors) return result;
   const Linearization priors = PriorsOf(parameters, columns);
-  Eigen::MatrixXd both(priors.num_rows(), n + 1);
+  Eigen::MatrixXd both(priors.num_rows(), result.matrix.cols());
   both << priors.jacobian, priors.residual;
   result.matrix += both.transpose() * both;
   result.rows += priors.num_rows();

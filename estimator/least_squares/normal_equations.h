@@ -4,6 +4,7 @@
 //
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "estimator/least_squares/row_batches.h"
@@ -17,19 +18,27 @@ class NormalEquations {
   // The problem must outlive this; its observations stay as they are. The sums do not depend on the number of threads.
   NormalEquations(const CalibrationProblem& problem, const std::vector<int>& observations, const NoiseRoots& noise,
                   LatentTreatment treatment, int num_threads);
+  ~NormalEquations();
 
   const RowBatches& batches() const { return batches_; }
 
-  // weights: how often each observation counts; empty: once. `with_priors`: and what the parameters' priors add.
+  // weights: how often each observation counts; empty: once. `with_priors`: and what the parameters' priors add. The
+  // latest sums without weights are kept: a solver asks for the cost and then for the derivatives of the same values,
+  // and what is held, and how far the optimum is, are asked of it once more.
   NormalSums Sum(const ParameterSet& parameters, const std::vector<int>& columns,
                  const std::vector<double>& weights = {}, bool with_priors = true) const;
 
  private:
   struct Block;
+  struct Latest;
+
+  NormalSums SumOfAll(const ParameterSet& parameters, const std::vector<int>& columns,
+                      const std::vector<double>& weights) const;
 
   RowBatches batches_;
   std::vector<Block> blocks_;  // pieces of work of fixed size, in a fixed order
   int num_threads_;
+  std::unique_ptr<Latest> latest_;
 };
 
 struct NormalEquations::Block {

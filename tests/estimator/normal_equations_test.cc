@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/calibration/joint_estimator.h"
+#include "estimator/least_squares/bounded_step.h"
 #include "estimator/least_squares/cluster_sandwich.h"
 #include "estimator/least_squares/condensed_cost.h"
 #include "tests/support/kr270_experiment.h"
@@ -177,6 +178,25 @@ TEST_P(NormalEquationsOf, SumsAreThoseOfTheModelsRows) {
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-7);
 }
 
+// The latest sums are kept: those of other values, other columns or without priors are none of theirs.
+TEST_P(NormalEquationsOf, SumsAreOfTheValuesThatAreAskedFor) {
+  const auto fresh = [this] {
+    return NormalEquations(problem_, rows_.observations, rows_.noise, LatentTreatment::kMarginalise, 1);
+  };
+  const NormalEquations equations = fresh();
+  ParameterSet moved = parameters_;
+  Move(columns_, Eigen::VectorXd::Constant(static_cast<long>(columns_.size()), 1e-9), 1.0, &moved);
+  const std::vector<int> fewer(columns_.begin() + 1, columns_.end());
+  const int rows = 3 * static_cast<int>(rows_.observations.size());
+  for (const ParameterSet& at : {parameters_, moved, moved, parameters_}) {
+    EXPECT_EQ(equations.Sum(at, columns_).matrix, fresh().Sum(at, columns_).matrix);
+    EXPECT_EQ(equations.Sum(at, columns_, {}, /*with_priors=*/false).rows, rows);
+    EXPECT_EQ(equations.Sum(at, fewer).columns, fewer);
+    EXPECT_EQ(equations.Sum(at, fewer).matrix, fresh().Sum(at, fewer).matrix);
+  }
+  EXPECT_NE(equations.Sum(parameters_, columns_).matrix, equations.Sum(moved, columns_).matrix);
+}
+
 // Pieces: the same rows, each once, deviations of joints with their visit.
 TEST_P(NormalEquationsOf, PiecesAreTheRows) {
   const std::vector<int> clusters = ConfigurationClusters(problem_.data(), rows_.observations);
@@ -189,7 +209,7 @@ TEST_P(NormalEquationsOf, PiecesAreTheRows) {
   std::vector<int> seen(rows_.observations.size(), 0), piece_of(rows_.observations.size(), -1);
   int pieces = 0;
   const double size = 1e-7 * (1.0 + model.residual.norm());
-  ASSERT_TRUE(stream.ForEach(parameters_, columns_, [&](const RowPiece& piece) {
+  const auto look_at = [&](const RowPiece& piece) {
     for (int i = 0; i < piece.num_observations(); ++i) {
       const int k = piece.positions[i];
       ++seen[k];
@@ -201,7 +221,12 @@ TEST_P(NormalEquationsOf, PiecesAreTheRows) {
       }
     }
     ++pieces;
-  }));
+  };
+  const NormalEquations equations(problem_, rows_.observations, noise(rows_.observations),
+                                  LatentTreatment::kMarginalise, 1);
+  ASSERT_TRUE(ForEachPiece(equations.batches(), parameters_, columns_, look_at));
+  for (int& times : seen) EXPECT_EQ(std::exchange(times, 0), 1);
+  ASSERT_TRUE(stream.ForEach(parameters_, columns_, look_at));
   for (size_t k = 0; k < seen.size(); ++k) {
     EXPECT_EQ(seen[k], 1);
     for (size_t other = 0; other < k; ++other) {
