@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
-#include <map>
+#include <optional>
 #include <utility>
 
 #include "estimator/least_squares/cluster_sandwich.h"
@@ -113,28 +113,32 @@ class Cells {
 
   Cells(const std::vector<Split>& splits, size_t first, size_t last, size_t observations, int numbers)
       : first_(first), last_(last), numbers_(numbers), cell_of_(observations, 0) {
-    for (size_t s = first, place = 1; s < last; ++s, place *= 3) {
+    size_t place = 1;
+    for (size_t s = first; s < last; ++s, place *= 3) {
       for (const int k : splits[s].first) cell_of_[k] += static_cast<int>(place);
       for (const int k : splits[s].second) cell_of_[k] += static_cast<int>(2 * place);
     }
+    sums_.resize(place);
   }
   void Add(int position, const double* rows) {
-    const auto found = sums_.try_emplace(cell_of_[position], numbers_).first;
-    for (int axis = 0; axis < 3; ++axis) found->second.sum.Add(rows + axis * numbers_);
-    found->second.rows += 3;
+    std::optional<Cell>& own = sums_[static_cast<size_t>(cell_of_[position])];
+    if (!own) own.emplace(numbers_);
+    for (int axis = 0; axis < 3; ++axis) own->sum.Add(rows + axis * numbers_);
+    own->rows += 3;
   }
   // Of all rows.
   Eigen::MatrixXd AddTo(SumsOfParts* parts) {
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(numbers_, numbers_);
-    for (auto& [cell, own] : sums_) {
-      const Eigen::MatrixXd total = own.sum.Total();
+    for (size_t cell = 0; cell < sums_.size(); ++cell) {
+      if (!sums_[cell]) continue;
+      const Eigen::MatrixXd total = sums_[cell]->sum.Total();
       all += total;
-      int sides = cell;
+      size_t sides = cell;
       for (size_t s = first_; s < last_; ++s, sides /= 3) {
         if (sides % 3 == 0) continue;
         NormalSums& part = (*parts)[s][sides % 3 - 1];
         part.matrix += total;
-        part.rows += own.rows;
+        part.rows += sums_[cell]->rows;
       }
     }
     return all;
@@ -149,7 +153,7 @@ class Cells {
   size_t first_, last_;
   int numbers_;
   std::vector<int> cell_of_;
-  std::map<int, Cell> sums_;
+  std::vector<std::optional<Cell>> sums_;  // by cell; none where no observation is
 };
 
 }  // namespace

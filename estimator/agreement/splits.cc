@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -18,14 +19,17 @@ class Splitter {
   Splitter(const CalibrationProblem& problem, const Estimate& estimate, const std::vector<int>& clusters)
       : problem_(problem), estimate_(estimate), clusters_(clusters), rows_(problem.CalibrationObservations()) {
     num_clusters_ = clusters.empty() ? 0 : 1 + *std::max_element(clusters.begin(), clusters.end());
+    rows_of_cluster_.assign(static_cast<size_t>(num_clusters_), 0);
+    for (const int c : clusters) ++rows_of_cluster_[c];
   }
 
   std::vector<Split> All(unsigned long long seed, int random_halves) {
     std::mt19937_64 random(seed);
     for (int i = 0; i < random_halves; ++i) AddRandom(&random);
     for (int j = 0; j < problem_.robot().num_joints(); ++j) AddJoint(j);
+    const std::vector<Pose<double>> bases = Bases();
     for (int axis = 0; axis < 3; ++axis) {
-      AddMedian(SplitBy::kRegion, std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i)[axis]; }));
+      AddMedian(SplitBy::kRegion, std::string(1, "xyz"[axis]), MeanOf([&](int i) { return PlaceOf(i, axis, bases); }));
     }
     AddStations();
     AddTime();
@@ -37,23 +41,26 @@ class Splitter {
 
   const Shot& ShotOf(int i) const { return problem_.data().shots[problem_.data().observations[i].shot]; }
 
+  // Of each station.
+  std::vector<Pose<double>> Bases() const {
+    std::vector<Pose<double>> bases;
+    for (int s = 0; s < estimate_.parameters.num_stations(); ++s)
+      bases.push_back(estimate_.parameters.BaseInStation(s));
+    return bases;
+  }
+
   // Of an observation, base frame.
-  Vector3<double> PlaceOf(int i) const {
-    const Observation& observation = problem_.data().observations[i];
-    const Pose<double> base = estimate_.parameters.BaseInStation(ShotOf(i).station);
-    return base.rotation.transpose() * (observation.point_in_station - base.translation);
+  double PlaceOf(int i, int axis, const std::vector<Pose<double>>& bases) const {
+    const Pose<double>& base = bases[ShotOf(i).station];
+    return base.rotation.col(axis).dot(problem_.data().observations[i].point_in_station - base.translation);
   }
 
   // Mean over the rows of each configuration.
   template <typename Number>
   std::vector<double> MeanOf(const Number& number) const {
     std::vector<double> sum(num_clusters_, 0.0);
-    std::vector<int> count(num_clusters_, 0);
-    for (size_t k = 0; k < rows_.size(); ++k) {
-      sum[clusters_[k]] += number(rows_[k]);
-      ++count[clusters_[k]];
-    }
-    for (int c = 0; c < num_clusters_; ++c) sum[c] /= std::max(1, count[c]);
+    for (size_t k = 0; k < rows_.size(); ++k) sum[clusters_[k]] += number(rows_[k]);
+    for (int c = 0; c < num_clusters_; ++c) sum[c] /= rows_of_cluster_[c];
     return sum;
   }
 
@@ -78,15 +85,19 @@ class Splitter {
   }
 
   void AddMedian(SplitBy by, const std::string& key, const std::vector<double>& value) {
-    std::vector<double> sorted = value;
-    std::sort(sorted.begin(), sorted.end());
-    if (sorted.empty() || sorted.front() == sorted.back()) return;
+    if (value.empty() || std::all_of(value.begin(), value.end(), [&](double v) { return v == value[0]; })) return;
     // The gap nearest to the middle, so that a grid's planes stay whole.
-    const size_t middle = sorted.size() / 2;
-    size_t below = middle, above = middle;
-    while (below > 0 && sorted[below - 1] == sorted[below]) --below;
-    while (above < sorted.size() && sorted[above] == sorted[middle]) ++above;
-    const double limit = above < sorted.size() && above - middle < middle - below ? sorted[above] : sorted[below];
+    const size_t middle = value.size() / 2;
+    std::vector<double> sorted = value;  // as far as the middle's place asks for
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(middle), sorted.end());
+    double limit = sorted[middle], next = std::numeric_limits<double>::infinity();
+    size_t below = 0, above = 0;  // how many are smaller; how many are not larger
+    for (const double number : value) {
+      below += number < limit ? 1 : 0;
+      above += number <= limit ? 1 : 0;
+      if (number > limit) next = std::min(next, number);
+    }
+    if (above < value.size() && above - middle < middle - below) limit = next;
     std::vector<bool> first;
     for (const double number : value) first.push_back(number < limit);
     Add(by, key, first);
@@ -144,6 +155,7 @@ class Splitter {
   const std::vector<int>& clusters_;
   std::vector<int> rows_;
   int num_clusters_ = 0;
+  std::vector<int> rows_of_cluster_;
   std::vector<Split> splits_;
 };
 

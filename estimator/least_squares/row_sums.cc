@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "estimator/least_squares/batch_algebra.h"
@@ -38,11 +39,21 @@ double* SumOfRows::NextRow() {
 
 void SumOfRows::Add(const double* row) { std::copy(row, row + numbers_, NextRow()); }
 
-void SumOfRows::Add(const Linearization& from, int row, double weight) {
-  double* const own = NextRow();
+// Column by column, as these lie in memory, of as many rows as are summed together.
+void SumOfRows::Add(const Linearization& from, const Eigen::VectorXd* root_weights) {
+  Flush();
   const int n = from.num_columns();
-  for (int c = 0; c < n; ++c) own[c] = weight * from.jacobian(row, c);
-  own[n] = weight * from.residual[row];
+  std::array<double, kHeldRows> weights;
+  weights.fill(1.0);
+  for (int first = 0; first < from.num_rows(); first += kHeldRows) {
+    held_ = std::min(kHeldRows, from.num_rows() - first);
+    if (root_weights != nullptr) std::copy_n(root_weights->data() + first, held_, weights.begin());
+    for (int c = 0; c <= n; ++c) {
+      const double* const column = (c < n ? from.jacobian.col(c).data() : from.residual.data()) + first;
+      for (int r = 0; r < held_; ++r) rows_[static_cast<std::size_t>(r) * columns_ + c] = weights[r] * column[r];
+    }
+    Flush();
+  }
 }
 
 void SumOfRows::Flush() {
@@ -62,7 +73,7 @@ Eigen::MatrixXd SumOfRows::Total() {
 
 NormalSums SumRows(const Linearization& rows, const Eigen::VectorXd* root_weights) {
   SumOfRows sums(rows.num_columns() + 1);
-  for (int i = 0; i < rows.num_rows(); ++i) sums.Add(rows, i, root_weights == nullptr ? 1.0 : (*root_weights)[i]);
+  sums.Add(rows, root_weights);
   std::vector<int> columns = rows.columns;
   columns.resize(rows.num_columns(), -1);
   return {rows.valid, columns, sums.Total(), rows.num_rows()};

@@ -30,8 +30,8 @@ class SumOfRows {
   void Clear();
   // A row's numbers one after the other.
   void Add(const double* row);
-  // A row of a linearization, times `weight`.
-  void Add(const Linearization& from, int row, double weight = 1.0);
+  // All rows of a linearization, times their weights; null: once.
+  void Add(const Linearization& from, const Eigen::VectorXd* root_weights);
   // Of the rows added since the last Clear.
   Eigen::MatrixXd Total();
 

@@ -101,12 +101,14 @@ Eigen::MatrixXd Leave(const Eigen::MatrixXd& left, const Eigen::VectorXd& scale,
 }
 
 using PointRows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;  // m/SI
+using RowsOfPoint = Eigen::Ref<const PointRows, 0, Eigen::OuterStride<>>;
 
-// Calls visit(place among `quoted`, rows of the point in m) for every fitted point. Joints that deviate have no part in
-// what a step moves.
-void ForEachPoint(const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
-                  const RowStream& fitted, const std::vector<int>& quoted,
-                  const std::function<void(size_t place, const PointRows& rows)>& visit) {
+// Calls visit(place among `quoted`, S, rows) for every fitted point: S times its rows are in m. Joints that deviate
+// have no part in what a step moves.
+void ForEachPoint(
+    const CalibrationProblem& problem, const ParameterSet& parameters, const std::vector<int>& columns,
+    const RowStream& fitted, const std::vector<int>& quoted,
+    const std::function<void(size_t place, const Matrix3<double>& root, const RowsOfPoint& rows)>& visit) {
   const auto n = static_cast<Eigen::Index>(columns.size());
   if (!problem.latent.empty()) {
     const auto metres = [](const std::vector<int>& listed) {
@@ -115,20 +117,20 @@ void ForEachPoint(const CalibrationProblem& problem, const ParameterSet& paramet
     RowStream(problem, quoted, metres, LatentTreatment::kIgnore)
         .ForEach(parameters, columns, [&](const RowPiece& piece) {
           for (int i = 0; i < piece.num_observations(); ++i)
-            visit(piece.positions[i], piece.rows.block(3 * i, 0, 3, n));
+            visit(piece.positions[i], Matrix3<double>::Identity(), piece.rows.block(3 * i, 0, 3, n));
         });
     return;
   }
-  PointRows own(3, n);
+  const bool are_all = quoted.size() == fitted.observations().size();  // then they are the same
   fitted.ForEach(parameters, columns, [&](const RowPiece& piece) {
     std::vector<int> listed;
     for (const int k : piece.positions) listed.push_back(fitted.observations()[k]);
     const NoiseRoots roots = FitRoots(problem, listed, kFallbackSigma);
     for (int i = 0; i < piece.num_observations(); ++i) {
       if (!problem.data().observations[listed[i]].is_point()) continue;
-      const auto place = std::lower_bound(quoted.begin(), quoted.end(), listed[i]) - quoted.begin();
-      own.noalias() = roots[i] * piece.rows.block(3 * i, 0, 3, n);
-      visit(static_cast<size_t>(place), own);
+      const auto place =
+          are_all ? piece.positions[i] : std::lower_bound(quoted.begin(), quoted.end(), listed[i]) - quoted.begin();
+      visit(static_cast<size_t>(place), roots[i], piece.rows.block(3 * i, 0, 3, n));
     }
   });
 }
@@ -228,13 +230,15 @@ CrossValidation CrossValidate(const CalibrationProblem& problem, const FittedStr
   const NoiseRoots scatter = ScatterOf(estimate, quoted);
   const bool are_predicted = PredictFromTotals(problem, scatter, quoted, points_of_fold, &folds);
   Eigen::Matrix3Xd errors(3, static_cast<Eigen::Index>(quoted.size()));
-  ForEachPoint(problem, estimate.parameters, columns, fitted, quoted, [&](size_t place, const PointRows& own) {
-    const int i = quoted[place];
-    Fold& fold = folds[fold_at(i)];
-    errors.col(static_cast<Eigen::Index>(place)) =
-        problem.data().observations[i].point_in_station - estimate.predicted.col(i) - own * fold.step;
-    if (!are_predicted) fold.predicted.Add(scatter[place], own);
-  });
+  ForEachPoint(problem, estimate.parameters, columns, fitted, quoted,
+               [&](size_t place, const Matrix3<double>& root, const RowsOfPoint& rows) {
+                 const int i = quoted[place];
+                 Fold& fold = folds[fold_at(i)];
+                 const Vector3<double> moved = root * (rows * fold.step);
+                 errors.col(static_cast<Eigen::Index>(place)) =
+                     problem.data().observations[i].point_in_station - estimate.predicted.col(i) - moved;
+                 if (!are_predicted) fold.predicted.Add(scatter[place], root * rows);
+               });
   // What is held besides moves what was held before: no step from the whole finds that. A fold without which something
   // is not measured is calibrated without.
   for (int f = 0; f < count; ++f) {

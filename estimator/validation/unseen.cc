@@ -28,11 +28,10 @@ UnseenPoints MeasureUnseen(const CalibrationProblem& problem, const std::vector<
   unseen.pose_accuracy = MeasurePoseAccuracy(problem, observations, errors);
   unseen.distance_rms = std::sqrt(errors.squaredNorm() / unseen.points);
   unseen.rms = unseen.distance_rms / std::sqrt(3.0);
-  std::vector<double> sorted = unseen.distances;
-  std::sort(sorted.begin(), sorted.end());
-  unseen.distance_p50 = NearestRank(sorted, 0.5);
-  unseen.distance_p95 = NearestRank(sorted, 0.95);
-  unseen.distance_max = sorted.back();
+  std::vector<double> distances = unseen.distances;
+  unseen.distance_p50 = NearestRank(0.5, &distances);
+  unseen.distance_p95 = NearestRank(0.95, &distances);
+  unseen.distance_max = *std::max_element(distances.begin(), distances.end());
   std::vector<int> order;
   for (size_t c = 0; c < farthest.size(); ++c) {
     if (farthest[c] >= 0.0) order.push_back(static_cast<int>(c));
