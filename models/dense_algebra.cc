@@ -1,2 +1,4 @@
-#define SAGITTA_TEMPLATE template
 #include "models/dense_algebra.h"
+
+#define SAGITTA_TEMPLATE template
+#include "models/dense_templates.h"
