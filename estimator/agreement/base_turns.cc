@@ -27,6 +27,13 @@ Eigen::VectorXd BaseTurns::VariancesOf(const Eigen::MatrixXd& covariance) const 
   return variances;
 }
 
+void BaseTurns::TurnSums(Eigen::MatrixXd* sums) const {
+  for (int side = 0; side < 2; ++side) {
+    TurnColumns(sums);
+    sums->transposeInPlace();
+  }
+}
+
 Eigen::MatrixXd BaseTurns::TurnBack(Eigen::MatrixXd covariance) const {
   for (const auto& [columns, rotation] : triples_) {
     covariance(columns, Eigen::all) = Eigen::MatrixXd(rotation * covariance(columns, Eigen::all));

@@ -23,12 +23,7 @@ class BaseTurns {
     }
   }
   // The same of both sides of [J r]'[J r].
-  void TurnSums(Eigen::MatrixXd* sums) const {
-    for (int side = 0; side < 2; ++side) {
-      TurnColumns(sums);
-      sums->transposeInPlace();
-    }
-  }
+  void TurnSums(Eigen::MatrixXd* sums) const;
   // Of a covariance along the new axes: along those of the coordinates.
   Eigen::MatrixXd TurnBack(Eigen::MatrixXd covariance) const;
   // Of a covariance of the coordinates: its diagonal along the new axes.

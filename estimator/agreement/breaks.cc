@@ -273,7 +273,8 @@ class BreakSearch {
   // Directions that what is estimated makes up for have moved nothing.
   static Step Explained(const Eigen::MatrixXd& own, const Eigen::MatrixXd& beside, const Eigen::VectorXd& along) {
     const Eigen::VectorXd scale = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * beside * scale.asDiagonal());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+        Eigen::MatrixXd(scale.asDiagonal() * beside * scale.asDiagonal()));
     const Eigen::VectorXd gradient = eigen.eigenvectors().transpose() * (scale.asDiagonal() * along);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(along.size());
     for (Eigen::Index i = 0; i < along.size(); ++i) {

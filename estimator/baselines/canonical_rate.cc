@@ -13,7 +13,8 @@ Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd scale = columns.colwise().norm().cwiseMax(1e-300);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * scale.cwiseInverse().asDiagonal());
   qr.setThreshold(kRankThreshold);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+  return qr.householderQ() * identity;
 }
 
 Eigen::MatrixXd ColumnsOfModel(const Linearization& linearization, const ParameterSet& parameters, bool of_the_model) {

@@ -59,7 +59,9 @@ double Explained(const Eigen::MatrixXd& functions, const Eigen::VectorXd& values
                  Eigen::VectorXd* coefficients) {
   Eigen::MatrixXd columns(functions.rows(), functions.cols() + 1);
   columns << functions, Eigen::VectorXd::Ones(functions.rows());
-  *coefficients = (weights.asDiagonal() * columns).colPivHouseholderQr().solve(weights.cwiseProduct(values));
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(weights.asDiagonal() * columns);
+  const Eigen::VectorXd weighted = weights.cwiseProduct(values);
+  *coefficients = qr.solve(weighted);
   const double mean = weights.cwiseAbs2().dot(values) / weights.squaredNorm();
   const double all = (weights.array() * (values.array() - mean)).matrix().squaredNorm();
   return all > 0.0 ? 1.0 - weights.cwiseProduct(values - columns * *coefficients).squaredNorm() / all : 0.0;

@@ -80,7 +80,8 @@ Eigen::VectorXd WithoutRigidMotion(const ShotResidual& shot, int* dof) {
   qr.setThreshold(1e-9);
   *dof = static_cast<int>(shot.residual.size() - qr.rank());
   // By an orthonormal basis: solving would divide by the pivots beyond the rank, which are rounding alone.
-  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(scaled.rows(), qr.rank());
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(scaled.rows(), qr.rank());
+  const Eigen::MatrixXd basis = qr.householderQ() * identity;
   return shot.residual - basis * (basis.transpose() * shot.residual);
 }
 

@@ -74,7 +74,7 @@ ScaledSvd Decompose(const Eigen::MatrixXd& r) {
   ScaledSvd svd{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Identity(n, n)};
   Eigen::MatrixXd left = r;
   for (long done = 0; done < n;) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left.transpose() * left);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(left.transpose() * left));
     const Eigen::VectorXd values = eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
     const Eigen::MatrixXd vectors = eigen.eigenvectors().rowwise().reverse();
     svd.v.rightCols(n - done) = svd.v.rightCols(n - done) * vectors;

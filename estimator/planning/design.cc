@@ -339,7 +339,7 @@ double CostBeside::With(const Eigen::MatrixXd& rows) const {
   const Eigen::MatrixXd ac = rows * c_;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(rows.rows(), rows.rows());
   const Eigen::MatrixXd aca = ac * rows.transpose();
-  const Eigen::LLT<Eigen::MatrixXd> root(one + aca);
+  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(one + aca));
   if (middle_.size() == 0) {
     Eigen::MatrixXd part = ac(Eigen::all, columns_);
     root.matrixL().solveInPlace(part);
