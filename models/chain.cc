@@ -4,6 +4,13 @@
 
 namespace sagitta {
 
+Chain::Chain() = default;
+Chain::Chain(const Chain&) = default;
+Chain::Chain(Chain&&) noexcept = default;
+Chain& Chain::operator=(const Chain&) = default;
+Chain& Chain::operator=(Chain&&) noexcept = default;
+Chain::~Chain() = default;
+
 int Chain::FindJoint(const std::string& name) const {
   for (int j = 0; j < num_joints(); ++j) {
     if (joints[j].name == name) return j;

@@ -56,6 +56,14 @@ struct Coupling {
 
 // Transforms from the base to the flange, in their order.
 struct Chain {
+  // Compiled once (chain.cc), not in each file that holds one.
+  Chain();
+  Chain(const Chain&);
+  Chain(Chain&&) noexcept;
+  Chain& operator=(const Chain&);
+  Chain& operator=(Chain&&) noexcept;
+  ~Chain();
+
   std::vector<Joint> joints;
   std::vector<ElementaryTransform> transforms;
   std::vector<Coupling> couplings;

@@ -9,6 +9,19 @@
 #include "models/effects/catalogue.h"
 
 namespace sagitta {
+
+template std::vector<double> ForwardModel::TransformValues(const ShotInput& shot, const double* theta,
+                                                           const double* latent) const;
+template Pose<double> ForwardModel::FrameInBase(const ShotInput& shot, const double* theta, int frame,
+                                                const Matrix3<double>& base_rotation) const;
+
+ShotInput::ShotInput() = default;
+ShotInput::ShotInput(const ShotInput&) = default;
+ShotInput::ShotInput(ShotInput&&) noexcept = default;
+ShotInput& ShotInput::operator=(const ShotInput&) = default;
+ShotInput& ShotInput::operator=(ShotInput&&) noexcept = default;
+ShotInput::~ShotInput() = default;
+
 namespace {
 
 // Weights of a compliance's nodes at q: piecewise linear, constant outside.

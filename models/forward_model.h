@@ -39,8 +39,14 @@ struct ModelParameter {
 
 // What one shot commands and hangs on the arm; data, no unknowns.
 struct ShotInput {
-  ShotInput() = default;
+  // Compiled once (forward_model.cc), not in each file that holds one.
+  ShotInput();
   ShotInput(Eigen::VectorXd joint_values) { conditions.q = std::move(joint_values); }  // NOLINT: an unloaded shot
+  ShotInput(const ShotInput&);
+  ShotInput(ShotInput&&) noexcept;
+  ShotInput& operator=(const ShotInput&);
+  ShotInput& operator=(ShotInput&&) noexcept;
+  ~ShotInput();
 
   ShotConditions conditions;
   std::vector<AppliedWrench> wrenches;  // load, tool weight
@@ -234,5 +240,11 @@ Vector3<T> ForwardModel::PointInStation(const ShotInput& shot, const T* theta, c
   }
   return seen;
 }
+
+// Compiled once (forward_model.cc).
+extern template std::vector<double> ForwardModel::TransformValues(const ShotInput& shot, const double* theta,
+                                                                  const double* latent) const;
+extern template Pose<double> ForwardModel::FrameInBase(const ShotInput& shot, const double* theta, int frame,
+                                                       const Matrix3<double>& base_rotation) const;
 
 }  // namespace sagitta

@@ -2,6 +2,8 @@
 
 namespace sagitta {
 
+template void EvaluateChain(const Chain& chain, const double* values, ChainState<double>* state);
+
 std::vector<Pose<double>> NominalFrames(const Chain& chain, const Eigen::VectorXd& q) {
   const Eigen::VectorXd coupled = chain.CoupledJointValues(q);
   std::vector<double> values;

@@ -63,6 +63,9 @@ void EvaluateChain(const Chain& chain, const T* values, ChainState<T>* state) {
   }
 }
 
+// Compiled once (kinematics.cc).
+extern template void EvaluateChain(const Chain& chain, const double* values, ChainState<double>* state);
+
 // base_from_frame of every frame f of the nominal chain at joint values q (SI): num_transforms() + 1 poses.
 std::vector<Pose<double>> NominalFrames(const Chain& chain, const Eigen::VectorXd& q);
 

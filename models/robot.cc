@@ -1,6 +1,14 @@
 #include "models/robot.h"
 
 namespace sagitta {
+
+Robot::Robot() = default;
+Robot::Robot(const Robot&) = default;
+Robot::Robot(Robot&&) noexcept = default;
+Robot& Robot::operator=(const Robot&) = default;
+Robot& Robot::operator=(Robot&&) noexcept = default;
+Robot::~Robot() = default;
+
 namespace {
 
 // The table entry that `<joint>.<field>` names.

@@ -52,6 +52,14 @@ struct EffectDefinition;  // models/effects/effect.h
 
 // A robot as its file states it: geometry, elasticity, effects; SI.
 struct Robot {
+  // Compiled once (robot.cc), not in each file that holds one.
+  Robot();
+  Robot(const Robot&);
+  Robot(Robot&&) noexcept;
+  Robot& operator=(const Robot&);
+  Robot& operator=(Robot&&) noexcept;
+  ~Robot();
+
   std::string name;
   Chain chain;
   std::optional<DhTable> dh;

@@ -4,6 +4,14 @@
 #include <iterator>
 
 namespace sagitta {
+
+Experiment::Experiment() = default;
+Experiment::Experiment(const Experiment&) = default;
+Experiment::Experiment(Experiment&&) noexcept = default;
+Experiment& Experiment::operator=(const Experiment&) = default;
+Experiment& Experiment::operator=(Experiment&&) noexcept = default;
+Experiment::~Experiment() = default;
+
 namespace {
 
 constexpr const char* kPlaces[] = {"flange", "base", "world"};  // in the order of MarkerPlace::Kind

@@ -146,6 +146,14 @@ struct MethodSpec {
 
 // Everything that the file states; each default is the one that FORMATS.md gives.
 struct Experiment {
+  // Compiled once (experiment.cc), not in each file that holds one.
+  Experiment();
+  Experiment(const Experiment&);
+  Experiment(Experiment&&) noexcept;
+  Experiment& operator=(const Experiment&);
+  Experiment& operator=(Experiment&&) noexcept;
+  ~Experiment();
+
   std::string file;  // "" when put together from the command line
   std::string sha256;
   std::map<std::string, int> lines;  // of every key of the file by its path: estimate.compliance

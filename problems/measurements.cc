@@ -4,6 +4,13 @@
 
 namespace sagitta {
 
+Measurements::Measurements() = default;
+Measurements::Measurements(const Measurements&) = default;
+Measurements::Measurements(Measurements&&) noexcept = default;
+Measurements& Measurements::operator=(const Measurements&) = default;
+Measurements& Measurements::operator=(Measurements&&) noexcept = default;
+Measurements::~Measurements() = default;
+
 int MeasurementFile::FindColumn(const std::string& name) const {
   const auto found = std::find(header.begin(), header.end(), name);
   return found == header.end() ? -1 : static_cast<int>(found - header.begin());

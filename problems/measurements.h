@@ -85,6 +85,14 @@ struct Observation {
 
 // All rows, as configurations, shots and observations that refer to each other by index.
 struct Measurements {
+  // Compiled once (measurements.cc), not in each file that holds one.
+  Measurements();
+  Measurements(const Measurements&);
+  Measurements(Measurements&&) noexcept;
+  Measurements& operator=(const Measurements&);
+  Measurements& operator=(Measurements&&) noexcept;
+  ~Measurements();
+
   std::vector<MeasurementFile> files;
   std::vector<std::string> stations;  // names, in order of appearance
   std::vector<std::string> markers;

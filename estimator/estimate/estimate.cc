@@ -5,6 +5,20 @@
 
 namespace sagitta {
 
+NoiseReport::NoiseReport() = default;
+NoiseReport::NoiseReport(const NoiseReport&) = default;
+NoiseReport::NoiseReport(NoiseReport&&) noexcept = default;
+NoiseReport& NoiseReport::operator=(const NoiseReport&) = default;
+NoiseReport& NoiseReport::operator=(NoiseReport&&) noexcept = default;
+NoiseReport::~NoiseReport() = default;
+
+Estimate::Estimate() = default;
+Estimate::Estimate(const Estimate&) = default;
+Estimate::Estimate(Estimate&&) noexcept = default;
+Estimate& Estimate::operator=(const Estimate&) = default;
+Estimate& Estimate::operator=(Estimate&&) noexcept = default;
+Estimate::~Estimate() = default;
+
 const char* StatusName(Status status) {
   switch (status) {
     case Status::kConverged:

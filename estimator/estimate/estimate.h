@@ -99,6 +99,14 @@ struct SigmaReport {
 
 // What any method returns; pessimistic until it has converged.
 struct Estimate {
+  // Compiled once (estimate.cc), not in each file that holds one.
+  Estimate();
+  Estimate(const Estimate&);
+  Estimate(Estimate&&) noexcept;
+  Estimate& operator=(const Estimate&);
+  Estimate& operator=(Estimate&&) noexcept;
+  ~Estimate();
+
   Status status = Status::kNoConvergence;
   std::string message = "not run";
   int iterations = 0;

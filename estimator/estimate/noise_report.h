@@ -40,6 +40,14 @@ struct Outlier {
 
 // Where the noise comes from and what was found of it.
 struct NoiseReport {
+  // Compiled once (estimate.cc), not in each file that holds one.
+  NoiseReport();
+  NoiseReport(const NoiseReport&);
+  NoiseReport(NoiseReport&&) noexcept;
+  NoiseReport& operator=(const NoiseReport&);
+  NoiseReport& operator=(NoiseReport&&) noexcept;
+  ~NoiseReport();
+
   std::string source = "stated";  // stated, estimated, repeats, residuals, instrument, variance-components, eq14, equal
   int rounds = 0;                 // of fit -> noise -> fit
   bool converged = true;

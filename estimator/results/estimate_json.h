@@ -28,6 +28,14 @@ std::string DumpJson(const nlohmann::ordered_json& json);
 
 // A robot with its surroundings, as an estimate or an experiment states it; SI.
 struct KnownRobot {
+  // Compiled once (estimate_reader.cc), not in each file that holds one.
+  KnownRobot();
+  KnownRobot(const KnownRobot&);
+  KnownRobot(KnownRobot&&) noexcept;
+  KnownRobot& operator=(const KnownRobot&);
+  KnownRobot& operator=(KnownRobot&&) noexcept;
+  ~KnownRobot();
+
   std::string file;
   Robot robot;
   std::map<std::string, Pose<double>> base_in_station;

@@ -17,6 +17,14 @@
 #include "problems/problem_checks.h"
 
 namespace sagitta {
+
+KnownRobot::KnownRobot() = default;
+KnownRobot::KnownRobot(const KnownRobot&) = default;
+KnownRobot::KnownRobot(KnownRobot&&) noexcept = default;
+KnownRobot& KnownRobot::operator=(const KnownRobot&) = default;
+KnownRobot& KnownRobot::operator=(KnownRobot&&) noexcept = default;
+KnownRobot::~KnownRobot() = default;
+
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -2,7 +2,16 @@
 
 #include <cstdlib>
 
+template class std::vector<sagitta::EffectSpec>;
+
 namespace sagitta {
+
+ShotTerms::ShotTerms() = default;
+ShotTerms::ShotTerms(const ShotTerms&) = default;
+ShotTerms::ShotTerms(ShotTerms&&) noexcept = default;
+ShotTerms& ShotTerms::operator=(const ShotTerms&) = default;
+ShotTerms& ShotTerms::operator=(ShotTerms&&) noexcept = default;
+ShotTerms::~ShotTerms() = default;
 
 std::string EffectSpec::Path() const {
   std::string path = "effect/" + effect;

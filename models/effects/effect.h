@@ -111,6 +111,14 @@ struct StatedTorque {
 
 // All terms of all effects in one shot.
 struct ShotTerms {
+  // Compiled once (effect.cc), not in each file that holds one.
+  ShotTerms();
+  ShotTerms(const ShotTerms&);
+  ShotTerms(ShotTerms&&) noexcept;
+  ShotTerms& operator=(const ShotTerms&);
+  ShotTerms& operator=(ShotTerms&&) noexcept;
+  ~ShotTerms();
+
   std::vector<SlotTerm> slots;
   std::vector<ElasticTerm> elastic;
   std::vector<SagTerm> sags;

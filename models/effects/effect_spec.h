@@ -21,3 +21,6 @@ struct EffectSpec {
 };
 
 }  // namespace sagitta
+
+// Compiled once (effect.cc), not in each file that has a list of them.
+extern template class std::vector<sagitta::EffectSpec>;
