@@ -1,5 +1,5 @@
-// The gravity compensator's torque in one register's worth of shots, with derivatives. Compiled once per instruction
-// set.
+// The gravity compensator's torque and what slots make of theirs, in one register's worth of shots. Compiled once per
+// instruction set.
 #if defined(SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
 #undef SAGITTA_MODELS_BATCH_LANE_SPRING_INL_H_
@@ -8,10 +8,19 @@
 #endif
 
 #include "models/batch/lanes-inl.h"
+#include "models/batch/shot_program.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sagitta {
 namespace HWY_NAMESPACE {
+
+// phi(T): T, T^3 or sign(T).
+HWY_INLINE V LawAt(ElasticLaw law, V torque) {
+  if (law == ElasticLaw::kLinear) return torque;
+  if (law == ElasticLaw::kCubic) return hn::Mul(torque, hn::Mul(torque, torque));
+  const V zero = Of(0.0);
+  return hn::Sub(hn::IfThenElseZero(hn::Lt(zero, torque), Of(1.0)), hn::IfThenElseZero(hn::Lt(torque, zero), Of(1.0)));
+}
 
 // T = -Kc (1 - s0/s) L A,  A = a_x cos q - a_y sin q,  C = a_y cos q + a_x sin q,  s^2 = a^2 + L^2 + 2 L C
 // (models/gravity_compensator.h); d s = (L A dq + (L + C) dL + (a_x + L sin q) da_x + (a_y + L cos q) da_y) / s.

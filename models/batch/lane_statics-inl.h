@@ -95,14 +95,7 @@ class LaneStatics {
 
   const LaneChain& chain() const { return chain_; }
   V Datum(int index) const { return At(data_ + index * kBatchLanes); }
-  V Phi(ElasticLaw law, int slot) const {
-    const V torque = torque_[slot];
-    if (law == ElasticLaw::kLinear) return torque;
-    if (law == ElasticLaw::kCubic) return hn::Mul(torque, hn::Mul(torque, torque));
-    const V zero = Of(0.0);
-    return hn::Sub(hn::IfThenElseZero(hn::Lt(zero, torque), Of(1.0)),
-                   hn::IfThenElseZero(hn::Lt(torque, zero), Of(1.0)));
-  }
+  V Phi(ElasticLaw law, int slot) const { return LawAt(law, torque_[slot]); }
 
   // From here on columns are twists of `frame`: imposed = Xi (I - F_u)^-1 over the slots before it, by the factors
   // L U = I - F_u.
