@@ -432,7 +432,10 @@ class Session {
            !d_.noise.repeatability_is_overstated;
   }
 
-  bool MayLeaveARest() { return d_.has_unexplained || Misfits() || MayFollowThePose(); }
+  // Where untouched rows get no better at all, what was found is at most a part of it, too.
+  bool MayLeaveARest() {
+    return d_.has_unexplained || Misfits() || MayFollowThePose() || HoldoutRms(d_.final) >= HoldoutRms(lacking_);
+  }
 
   void Decide() {
     d_.has_unexplained |= Misfits();
