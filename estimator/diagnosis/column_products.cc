@@ -26,6 +26,20 @@ Eigen::MatrixXd ColumnProducts::Rows(const std::vector<int>& columns) const {
   return rows;
 }
 
+void ColumnProducts::AskTogether(const std::vector<const std::vector<int>*>& lists) const {
+  if (!rows_of_) return;
+  std::vector<int> all;
+  int unknown = 0;
+  for (const std::vector<int>* list : lists) {
+    if (AreKnown(*list)) continue;
+    ++unknown;
+    all.insert(all.end(), list->begin(), list->end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (unknown > 1) Ask(all);
+}
+
 void ColumnProducts::Ask(const std::vector<int>& columns) const {
   std::vector<int> asked;
   for (const int column : columns) {

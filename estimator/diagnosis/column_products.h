@@ -25,6 +25,9 @@ class ColumnProducts {
   Eigen::MatrixXd Between(const std::vector<int>& a, const std::vector<int>& b) const;
   // Listed columns x all columns.
   Eigen::MatrixXd Rows(const std::vector<int>& columns) const;
+  // Makes the rows of several lists in one pass, which costs little more than those of one: the blocks between them are
+  // asked for next. Where one list alone is not known the others' rows say all of it.
+  void AskTogether(const std::vector<const std::vector<int>*>& lists) const;
 
  private:
   bool AreKnown(const std::vector<int>& columns) const;

@@ -115,7 +115,7 @@ std::optional<Evidence::Trial> Evidence::NextView() {
 
 void Evidence::FinishStated(std::deque<SetSearch>* searches) {
   const WeightedModel best = models_[0];
-  const bool is_worth_it = best.view == 0 || LogWeight({}, best.set) >= best.log_weight + kWorthSearching;
+  const bool is_worth_it = best.view == 0 || LogWeightAsStated(best.set) >= best.log_weight + kWorthSearching;
   if (!is_worth_it) return;
   searches->front().ClimbFrom(best.set);
   AddModel(0, searches->front().Best());
@@ -147,9 +147,9 @@ double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set, const 
   return search.Evaluate(members, set.scales).log_weight + beside.log_constant + view.log_prior;
 }
 
-double Evidence::LogWeight(const NoiseView& view, const WeightedSet& set) const {
-  const FewExplanations few = WithTheirColumns(list_.math, set.members);
-  return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), &few.columns));
+// In the first view, whose normal equations are there.
+double Evidence::LogWeightAsStated(const WeightedSet& set) const {
+  return SearchIn(0).Evaluate(set.members, set.scales).log_weight + views_[0].beside.log_constant;
 }
 
 // The size is found on as many blocks of rows as settle it; all rows say how likely it is.
@@ -158,16 +158,18 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
   const FewExplanations few = WithTheirColumns(list_.math, set.members);
   const int enough = kRowsThatSettle + columns_.num_believed() + static_cast<int>(few.columns.size());
   const int every = std::max(1, columns_.num_rows() / enough);
-  const std::vector<FilledBlock> some = columns_.Fill(few.columns, every);
+  const JointScatter least = ScatterOf({kind, 0.0}), unit = ScatterOf({kind, 1.0});
+  const std::vector<FilledBlock> some =
+      columns_.Fill(few.columns, every, least, {unit.visit - least.visit, unit.pose - least.pose});
   const auto view_at = [&](double log_sigma) { return NoiseView{kind, std::exp(log_sigma), log_prior}; };
-  const auto weight_of = [&](const NoiseView& view) {
-    const JointScatter scatter = ScatterOf(view);
-    return LogWeight(view, set, few, every == 1 ? columns_.Sum(scatter, some) : columns_.Sum(scatter, &few.columns));
-  };
-  const auto weight = [&](double log_sigma) { return weight_of(view_at(log_sigma)); };
   const auto among_some = [&](double log_sigma) {
     const NoiseView view = view_at(log_sigma);
-    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), some));
+    return LogWeight(view, set, few, columns_.Sum(view.sigma * view.sigma, some));
+  };
+  const auto weight = [&](double log_sigma) {
+    if (every == 1) return among_some(log_sigma);
+    const NoiseView view = view_at(log_sigma);
+    return LogWeight(view, set, few, columns_.Sum(ScatterOf(view), &few.columns));
   };
   const double spacing = std::log(2.0);
   double near = low, near_weight = among_some(low);
@@ -182,7 +184,7 @@ Evidence::Trial Evidence::BestView(NoiseView::Kind kind, double log_prior, const
                                                                     std::max(low - near, -spacing),
                                                                     std::min(high - near, spacing), kSettledBits);
   const double best = near + beside, best_weight = every == 1 ? -lost : weight(best);
-  const double gain = best_weight - log_prior - weight_of({});
+  const double gain = best_weight - log_prior - LogWeightAsStated(set);
   if (gain < kLeastGain) return {};
   // The prior is even over log sigma: of its range the likelihood takes what its curvature leaves.
   const double apart = 4.0 * kSettled;

@@ -105,7 +105,7 @@ class Evidence {
   // Of the set beside a view; `sums` are of its few columns alone.
   double LogWeight(const NoiseView& view, const WeightedSet& set, const FewExplanations& few,
                    const RowSums& sums) const;
-  double LogWeight(const NoiseView& view, const WeightedSet& set) const;
+  double LogWeightAsStated(const WeightedSet& set) const;
   Trial BestView(NoiseView::Kind kind, double log_prior, const WeightedSet& set) const;
   // The view that is most likely beside one of two sets, the best one and nothing; nothing where none is worth a
   // search.

@@ -78,11 +78,13 @@ struct RowSums {
   int rows = 0;
 };
 
-// Rows of some columns before they are whitened, for sums under several scatters.
+// Rows of some columns for sums under a family of scatters, of covariance C_0 + v M with any variance v. With K K' =
+// C_0 and K^-1 M K'^-1 = U diag(l) U' of each pose, rows U'K^-1 [believed, columns, residual] have the variances 1 + v
+// l.
 struct FilledBlock {
-  std::vector<int> observations;
-  Eigen::MatrixXd latent;  // deviations of the joints
-  Eigen::MatrixXd rows;    // [believed, columns, residual]
+  Eigen::MatrixXd rows, turned;  // and transposed
+  Eigen::VectorXd growth;        // l of each row
+  double log_det = 0.0;          // of C_0
 };
 
 // Beside what is believed, which is eliminated with a flat prior (or its stated one).
@@ -122,9 +124,10 @@ class EvidenceColumns {
   // All columns (null), or some; all poses (empty), or some.
   RowSums Sum(const JointScatter& scatter, const std::vector<int>* columns = nullptr,
               const std::vector<int>& poses = {}) const;
-  // Of one block in `every`; their sum is that over all where `every` is 1.
-  std::vector<FilledBlock> Fill(const std::vector<int>& columns, int every) const;
-  RowSums Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const;
+  // Of one block in `every`; their sum is that over all where `every` is 1. least, per_unit: scatters of C_0 and M.
+  std::vector<FilledBlock> Fill(const std::vector<int>& columns, int every, const JointScatter& least,
+                                const JointScatter& per_unit) const;
+  RowSums Sum(double variance, const std::vector<FilledBlock>& filled) const;
   int num_rows() const { return 3 * static_cast<int>(extended_.CalibrationObservations().size()); }
   BesideBelieved Project(const RowSums& sums) const;
   // Of all columns over all rows. own: lists of columns of which the block with themselves is asked for often. Where
@@ -147,6 +150,13 @@ class EvidenceColumns {
     Linearization here;                    // believed, catalogue and source columns; joints that deviate: `latent`
     std::vector<Eigen::VectorXd> sources;  // rows of each of sources_
   };
+  // Rows of one pose in a block, and what they share: C - I.
+  struct PoseRows {
+    long top = 0, height = 0;
+  };
+  std::vector<PoseRows> PosesAmong(const std::vector<int>& observations) const;
+  Eigen::MatrixXd SharedBy(const PoseRows& pose, const std::vector<int>& observations, const Eigen::MatrixXd& latent,
+                           const JointScatter& scatter) const;
   // Of the covariance of one pose's rows, which begin at `top` in their block.
   struct PoseRoot {
     long top = 0;
@@ -198,7 +208,7 @@ class EvidenceColumns {
   AllSums SumAll(const JointScatter& scatter, const std::set<std::vector<int>>& own,
                  std::vector<BlockRoots>* roots) const;
   void SumFamilies(const std::set<std::vector<int>>& own, const std::vector<BlockRoots>& roots, AllSums* all) const;
-  Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const;
+  Eigen::MatrixXd SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first, long rows) const;
   // u'A of all columns of families; along: u' of each block.
   Eigen::MatrixXd AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const;
   // A_k' C^-1 A of some columns with all; roots: of every block.

@@ -15,8 +15,14 @@
 
 #include "estimator/diagnosis/evidence_columns.h"
 #include "estimator/least_squares/row_sums.h"
+#include "models/batch/shot_program.h"
 
 namespace sagitta {
+namespace {
+
+constexpr long kRowsTogether = 24;  // of products: what the widest vectors have registers for
+
+}  // namespace
 
 class EvidenceColumns::ShotProducts {
  public:
@@ -259,31 +265,42 @@ BesideBelieved EvidenceColumns::ProjectAll(const JointScatter& scatter, const st
           out.log_constant};
 }
 
-// (u's)(shot) of one source, a column for each shot.
-Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along) const {
+// (u's)(shot) of one source, a column for each shot; of some rows of u', zeros below.
+Eigen::MatrixXd EvidenceColumns::SumsOfShots(size_t source, const std::vector<Eigen::MatrixXd>& along, long first,
+                                             long rows) const {
   const Measurements& data = extended_.data();
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(along[0].rows(), static_cast<long>(data.shots.size()));
+  const long own = std::min(rows, along[0].rows() - first);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(rows, static_cast<long>(data.shots.size()));
   for (size_t b = 0; b < stored_.size(); ++b) {
     const Block& block = stored_[b];
     for (size_t o = 0; o < block.observations.size(); ++o) {
       const long top = static_cast<long>(3 * o);
-      sums.col(data.observations[block.observations[o]].shot) +=
-          along[b].middleCols<3>(top) * block.sources[source].segment<3>(top);
+      sums.col(data.observations[block.observations[o]].shot).head(own) +=
+          along[b].block(first, top, own, 3) * block.sources[source].segment<3>(top);
     }
   }
   return sums;
 }
 
-// With u of each block:  u'A = sum over shots of (u's)(shot) f(shot).
+// With u of each block:  u'A = sum over shots of (u's)(shot) f(shot). So many rows of u' at a time as fill whole
+// vectors, and what follows the same functions one after the other: sums and functions stay in the cache.
 Eigen::MatrixXd EvidenceColumns::AlongFamilies(const std::vector<Eigen::MatrixXd>& along) const {
-  Eigen::MatrixXd products(along[0].rows(), num_columns_ - static_cast<long>(catalogue_.size()));
-  for (size_t s = 0; s < sources_.size(); ++s) {
-    const Eigen::MatrixXd of_shots = SumsOfShots(s, along);
-    long first = 0;
-    for (size_t f = 0; f < families_.size(); ++f) {
-      const long own = families_[f].functions->cols();
-      if (source_of_family_[f] == s) products.middleCols(first, own) = TallProduct(of_shots, *families_[f].functions);
-      first += own;
+  std::map<const Eigen::MatrixXd*, std::vector<std::pair<size_t, long>>> followers;  // sources, and columns of products
+  long columns = 0;
+  for (size_t f = 0; f < families_.size(); ++f) {
+    followers[families_[f].functions.get()].emplace_back(source_of_family_[f], columns);
+    columns += families_[f].functions->cols();
+  }
+  Eigen::MatrixXd products(along[0].rows(), columns);
+  for (long row = 0; row < products.rows(); row += kRowsTogether) {
+    const long own = std::min(kRowsTogether, products.rows() - row);
+    const long wide = (own + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
+    std::vector<Eigen::MatrixXd> of_shots;
+    for (size_t s = 0; s < sources_.size(); ++s) of_shots.push_back(SumsOfShots(s, along, row, wide));
+    for (const auto& [functions, sources] : followers) {
+      for (const auto& [source, first] : sources) {
+        products.block(row, first, own, functions->cols()) = TallProduct(of_shots[source], *functions).topRows(own);
+      }
     }
   }
   return products;

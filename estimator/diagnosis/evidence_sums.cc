@@ -11,57 +11,62 @@
 namespace sagitta {
 namespace {
 
-constexpr Eigen::Index kColumnsAtOnce = 256;  // of a product, upper blocks alone: a tenth more than half of it
+constexpr Eigen::Index kColumnsAtOnce = 128;  // of a product, upper blocks alone
 // Of J'J scaled to a unit diagonal: below, a direction is rounding.
 constexpr double kRankOfSums = 1e-13;
 
-// R' R is added to the upper triangle, some columns at a time with the instructions that the machine has.
-void AddUpperProducts(const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
-  const Eigen::MatrixXd turned = rows.transpose();
+// turned * rows is added to the upper triangle, some columns at a time with the instructions that the machine has.
+void AddUpperProducts(const Eigen::MatrixXd& turned, const Eigen::MatrixXd& rows, Eigen::MatrixXd* upper) {
   const Eigen::Index width = turned.rows();
   Eigen::MatrixXd product(width, kColumnsAtOnce);
   for (Eigen::Index first = 0; first < width; first += kColumnsAtOnce) {
     const Eigen::Index columns = std::min<Eigen::Index>(kColumnsAtOnce, width - first), height = first + columns;
-    const auto done = static_cast<Eigen::Index>(
-        MultiplyColumns(turned.data(), width, height, turned.cols(), rows.col(first).data(), columns, product.data()));
-    upper->block(0, first, done, columns) += product.topLeftCorner(done, columns);
-    const Eigen::Index rest = height - done;
-    if (rest > 0) {
-      upper->block(done, first, rest, columns).noalias() +=
-          turned.middleRows(done, rest) * rows.middleCols(first, columns);
-    }
+    MultiplyColumns(turned.data(), width, height, turned.cols(), rows.col(first).data(), columns, product.data());
+    upper->block(0, first, height, columns) += product.topLeftCorner(height, columns);
   }
 }
 
 }  // namespace
 
-// C = I + sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses.
+std::vector<EvidenceColumns::PoseRows> EvidenceColumns::PosesAmong(const std::vector<int>& observations) const {
+  std::vector<PoseRows> poses;
+  int latest = -1;
+  for (size_t o = 0; o < observations.size(); ++o) {
+    const int pose = pose_of_observation_[observations[o]];  // -1 of one that is not fitted
+    if (o == 0 || pose != latest) poses.push_back({static_cast<long>(3 * o), 0});
+    poses.back().height += 3;
+    latest = pose;
+  }
+  return poses;
+}
+
+// Sum over joints of visit_j^2 l_j l_j' within visits + pose_j^2 l_j l_j' within poses.
+Eigen::MatrixXd EvidenceColumns::SharedBy(const PoseRows& pose, const std::vector<int>& observations,
+                                          const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
+  const Eigen::MatrixXd l = latent.middleRows(pose.top, pose.height);
+  const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
+  Eigen::MatrixXd shared = of_pose * of_pose.transpose();
+  const Eigen::MatrixXd within = of_visit * of_visit.transpose();
+  const auto visit = [&](long row) {
+    const int observation = observations[static_cast<size_t>((pose.top + row) / 3)];
+    return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
+  };
+  for (long i = 0; i < pose.height; ++i) {
+    for (long j = 0; j < pose.height; ++j) {
+      if (visit(i) == visit(j)) shared(i, j) += within(i, j);
+    }
+  }
+  return shared;
+}
+
 EvidenceColumns::BlockRoots EvidenceColumns::RootsOf(const std::vector<int>& observations,
                                                      const Eigen::MatrixXd& latent, const JointScatter& scatter) const {
   BlockRoots roots;
   if (scatter.visit.isZero(0.0) && scatter.pose.isZero(0.0)) return roots;
-  size_t first = 0;
-  while (first < observations.size()) {
-    const int pose = pose_of_observation_[observations[first]];
-    size_t last = first;
-    while (last < observations.size() && pose_of_observation_[observations[last]] == pose) ++last;
-    const long top = static_cast<long>(3 * first), height = static_cast<long>(3 * (last - first));
-    const Eigen::MatrixXd l = latent.middleRows(top, height);
-    const Eigen::MatrixXd of_visit = l * scatter.visit.asDiagonal(), of_pose = l * scatter.pose.asDiagonal();
-    Eigen::MatrixXd covariance = of_pose * of_pose.transpose();
-    const Eigen::MatrixXd within = of_visit * of_visit.transpose();
-    for (long i = 0; i < height; ++i) {
-      for (long j = 0; j <= i; ++j) {
-        const auto visit = [&](long row) {
-          const int observation = observations[first + static_cast<size_t>(row / 3)];
-          return extended_.latent.visit_of_shot[extended_.data().observations[observation].shot];
-        };
-        if (visit(i) == visit(j)) covariance(i, j) += within(i, j);
-      }
-      covariance(i, i) += 1.0;
-    }
-    roots.push_back({top, Eigen::LLT<Eigen::MatrixXd>(covariance)});
-    first = last;
+  for (const PoseRows& pose : PosesAmong(observations)) {
+    Eigen::MatrixXd covariance = SharedBy(pose, observations, latent, scatter);
+    covariance.diagonal().array() += 1.0;
+    roots.push_back({pose.top, Eigen::LLT<Eigen::MatrixXd>(covariance)});
   }
   return roots;
 }
@@ -95,7 +100,7 @@ RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<int>
       }
     }
     sums.log_det += Whiten(RootsOf(block.observations, block.here.latent, scatter), &rows);
-    AddUpperProducts(rows, &sums.products);
+    AddUpperProducts(rows.transpose(), rows, &sums.products);
     sums.rows += block.here.num_rows();
   }
   return sums;
@@ -122,23 +127,41 @@ AlongSources EvidenceColumns::SumAlong(const std::vector<Source>& sources) const
   return sums;
 }
 
-std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every) const {
+std::vector<FilledBlock> EvidenceColumns::Fill(const std::vector<int>& columns, int every, const JointScatter& least,
+                                               const JointScatter& per_unit) const {
   std::vector<FilledBlock> filled;
   Block scratch;
   for (size_t b = 0; b < poses_of_block_.size(); b += static_cast<size_t>(every)) {
     const Block& block = BlockOf(static_cast<int>(b), &scratch);
-    filled.push_back({block.observations, block.here.latent, {}});
-    FillRows(block, &columns, &filled.back().rows);
+    FilledBlock& own = filled.emplace_back();
+    FillRows(block, &columns, &own.rows);
+    own.growth.resize(own.rows.rows());
+    const BlockRoots roots = RootsOf(block.observations, block.here.latent, least);
+    own.log_det = Whiten(roots, &own.rows);
+    const std::vector<PoseRows> poses = PosesAmong(block.observations);
+    for (size_t p = 0; p < poses.size(); ++p) {
+      Eigen::MatrixXd shared = SharedBy(poses[p], block.observations, block.here.latent, per_unit);
+      if (!roots.empty()) {
+        shared = roots[p].root.matrixL().solve(shared);
+        shared = roots[p].root.matrixL().solve(Eigen::MatrixXd(shared.transpose()));
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shared);
+      own.growth.segment(poses[p].top, poses[p].height) = eigen.eigenvalues().cwiseMax(0.0);
+      auto rows = own.rows.middleRows(poses[p].top, poses[p].height);
+      rows = eigen.eigenvectors().transpose() * Eigen::MatrixXd(rows);
+    }
+    own.turned = own.rows.transpose();
   }
   return filled;
 }
 
-RowSums EvidenceColumns::Sum(const JointScatter& scatter, const std::vector<FilledBlock>& filled) const {
+RowSums EvidenceColumns::Sum(double variance, const std::vector<FilledBlock>& filled) const {
   const long width = filled.empty() ? 0 : filled[0].rows.cols();
   RowSums sums{Eigen::MatrixXd::Zero(width, width), 0.0, 0};
-  for (FilledBlock block : filled) {
-    sums.log_det += Whiten(RootsOf(block.observations, block.latent, scatter), &block.rows);
-    AddUpperProducts(block.rows, &sums.products);
+  for (const FilledBlock& block : filled) {
+    const Eigen::VectorXd variances = (1.0 + variance * block.growth.array()).matrix();
+    sums.log_det += block.log_det + variances.array().log().sum();
+    AddUpperProducts(block.turned, variances.cwiseInverse().asDiagonal() * block.rows, &sums.products);
     sums.rows += static_cast<int>(block.rows.rows());
   }
   return sums;

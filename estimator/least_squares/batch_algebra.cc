@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "models/batch/shot_program.h"
 // clang-format on
@@ -95,48 +96,62 @@ void AddProductsOfRows(const double* rows, std::size_t count, std::size_t column
   }
 }
 
-// A strip of rows stays in the cache while all columns of W go by.
-constexpr std::size_t kStrip = 192;
 // Sums that stay in registers: of 24 vectors by 32 registers, of 8 by 16.
 constexpr int kDeep = hn::MaxLanes(Tag()) >= 8 ? 3 : 2, kAcross = hn::MaxLanes(Tag()) >= 8 ? 8 : 4;
 
-template <int kColumns>
-HWY_INLINE void MultiplyStrip(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
-                              double* product) {
+// strip: so many vectors of rows, column after column.
+template <int kVectors, int kColumns>
+HWY_INLINE void MultiplyFew(const double* strip, std::size_t n, const double* w, std::size_t stride, double* product) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  for (std::size_t r = 0; r < rows; r += kDeep * lanes) {
-    V s[kDeep][kColumns];
-    for (int i = 0; i < kDeep; ++i) {
-      for (int j = 0; j < kColumns; ++j) s[i][j] = hn::Zero(d);
-    }
-    for (std::size_t c = 0; c < n; ++c) {
-      V own[kDeep];
-      for (int i = 0; i < kDeep; ++i) own[i] = hn::LoadU(d, x + c * stride + r + i * lanes);
-      for (int j = 0; j < kColumns; ++j) {
-        const V factor = hn::Set(d, w[j * n + c]);
-        for (int i = 0; i < kDeep; ++i) s[i][j] = hn::MulAdd(own[i], factor, s[i][j]);
-      }
-    }
+  V s[kVectors][kColumns];
+  for (int i = 0; i < kVectors; ++i) {
+    for (int j = 0; j < kColumns; ++j) s[i][j] = hn::Zero(d);
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    V own[kVectors];
+    for (int i = 0; i < kVectors; ++i) own[i] = hn::LoadU(d, strip + (c * kVectors + i) * lanes);
     for (int j = 0; j < kColumns; ++j) {
-      for (int i = 0; i < kDeep; ++i) hn::StoreU(s[i][j], d, product + j * stride + r + i * lanes);
+      const V factor = hn::Set(d, w[j * n + c]);
+      for (int i = 0; i < kVectors; ++i) s[i][j] = hn::MulAdd(own[i], factor, s[i][j]);
     }
+  }
+  for (int j = 0; j < kColumns; ++j) {
+    for (int i = 0; i < kVectors; ++i) hn::StoreU(s[i][j], d, product + j * stride + i * lanes);
   }
 }
 
-std::size_t MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
-                          std::size_t k, double* product) {
-  const std::size_t step = kDeep * hn::Lanes(Tag());
-  const std::size_t whole = rows / step * step;
-  for (std::size_t first = 0; first < whole; first += kStrip) {
-    const std::size_t own = std::min(kStrip, whole - first);
-    std::size_t j = 0;
-    for (; j + kAcross <= k; j += kAcross) {
-      MultiplyStrip<kAcross>(x + first, stride, own, n, w + j * n, product + j * stride + first);
-    }
-    for (; j < k; ++j) MultiplyStrip<1>(x + first, stride, own, n, w + j * n, product + j * stride + first);
+template <int kVectors>
+void MultiplyStrip(const double* strip, std::size_t n, const double* w, std::size_t k, std::size_t stride,
+                   double* product) {
+  std::size_t j = 0;
+  for (; j + kAcross <= k; j += kAcross) {
+    MultiplyFew<kVectors, kAcross>(strip, n, w + j * n, stride, product + j * stride);
   }
-  return whole;
+  for (; j < k; ++j) MultiplyFew<kVectors, 1>(strip, n, w + j * n, stride, product + j * stride);
+}
+
+// A strip of rows is copied together, unless it is by itself, so that it stays in the cache while all columns of W go
+// by; the last one is filled up with zeros to whole vectors.
+void MultiplyLanes(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w, std::size_t k,
+                   double* product) {
+  const std::size_t lanes = hn::Lanes(Tag());
+  std::vector<double> copy, last;
+  for (std::size_t first = 0; first < rows; first += kDeep * lanes) {
+    const std::size_t own = std::min(kDeep * lanes, rows - first), vectors = (own + lanes - 1) / lanes;
+    const std::size_t wide = vectors * lanes;
+    if (own < wide) last.resize(wide * k);
+    if (stride != wide) copy.assign(wide * n, 0.0);
+    for (std::size_t c = 0; c < n && stride != wide; ++c) {
+      std::copy_n(x + c * stride + first, own, copy.data() + c * wide);
+    }
+    const double* const strip = stride == wide ? x : copy.data();
+    const auto multiply = vectors == 1 ? MultiplyStrip<1> : vectors == 2 ? MultiplyStrip<2> : MultiplyStrip<kDeep>;
+    multiply(strip, n, w, k, own < wide ? wide : stride, own < wide ? last.data() : product + first);
+    for (std::size_t j = 0; j < k && own < wide; ++j) {
+      std::copy_n(last.data() + j * wide, own, product + j * stride + first);
+    }
+  }
 }
 
 constexpr int kMostTerms = 12;
@@ -429,9 +444,9 @@ void AddProducts(const double* rows, std::size_t count, std::size_t columns, dou
   HWY_DYNAMIC_DISPATCH(AddProductsOfRows)(rows, count, columns, sums);
 }
 
-std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
-                            std::size_t k, double* product) {
-  return HWY_DYNAMIC_DISPATCH(MultiplyLanes)(x, stride, rows, n, w, k, product);
+void MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                     std::size_t k, double* product) {
+  HWY_DYNAMIC_DISPATCH(MultiplyLanes)(x, stride, rows, n, w, k, product);
 }
 
 unsigned ScoreClusters(const ClusterLanes& clusters, const ScoreFit& fit, double* work, double* scores) {

@@ -38,10 +38,9 @@ class GramSums {
 void AddProducts(const double* rows, std::size_t count, std::size_t columns, double* sums);
 
 // product = X W for matrices stored column by column: x has `rows` rows (of `stride` numbers from column to column) and
-// n columns, w n x k; product as many rows from column to column as x. Returns how many rows were done, all but the
-// last few.
-std::size_t MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
-                            std::size_t k, double* product);
+// n columns, w n x k; product as many rows from column to column as x.
+void MultiplyColumns(const double* x, std::size_t stride, std::size_t rows, std::size_t n, const double* w,
+                     std::size_t k, double* product);
 
 // kBatchLanes clusters side by side, zeros where one has fewer rows than another: rows of `stride` numbers per lane, of
 // which the first `columns` (a multiple of kGramBlock) are J_g and the next is the residual.

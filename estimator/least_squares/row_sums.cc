@@ -137,10 +137,7 @@ Eigen::MatrixXd RootOf(const Eigen::MatrixXd& covariance) {
 Eigen::MatrixXd TallProduct(const Eigen::MatrixXd& x, const Eigen::MatrixXd& w) {
   if (x.cols() == 0) return Eigen::MatrixXd::Zero(x.rows(), w.cols());  // no memory to point into
   Eigen::MatrixXd product(x.rows(), w.cols());
-  const auto done = static_cast<Eigen::Index>(
-      MultiplyColumns(x.data(), x.rows(), x.rows(), x.cols(), w.data(), w.cols(), product.data()));
-  const Eigen::Index rest = x.rows() - done;
-  if (rest > 0) product.bottomRows(rest).noalias() = x.bottomRows(rest) * w;
+  MultiplyColumns(x.data(), x.rows(), x.rows(), x.cols(), w.data(), w.cols(), product.data());
   return product;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 #include "estimator/calibration/joint_estimator.h"
 #include "estimator/diagnosis/driver_functions.h"
@@ -127,6 +128,19 @@ TEST(EvidenceColumns, RowsOfVisitsAndOfPosesScatterTogether) {
     for (long k = i; k <= known; ++k)
       EXPECT_NEAR(sums.products(i, k), products(i, k), 1e-8 * size[i] * size[k]) << i << " " << k;
   }
+  // With the one variance first and the other as any multiple of its own.
+  const JointScatter visits = Scatter(6, sigma[0], 0.0), poses = Scatter(6, 0.0, sigma[1]);
+  for (const auto& [least, other, variance] : {std::make_tuple(visits, Scatter(6, 0.0, 1.0), sigma[1]),
+                                               std::make_tuple(poses, Scatter(6, 1.0, 0.0), sigma[0])}) {
+    const RowSums same = columns.Sum(variance * variance, columns.Fill({}, 1, least, other));
+    EXPECT_EQ(same.rows, sums.rows);
+    EXPECT_NEAR(same.log_det, sums.log_det, 1e-9 * log_det);
+    for (long i = 0; i <= known; ++i) {
+      for (long k = i; k <= known; ++k) {
+        EXPECT_NEAR(same.products(i, k), sums.products(i, k), 1e-9 * size[i] * size[k]) << i << " " << k;
+      }
+    }
+  }
   // Beside what is believed: rows less what these tell of unknowns, and what no value of these explains.
   const BesideBelieved beside = columns.Project(sums);
   const Eigen::MatrixXd white = root.matrixL().solve(all);
@@ -160,6 +174,13 @@ TEST(ColumnProducts, AreThoseOfTheWholeInAnyOrder) {
   EXPECT_EQ(asked, 2);  // the rows of 3 and 1 hold all of these
   EXPECT_EQ(products.Own({4, 0}), Eigen::MatrixXd(whole({4, 0}, {4, 0})));
   EXPECT_EQ(asked, 4);
+  const std::vector<int> known = {4}, one = {2}, other = {6, 2};
+  products.AskTogether({&known, &one});  // one alone
+  EXPECT_EQ(asked, 4);
+  products.AskTogether({&known, &one, &other});
+  EXPECT_EQ(asked, 6);
+  EXPECT_EQ(products.Between(other, one), Eigen::MatrixXd(whole({6, 2}, {2})));
+  EXPECT_EQ(asked, 6);
 }
 
 // F is made again from few directions, however many columns it has: sines of 200 phases are two functions.
