@@ -168,12 +168,11 @@ std::vector<double> Places::Weights(size_t place, const std::vector<int>& of) co
 }
 
 Eigen::MatrixXd Places::Information(const ColumnGroup& group, size_t place) const {
-  const Eigen::MatrixXd back = ColumnsOf(group, without_[place].root);
-  return sweep_.Information(group) + back.transpose() * back;
+  return sweep_.Information(group) + without_[place].Information(sweep_.Solved(group));
 }
 
 Eigen::VectorXd Places::Gradient(const ColumnGroup& group, size_t place) const {
-  return sweep_.Gradient(group) + ColumnsOf(group, without_[place].root).transpose() * without_[place].along;
+  return sweep_.Gradient(group) + without_[place].Gradient(sweep_.Solved(group));
 }
 
 Places PlacesOf(const Evidence& evidence, const WeightedModel& model) {

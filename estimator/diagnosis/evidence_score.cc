@@ -8,6 +8,25 @@
 
 namespace sagitta {
 
+namespace {
+
+constexpr int kFew = 8;  // columns of most groups: their root stays on the stack
+using FewColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kFew, kFew>;
+
+template <typename Matrix>
+GroupGain GainBy(const Eigen::Ref<const Eigen::MatrixXd>& information,
+                 const Eigen::Ref<const Eigen::VectorXd>& gradient, double variance) {
+  Matrix posterior = variance * information;
+  posterior.diagonal().array() += 1.0;
+  const Eigen::LLT<Matrix> root(posterior);
+  if (root.info() != Eigen::Success) return {};
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime> rotated =
+      root.matrixL().solve(gradient);
+  return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
+}
+
+}  // namespace
+
 // L L' = I + s^2 G:  quad = s^2 |L^-1 g|^2,  log det = 2 sum log L_ii; of one column  s^2 g^2 / t,  log t,  t = 1 + s^2
 // G.
 GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
@@ -17,12 +36,19 @@ GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
     const double t = 1.0 + variance * std::max(0.0, information(0, 0));
     return {variance * gradient[0] * gradient[0] / t, std::log(t)};
   }
-  Eigen::MatrixXd posterior = variance * information;
+  if (gradient.size() <= kFew) return GainBy<FewColumns>(information, gradient, variance);
+  return GainBy<Eigen::MatrixXd>(information, gradient, variance);
+}
+
+MostQuad::MostQuad(const Eigen::MatrixXd& least_information) {
+  Eigen::MatrixXd posterior = kScales[kNumScales - 1] * kScales[kNumScales - 1] * least_information;
   posterior.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> root(posterior);
-  if (root.info() != Eigen::Success) return {};
-  const Eigen::VectorXd rotated = root.matrixL().solve(gradient);
-  return {variance * rotated.squaredNorm(), 2.0 * root.matrixLLT().diagonal().array().log().sum()};
+  root_.compute(posterior);
+}
+
+double MostQuad::Of(const Eigen::VectorXd& gradient) const {
+  if (root_.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return kScales[kNumScales - 1] * kScales[kNumScales - 1] * root_.matrixL().solve(gradient).squaredNorm();
 }
 
 // log sum exp(x) = m + log sum exp(x - m), m the largest.

@@ -13,7 +13,7 @@
 // 1995.)
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 #include <limits>
 #include <vector>
 
@@ -42,6 +42,17 @@ struct GroupGain {
 // Of a group with prior standard deviation `scale`, in typical sizes, from its information and gradient.
 GroupGain GainOf(const Eigen::Ref<const Eigen::MatrixXd>& information,
                  const Eigen::Ref<const Eigen::VectorXd>& gradient, double scale);
+
+// The most that columns with at least this information can explain: quad grows with s and falls with G, and what a
+// scale costs, log det, is no gain.
+class MostQuad {
+ public:
+  explicit MostQuad(const Eigen::MatrixXd& least_information);
+  double Of(const Eigen::VectorXd& gradient) const;
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> root_;  // of I + s^2 G at the largest s
+};
 
 // log of the sum of exponentials, without overflow.
 double LogSumExp(const std::vector<double>& logs);

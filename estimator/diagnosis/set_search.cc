@@ -229,13 +229,6 @@ const SetSearch::Own& SetSearch::OwnOf(size_t candidate) const {
   return own;
 }
 
-// The most a group can add, log f(R - quad(3)) - log f(R): quad grows with s, log det >= 0.
-// At the widest scale a group explains most; what it pays for the scale is left out.
-double SetSearch::MostGainOf(const Own& own, double residual) const {
-  const GroupGain widest = GainOf(own.information, own.gradient, kScales[kNumScales - 1]);
-  return likelihood_.Gain(residual, {widest.quad, 0.0});
-}
-
 double SetSearch::GainOfOwn(const Own& own, double residual, double* scale) const {
   return AverageGain(likelihood_, residual, own.information, own.gradient, scale);
 }
@@ -334,31 +327,34 @@ std::vector<WeightedSet> SetSearch::WithoutEach(const WeightedSet& set, const Me
 }
 
 // Every member's place for every candidate: each is taken out of what is left of the candidates given all, at the
-// others' scales.
+// others' scales. Without a member G is no less than given all: what a candidate can add at most is first asked with
+// that of all, which a factor for all places says.
 std::vector<SetSearch::Swap> SetSearch::SwapsOf(const WeightedSet& set, const MovingSweep& sweep,
                                                 const std::vector<WeightedSet>& without) {
   std::vector<MovingSweep::WithoutOne> sweeps;
-  std::vector<double> bases;
+  std::vector<double> bases;  // without the likelihood of what is left
   for (size_t m = 0; m < set.members.size(); ++m) {
     sweeps.push_back(sweep.Without(m));
     std::vector<double> shares = SharesOf(without[m].members);
     shares.push_back(1.0);
-    bases.push_back(without[m].log_likelihood + prior_.Log(shares));
+    bases.push_back(without[m].log_likelihood + prior_.Log(shares) - likelihood_.Log(sweeps[m].residual));
   }
   std::vector<Swap> swaps;
   double most = BestWeight();
   for (size_t k = 0; k < explanations_.size(); ++k) {
     if (!(explanations_[k].share > 0.0)) continue;
-    const Own given_all = Left(sweep, k);
+    const Eigen::MatrixXd solved = sweep.Solved(explanations_[k].group);
+    const Own given_all{OwnOf(k).information - sweep.Taken(explanations_[k].group, solved),
+                        sweep.Gradient(explanations_[k].group)};
+    const MostQuad most_quad(given_all.information);
     for (size_t m = 0; m < set.members.size(); ++m) {
       if (set.members[m] == static_cast<int>(k) || IsExcluded(without[m].members, static_cast<int>(k))) continue;
-      const Eigen::MatrixXd back = ColumnsOf(explanations_[k].group, sweeps[m].root);
-      const Own own{given_all.information + back.transpose() * back,
-                    given_all.gradient + back.transpose() * sweeps[m].along};
-      const double before = bases[m] + std::log(explanations_[k].share);
-      if (before + MostGainOf(own, sweeps[m].residual) < most - kWorthKeeping) continue;
+      const Eigen::VectorXd gradient = given_all.gradient + sweeps[m].Gradient(solved);
+      const double base = bases[m] + std::log(explanations_[k].share), residual = sweeps[m].residual;
+      if (base + likelihood_.Log(residual - most_quad.Of(gradient)) < most - kWorthKeeping) continue;
+      const Own own{given_all.information + sweeps[m].Information(solved), gradient};
       double scale = 1.0;
-      const double weight = before + GainOfOwn(own, sweeps[m].residual, &scale);
+      const double weight = base + likelihood_.Log(residual) + GainOfOwn(own, residual, &scale);
       if (weight < most - kWorthKeeping) continue;
       most = std::max(most, weight);
       swaps.push_back({m, static_cast<int>(k), scale, weight});

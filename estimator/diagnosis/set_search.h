@@ -121,9 +121,8 @@ class SetSearch {
   Members MembersOf(const WeightedSet& set) const;
   // Of the same members, from their scales before.
   static Members MembersAt(const WeightedSet& set, const WeightedSet& before, Members members);
-  // Log of the evidence that it adds to a residual of this square, averaged over its scale; and no less than that.
+  // Log of the evidence that it adds to a residual of this square, averaged over its scale.
   double GainOfOwn(const Own& own, double residual, double* scale) const;
-  double MostGainOf(const Own& own, double residual) const;
   void Expand(const WeightedSet& given);
   void RecordGrown(WeightedSet set, int candidate, double scale, double log_weight);
   // replaces: an evaluation, which is better than what an addition says.

@@ -29,23 +29,6 @@ Eigen::MatrixXd Solved(const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::Mat
   return root.solve(right);
 }
 
-std::vector<long> AllBut(long first, long size, long count) {
-  std::vector<long> kept;
-  for (long c = 0; c < count; ++c) {
-    if (c < first || c >= first + size) kept.push_back(c);
-  }
-  return kept;
-}
-
-// Places in [all; more] of all with `more` before `first`.
-std::vector<long> WithMoreAt(long first, long size, long count) {
-  std::vector<long> places;
-  for (long c = 0; c < first; ++c) places.push_back(c);
-  for (long c = 0; c < size; ++c) places.push_back(count + c);
-  for (long c = first; c < count; ++c) places.push_back(c);
-  return places;
-}
-
 Eigen::MatrixXd WithRowsAt(long first, const Eigen::MatrixXd& rows, const Eigen::MatrixXd& others) {
   Eigen::MatrixXd all(others.rows() + rows.rows(), rows.cols());
   all.topRows(first) = others.topRows(first);
@@ -59,6 +42,22 @@ Eigen::MatrixXd WithoutRows(long first, long size, const Eigen::MatrixXd& all) {
   Eigen::MatrixXd others(left, all.cols());
   others.topRows(first) = all.topRows(first);
   others.bottomRows(left - first) = all.bottomRows(left - first);
+  return others;
+}
+
+Eigen::MatrixXd WithColumnsAt(long first, const Eigen::MatrixXd& columns, const Eigen::MatrixXd& others) {
+  Eigen::MatrixXd all(columns.rows(), others.cols() + columns.cols());
+  all.leftCols(first) = others.leftCols(first);
+  all.middleCols(first, columns.cols()) = columns;
+  all.rightCols(others.cols() - first) = others.rightCols(others.cols() - first);
+  return all;
+}
+
+Eigen::MatrixXd WithoutColumns(long first, long size, const Eigen::MatrixXd& all) {
+  const long left = all.cols() - size;
+  Eigen::MatrixXd others(all.rows(), left);
+  others.leftCols(first) = all.leftCols(first);
+  others.rightCols(left - first) = all.rightCols(left - first);
   return others;
 }
 
@@ -115,6 +114,9 @@ Eigen::VectorXd Members::Scales() const {
 }
 
 Eigen::MatrixXd Members::Information() const {
+  std::vector<const std::vector<int>*> lists;
+  for (const ColumnGroup* group : groups_) lists.push_back(&group->columns);
+  normal_->information.AskTogether(lists);
   Eigen::MatrixXd information(num_columns(), num_columns());
   for (size_t i = 0; i < size(); ++i) {
     information.block(first_[i], first_[i], SizeOf(i), SizeOf(i)) = OwnInformation(*normal_, *groups_[i]);
@@ -170,15 +172,16 @@ void Members::Rescale(size_t group, double scale) {
   SetResidual();
 }
 
-// beside: A_k of the rows that stay;  t <- t - A_k A_kk^-1 t_k.
+// beside: A_k;  t <- t - A_k A_kk^-1 t_k. Of the group itself nothing is left.
 void Members::Remove(size_t group) {
   const long first = first_[group], size = SizeOf(group);
-  const std::vector<long> kept = AllBut(first, size, num_columns());
   const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(inverse_.block(first, first, size, size)));
-  const Eigen::MatrixXd beside = inverse_(kept, Eigen::seqN(first, size));
-  inverse_ = inverse_(kept, kept) - beside * Solved(root, beside.transpose());
-  solved_ = solved_(kept) - beside * root.solve(Eigen::VectorXd(solved_.segment(first, size)));
-  gradient_ = Eigen::VectorXd(gradient_(kept));
+  const Eigen::MatrixXd beside = inverse_.middleCols(first, size), left = root.solve(beside.transpose());
+  inverse_.noalias() -= beside * left;
+  inverse_ = WithoutColumns(first, size, WithoutRows(first, size, inverse_));
+  const Eigen::VectorXd own = root.solve(solved_.segment(first, size));
+  solved_ = WithoutRows(first, size, solved_ - beside * own);
+  gradient_ = WithoutRows(first, size, gradient_);
   log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
   groups_.erase(groups_.begin() + static_cast<long>(group));
   scales_.erase(scales_.begin() + static_cast<long>(group));
@@ -188,7 +191,7 @@ void Members::Remove(size_t group) {
 
 // column: q;  beside: U = A q;  corner: c - q'U = i^-1.
 void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
-  const long count = num_columns(), more = group.size();
+  const long count = num_columns(), more = group.size(), first = first_[place];
   Eigen::MatrixXd column(count, more);
   for (size_t k = 0; k < size(); ++k) {
     column.middleRows(first_[k], SizeOf(k)) = scale * scales_[k] * Cross(*normal_, *groups_[k], group);
@@ -200,20 +203,11 @@ void Members::Insert(size_t place, const ColumnGroup& group, double scale) {
   const Eigen::VectorXd gradient = OwnGradient(*normal_, group);
   const Eigen::MatrixXd left = Solved(root, beside.transpose());  // i U'
   const Eigen::VectorXd own = root.solve(scale * gradient - column.transpose() * solved_);
-  Eigen::MatrixXd inverse(count + more, count + more);
-  inverse.topLeftCorner(count, count) = inverse_ + beside * left;
-  inverse.topRightCorner(count, more) = -left.transpose();
-  inverse.bottomLeftCorner(more, count) = -left;
-  inverse.bottomRightCorner(more, more) = root.solve(Eigen::MatrixXd::Identity(more, more));
-  Eigen::VectorXd solved(count + more), gradients(count + more);
-  solved.head(count) = solved_ - beside * own;
-  solved.tail(more) = own;
-  gradients.head(count) = gradient_;
-  gradients.tail(more) = gradient;
-  const std::vector<long> order = WithMoreAt(first_[place], more, count);
-  inverse_ = inverse(order, order);
-  solved_ = solved(order);
-  gradient_ = gradients(order);
+  const Eigen::MatrixXd of_group = root.solve(Eigen::MatrixXd::Identity(more, more));
+  inverse_.noalias() += beside * left;
+  inverse_ = WithColumnsAt(first, WithRowsAt(first, of_group, -left.transpose()), WithRowsAt(first, -left, inverse_));
+  solved_ = WithRowsAt(first, own, solved_ - beside * own);
+  gradient_ = WithRowsAt(first, gradient, gradient_);
   log_det_ += 2.0 * root.matrixLLT().diagonal().array().log().sum();
   groups_.insert(groups_.begin() + static_cast<long>(place), &group);
   scales_.insert(scales_.begin() + static_cast<long>(place), scale);
@@ -285,7 +279,7 @@ MovingSweep::MovingSweep(const ProjectedNormal& normal, const std::vector<const 
 void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
   const Eigen::MatrixXd own = ScaledRowsOf(*members_.normal_, group, scale);
   Eigen::MatrixXd rows = own;  // s M'G of what is left
-  rows.noalias() -= scale * (ColumnsOf(group, rows_).transpose() * solved_);
+  rows -= scale * TallProduct(ColumnsOf(group, rows_).transpose(), solved_);
   Eigen::MatrixXd inner = scale * ColumnsOf(group, rows);
   inner.diagonal().array() += 1.0;
   const Eigen::LLT<Eigen::MatrixXd> factor(inner);
@@ -303,19 +297,17 @@ void MovingSweep::Insert(size_t place, const ColumnGroup& group, double scale) {
 void MovingSweep::Remove(size_t group) {
   const long first = members_.First(group), size = members_.SizeOf(group);
   const WithoutOne without = Without(group);
-  gradient_.noalias() += without.root.transpose() * without.along;
-  const std::vector<long> kept = AllBut(first, size, members_.num_columns());
-  const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
-  const Eigen::MatrixXd beside = members_.inverse_(kept, Eigen::seqN(first, size));
-  const Eigen::MatrixXd of_group = Solved(own, solved_.middleRows(first, size));
+  gradient_ += without.Gradient(solved_);
+  const Eigen::MatrixXd beside = WithoutRows(first, size, members_.inverse_.middleCols(first, size));
+  const Eigen::MatrixXd of_group = without.root.solve(Eigen::MatrixXd(solved_.middleRows(first, size)));
   solved_ = WithoutRows(first, size, solved_);
   solved_.noalias() -= beside * of_group;
   rows_ = WithoutRows(first, size, rows_);
   members_.Remove(group);
 }
 
-Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group) const {
-  return ColumnsOf(group, rows_).transpose() * ColumnsOf(group, solved_);
+Eigen::MatrixXd MovingSweep::Taken(const ColumnGroup& group, const Eigen::MatrixXd& solved) const {
+  return ColumnsOf(group, rows_).transpose() * solved;
 }
 
 Eigen::MatrixXd MovingSweep::Information(const ColumnGroup& group) const {
@@ -330,13 +322,24 @@ Eigen::VectorXd MovingSweep::Gradient(const ColumnGroup& group) const {
 
 MovingSweep::WithoutOne MovingSweep::Without(size_t group) const {
   const long first = members_.First(group), size = members_.SizeOf(group);
-  const Eigen::LLT<Eigen::MatrixXd> own(Eigen::MatrixXd(members_.inverse_.block(first, first, size, size)));
+  const Eigen::VectorXd solved = members_.solved_.segment(first, size);
   WithoutOne without;
-  without.root = own.matrixL().solve(solved_.middleRows(first, size));
-  without.along = own.matrixL().solve(members_.solved_.segment(first, size));
-  without.residual = members_.residual() + without.along.squaredNorm();
-  without.log_det = members_.log_det() + 2.0 * own.matrixLLT().diagonal().array().log().sum();
+  without.first = first;
+  without.root.compute(members_.inverse_.block(first, first, size, size));
+  without.own = without.root.solve(solved);
+  without.residual = members_.residual() + solved.dot(without.own);
+  without.log_det = members_.log_det() + 2.0 * without.root.matrixLLT().diagonal().array().log().sum();
   return without;
+}
+
+// X'X,  X = C^(-1/2) T_k.
+Eigen::MatrixXd MovingSweep::WithoutOne::Information(const Eigen::MatrixXd& solved) const {
+  const Eigen::MatrixXd x = root.matrixL().solve(solved.middleRows(first, own.size()));
+  return x.transpose() * x;
+}
+
+Eigen::VectorXd MovingSweep::WithoutOne::Gradient(const Eigen::MatrixXd& solved) const {
+  return solved.middleRows(first, own.size()).transpose() * own;
 }
 
 // (M'GM + D^-2)^-1 = D Q^-1 D:  values -D t,  covariance D A D.

@@ -4,7 +4,7 @@
 //
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 #include <vector>
 
 #include "estimator/diagnosis/evidence_score.h"
@@ -19,6 +19,11 @@ struct ColumnGroup {
 
   int size() const { return static_cast<int>(mixing.size() > 0 ? mixing.cols() : static_cast<long>(columns.size())); }
 };
+
+// Columns of a group out of a matrix over all columns.
+Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix);
+Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
+Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group);
 
 // Values of the groups' coefficients, in typical sizes, and their covariance: -(M'GM + I/s^2)^-1 M'g, as the residual
 // is predicted - measured.
@@ -132,15 +137,22 @@ class MovingSweep {
 
   Eigen::MatrixXd Information(const ColumnGroup& group) const;
   Eigen::VectorXd Gradient(const ColumnGroup& group) const;
-  // What conditioning takes from a group's own information.
-  Eigen::MatrixXd Taken(const ColumnGroup& group) const;
+  // T of a group's columns; Z'T: what conditioning takes from its own information.
+  Eigen::MatrixXd Solved(const ColumnGroup& group) const { return ColumnsOf(group, solved_); }
+  Eigen::MatrixXd Taken(const ColumnGroup& group, const Eigen::MatrixXd& solved) const;
+  Eigen::MatrixXd Taken(const ColumnGroup& group) const { return Taken(group, Solved(group)); }
   double residual() const { return members_.residual(); }
   const Members& members() const { return members_; }
 
-  // Given all but one of the groups: what it adds to G and g.
+  // Given all but one of the groups.
   struct WithoutOne {
-    Eigen::MatrixXd root;   // C^(-1/2) T_k over all columns
-    Eigen::VectorXd along;  // C^(-1/2) t_k
+    // What it adds to G and g of a group with this T:  T_k' C^-1 T_k,  T_k' C^-1 t_k.
+    Eigen::MatrixXd Information(const Eigen::MatrixXd& solved) const;
+    Eigen::VectorXd Gradient(const Eigen::MatrixXd& solved) const;
+
+    long first = 0;                    // row of T_k in T
+    Eigen::LLT<Eigen::MatrixXd> root;  // of C
+    Eigen::VectorXd own;               // C^-1 t_k
     double residual = 0.0, log_det = 0.0;
   };
   WithoutOne Without(size_t group) const;
@@ -150,10 +162,5 @@ class MovingSweep {
   Eigen::MatrixXd rows_, solved_;  // Z and T
   Eigen::VectorXd gradient_;       // g that is left
 };
-
-// Columns of a group out of a matrix over all columns.
-Eigen::MatrixXd ColumnsOf(const ColumnGroup& group, const Eigen::MatrixXd& matrix);
-Eigen::MatrixXd OwnInformation(const ProjectedNormal& normal, const ColumnGroup& group);
-Eigen::VectorXd OwnGradient(const ProjectedNormal& normal, const ColumnGroup& group);
 
 }  // namespace sagitta

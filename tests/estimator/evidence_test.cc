@@ -258,9 +258,15 @@ TEST(Sweep, WithoutOneIsTheSweepOfTheOthers) {
     theirs.erase(theirs.begin() + static_cast<long>(k));
     const Sweep direct(normal, others, theirs);
     const MovingSweep::WithoutOne without = all.Without(k);
-    const Eigen::MatrixXd back = ColumnsOf(asked, without.root);
-    EXPECT_LT((all.Information(asked) + back.transpose() * back - direct.Information(asked)).norm(), 1e-9);
-    EXPECT_LT((all.Gradient(asked) + back.transpose() * without.along - direct.Gradient(asked)).norm(), 1e-9);
+    const Eigen::MatrixXd solved = all.Solved(asked);
+    EXPECT_LT((all.Information(asked) + without.Information(solved) - direct.Information(asked)).norm(), 1e-9);
+    EXPECT_LT((all.Gradient(asked) + without.Gradient(solved) - direct.Gradient(asked)).norm(), 1e-9);
+    // What any information that is no less can explain at any scale is no more than by the least.
+    const MostQuad most(all.Information(asked));
+    for (const double scale : kScales) {
+      const GroupGain gain = GainOf(direct.Information(asked), direct.Gradient(asked), scale);
+      EXPECT_LE(gain.quad, most.Of(direct.Gradient(asked)) + 1e-9);
+    }
     EXPECT_NEAR(without.residual, direct.residual(), 1e-9);
     EXPECT_NEAR(without.log_det, direct.log_det(), 1e-9);
     const GivenOthers own = members.Of(k);
