@@ -311,12 +311,13 @@ class Session {
   // Hold-out after each effect. An effect that makes it worse beyond chance, or, where all since the best prefix do
   // together, the one of these that makes it worst; -1 where none does.
   int MeasurePrefixes() {
-    if (prefixes_.empty()) prefixes_.push_back(lacking_);
+    if (prefixes_.empty()) prefixes_.push_back(PredictingHoldout(lacking_));
     for (size_t count = prefixes_.size(); count < selected_.size(); ++count) {
       const bool is_near = IsUsable(prefixes_.back().estimate.status);
       const auto last = selected_.begin() + static_cast<long>(count);
       const std::vector<SelectedEffect> fresh(is_near ? last - 1 : selected_.begin(), last);
-      prefixes_.push_back(Extend(is_near ? prefixes_.back() : lacking_, CandidatesOf(fresh), joint_));
+      prefixes_.push_back(
+          PredictingHoldout(Extend(is_near ? prefixes_.back() : lacking_, CandidatesOf(fresh), joint_)));
     }
     prefixes_.push_back(d_.final);
     for (size_t k = selected_.size(); k > 0; --k) {

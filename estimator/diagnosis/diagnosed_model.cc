@@ -1,6 +1,33 @@
 #include "estimator/diagnosis/diagnosed_model.h"
 
+#include <cmath>
+
+#include "estimator/least_squares/linearization.h"
+
 namespace sagitta {
+
+Eigen::Matrix3Xd HoldoutMisfit(const DiagnosedModel& model) {
+  const Measurements& data = model.problem->data();
+  const std::vector<int> held_out = data.PointsAmong(model.problem->ValidationObservations());
+  const Eigen::Matrix3Xd& known = model.estimate.predicted;
+  const Eigen::Matrix3Xd predicted = known.size() > 0
+                                         ? Eigen::Matrix3Xd(known(Eigen::all, held_out))
+                                         : PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  Eigen::Matrix3Xd misfit(3, predicted.cols());
+  for (long k = 0; k < misfit.cols(); ++k) {
+    misfit.col(k) = data.observations[held_out[static_cast<size_t>(k)]].point_in_station - predicted.col(k);
+  }
+  return misfit;
+}
+
+DiagnosedModel PredictingHoldout(DiagnosedModel model) {
+  Eigen::Matrix3Xd& predicted = model.estimate.predicted;
+  if (!IsUsable(model.estimate.status) || predicted.size() > 0) return model;
+  const std::vector<int> held_out = model.problem->data().PointsAmong(model.problem->ValidationObservations());
+  predicted.setConstant(3, static_cast<long>(model.problem->data().observations.size()), std::nan(""));
+  predicted(Eigen::all, held_out) = PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  return model;
+}
 
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options) {
   DiagnosedModel model;

@@ -13,6 +13,12 @@ struct DiagnosedModel {
   Estimate estimate;
 };
 
+// Measured minus predicted, m, one column per point that was held out (Measurements::PointsAmong): as the estimate has
+// predicted it where it has.
+Eigen::Matrix3Xd HoldoutMisfit(const DiagnosedModel& model);
+// With a prediction of these points, where the model is asked for them several times.
+DiagnosedModel PredictingHoldout(DiagnosedModel model);
+
 // The full estimator from the problem's own starting values.
 DiagnosedModel FitFully(const CalibrationProblem& problem, const JointOptions& options);
 

@@ -112,7 +112,7 @@ EvidenceColumns::EvidenceColumns(const CalibrationProblem& problem, const Parame
     coordinates_of.erase(own);
   }
   num_columns_ = static_cast<int>(catalogue_.size());
-  const std::vector<double> sizes = TypicalSizes(extended_, all);
+  const std::vector<double> sizes = TypicalSizes(extended_, all, split.others);
   for (const int coordinate : catalogue_) units_.push_back(sizes[coordinate]);
   SetLinearized();
   SetBlocks();

@@ -38,13 +38,8 @@ double SquaredGap(const std::vector<std::pair<double, int>>& sums, const std::ve
 }  // namespace
 
 double HoldoutRms(const DiagnosedModel& model) {
-  const std::vector<int> held_out = model.problem->data().PointsAmong(model.problem->ValidationObservations());
-  const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, held_out);
-  double sum = 0.0;
-  for (size_t k = 0; k < held_out.size(); ++k) {
-    sum += (model.problem->data().observations[held_out[k]].point_in_station - predicted.col(k)).squaredNorm();
-  }
-  return std::sqrt(sum / (3.0 * static_cast<double>(held_out.size())));
+  const Eigen::Matrix3Xd misfit = HoldoutMisfit(model);
+  return std::sqrt(misfit.squaredNorm() / static_cast<double>(misfit.size()));
 }
 
 // The interval: configurations drawn with replacement, 2.5 and 97.5 % of the draws (Efron and Tibshirani 1993,

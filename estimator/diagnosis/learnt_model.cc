@@ -108,7 +108,7 @@ class Learner {
   }
 
   bool TakeAll(const std::vector<Candidate>& fresh) {
-    DiagnosedModel with = Extend(with_, fresh, joint_);
+    DiagnosedModel with = PredictingHoldout(Extend(with_, fresh, joint_));
     if (!IsUsable(with.estimate.status) || IsNoBetter(with, with_)) return false;
     with_ = std::move(with);
     added_.insert(added_.end(), fresh.begin(), fresh.end());

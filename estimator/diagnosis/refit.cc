@@ -31,7 +31,7 @@ CalibrationProblem ExtendedProblem(const DiagnosedModel& model, const std::vecto
   const bool any_loose =
       std::any_of(added.begin(), added.end(), [](const Candidate& candidate) { return !candidate.loose.empty(); });
   const std::vector<double> sizes =
-      any_loose ? TypicalSizes(problem, problem.parameters) : std::vector<double>();  // a pass over the rows
+      any_loose ? TypicalSizes(problem, problem.parameters, SpecsOf(added)) : std::vector<double>();
   for (const Candidate& candidate : added) {
     for (const std::string& name : candidate.loose) {
       const int i = problem.parameters.FindCoordinate(name);

@@ -44,13 +44,12 @@ EffectSpec SeededSpring(const Evidence& evidence, const WeightedModel& model, in
 Eigen::VectorXd HoldoutSquares(const DiagnosedModel& model, std::vector<int>* counts) {
   const Measurements& data = model.problem->data();
   const std::vector<int> held_out = data.PointsAmong(model.problem->ValidationObservations());
-  const Eigen::Matrix3Xd predicted = PredictPoints(*model.problem, model.estimate.parameters, held_out);
+  const Eigen::Matrix3Xd misfit = HoldoutMisfit(model);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<long>(data.configurations.size()));
   counts->assign(data.configurations.size(), 0);
   for (size_t k = 0; k < held_out.size(); ++k) {
-    const Observation& observation = data.observations[held_out[k]];
-    const int c = data.shots[observation.shot].configuration;
-    squares[c] += (observation.point_in_station - predicted.col(static_cast<long>(k))).squaredNorm();
+    const int c = data.shots[data.observations[held_out[k]].shot].configuration;
+    squares[c] += misfit.col(static_cast<long>(k)).squaredNorm();
     (*counts)[c] += 3;
   }
   return squares;

@@ -6,6 +6,21 @@
 #include "problems/excitation.h"
 
 namespace sagitta {
+namespace {
+
+// Most sizes are stated as they are: a pass over the rows is for the others.
+bool AnyAsksForMotion(const Robot& robot, const std::vector<EffectSpec>& effects) {
+  return std::any_of(effects.begin(), effects.end(), [&](const EffectSpec& spec) {
+    const EffectDefinition* definition = FindEffect(robot, spec.effect);
+    if (definition == nullptr) return false;
+    const std::vector<EffectParameter> own = definition->parameters(robot, spec);
+    return std::any_of(own.begin(), own.end(), [](const EffectParameter& parameter) {
+      return parameter.of_motion || !(parameter.typical > 0.0);
+    });
+  });
+}
+
+}  // namespace
 
 // size_i = typical_i; as a motion typical_i / max_k m_k; unstated 3e-4 / m_i.
 std::vector<double> TypicalSizes(const std::vector<EffectParameter>& of_effect, const std::vector<double>& motions) {
@@ -25,13 +40,15 @@ std::vector<double> TypicalSizes(const std::vector<EffectParameter>& of_effect, 
   return sizes;
 }
 
-std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters) {
+std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const std::vector<EffectSpec>& effects) {
   std::vector<double> motions(static_cast<size_t>(parameters.num_coordinates()), 0.0), sizes = motions;
-  const std::vector<double> largest = LargestTrueMotions(problem, parameters);
+  const std::vector<double> largest =
+      AnyAsksForMotion(problem.robot(), effects) ? LargestTrueMotions(problem, parameters) : std::vector<double>();
   for (size_t i = 0; i < largest.size(); ++i) {
     motions[static_cast<size_t>(parameters.model_parameter(static_cast<int>(i)).first_coordinate)] = largest[i];
   }
-  for (const EffectSpec& spec : problem.robot().effects) {
+  for (const EffectSpec& spec : effects) {
     const EffectDefinition* definition = FindEffect(problem.robot(), spec.effect);
     if (definition == nullptr) continue;
     std::vector<EffectParameter> own;

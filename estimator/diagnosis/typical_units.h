@@ -16,10 +16,11 @@ constexpr double kTypicalMotion = 3e-4;
 // most.
 std::vector<double> TypicalSizes(const std::vector<EffectParameter>& of_effect, const std::vector<double>& motions);
 
-// Stated by the effects' definitions (EffectParameter::typical), SI, one per coordinate of `parameters`; of those that
-// are stated as a motion, what makes this motion where the rows excite it most; one unit for all of an effect, that of
-// the most excited (ku and kv; first moments in kg m and the mass in kg, as of links whose centre is a metre from the
-// joint). 0: no parameter of an effect, or one that no row excites.
-std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters);
+// Stated by these effects' definitions (EffectParameter::typical), SI, one per coordinate of `parameters`; of those
+// that are stated as a motion, what makes this motion where the rows excite it most; one unit for all of an effect,
+// that of the most excited (ku and kv; first moments in kg m and the mass in kg, as of links whose centre is a metre
+// from the joint). 0: no parameter of one of them, or one that no row excites.
+std::vector<double> TypicalSizes(const CalibrationProblem& problem, const ParameterSet& parameters,
+                                 const std::vector<EffectSpec>& effects);
 
 }  // namespace sagitta
