@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "estimator/least_squares/row_sums.h"
 #include "estimator/statistics/mutual_information.h"
 #include "problems/loads.h"
 
@@ -24,13 +25,30 @@ constexpr double kDecided = 0.95;        // of the leading explanation: nothing 
 constexpr double kWorthDeciding = 0.02;  // of an explanation
 constexpr size_t kMostRivals = 5;
 
-// Poses within the joints' limits, or within the range of the data where none are stated; each like a measured one.
+// The least and the largest value of each joint: its limits, or the range of the data where none are stated.
+Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
+  Eigen::Matrix2Xd limits(2, problem.robot().num_joints());
+  for (int j = 0; j < problem.robot().num_joints(); ++j) {
+    const Joint& joint = problem.robot().chain.joints[static_cast<size_t>(j)];
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Configuration& each : problem.data().configurations) {
+      low = std::min(low, each.q[j]);
+      high = std::max(high, each.q[j]);
+    }
+    const bool is_stated = joint.min && joint.max && high > low;
+    limits.col(j) = is_stated ? Eigen::Vector2d(*joint.min, *joint.max) : Eigen::Vector2d(low, high);
+  }
+  return limits;
+}
+
+// Poses within these limits; each like a measured one.
 std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned long long seed) {
   std::mt19937_64 random(seed);
   const auto uniform = [&random](double low, double high) {
     return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
   };
   const std::vector<Configuration>& configurations = problem.data().configurations;
+  const Eigen::Matrix2Xd limits = LimitsOf(problem);
   std::vector<ProposedPose> poses;
   for (int k = 0; k < kPosesDrawn; ++k) {
     ProposedPose pose;
@@ -38,19 +56,7 @@ std::vector<ProposedPose> DrawPoses(const CalibrationProblem& problem, unsigned 
       pose.like = static_cast<int>(random() % configurations.size());
     } while (configurations[static_cast<size_t>(pose.like)].is_validation);
     pose.q.resize(problem.robot().num_joints());
-    for (int j = 0; j < problem.robot().num_joints(); ++j) {
-      const Joint& joint = problem.robot().chain.joints[static_cast<size_t>(j)];
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      for (const Configuration& each : configurations) {
-        low = std::min(low, each.q[j]);
-        high = std::max(high, each.q[j]);
-      }
-      if (joint.min && joint.max && high > low) {
-        low = *joint.min;
-        high = *joint.max;
-      }
-      pose.q[j] = uniform(low, high);
-    }
+    for (int j = 0; j < problem.robot().num_joints(); ++j) pose.q[j] = uniform(limits(0, j), limits(1, j));
     poses.push_back(std::move(pose));
   }
   return poses;
@@ -199,6 +205,24 @@ Rival MakeRival(const EvidenceColumns& columns, const ExplanationList& list, con
 struct Shown {
   std::vector<Eigen::MatrixXd> rows;  // of each rival, in its coefficients
 };
+
+// Rows of one rival from its columns to its coefficients, those of all poses at once.
+void Mix(const Eigen::MatrixXd& mixing, size_t rival, std::vector<Shown>* shown) {
+  long count = 0;
+  for (const Shown& each : *shown) count += each.rows[rival].rows();
+  Eigen::MatrixXd all(count, mixing.rows());
+  long at = 0;
+  for (const Shown& each : *shown) {
+    all.middleRows(at, each.rows[rival].rows()) = each.rows[rival];
+    at += each.rows[rival].rows();
+  }
+  all = TallProduct(all, mixing);
+  at = 0;
+  for (Shown& each : *shown) {
+    each.rows[rival] = Eigen::MatrixXd(all.middleRows(at, each.rows[rival].rows()));
+    at += each.rows[rival].rows();
+  }
+}
 
 class Choice {
  public:
@@ -365,10 +389,8 @@ std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& 
   }
   std::vector<std::vector<int>> of_rivals;
   for (const Rival& rival : rivals) of_rivals.push_back(rival.columns);
-  for (size_t c = 0; c < drawn.size(); ++c) {
-    shown[c].rows = columns.RowsAt(observations[c], scatter, of_rivals);
-    for (size_t i = 0; i < rivals.size(); ++i) shown[c].rows[i] = shown[c].rows[i] * rivals[i].mixing;
-  }
+  for (size_t c = 0; c < drawn.size(); ++c) shown[c].rows = columns.RowsAt(observations[c], scatter, of_rivals);
+  for (size_t i = 0; i < rivals.size(); ++i) Mix(rivals[i].mixing, i, &shown);
   Choice choice(std::move(rivals), std::move(shown));
   NextPoses next;
   for (const Held& each : held) next.decided += each.probability * each.probability / (sum * sum);

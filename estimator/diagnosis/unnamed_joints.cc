@@ -121,11 +121,21 @@ class JointFunctions : public UnnamedList {
     AddFunctions(functions, what, "joints in time");
   }
 
+  // exp(i n q): of n = 1 here, of others by products, which round a hundred times at most.
+  static Eigen::ArrayXcd TurnOf(const Eigen::ArrayXd& q) {
+    Eigen::ArrayXcd turn(q.size());
+    turn.real() = q.cos();
+    turn.imag() = q.sin();
+    return turn;
+  }
+
   // Orders d of which d q is the same at all poses, as on a lattice; up to `most`. Where phases scatter by v,
   // |mean exp(i phase)| = 1 - v / 2.
   static std::vector<bool> SameEverywhere(const Eigen::ArrayXd& q, int most) {
     std::vector<bool> same;
-    for (int d = 0; d <= most; ++d) same.push_back(std::hypot((d * q).cos().mean(), (d * q).sin().mean()) > kSame);
+    const Eigen::ArrayXcd turn = TurnOf(q);
+    Eigen::ArrayXcd wave = Eigen::ArrayXcd::Ones(q.size());
+    for (int d = 0; d <= most; ++d, wave *= turn) same.push_back(std::abs(wave.mean()) > kSame);
     return same;
   }
 
@@ -142,13 +152,15 @@ class JointFunctions : public UnnamedList {
       const auto is_same = [&same](int order) { return same[static_cast<size_t>(order)]; };
       std::map<int, std::pair<int, int>> aliases;  // by order of the catalogue: the lowest, and how many
       Scan<int> scan;
-      for (int n = first; n <= kMostHarmonicOrders; ++n) {
+      const Eigen::ArrayXcd turn = TurnOf(q);
+      Eigen::ArrayXcd wave = TurnOf(first * q);
+      for (int n = first; n <= kMostHarmonicOrders; ++n, wave *= turn) {
         int k = 1;
         while (k < first && !is_same(n - k) && !is_same(n + k)) ++k;
         if (k < first) {
           ++aliases.emplace(k, std::make_pair(n, 0)).first->second.second;
         } else {
-          scan.Try(along_.Reduction((n * q).cos(), j) + along_.Reduction((n * q).sin(), j), n);
+          scan.Try(along_.Reduction(wave.real(), j) + along_.Reduction(wave.imag(), j), n);
         }
       }
       const std::vector<int> best = scan.Best(kRipples);

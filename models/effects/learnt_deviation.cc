@@ -141,13 +141,15 @@ std::vector<EffectParameter> GrowthWeights(const Robot& robot, const EffectSpec&
 
 void DeviateJoint(const EffectContext& context, ShotTerms* terms) {
   const Knots knots = KnotsOf(*context.robot, *context.spec);
-  const double sign = context.joint_sign();
+  const int slot = context.joint_slot();
+  const double sign = context.joint_sign(), value = DriverValue(context);
+  const bool by_torque = IsBy(*context.spec, "torque_Nm");
   for (int k = 0; k < knots.count; ++k) {
     const int parameter = context.first_parameter + k;
-    if (IsBy(*context.spec, "torque_Nm")) {
-      terms->elastic.push_back({context.joint_slot(), parameter, sign, ElasticLaw::kBump, knots.Apart(), knots.At(k)});
+    if (by_torque) {
+      terms->elastic.push_back({slot, parameter, sign, ElasticLaw::kBump, knots.Apart(), knots.At(k)});
     } else {
-      terms->slots.push_back({context.joint_slot(), parameter, sign * knots.Value(k, DriverValue(context))});
+      terms->slots.push_back({slot, parameter, sign * knots.Value(k, value)});
     }
   }
 }
@@ -161,8 +163,9 @@ Eigen::VectorXd FunctionsOf(const EffectContext& context) {
     return DirectionFunctions(DownInFlange(context.chain(), context.shot->q, down), spec.IntegerSetting("degree", 1));
   }
   const Knots knots = KnotsOf(*context.robot, spec);
+  const double value = DriverValue(context);
   Eigen::VectorXd functions(knots.count);
-  for (int k = 0; k < knots.count; ++k) functions[k] = knots.Value(k, DriverValue(context));
+  for (int k = 0; k < knots.count; ++k) functions[k] = knots.Value(k, value);
   return functions;
 }
 
@@ -218,11 +221,12 @@ void DistortField(const EffectContext& context, ShotTerms* terms) {
 
 void GrowLinks(const EffectContext& context, ShotTerms* terms) {
   const Knots knots = KnotsOf(*context.robot, *context.spec);
+  const double value = DriverValue(context);
   int parameter = context.first_parameter;
   for (const std::vector<int>& lengths : LengthsByLink(context.chain())) {
     if (lengths.empty()) continue;
     for (int k = 0; k < knots.count; ++k, ++parameter) {
-      const double bump = knots.Value(k, DriverValue(context));
+      const double bump = knots.Value(k, value);
       for (const int e : lengths) {
         terms->slots.push_back({e, parameter, bump * context.chain().transforms[e].nominal});
       }
