@@ -433,9 +433,10 @@ class Session {
            !d_.noise.repeatability_is_overstated;
   }
 
-  // Where untouched rows get no better at all, what was found is at most a part of it, too.
+  // Where untouched rows get no better at all, what was found is at most a part of it, too. After MeasurePrefixes.
   bool MayLeaveARest() {
-    return d_.has_unexplained || Misfits() || MayFollowThePose() || HoldoutRms(d_.final) >= HoldoutRms(lacking_);
+    return d_.has_unexplained || Misfits() || MayFollowThePose() ||
+           HoldoutRms(d_.final) >= HoldoutRms(prefixes_.front());
   }
 
   void Decide() {

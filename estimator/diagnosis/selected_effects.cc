@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "estimator/diagnosis/compensator_shapes.h"
 #include "estimator/statistics/distributions.h"
@@ -157,9 +158,12 @@ double WaldP(const EffectSpec& spec, const Estimate& estimate) {
 }
 
 int CountHeldOut(const DiagnosedModel& model) {
-  std::vector<int> counts;
-  HoldoutSquares(model, &counts);
-  return static_cast<int>(std::count_if(counts.begin(), counts.end(), [](int n) { return n > 0; }));
+  const Measurements& data = model.problem->data();
+  std::set<int> configurations;
+  for (const int k : data.PointsAmong(model.problem->ValidationObservations())) {
+    configurations.insert(data.shots[data.observations[k].shot].configuration);
+  }
+  return static_cast<int>(configurations.size());
 }
 
 double HoldoutGain(const DiagnosedModel& before, const DiagnosedModel& after) {
