@@ -359,7 +359,7 @@ class Session {
       }
       before = effect.holdout_after;
     }
-    d_.next = ProposeNext(*evidence_, posterior_, *working_, d_.baseline.estimate.parameters, kSeedOfPoses);
+    d_.next = ProposeNext(*evidence_, *working_, d_.baseline.estimate.parameters, kSeedOfPoses);
     d_.gap_map = MapGap(d_.baseline, d_.final);
     d_.gap = JudgeGap(d_.baseline, d_.final, IsSigmaStated(problem_));
     d_.groups = GroupEffects(d_.effects, lacking_, d_.baseline, d_.final, joint_);

@@ -4,26 +4,24 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numeric>
+#include <map>
 #include <random>
 #include <set>
 
+#include "estimator/diagnosis/pose_choice.h"
 #include "estimator/least_squares/row_sums.h"
-#include "estimator/statistics/mutual_information.h"
 #include "problems/loads.h"
 
 namespace sagitta {
 namespace {
 
 constexpr int kPosesDrawn = 400;
-constexpr size_t kPosesTogether = 64;  // solved at once
 constexpr double kLeastPivot = 1e-300;
-constexpr size_t kPosesKept = 80;        // of these, asked again after each choice
-constexpr double kDecided = 0.95;        // of the leading explanation: nothing is left to decide
-constexpr double kWorthDeciding = 0.02;  // of an explanation
-constexpr size_t kMostRivals = 5;
+constexpr double kDecided = 0.95;        // of the leading answer: nothing is left to decide
+constexpr double kWorthDeciding = 0.02;  // of an answer
+constexpr size_t kMostAnswers = 5;
+constexpr size_t kMostShapes = 3;  // of an answer, such as those of a compensator
 
 // The least and the largest value of each joint: its limits, or the range of the data where none are stated.
 Eigen::Matrix2Xd LimitsOf(const CalibrationProblem& problem) {
@@ -155,33 +153,22 @@ class FewColumns {
   const ExplanationList list_;
 };
 
+// A set that could be the right answer.
 struct Rival {
+  int model = 0;  // of the evidence
   double probability = 0.0;
-  std::vector<int> columns;
-  Eigen::MatrixXd mixing;  // believed and own columns to unit prior coefficients
-  Eigen::MatrixXd precision;
-  Eigen::LDLT<Eigen::MatrixXd> factor;  // of the precision
-  Eigen::VectorXd values;
+  int name = 0;  // of the answer
 };
 
-Rival MakeRival(const EvidenceColumns& columns, const ExplanationList& list, const JointScatter& scatter,
-                const WeightedSet& set, double probability) {
-  Rival rival;
-  rival.probability = probability;
-  int size = 0;
-  for (const int m : set.members) {
-    const ColumnGroup& group = list.math[static_cast<size_t>(m)].group;
-    rival.columns.insert(rival.columns.end(), group.columns.begin(), group.columns.end());
-    size += group.size();
-  }
-  const long believed = columns.num_believed(), raw = static_cast<long>(rival.columns.size());
-  rival.mixing.setZero(believed + raw, believed + size);
-  rival.mixing.topLeftCorner(believed, believed).setIdentity();
+// Columns of the set's members to their unit prior coefficients, behind the believed parameters.
+Eigen::MatrixXd MixingOf(const ExplanationList& list, const WeightedSet& set, long believed, int raw, int size) {
+  Eigen::MatrixXd mixing = Eigen::MatrixXd::Zero(believed + raw, believed + size);
+  mixing.topLeftCorner(believed, believed).setIdentity();
   long row = believed, column = believed;
   for (size_t k = 0; k < set.members.size(); ++k) {
     const ColumnGroup& group = list.math[static_cast<size_t>(set.members[k])].group;
     const long height = static_cast<long>(group.columns.size());
-    auto block = rival.mixing.block(row, column, height, group.size());
+    auto block = mixing.block(row, column, height, group.size());
     if (group.mixing.size() > 0) {
       block = set.scales[k] * group.mixing;
     } else {
@@ -191,213 +178,153 @@ Rival MakeRival(const EvidenceColumns& columns, const ExplanationList& list, con
     row += height;
     column += group.size();
   }
-  const Eigen::MatrixXd rows = columns.FittedProducts(scatter, rival.columns);
-  rival.precision = rival.mixing.transpose() * rows.topLeftCorner(believed + raw, believed + raw) * rival.mixing;
-  rival.precision.diagonal().tail(size).array() += 1.0;
+  return mixing;
+}
+
+// What the rows so far say of a set's coefficients.
+struct Known {
+  std::vector<int> columns;
+  Eigen::MatrixXd mixing;               // believed and own columns to unit prior coefficients
+  Eigen::LDLT<Eigen::MatrixXd> factor;  // of their precision
+  Eigen::VectorXd values;
+};
+
+Known KnownOf(const EvidenceColumns& columns, const ExplanationList& list, const JointScatter& scatter,
+              const WeightedSet& set) {
+  Known known;
+  int size = 0;
+  for (const int m : set.members) {
+    const ColumnGroup& group = list.math[static_cast<size_t>(m)].group;
+    known.columns.insert(known.columns.end(), group.columns.begin(), group.columns.end());
+    size += group.size();
+  }
+  const long believed = columns.num_believed(), all = believed + static_cast<long>(known.columns.size());
+  known.mixing = MixingOf(list, set, believed, static_cast<int>(known.columns.size()), size);
+  const Eigen::MatrixXd sums = columns.FittedProducts(scatter, known.columns);
+  Eigen::MatrixXd precision = known.mixing.transpose() * sums.topLeftCorner(all, all) * known.mixing;
+  precision.diagonal().tail(size).array() += 1.0;
   // What hardly anything tells must not decide: a flat prior is one of a thousand times what the data say.
-  rival.precision.diagonal() *= 1.0 + 1e-9;
-  rival.factor.compute(rival.precision);
-  rival.values = -rival.factor.solve(rival.mixing.transpose() * rows.col(believed + raw).head(believed + raw));
-  return rival;
+  precision.diagonal() *= 1.0 + 1e-9;
+  known.factor.compute(precision);
+  known.values = -known.factor.solve(known.mixing.transpose() * sums.col(all).head(all));
+  return known;
 }
 
-// What a pose would show under each rival.
-struct Shown {
-  std::vector<Eigen::MatrixXd> rows;  // of each rival, in its coefficients
-};
-
-// Rows of one rival from its columns to its coefficients, those of all poses at once.
-void Mix(const Eigen::MatrixXd& mixing, size_t rival, std::vector<Shown>* shown) {
-  long count = 0;
-  for (const Shown& each : *shown) count += each.rows[rival].rows();
-  Eigen::MatrixXd all(count, mixing.rows());
-  long at = 0;
-  for (const Shown& each : *shown) {
-    all.middleRows(at, each.rows[rival].rows()) = each.rows[rival];
-    at += each.rows[rival].rows();
-  }
-  all = TallProduct(all, mixing);
-  at = 0;
-  for (Shown& each : *shown) {
-    each.rows[rival] = Eigen::MatrixXd(all.middleRows(at, each.rows[rival].rows()));
-    at += each.rows[rival].rows();
-  }
+// N = P' L D L' P: m = R x and Y = D^-1/2 L^-1 P R' of the poses' rows in raw columns.
+void Predict(const Known& known, const Eigen::MatrixXd& raw, RivalRows* rows) {
+  const Eigen::MatrixXd mixed = TallProduct(raw, known.mixing);
+  rows->means = mixed * known.values;
+  rows->spread = known.factor.transpositionsP() * Eigen::MatrixXd(mixed.transpose());
+  known.factor.matrixL().solveInPlace(rows->spread);
+  rows->spread = Eigen::MatrixXd(known.factor.vectorD().cwiseMax(kLeastPivot).cwiseSqrt().cwiseInverse().asDiagonal() *
+                                 rows->spread);
 }
 
-class Choice {
- public:
-  Choice(std::vector<Rival> rivals, std::vector<Shown> shown) : rivals_(std::move(rivals)), shown_(std::move(shown)) {
-    apart_ = Eigen::MatrixXd::Zero(static_cast<long>(rivals_.size()), static_cast<long>(rivals_.size()));
-    asked_.resize(shown_.size());
-    std::iota(asked_.begin(), asked_.end(), size_t{0});
+// The sets that are worth deciding between. What is called alike, or predicts the same at new poses, is one answer: a
+// deviation that follows the pose has its own value at each, and whether an effect is a piece of a nameless cause no
+// pose shows.
+std::vector<Rival> RivalsOf(const Evidence& evidence) {
+  struct Answer {
+    double probability = 0.0;
+    std::vector<int> models;
+  };
+  std::map<std::set<std::string>, Answer> answers;
+  for (size_t m = 0; m < evidence.models().size(); ++m) {
+    const WeightedModel& model = evidence.models()[m];
+    std::set<std::string> names;
+    for (const int member : model.set.members) names.insert(evidence.list().name[member]);
+    Answer& answer = answers[names];
+    answer.probability += model.probability;
+    const bool is_met = std::any_of(answer.models.begin(), answer.models.end(), [&](int other) {
+      return evidence.models()[other].set.members == model.set.members;
+    });
+    if (!is_met && answer.models.size() < kMostShapes) answer.models.push_back(static_cast<int>(m));
   }
-
-  // Takes the best pose that is left; its number. What is worth little at first stays so: after the first choice the
-  // best kPosesKept are asked again.
-  size_t Take(std::vector<bool>* taken) {
-    size_t best = 0;
-    double most = -1.0;
-    Eigen::MatrixXd gained;
-    std::vector<std::pair<double, size_t>> worths;
-    std::vector<size_t> left;
-    std::copy_if(asked_.begin(), asked_.end(), std::back_inserter(left), [&](size_t c) { return !(*taken)[c]; });
-    for (size_t first = 0; first < left.size(); first += kPosesTogether) {
-      const size_t end = std::min(left.size(), first + kPosesTogether);
-      const std::vector<size_t> some(left.begin() + static_cast<long>(first), left.begin() + static_cast<long>(end));
-      const std::vector<Eigen::MatrixXd> aparts = Apart(some);
-      for (size_t k = 0; k < some.size(); ++k) {
-        const double worth = MutualInformation(Probabilities(), apart_ + aparts[k]);
-        worths.emplace_back(-worth, some[k]);
-        if (worth <= most) continue;
-        most = worth;
-        best = some[k];
-        gained = aparts[k];
-      }
+  std::vector<Answer> sorted;
+  for (const auto& [names, answer] : answers) {
+    if (answer.probability >= kWorthDeciding) sorted.push_back(answer);
+  }
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Answer& a, const Answer& b) { return a.probability > b.probability; });
+  sorted.resize(std::min(sorted.size(), kMostAnswers));
+  double all = 0.0;
+  for (const Answer& answer : sorted) all += answer.probability;
+  std::vector<Rival> rivals;
+  for (size_t k = 0; k < sorted.size(); ++k) {
+    double kept = 0.0;
+    for (const int m : sorted[k].models) kept += evidence.models()[m].probability;
+    for (const int m : sorted[k].models) {
+      const double share = evidence.models()[m].probability / kept;
+      rivals.push_back({m, share * sorted[k].probability / all, static_cast<int>(k)});
     }
-    std::sort(worths.begin(), worths.end());
-    worths.resize(std::min(worths.size(), kPosesKept));
-    asked_.clear();
-    for (const auto& [worth, c] : worths) asked_.push_back(c);
-    (*taken)[best] = true;
-    apart_ += gained;
-    for (size_t i = 0; i < rivals_.size(); ++i) {
-      rivals_[i].precision += shown_[best].rows[i].transpose() * shown_[best].rows[i];
-      rivals_[i].factor.compute(rivals_[i].precision);
-    }
-    return best;
   }
+  return rivals;
+}
 
-  // The right one's probability afterwards, expected.
-  double Decides() const { return ExpectedProbability(Probabilities(), apart_); }
-  // Of poses like those that are taken.
-  int Needed(int taken) const { return ReadingsNeeded(Probabilities(), apart_, taken, kWanted, kMostNeeded); }
-
- private:
-  Eigen::VectorXd Probabilities() const {
-    Eigen::VectorXd probabilities(static_cast<long>(rivals_.size()));
-    for (size_t i = 0; i < rivals_.size(); ++i) probabilities[static_cast<long>(i)] = rivals_[i].probability;
-    return probabilities;
+// Of the answers.
+std::vector<double> ProbabilitiesOf(const std::vector<Rival>& rivals) {
+  std::vector<double> probabilities;
+  for (const Rival& rival : rivals) {
+    probabilities.resize(std::max(probabilities.size(), static_cast<size_t>(rival.name) + 1), 0.0);
+    probabilities[static_cast<size_t>(rival.name)] += rival.probability;
   }
+  return probabilities;
+}
 
-  // D_ij of each of these poses by itself. C_i = I + X_i P_i^-1 X_i' of the rows X_i that the pose shows and the
-  // precision P_i = L_i D_i L_i': one solution with L_i for all poses.
-  std::vector<Eigen::MatrixXd> Apart(const std::vector<size_t>& poses) const {
-    const long n = static_cast<long>(rivals_.size());
-    std::vector<std::vector<Eigen::VectorXd>> means(poses.size());
-    std::vector<std::vector<Eigen::MatrixXd>> covariances(poses.size());
-    for (size_t i = 0; i < rivals_.size(); ++i) {
-      const Rival& rival = rivals_[i];
-      long count = 0;
-      for (const size_t c : poses) count += shown_[c].rows[i].rows();
-      Eigen::MatrixXd columns(rival.values.size(), count);  // of all poses
-      long at = 0;
-      for (size_t k = 0; k < poses.size(); ++k) {
-        const Eigen::MatrixXd& rows = shown_[poses[k]].rows[i];
-        columns.middleCols(at, rows.rows()) = rows.transpose();
-        means[k].push_back(rows * rival.values);
-        at += rows.rows();
-      }
-      columns = rival.factor.transpositionsP() * columns;
-      rival.factor.matrixL().solveInPlace(columns);
-      columns = rival.factor.vectorD().cwiseMax(kLeastPivot).cwiseSqrt().cwiseInverse().asDiagonal() * columns;
-      at = 0;
-      for (size_t k = 0; k < poses.size(); ++k) {
-        const auto own = columns.middleCols(at, means[k].back().size());
-        covariances[k].push_back(Eigen::MatrixXd::Identity(own.cols(), own.cols()) + own.transpose() * own);
-        at += own.cols();
-      }
-    }
-    std::vector<Eigen::MatrixXd> aparts;
-    for (size_t k = 0; k < poses.size(); ++k) aparts.push_back(Distances(means[k], covariances[k], n));
-    return aparts;
+// Observations of each of the poses, the last configurations of the extended problem.
+std::vector<std::vector<int>> ObservationsOf(const CalibrationProblem& extended, size_t poses) {
+  const size_t first = extended.data().configurations.size() - poses;
+  std::vector<std::vector<int>> observations(poses);
+  for (size_t o = 0; o < extended.data().observations.size(); ++o) {
+    const size_t c = static_cast<size_t>(extended.data().shots[extended.data().observations[o].shot].configuration);
+    if (c >= first) observations[c - first].push_back(static_cast<int>(o));
   }
+  return observations;
+}
 
-  static Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& means,
-                                   const std::vector<Eigen::MatrixXd>& covariances, long n) {
-    Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(n, n);
-    for (long i = 0; i < n; ++i) {
-      for (long j = 0; j < i; ++j) {
-        const Eigen::VectorXd difference = means[static_cast<size_t>(i)] - means[static_cast<size_t>(j)];
-        const Eigen::MatrixXd mean = 0.5 * (covariances[static_cast<size_t>(i)] + covariances[static_cast<size_t>(j)]);
-        apart(i, j) = apart(j, i) = difference.dot(mean.llt().solve(difference));
-      }
-    }
-    return apart;
+PoseChoice ChoiceOf(const Evidence& evidence, const std::vector<Rival>& rivals, const CalibrationProblem& extended,
+                    const ParameterSet& parameters, size_t poses) {
+  std::vector<const WeightedSet*> sets;
+  for (const Rival& rival : rivals) sets.push_back(&evidence.models()[rival.model].set);
+  const FewColumns few(evidence, sets, extended, parameters);
+  const JointScatter& scatter = evidence.views()[evidence.models()[rivals[0].model].view].scatter;
+  std::vector<Known> known;
+  std::vector<std::vector<int>> columns;
+  for (const WeightedSet* set : sets) {
+    known.push_back(KnownOf(few.columns(), few.list(), scatter, few.Here(*set)));
+    columns.push_back(known.back().columns);
   }
-
-  std::vector<Rival> rivals_;
-  std::vector<Shown> shown_;
-  Eigen::MatrixXd apart_;  // D_ij of the poses that are taken
-  std::vector<size_t> asked_;
-};
+  std::vector<std::vector<Eigen::MatrixXd>> shown;  // of each pose, of each rival
+  std::vector<long> first_row = {0};
+  for (const std::vector<int>& observations : ObservationsOf(extended, poses)) {
+    shown.push_back(few.columns().RowsAt(observations, scatter, columns));
+    first_row.push_back(first_row.back() + shown.back()[0].rows());
+  }
+  std::vector<RivalRows> rows(rivals.size());
+  for (size_t i = 0; i < rivals.size(); ++i) {
+    Eigen::MatrixXd raw(first_row.back(), shown[0][i].cols());
+    for (size_t c = 0; c < poses; ++c) raw.middleRows(first_row[c], shown[c][i].rows()) = shown[c][i];
+    rows[i].probability = rivals[i].probability;
+    rows[i].name = rivals[i].name;
+    Predict(known[i], raw, &rows[i]);
+  }
+  return PoseChoice(std::move(rows), std::move(first_row));
+}
 
 }  // namespace
 
-std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& posterior,
-                                     const CalibrationProblem& problem, const ParameterSet& parameters,
-                                     unsigned long long seed) {
-  if (posterior.sets.empty()) return std::nullopt;
-  struct Held {
-    int model;
-    double probability;
-  };
-  std::vector<Held> held;
-  double sum = 0.0;
-  const double nothing = posterior.nothing + posterior.noise;
-  for (size_t m = 0; m < evidence.models().size() && nothing >= kWorthDeciding; ++m) {
-    if (!evidence.models()[m].set.members.empty()) continue;
-    held.push_back({static_cast<int>(m), nothing});
-    break;
-  }
-  for (const NameSet& set : posterior.sets) {
-    const std::vector<int>& members = evidence.models()[set.best].set.members;
-    // A deviation that follows the pose predicts no new pose: its sets are those of their members.
-    const auto same = std::find_if(held.begin(), held.end(), [&](const Held& each) {
-      return evidence.models()[each.model].set.members == members;
-    });
-    if (same != held.end()) {
-      same->probability += set.probability;
-    } else if (held.size() < kMostRivals && set.probability >= kWorthDeciding && !members.empty()) {
-      held.push_back({set.best, set.probability});
-    }
-  }
-  double most = 0.0;
-  for (const Held& each : held) {
-    sum += each.probability;
-    most = std::max(most, each.probability);
-  }
-  if (held.size() < 2 || most > kDecided * sum) return std::nullopt;
-
+std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
+                                     const ParameterSet& parameters, unsigned long long seed) {
+  const std::vector<Rival> rivals = RivalsOf(evidence);
+  const std::vector<double> now = ProbabilitiesOf(rivals);
+  if (now.size() < 2 || now[0] > kDecided) return std::nullopt;
   const std::vector<ProposedPose> drawn = DrawPoses(problem, seed);
-  const CalibrationProblem extended = WithPoses(problem, drawn);
-  std::vector<const WeightedSet*> sets;
-  for (const Held& each : held) sets.push_back(&evidence.models()[each.model].set);
-  const FewColumns few(evidence, sets, extended, parameters);
-  const EvidenceColumns& columns = few.columns();
-  const JointScatter& scatter = evidence.views()[evidence.models()[held[0].model].view].scatter;
-  std::vector<Rival> rivals;
-  for (const Held& each : held) {
-    const WeightedSet set = few.Here(evidence.models()[each.model].set);
-    rivals.push_back(MakeRival(columns, few.list(), scatter, set, each.probability / sum));
-  }
-  std::vector<Shown> shown(drawn.size());
-  const int first = static_cast<int>(problem.data().configurations.size());
-  std::vector<std::vector<int>> observations(drawn.size());
-  for (size_t o = problem.data().observations.size(); o < extended.data().observations.size(); ++o) {
-    const int configuration = extended.data().shots[extended.data().observations[o].shot].configuration;
-    observations[static_cast<size_t>(configuration - first)].push_back(static_cast<int>(o));
-  }
-  std::vector<std::vector<int>> of_rivals;
-  for (const Rival& rival : rivals) of_rivals.push_back(rival.columns);
-  for (size_t c = 0; c < drawn.size(); ++c) shown[c].rows = columns.RowsAt(observations[c], scatter, of_rivals);
-  for (size_t i = 0; i < rivals.size(); ++i) Mix(rivals[i].mixing, i, &shown);
-  Choice choice(std::move(rivals), std::move(shown));
+  PoseChoice choice = ChoiceOf(evidence, rivals, WithPoses(problem, drawn), parameters, drawn.size());
   NextPoses next;
-  for (const Held& each : held) next.decided += each.probability * each.probability / (sum * sum);
-  std::vector<bool> taken(drawn.size(), false);
-  for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice.Take(&taken)]);
+  for (const double probability : now) next.decided += probability * probability;
+  for (int k = 0; k < kPosesProposed; ++k) next.poses.push_back(drawn[choice.Take()]);
   next.decides = choice.Decides();
-  next.needed = choice.Needed(kPosesProposed);
+  next.needed = choice.Needed(kWanted, kMostNeeded);
   if (next.decides < next.decided + kWorthDeciding) return std::nullopt;  // no pose decides
   return next;
 }

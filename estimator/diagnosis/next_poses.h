@@ -1,20 +1,12 @@
-// What to measure next: poses at which the explanations that still share the probability say different things.
-//
-// Explanation i predicts new whitened rows as N(m_i, V_i), V_i = I + R N_i^-1 R' with what is known so far. A reading
-// tells i from j by
-//
-//   D_ij = (m_i - m_j)' ((V_i + V_j) / 2)^-1 (m_i - m_j)
-//
-// (twice the expected log Bayes factor for small differences). Poses are taken one after the other, each the one of
-// many drawn that makes the mutual information between the explanation and the readings largest
-// (statistics/mutual_information.h), which is what `plan --discriminate` goes by too.
+// What to measure next: poses at which the explanations that still share the probability say different things
+// (pose_choice.h).
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "estimator/diagnosis/posterior.h"
+#include "estimator/diagnosis/evidence.h"
 
 namespace sagitta {
 
@@ -36,8 +28,7 @@ constexpr double kWanted = 0.9;
 constexpr int kMostNeeded = 60;  // as long as a usual campaign
 
 // None where one explanation has it all. problem, parameters: what the evidence was made of.
-std::optional<NextPoses> ProposeNext(const Evidence& evidence, const Posterior& posterior,
-                                     const CalibrationProblem& problem, const ParameterSet& parameters,
-                                     unsigned long long seed);
+std::optional<NextPoses> ProposeNext(const Evidence& evidence, const CalibrationProblem& problem,
+                                     const ParameterSet& parameters, unsigned long long seed);
 
 }  // namespace sagitta

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace sagitta {
 namespace {
@@ -21,40 +22,45 @@ double NormalMean(const Function& f) {
   return sum / weights;
 }
 
-// sum_i p_i E f(ln sum_j p_j exp(x_ij) - ln p_i): minus the logarithm of the right one's probability.
+// sum_i p_i E f(P_i)
 template <typename Function>
-double MeanOver(const Eigen::VectorXd& p, const Eigen::MatrixXd& apart, const Function& f) {
+double MeanOver(const Eigen::VectorXd& p, const std::vector<int>& names, const Eigen::MatrixXd& apart,
+                const Function& f) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     if (!(p[i] > 0.0)) continue;
     const Eigen::ArrayXd d = apart.col(i).array().max(0.0);
+    Eigen::ArrayXd alike(p.size());  // 1 where called like i
+    for (Eigen::Index j = 0; j < p.size(); ++j) alike[j] = names[j] == names[i] ? 1.0 : 0.0;
     sum += p[i] * NormalMean([&](double z) {
-             const double odds = (p.array() / p[i] * (-0.5 * d + d.sqrt() * z).exp()).sum();
-             return f(std::log(odds));
+             const Eigen::ArrayXd odds = p.array() * (-0.5 * d + d.sqrt() * z).exp();
+             return f((alike * odds).sum() / odds.sum());
            });
   }
   return sum;
 }
 
+// Of the names, in nat.
+double Entropy(const Eigen::VectorXd& p, const std::vector<int>& names) {
+  std::map<int, double> of_name;
+  for (Eigen::Index i = 0; i < p.size(); ++i) of_name[names[i]] += p[i];
+  double entropy = 0.0;
+  for (const auto& [name, probability] : of_name) {
+    if (probability > 0.0) entropy -= probability * std::log(probability);
+  }
+  return entropy;
+}
+
 }  // namespace
 
-double MutualInformation(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart) {
-  const double after = MeanOver(probabilities, apart, [](double minus_log) { return minus_log; });
-  double before = 0.0;
-  for (const double p : probabilities) before -= p > 0.0 ? p * std::log(p) : 0.0;
-  return before - after;
+double MutualInformation(const Eigen::VectorXd& probabilities, const std::vector<int>& names,
+                         const Eigen::MatrixXd& apart) {
+  return Entropy(probabilities, names) + MeanOver(probabilities, names, apart, [](double p) { return std::log(p); });
 }
 
-double ExpectedProbability(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart) {
-  return MeanOver(probabilities, apart, [](double minus_log) { return std::exp(-minus_log); });
-}
-
-int ReadingsNeeded(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart, int count, double wanted,
-                   int most) {
-  for (int n = 1; n <= most; ++n) {
-    if (ExpectedProbability(probabilities, n * apart / count) >= wanted) return n;
-  }
-  return 0;
+double ExpectedProbability(const Eigen::VectorXd& probabilities, const std::vector<int>& names,
+                           const Eigen::MatrixXd& apart) {
+  return MeanOver(probabilities, names, apart, [](double p) { return p; });
 }
 
 TwoApart InformationOfTwo(double apart) {

@@ -4,24 +4,25 @@
 // variance D_ij, D_ij the squared distance of what both predict in the covariance of the readings (exact for known
 // predictions and Gaussian noise; Box and Hill, Technometrics 9, 1967). With prior probabilities p, in nat,
 //
-//   information = - sum_i p_i E ln( sum_j p_j exp(x_ij) ),   x_ij = -D_ij / 2 + sqrt(D_ij) z,   z ~ N(0, 1)
-//   decides     =   sum_i p_i E p_i / sum_j p_j exp(x_ij)
+//   P_i = sum_(j called like i) p_j exp(x_ij) / sum_j p_j exp(x_ij),   x_ij = -D_ij / 2 + sqrt(D_ij) z,   z ~ N(0, 1)
+//   information = H + sum_i p_i E ln P_i,   decides = sum_i p_i E P_i
 //
-// the mutual information of explanation and readings, and the probability that the right one is expected to have after
-// them. For two explanations both are exact; for more the x_ij of one i are taken as moving together.
+// the mutual information of name and readings (H: entropy of the names), and the probability that the right name is
+// expected to have after them. For two explanations both are exact; for more the x_ij of one i are taken as moving
+// together.
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace sagitta {
 
-// apart: D, symmetric with a diagonal of 0. probabilities sum to 1.
-double MutualInformation(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart);
-double ExpectedProbability(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart);
-// How many readings like `count` that are so far apart give the right one this expected probability, D being in
-// proportion to their number; 0: more than `most`.
-int ReadingsNeeded(const Eigen::VectorXd& probabilities, const Eigen::MatrixXd& apart, int count, double wanted,
-                   int most);
+// apart: D, symmetric with a diagonal of 0. probabilities sum to 1. names: of each explanation, by number; D of two
+// that are called alike is not asked.
+double MutualInformation(const Eigen::VectorXd& probabilities, const std::vector<int>& names,
+                         const Eigen::MatrixXd& apart);
+double ExpectedProbability(const Eigen::VectorXd& probabilities, const std::vector<int>& names,
+                           const Eigen::MatrixXd& apart);
 
 // Of two explanations of the same probability that are D apart: the information, at most ln 2, its derivative by D and
 // the probability of the right one. Concave in D (the mutual information of a binary signal in Gaussian noise; Guo,

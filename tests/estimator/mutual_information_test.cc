@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 namespace sagitta::mutual_information_test {
 namespace {
@@ -27,6 +28,13 @@ OfReading Integrated(const Eigen::VectorXd& p, const Eigen::VectorXd& means) {
   return of;
 }
 
+// Each explanation has a name of its own.
+std::vector<int> OwnNames(const Eigen::VectorXd& p) {
+  std::vector<int> names(static_cast<size_t>(p.size()));
+  std::iota(names.begin(), names.end(), 0);
+  return names;
+}
+
 Eigen::MatrixXd ApartOf(const Eigen::VectorXd& means) {
   Eigen::MatrixXd apart(means.size(), means.size());
   for (Eigen::Index i = 0; i < means.size(); ++i) {
@@ -40,8 +48,8 @@ TEST(MutualInformationTest, OfTwoIsTheIntegralOverTheReading) {
     for (const double first : {0.5, 0.9}) {
       const Eigen::Vector2d p(first, 1.0 - first), means(0.0, distance);
       const OfReading exact = Integrated(p, means);
-      EXPECT_NEAR(MutualInformation(p, ApartOf(means)), exact.information, 1e-6) << distance;
-      EXPECT_NEAR(ExpectedProbability(p, ApartOf(means)), exact.decides, 1e-6) << distance;
+      EXPECT_NEAR(MutualInformation(p, OwnNames(p), ApartOf(means)), exact.information, 1e-6) << distance;
+      EXPECT_NEAR(ExpectedProbability(p, OwnNames(p), ApartOf(means)), exact.decides, 1e-6) << distance;
     }
     const TwoApart two = InformationOfTwo(distance * distance);
     const OfReading exact = Integrated(Eigen::Vector2d(0.5, 0.5), Eigen::Vector2d(0.0, distance));
@@ -57,27 +65,29 @@ TEST(MutualInformationTest, OfThreeIsNearTheIntegral) {
   const double all = -(p.array() * p.array().log()).sum();
   for (const double distance : {0.5, 2.0, 6.0}) {
     const Eigen::Vector3d means(0.0, distance, 2.0 * distance);
-    EXPECT_NEAR(MutualInformation(p, ApartOf(means)), Integrated(p, means).information, 0.1 * all) << distance;
+    EXPECT_NEAR(MutualInformation(p, OwnNames(p), ApartOf(means)), Integrated(p, means).information, 0.1 * all)
+        << distance;
   }
   // Nothing told: what was known before. All told: the entropy.
-  EXPECT_NEAR(ExpectedProbability(p, Eigen::Matrix3d::Zero()), p.squaredNorm(), 1e-12);
-  EXPECT_NEAR(MutualInformation(p, Eigen::Matrix3d::Zero()), 0.0, 1e-12);
+  EXPECT_NEAR(ExpectedProbability(p, OwnNames(p), Eigen::Matrix3d::Zero()), p.squaredNorm(), 1e-12);
+  EXPECT_NEAR(MutualInformation(p, OwnNames(p), Eigen::Matrix3d::Zero()), 0.0, 1e-12);
   Eigen::Matrix3d far = Eigen::Matrix3d::Constant(500.0);
   far.diagonal().setZero();
-  EXPECT_NEAR(MutualInformation(p, far), all, 1e-9);
-  EXPECT_NEAR(ExpectedProbability(p, far), 1.0, 1e-9);
+  EXPECT_NEAR(MutualInformation(p, OwnNames(p), far), all, 1e-9);
+  EXPECT_NEAR(ExpectedProbability(p, OwnNames(p), far), 1.0, 1e-9);
 }
 
-// Two that six readings leave D apart: n readings are n D / 6 apart.
-TEST(MutualInformationTest, SoManyReadingsAreNeededAsMakeItNineInTen) {
-  const Eigen::Vector2d even(0.5, 0.5);
-  Eigen::Matrix2d apart;
-  apart << 0.0, 2.0, 2.0, 0.0;
-  const int needed = ReadingsNeeded(even, apart, 6, 0.9, 60);
-  EXPECT_GE(InformationOfTwo(2.0 * needed / 6.0).decides, 0.9);
-  EXPECT_LT(InformationOfTwo(2.0 * (needed - 1) / 6.0).decides, 0.9);
-  EXPECT_EQ(ReadingsNeeded(even, apart, 6, 0.9, needed - 1), 0);
-  EXPECT_EQ(ReadingsNeeded(Eigen::Vector2d(0.95, 0.05), 0.0 * apart, 6, 0.9, 60), 1);
+// Two that are called alike and predict the same are one, whatever they are apart from each other.
+TEST(MutualInformationTest, WhatIsCalledAlikeNeedNotBeToldApart) {
+  const Eigen::Vector3d p(0.3, 0.3, 0.4), means(0.0, 0.0, 2.0);
+  const Eigen::Vector2d merged(0.6, 0.4);
+  Eigen::MatrixXd apart = ApartOf(means);
+  apart(0, 1) = apart(1, 0) = 100.0;
+  const OfReading exact = Integrated(merged, Eigen::Vector2d(0.0, 2.0));
+  EXPECT_NEAR(MutualInformation(merged, {0, 1}, ApartOf(Eigen::Vector2d(0.0, 2.0))), exact.information, 1e-6);
+  EXPECT_NEAR(MutualInformation(p, {7, 7, 1}, ApartOf(means)), exact.information, 1e-6);
+  EXPECT_NEAR(ExpectedProbability(p, {7, 7, 1}, ApartOf(means)), exact.decides, 1e-6);
+  EXPECT_GT(MutualInformation(p, {7, 8, 1}, apart), exact.information + 0.1);
 }
 
 TEST(MutualInformationTest, SlopeIsThatOfFiniteDifferencesAndFalls) {

@@ -29,3 +29,19 @@ def named_again(diagnosis, other, leading):
     identities = [identity(step) for step in diagnosis['steps'][:leading]]
     return [{'step': words(i), 'named': i in named, 'listed': i in listed, 'same_joint': i[:2] in on_joint}
             for i in identities]
+
+
+def kinds_of(diagnosis):
+    """{effect: probability that the arm has it anywhere}: of the sets that hold it on any target, with any settings."""
+    chances = {}
+    for one in diagnosis['sets']:
+        for effect in {explanation['effect'] for explanation in one['explanations']}:
+            chances[effect] = chances.get(effect, 0.0) + one['probability']
+    return chances
+
+
+def groups_again(diagnosis, other, sure):
+    """One record for each kind of effect of which a diagnosis is sure: how another one of the same arm has it."""
+    elsewhere = kinds_of(other)
+    return [{'group': effect, 'sure': elsewhere.get(effect, 0.0) >= sure, 'likely': elsewhere.get(effect, 0.0) >= 0.5}
+            for effect, chance in sorted(kinds_of(diagnosis).items()) if chance >= sure]

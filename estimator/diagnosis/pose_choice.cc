@@ -1,0 +1,144 @@
+#include "estimator/diagnosis/pose_choice.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+
+#include "estimator/statistics/mutual_information.h"
+
+namespace sagitta {
+namespace {
+
+constexpr size_t kPosesKept = 80;  // asked again after each choice
+
+}  // namespace
+
+PoseChoice::PoseChoice(std::vector<RivalRows> rivals, std::vector<long> first_row)
+    : rivals_(std::move(rivals)), first_row_(std::move(first_row)) {
+  CHECK_GE(first_row_.size(), 2u);
+  probabilities_.resize(static_cast<long>(rivals_.size()));
+  for (size_t i = 0; i < rivals_.size(); ++i) {
+    probabilities_[static_cast<long>(i)] = rivals_[i].probability;
+    names_.push_back(rivals_[i].name);
+  }
+  asked_.resize(first_row_.size() - 1);
+  std::iota(asked_.begin(), asked_.end(), size_t{0});
+}
+
+Eigen::MatrixXd PoseChoice::SpreadAt(size_t rival, const std::vector<size_t>& poses) const {
+  const Eigen::MatrixXd& spread = rivals_[rival].spread;
+  long count = 0;
+  for (const size_t pose : poses) count += RowsOf(pose).size;
+  Eigen::MatrixXd chosen(spread.rows(), count);
+  long at = 0;
+  for (const size_t pose : poses) {
+    const Block rows = RowsOf(pose);
+    chosen.middleCols(at, rows.size) = spread.middleCols(rows.first, rows.size);
+    at += rows.size;
+  }
+  return chosen;
+}
+
+Eigen::VectorXd PoseChoice::MeansAt(size_t rival, const std::vector<size_t>& poses) const {
+  std::vector<double> means;
+  for (const size_t pose : poses) {
+    const Block rows = RowsOf(pose);
+    const auto own = rivals_[rival].means.segment(rows.first, rows.size);
+    means.insert(means.end(), own.begin(), own.end());
+  }
+  return Eigen::Map<const Eigen::VectorXd>(means.data(), static_cast<long>(means.size()));
+}
+
+// With V of the rows taken (1) and those of one pose (2), V_11 = L L', B = L^-1 V_12, y = L^-1 d_1:
+// D = y'y + e' (V_22 - B'B)^-1 e,  e = d_2 - B'y.
+std::vector<Eigen::MatrixXd> PoseChoice::ApartWith(const std::vector<size_t>& poses) const {
+  const long n = static_cast<long>(rivals_.size());
+  std::vector<Eigen::MatrixXd> within, across, taken(rivals_.size());  // of each rival, halved
+  std::vector<Eigen::VectorXd> means, taken_means;
+  for (size_t i = 0; i < rivals_.size(); ++i) {
+    taken[i] = SpreadAt(i, taken_);
+    within.push_back(SpreadAt(i, poses));
+    across.push_back(0.5 * taken[i].transpose() * within.back());
+    taken[i] = Eigen::MatrixXd(0.5 * taken[i].transpose() * taken[i]);
+    means.push_back(MeansAt(i, poses));
+    taken_means.push_back(MeansAt(i, taken_));
+  }
+  std::vector<Eigen::MatrixXd> aparts(poses.size(), Eigen::MatrixXd::Zero(n, n));
+  for (size_t i = 0; i < rivals_.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      if (names_[i] == names_[j]) continue;
+      Eigen::MatrixXd known = taken[i] + taken[j];
+      known.diagonal().array() += 1.0;
+      const Eigen::LLT<Eigen::MatrixXd> factor(known);
+      Eigen::MatrixXd shared = across[i] + across[j];
+      factor.matrixL().solveInPlace(shared);
+      Eigen::VectorXd seen = taken_means[i] - taken_means[j];
+      factor.matrixL().solveInPlace(seen);
+      const Eigen::VectorXd fresh = means[i] - means[j] - shared.transpose() * seen;
+      long at = 0;
+      for (size_t k = 0; k < poses.size(); ++k) {
+        const long size = RowsOf(poses[k]).size;
+        const auto one = within[i].middleCols(at, size), other = within[j].middleCols(at, size);
+        const auto before = shared.middleCols(at, size);
+        Eigen::MatrixXd left = 0.5 * (one.transpose() * one + other.transpose() * other) - before.transpose() * before;
+        left.diagonal().array() += 1.0;
+        const auto difference = fresh.segment(at, size);
+        const double apart = seen.squaredNorm() + difference.dot(left.llt().solve(difference));
+        aparts[k](static_cast<long>(i), static_cast<long>(j)) = apart;
+        aparts[k](static_cast<long>(j), static_cast<long>(i)) = apart;
+        at += size;
+      }
+    }
+  }
+  return aparts;
+}
+
+size_t PoseChoice::Take() {
+  std::vector<std::pair<double, size_t>> worths;
+  const std::vector<Eigen::MatrixXd> aparts = ApartWith(asked_);
+  for (size_t k = 0; k < asked_.size(); ++k) {
+    worths.emplace_back(-MutualInformation(probabilities_, names_, aparts[k]), asked_[k]);
+  }
+  std::sort(worths.begin(), worths.end());
+  worths.resize(std::min(worths.size(), kPosesKept));
+  asked_.clear();
+  for (const auto& [worth, pose] : worths) asked_.push_back(pose);
+  taken_.push_back(asked_.front());
+  asked_.erase(asked_.begin());
+  return taken_.back();
+}
+
+Eigen::MatrixXd PoseChoice::ApartAfter(double visits) const {
+  const long n = static_cast<long>(rivals_.size());
+  Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(n, n);
+  for (long i = 0; i < n; ++i) {
+    for (long j = 0; j < i; ++j) {
+      if (names_[i] == names_[j]) continue;
+      const Eigen::MatrixXd one = SpreadAt(i, taken_), other = SpreadAt(j, taken_);
+      Eigen::MatrixXd covariance = 0.5 * (one.transpose() * one + other.transpose() * other);
+      covariance.diagonal().array() += 1.0 / visits;
+      const Eigen::VectorXd difference = MeansAt(i, taken_) - MeansAt(j, taken_);
+      apart(i, j) = apart(j, i) = difference.dot(covariance.llt().solve(difference));
+    }
+  }
+  return apart;
+}
+
+double PoseChoice::Decides(double visits) const {
+  return ExpectedProbability(probabilities_, names_, ApartAfter(visits));
+}
+
+int PoseChoice::Needed(double wanted, int most) const {
+  const double poses = static_cast<double>(taken_.size());
+  if (Decides(most / poses) < wanted) return 0;
+  int low = 0, high = most;  // too few, enough
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    (Decides(middle / poses) < wanted ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace sagitta
