@@ -19,7 +19,8 @@ constexpr double kTypicalScale = 10e-6;        // of a station's readings: 10 K 
 constexpr double kTypicalPlateTurn = 150e-6;   // rad: what that makes at 0.2 m
 constexpr double kTypicalGrowth = 50e-6;       // of a link's length: 5 K of steel or 2 K of aluminium
 
-// Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j.
+// Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j. The same
+// of a robot before and after its errors were identified.
 std::vector<std::vector<int>> LengthsByLink(const Chain& chain);
 
 // Whether a joint, by its name, is one that slides.

@@ -2,6 +2,7 @@
 // hand on an arm of two links (tests/support/two_link.h), not by the code.
 #include <gtest/gtest.h>
 
+#include "models/effects/learnt_deviation.h"
 #include "tests/support/two_link.h"
 
 namespace sagitta::effect_conventions_test {
@@ -190,6 +191,19 @@ TEST(Conventions, LoadCom) {
   ExpectPoint(scene.Seen(), 1.0 - 1.2e-6, 0.0, 0.9);
   scene.robot.effects[0].target = "another";
   ExpectPoint(scene.Seen(), 1.0, 0.0, 0.9);
+}
+
+// Where an axis is identified beside its place on the drawing is no length that grows.
+TEST(Conventions, AnIdentifiedRobotHasTheLengthsOfTheDrawing) {
+  Chain chain = test::TwoLink().chain;
+  chain.transforms.insert(chain.transforms.begin() + 2, test::Translate(Axis::kY, 0.0, "b1"));
+  const auto drawn = LengthsByLink(chain);
+  ASSERT_EQ(drawn.size(), 3u);
+  EXPECT_EQ(drawn[1], std::vector<int>{3});
+  for (ElementaryTransform& transform : chain.transforms) {
+    if (!transform.error.empty()) transform.nominal += 2e-3;
+  }
+  EXPECT_EQ(LengthsByLink(chain), drawn);
 }
 
 // Order 2 at q1 = 30 deg: 0.02 cos 60 + 0.01 sin 60 = 0.018660254 rad;
