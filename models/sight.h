@@ -9,12 +9,14 @@
 // A reading that is too large by factor * theta * g moves the point by that times d p / d reading: first order, as
 // every effect. g = cos a, sin a: the circle's centre is off the axis of rotation (Muralikrishnan et al., ASME B89.4.19
 // performance evaluation tests and geometric misalignments in laser trackers, J. Res. NIST 114 (2009) 21). g = psi^2,
-// psi the angle between the marker's axis and the direction to the instrument. g = s: refraction.
+// psi the angle between the marker's axis and the direction to the instrument. g = s: refraction. g of a reading x = a,
+// b or s: a bump over (x - centre) / width, or cos, sin of 2 pi x / period; azimuths are the same after a turn.
 #pragma once
 
 #include <cmath>
 
 #include "models/constants.h"
+#include "models/effects/bump.h"
 #include "models/effects/effect.h"
 
 namespace sagitta {
@@ -33,6 +35,27 @@ T SquaredAngle(const T& cosine) {
   return angle * angle;
 }
 
+// x - centre where the instrument sees d; h = |(d_x, d_y)|, s = |d|.
+template <typename T>
+T ReadingFrom(double centre, Sensed reading, const Vector3<T>& d, const T& h, const T& s) {
+  using std::atan2;
+  if (reading == Sensed::kRange) return s - T(centre);
+  if (reading == Sensed::kElevation) return atan2(d.z(), h) - T(centre);
+  // Of the azimuth from the centre on: within half a turn.
+  const double c = std::cos(centre), e = std::sin(centre);
+  return atan2(T(c * d.y() - e * d.x()), T(c * d.x() + e * d.y()));
+}
+
+// g of what goes with a reading.
+template <typename T>
+T SightFunction(const SightTerm& term, const Vector3<T>& d, const T& h, const T& s) {
+  using std::cos;
+  using std::sin;
+  if (term.law == SightLaw::kBump) return Bump(ReadingFrom(term.centre, term.over, d, h, s), 0.0, term.width);
+  const T phase = T(2.0 * kPi / term.width) * ReadingFrom(0.0, term.over, d, h, s);
+  return term.law == SightLaw::kCosWave ? T(cos(phase)) : T(sin(phase));
+}
+
 // The displacement of the point per unit of the parameter. axis: the marker's, in the measurement frame.
 template <typename T>
 Vector3<T> SightDisplacement(const SightTerm& term, const Vector3<T>& point, const Vector3<T>& axis) {
@@ -49,6 +72,7 @@ Vector3<T> SightDisplacement(const SightTerm& term, const Vector3<T>& point, con
   if (term.law == SightLaw::kCosElevation) times = h / s;
   if (term.law == SightLaw::kSinElevation) times = d.z() / s;
   if (term.law == SightLaw::kSquaredIncidence) times = SquaredAngle(T(-axis.dot(d) / s));
+  if (term.law >= SightLaw::kBump) times = SightFunction(term, d, h, s);
   times *= T(term.factor);
   if (term.sensed == Sensed::kAzimuth) return times * Vector3<T>(-d.y(), d.x(), T(0));
   if (term.sensed == Sensed::kElevation) return times * Vector3<T>(-d.z() * d.x() / h, -d.z() * d.y() / h, h);

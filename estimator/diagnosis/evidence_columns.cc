@@ -11,6 +11,8 @@
 #include "estimator/least_squares/all_joints.h"
 #include "models/effects/catalogue.h"
 #include "models/effects/learnt_deviation.h"
+#include "models/sight.h"
+#include "problems/loads.h"
 #include "problems/split.h"
 
 namespace sagitta {
@@ -33,16 +35,21 @@ double TypicalSizeOf(const Source& source, const Chain& chain) {
       return kTypicalStationTurn;
     case Source::Kind::kStationScale:
       return kTypicalScale;
+    case Source::Kind::kReading:
+      return source.axis == static_cast<int>(Sensed::kRange) ? kTypicalMovement : kTypicalStationTurn;
     case Source::Kind::kPlate:
       return source.axis < 3 ? kTypicalMovement : kTypicalPlateTurn;
     case Source::Kind::kLink:
       return kTypicalGrowth;
+    case Source::Kind::kLoad:
+      return kTypicalLoadShift;
   }
   return 0.0;
 }
 
 const char* UnitOf(const Source& source, const Chain& chain) {
   const bool is_turn = source.kind == Source::Kind::kStationTurn ||
+                       (source.kind == Source::Kind::kReading && source.axis != static_cast<int>(Sensed::kRange)) ||
                        (source.kind == Source::Kind::kPlate && source.axis >= 3) ||
                        (source.kind == Source::Kind::kJoint && chain.joints[source.owner].type == JointType::kRevolute);
   const bool is_share = source.kind == Source::Kind::kLink || source.kind == Source::Kind::kStationScale;
@@ -158,6 +165,11 @@ void EvidenceColumns::AddMotions(const std::vector<Candidate>& candidates, const
 }
 
 void EvidenceColumns::SetLinearized() {
+  std::set<std::string> loads;
+  for (const Shot& shot : extended_.data().shots) {
+    if (IsLoaded(shot)) loads.insert(shot.load);
+  }
+  loads_.assign(loads.begin(), loads.end());
   const ParameterSet& all = extended_.parameters;
   linearized_ = believed_;
   linearized_.insert(linearized_.end(), catalogue_.begin(), catalogue_.end());
@@ -252,6 +264,14 @@ std::vector<std::pair<int, double>> EvidenceColumns::LengthsOf(int joint) const 
   return lengths;
 }
 
+int EvidenceColumns::LoadPointOf(int load, int axis) const {
+  const EffectSpec spec{LoadCom().name, loads_[static_cast<size_t>(load)], {}, {}};
+  const std::string name = FindEffect(spec.effect)->parameters(extended_.robot(), spec)[static_cast<size_t>(axis)].name;
+  const int coordinate = extended_.parameters.FindCoordinate(spec.Path() + "/" + name);
+  const bool is_there = std::find(linearized_.begin(), linearized_.end(), coordinate) != linearized_.end();
+  return is_there ? coordinate : -1;
+}
+
 Eigen::MatrixXd EvidenceColumns::FunctionOf(const std::vector<int>& columns) const {
   Eigen::MatrixXd functions(static_cast<long>(extended_.data().shots.size()), static_cast<long>(columns.size()));
   for (size_t c = 0; c < columns.size(); ++c) {
@@ -287,6 +307,7 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
   switch (source.kind) {
     case Source::Kind::kJoint:
     case Source::Kind::kStationScale:
+    case Source::Kind::kReading:
       break;
     case Source::Kind::kStation:
       moved.emplace_back(all.station_translation(source.owner).first_coordinate + source.axis, size);
@@ -303,6 +324,9 @@ std::vector<std::pair<int, double>> EvidenceColumns::MovedBy(const Source& sourc
         for (int k = 0; k < 3; ++k) moved.emplace_back(all.marker(m).first_coordinate + k, size * motion[k]);
       }
       break;
+    case Source::Kind::kLoad:
+      moved.emplace_back(LoadPointOf(source.owner, source.axis), size);
+      break;
     case Source::Kind::kLink:
       for (const auto& [coordinate, nominal] : LengthsOf(source.owner)) moved.emplace_back(coordinate, size * nominal);
       break;
@@ -316,22 +340,37 @@ Eigen::VectorXd EvidenceColumns::SourceRows(const Block& block, const Source& so
   if (source.kind == Source::Kind::kJoint) {
     return TypicalSizeOf(source, extended_.robot().chain) * block.here.latent.col(source.owner);
   }
-  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
-  if (source.kind == Source::Kind::kStationScale) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const Source along{Source::Kind::kStation, source.owner, axis};
-      Eigen::VectorXd moved = SourceRows(block, along) / TypicalSizeOf(along, extended_.robot().chain);
-      for (size_t o = 0; o < block.observations.size(); ++o) {
-        const Vector3<double>& point = extended_.data().observations[block.observations[o]].point_in_station;
-        moved.segment<3>(static_cast<long>(3 * o)) *= kTypicalScale * (point.allFinite() ? point[axis] : 0.0);
-      }
-      rows += moved;
-    }
-    return rows;
+  if (source.kind == Source::Kind::kStationScale || source.kind == Source::Kind::kReading) {
+    return ReadingRows(block, source);
   }
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
   for (const auto& [coordinate, size] : MovedBy(source)) {
     const auto at = std::find(linearized_.begin(), linearized_.end(), coordinate);
     rows += size * block.here.jacobian.col(at - linearized_.begin());
+  }
+  return rows;
+}
+
+// What moves each measured point by a function of itself: with it the station's axes move as far.
+Eigen::VectorXd EvidenceColumns::ReadingRows(const Block& block, const Source& source) const {
+  const bool is_scale = source.kind == Source::Kind::kStationScale;
+  const SightTerm term{0, static_cast<Sensed>(source.axis), SightLaw::kOne, {}};
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3, static_cast<long>(block.observations.size()));
+  for (size_t o = 0; o < block.observations.size(); ++o) {
+    const Observation& reading = extended_.data().observations[block.observations[o]];
+    const Vector3<double>& point = reading.point_in_station;
+    if (!point.allFinite() || (!is_scale && reading.marker != source.marker)) continue;
+    const Vector3<double>& instrument = extended_.shot_inputs()[reading.shot].conditions.instrument;
+    motions.col(static_cast<long>(o)) =
+        is_scale ? point : SightDisplacement<double>(term, point - instrument, Vector3<double>::Zero());
+  }
+  motions *= TypicalSizeOf(source, extended_.robot().chain);
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(block.here.num_rows());
+  for (int axis = 0; axis < 3; ++axis) {
+    const Source along{Source::Kind::kStation, source.owner, axis};
+    Eigen::VectorXd moved = SourceRows(block, along) / TypicalSizeOf(along, extended_.robot().chain);
+    for (long o = 0; o < motions.cols(); ++o) moved.segment<3>(3 * o) *= motions(axis, o);
+    rows += moved;
   }
   return rows;
 }

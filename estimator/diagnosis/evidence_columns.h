@@ -33,20 +33,22 @@ struct Source {
     kStation,       // the readings of a station move along an axis
     kStationTurn,   // the base turns in a station about an axis
     kStationScale,  // the readings of a station grow
+    kReading,       // a station reads a marker's azimuth (axis 0), elevation (1) or range (2) too large
     kMarker,        // a marker moves along an axis of its frame
     kPlate,         // all markers on the flange move along an axis (0 to 2), turn about an axis of the flange (3 to 5)
-    kLink           // the lengths between a joint and the next grow
+    kLink,          // the lengths between a joint and the next grow
+    kLoad           // a load's centre of gravity moves along an axis of the flange, where load_com is a candidate
   };
   Kind kind = Kind::kJoint;
-  int owner = 0;  // index of the joint, station or marker; of a link that of the joint before it, -1: the base
-  int axis = 0;   // of all but joints, links and scales
+  int owner = 0;   // index of the joint, station, marker or load; of a link that of the joint before it, -1: the base
+  int axis = 0;    // of all but joints, links and scales
+  int marker = 0;  // of readings
 
-  bool operator==(const Source& other) const {
-    return kind == other.kind && owner == other.owner && axis == other.axis;
-  }
-  bool operator<(const Source& other) const {
-    return std::tie(kind, owner, axis) < std::tie(other.kind, other.owner, other.axis);
-  }
+  bool operator==(const Source& other) const { return Parts() == other.Parts(); }
+  bool operator<(const Source& other) const { return Parts() < other.Parts(); }
+
+ private:
+  std::tuple<Kind, int, int, int> Parts() const { return {kind, owner, axis, marker}; }
 };
 
 // SI, and what it is millionths of, in words: urad, um or ppm.
@@ -114,6 +116,11 @@ class EvidenceColumns {
   // Lengths of the arm between a joint (-1: the base) and the next: coordinate and nominal value, m, of each that has
   // an error.
   std::vector<std::pair<int, double>> LengthsOf(int joint) const;
+
+  // Coordinate of a load's centre of gravity along an axis of the flange; -1: of a load that is none of load_com's
+  // candidates. Loads are counted in the order of their names.
+  int LoadPointOf(int load, int axis) const;
+  const std::vector<std::string>& loads() const { return loads_; }
 
   // Groups of configurations with equal joint values, in the order of the data.
   int num_poses() const { return static_cast<int>(poses_.size()); }
@@ -187,6 +194,7 @@ class EvidenceColumns {
   // What a unit of the source moves: coordinates, and by how much, SI.
   std::vector<std::pair<int, double>> MovedBy(const Source& source) const;
   Eigen::VectorXd SourceRows(const Block& block, const Source& source) const;
+  Eigen::VectorXd ReadingRows(const Block& block, const Source& source) const;
   // of: null for all columns.
   void FillRows(const Block& block, const std::vector<int>* of, Eigen::MatrixXd* rows) const;
   // Their number.
@@ -225,6 +233,7 @@ class EvidenceColumns {
   std::vector<Source> sources_;  // of the families, each once
   std::vector<size_t> source_of_family_;
   std::vector<int> family_of_column_, function_of_column_;  // of columns beyond the catalogue
+  std::vector<std::string> loads_;
   int num_columns_ = 0;
   std::vector<std::vector<int>> poses_;  // observations of each
   std::vector<std::vector<int>> poses_of_block_;

@@ -87,20 +87,48 @@ void UnnamedList::AddFunctions(const GroupedFunctions& functions, const UnnamedF
       columns.mixing.block(height * static_cast<long>(s), group.count * static_cast<long>(s), height, group.count) =
           few->mixing.middleCols(group.first, group.count);
     }
-    UnnamedFunction function = what;
-    function.kind = group.kind;
-    for (EffectSpec& effect : function.effects) {
-      if (!group.effect.empty()) effect = {group.effect, effect.target, {}, {}};
-      effect.settings.insert(group.settings.begin(), group.settings.end());
-    }
-    list_.push_back({std::move(columns), std::move(function), family, group.listed});
+    Append(std::move(columns), group, what, family);
   }
+}
+
+void UnnamedList::AddTogether(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
+                              const std::string& family) {
+  std::vector<int> own;
+  long height = 0;
+  for (size_t s = 0; s < of_source.size(); ++s) {
+    const std::shared_ptr<const Compressed>& few = of_source[s].Few();
+    height += few->basis.cols();
+    for (const int column : columns_->Add({what.sources[s], {few, &few->basis}})) own.push_back(column);
+  }
+  for (size_t g = 0; g < of_source[0].groups.size(); ++g) {
+    const GroupedFunctions::Group& group = of_source[0].groups[g];
+    ColumnGroup columns{own, Eigen::MatrixXd(height, group.count)};
+    long top = 0;
+    for (const GroupedFunctions& functions : of_source) {
+      const Eigen::MatrixXd mixing = functions.Few()->mixing.middleCols(group.first, group.count);
+      columns.mixing.middleRows(top, mixing.rows()) = mixing;
+      top += mixing.rows();
+    }
+    Append(std::move(columns), group, what, family);
+  }
+}
+
+void UnnamedList::Append(ColumnGroup columns, const GroupedFunctions::Group& group, const UnnamedFunction& what,
+                         const std::string& family) {
+  UnnamedFunction function = what;
+  function.kind = group.kind;
+  for (EffectSpec& effect : function.effects) {
+    if (!group.effect.empty()) effect = {group.effect, effect.target, {}, {}};
+    effect.settings.insert(group.settings.begin(), group.settings.end());
+  }
+  list_.push_back({std::move(columns), std::move(function), family, group.listed});
 }
 
 std::vector<UnnamedGroup> ListUnnamed(const CalibrationProblem& problem, const ParameterSet& parameters,
                                       EvidenceColumns* columns) {
   std::vector<UnnamedGroup> list = ListUnnamedJoints(problem, parameters, columns);
   for (UnnamedGroup& group : ListUnnamedPlaces(problem, parameters, columns)) list.push_back(std::move(group));
+  for (UnnamedGroup& group : ListUnnamedReadings(problem, columns)) list.push_back(std::move(group));
   return list;
 }
 

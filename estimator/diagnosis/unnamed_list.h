@@ -60,21 +60,30 @@ class UnnamedList {
   void AppendBumps(const Eigen::VectorXd& x, const std::string& kind, int count, GroupedFunctions* functions) const;
   // An effect over the range of a driver; its knots go by the group of functions.
   EffectSpec Over(const Driver& driver, const std::string& effect, const std::string& target) const;
-  // Every group of functions on one source or on several that move together.
+  // Every group of functions on one source or on several, each with coefficients of its own.
   void AddFunctions(const GroupedFunctions& functions, const UnnamedFunction& what, const std::string& family);
+
+  // Every group of functions on several sources that have the same coefficients, each with its own values of these
+  // functions.
+  void AddTogether(const std::vector<GroupedFunctions>& of_source, const UnnamedFunction& what,
+                   const std::string& family);
 
   const CalibrationProblem& problem_;
   EvidenceColumns* columns_;
   std::vector<int> fitted_;  // shots
 
  private:
+  void Append(ColumnGroup columns, const GroupedFunctions::Group& group, const UnnamedFunction& what,
+              const std::string& family);
+
   std::vector<UnnamedGroup> list_;
 };
 
-// Joints that deviate; all else that moves: stations, links, markers.
+// Joints that deviate; all else that moves: stations, links, markers; instruments that read wrong.
 std::vector<UnnamedGroup> ListUnnamedJoints(const CalibrationProblem& problem, const ParameterSet& parameters,
                                             EvidenceColumns* columns);
 std::vector<UnnamedGroup> ListUnnamedPlaces(const CalibrationProblem& problem, const ParameterSet& parameters,
                                             EvidenceColumns* columns);
+std::vector<UnnamedGroup> ListUnnamedReadings(const CalibrationProblem& problem, EvidenceColumns* columns);
 
 }  // namespace sagitta

@@ -42,6 +42,7 @@ class PlaceFunctions : public UnnamedList {
     for (const ShotInput& shot : problem.shot_inputs()) {
       down_.push_back(DownInFlange(problem.robot().chain, shot.conditions.q, down_in_base_));
     }
+    SetOfDown();
   }
 
   void Add() {
@@ -49,6 +50,7 @@ class PlaceFunctions : public UnnamedList {
     AddLinks();
     AddMarkers();
     AddPlate();
+    AddLoads();
   }
 
  private:
@@ -269,18 +271,39 @@ class PlaceFunctions : public UnnamedList {
       leans.effects.back().settings["by"] = "gravity";
       if (order.kind == DriverKind::kTime) jumps.effects.push_back(Over(order, "learnt_marker_motion", marker));
     }
-    GroupedFunctions down;
+    AddFunctions(of_down_, leans, "loose");
+    GroupedFunctions seats;
+    seats.Append(Stretches(order.of_shot, kSeats), "other", Fine());
+    AddFunctions(seats, jumps, "loose");
+  }
+
+  // Smooth functions of the direction of gravity in the flange.
+  void SetOfDown() {
     for (const int degree : {1, 3}) {
       Eigen::MatrixXd functions(static_cast<long>(down_.size()), NumDirectionFunctions(degree));
       for (size_t s = 0; s < down_.size(); ++s) {
         functions.row(static_cast<long>(s)) = DirectionFunctions(down_[s], degree);
       }
-      down.Append(functions, "other", {{"degree", std::to_string(degree)}});
+      of_down_.Append(functions, "other", {{"degree", std::to_string(degree)}});
     }
-    AddFunctions(down, leans, "loose");
-    GroupedFunctions seats;
-    seats.Append(Stretches(order.of_shot, kSeats), "other", Fine());
-    AddFunctions(seats, jumps, "loose");
+  }
+
+  // What a load holds slides to the side that is down.
+  void AddLoads() {
+    for (size_t i = 0; i < columns_->loads().size(); ++i) {
+      const int owner = static_cast<int>(i);
+      if (columns_->LoadPointOf(owner, 0) < 0) continue;
+      const std::string& load = columns_->loads()[i];
+      AddFunctions(of_down_,
+                   {"",
+                    load,
+                    {"gravity"},
+                    LoadShiftsWithGravity(load),
+                    Axes(Source::Kind::kLoad, owner),
+                    {},
+                    {{"learnt_load_shift", load, DownSettings(), {}}}},
+                   "load shift");
+    }
   }
 
   // A jump of gravity's component along a direction: of all directions and gaps between shots those that the rows say
@@ -329,6 +352,7 @@ class PlaceFunctions : public UnnamedList {
   const Vector3<double> down_in_base_;
   const AlongSources along_;           // LooseParts
   std::vector<Vector3<double>> down_;  // of each shot, in the flange
+  GroupedFunctions of_down_;
 };
 
 }  // namespace

@@ -46,6 +46,14 @@ std::string StationIsDistorted(const std::string& station) {
   return "the readings of station " + station + " are distorted over its field";
 }
 
+std::string ReadsWrongOver(const std::string& station, const std::string& reading, const std::string& over) {
+  return "station " + station + " reads a wrong " + reading + (reading == over ? "" : " over the " + over);
+}
+
+std::string RangeRepeats(const std::string& station, const std::string& period) {
+  return "station " + station + " reads a range that is wrong by a wave of " + period + " mm of it";
+}
+
 std::string MarkerMovesWith(const std::string& marker, const std::string& driver) {
   return "marker " + marker + " moves with " + driver;
 }
@@ -53,6 +61,10 @@ std::string MarkerMovesWith(const std::string& marker, const std::string& driver
 std::string MovesWithGravity(const std::string& what) { return what + " moves with the direction of gravity"; }
 
 std::string FallsIntoAnotherSeat(const std::string& what) { return what + " falls into another seat as gravity turns"; }
+
+std::string LoadShiftsWithGravity(const std::string& load) {
+  return "the centre of gravity of " + load + " moves with the direction of gravity";
+}
 
 std::string ChangesItsSeat(const std::string& what) { return what + " changes its seat between visits"; }
 

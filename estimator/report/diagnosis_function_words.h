@@ -19,10 +19,14 @@ std::string BaseTurnsInStation(const std::string& station);
 std::string StationGrows(const std::string& station);
 std::string StationMovesAlong(const std::string& station, char axis);
 std::string StationIsDistorted(const std::string& station);
+// `reading` and `over`: azimuth or elevation. The period comes as text, in mm.
+std::string ReadsWrongOver(const std::string& station, const std::string& reading, const std::string& over);
+std::string RangeRepeats(const std::string& station, const std::string& period);
 std::string MarkerMovesWith(const std::string& marker, const std::string& driver);
 // `what` sits loose.
 std::string MovesWithGravity(const std::string& what);
 std::string FallsIntoAnotherSeat(const std::string& what);
+std::string LoadShiftsWithGravity(const std::string& load);
 std::string ChangesItsSeat(const std::string& what);
 
 // Shapes of a learnt function; sizes come as text with their units.

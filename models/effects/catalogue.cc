@@ -47,6 +47,9 @@ const std::vector<const EffectDefinition*>& EffectCatalogue() {
       &LearntMarkerMotion(),
       &LearntMarkerSeat(),
       &LearntStationField(),
+      &LearntLoadShift(),
+      &LearntReading(),
+      &LearntRangeWave(),
   };
   return catalogue;
 }

@@ -49,6 +49,9 @@ const EffectDefinition& LearntStationWave();
 const EffectDefinition& LearntMarkerMotion();
 const EffectDefinition& LearntMarkerSeat();
 const EffectDefinition& LearntStationField();
+const EffectDefinition& LearntLoadShift();
+const EffectDefinition& LearntReading();
+const EffectDefinition& LearntRangeWave();
 
 // EffectDefinition::separate_by of several effects.
 constexpr char kSeparateByRange[] =

@@ -89,10 +89,21 @@ struct StationTerm {
 // its y) and the range (m) along the line of sight.
 enum class Sensed { kAzimuth, kElevation, kRange };
 // What the error of a reading goes with.
-enum class SightLaw { kOne, kRange, kCosAzimuth, kSinAzimuth, kCosElevation, kSinElevation, kSquaredIncidence };
+enum class SightLaw {
+  kOne,
+  kRange,
+  kCosAzimuth,
+  kSinAzimuth,
+  kCosElevation,
+  kSinElevation,
+  kSquaredIncidence,
+  kBump,
+  kCosWave,
+  kSinWave
+};
 
-// The reading is too large by factor * theta * g: g = 1, the range, a harmonic of the angle, or the square (rad^2) of
-// the angle between the line of sight and a marker's axis (models/sight.h).
+// The reading is too large by factor * theta * g: g = 1, the range, a harmonic of the angle, the square (rad^2) of the
+// angle between the line of sight and a marker's axis, or a bump (bump.h) or a wave of a reading (models/sight.h).
 struct SightTerm {
   int parameter;
   Sensed sensed;
@@ -101,6 +112,9 @@ struct SightTerm {
   double factor = 1.0;
   int marker = -1;                                  // -1: every marker
   Vector3<double> axis = Vector3<double>::UnitZ();  // of kSquaredIncidence, unit, in the marker's frame
+  Sensed over = Sensed::kRange;                     // of kBump, kCosWave, kSinWave, as the next two: rad or m
+  double centre = 0.0;                              // of the bump
+  double width = 1.0;                               // of the bump; the wave's period
 };
 
 // The torque on e was measured: tau_e is this, whatever hangs on the arm.

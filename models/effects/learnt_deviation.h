@@ -17,6 +17,7 @@ constexpr double kTypicalMovement = 30e-6;     // m
 constexpr double kTypicalStationTurn = 15e-6;  // rad: what that makes at 2 m
 constexpr double kTypicalScale = 10e-6;        // of a station's readings: 10 K or 35 hPa of wrong air (Ciddor 1996)
 constexpr double kTypicalPlateTurn = 150e-6;   // rad: what that makes at 0.2 m
+constexpr double kTypicalLoadShift = 20e-3;    // m (load_com.cc)
 constexpr double kTypicalGrowth = 50e-6;       // of a link's length: 5 K of steel or 2 K of aluminium
 
 // Transforms that are lengths of the arm, by the link that they are on: 0 the foot, j + 1 after the joint j. The same

@@ -394,10 +394,13 @@ TEST(DiagnosisFormulas, MassesAreSharedLevelByLevel) {
   // Of all gaps; of a loose part's, with three shots beyond either end, in 200 directions; of all orders; of waves in
   // time, in halves, from one over the campaign to one over two visits.
   const double n = static_cast<double>(fitted.size());
+  // In quarters over the span of the ranges, from four to two per reading, or 400.
+  const double quarters = std::min(400.0, 2.0 * static_cast<double>(problem.CalibrationObservations().size())) - 3.0;
   const std::map<std::string, double> share_listed = {{"learnt_jump_deviation", 8.0 / (n - 1.0)},
                                                       {"learnt_marker_seat", 6.0 / (200.0 * (n - 5.0))},
                                                       {"joint_harmonic", 6.0 / 124.0},
-                                                      {"learnt_station_wave", 6.0 / (n - 1.0)}};
+                                                      {"learnt_station_wave", 6.0 / (n - 1.0)},
+                                                      {"learnt_range_wave", 4.0 / quarters}};
   std::map<bool, double> masses;
   std::map<std::pair<bool, std::string>, std::map<std::string, double>> targets;
   std::map<std::pair<bool, std::string>, std::map<std::string, std::set<double>>> settings;

@@ -52,6 +52,7 @@ CalibrationProblem Campaign() {
   test::MeasureKr270(test::Kr270Truth(), kSigma, 300, &data);
   Robot robot;
   robot.chain = test::Kr270Chain();
+  for (int j = 0; j < 6; ++j) robot.compliances.push_back({j, {{0.0, 1e-9}}, false});  // a load moves what gives way
   Experiment experiment;
   experiment.load_point = Vector3<double>(0.2, 0.1, -0.1);
   return MakeCalibrationProblem(robot, data, experiment);
@@ -123,6 +124,30 @@ TEST(UnnamedSources, TheBaseTurnsInItsStation) {
   EXPECT_LT((Moves(problem, parameters, source) - difference).norm(), 1e-3 * difference.norm());
 }
 
+// A station that reads an azimuth, an elevation or a range of one marker too large sees it turned about the upright
+// axis, in the plane of its ray, or further off; the other markers stay.
+TEST(UnnamedSources, AReadingIsOfOneMarker) {
+  const CalibrationProblem problem = Problem();
+  const ParameterSet parameters = Placed(problem);
+  for (int reading = 0; reading < 3; ++reading) {
+    const Eigen::VectorXd moves = Moves(problem, parameters, {Source::Kind::kReading, 0, reading, 1});
+    Eigen::VectorXd turned = Eigen::VectorXd::Zero(moves.size());
+    long row = 0;
+    for (const int i : problem.CalibrationObservations()) {
+      const Observation& one = problem.data().observations[i];
+      const Eigen::Vector3d& p = one.point_in_station;
+      const Eigen::Vector3d across = p.cross(Eigen::Vector3d::UnitZ()).normalized();
+      Eigen::Vector3d then = p * (1.0 + kTypicalMovement / p.norm());
+      if (reading == 0) then = Eigen::AngleAxisd(kTypicalStationTurn, Eigen::Vector3d::UnitZ()) * p;
+      if (reading == 1) then = Eigen::AngleAxisd(kTypicalStationTurn, across) * p;
+      if (one.marker == 1) turned.segment<3>(row) = then - p;
+      row += 3;
+    }
+    ASSERT_GT(turned.norm(), 1e-5);
+    EXPECT_LT((moves - turned).norm(), 1e-4 * turned.norm()) << reading;
+  }
+}
+
 // Random functions of a direction: covariance (c + c^2 + c^3) / 3 between two of cosine c.
 TEST(PoseFunctions, OfADirectionDependOnTheAngleAlone) {
   const Eigen::VectorXd one = DirectionFunctions({0.6, 0.0, 0.8}, 3), other = DirectionFunctions({0.0, -0.6, 0.8}, 3);
@@ -148,7 +173,7 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
   for (int m = 0; m < parameters.num_markers(); ++m) parameters.SetMarkerPoint(m, test::Kr270Truth().tools[m]);
   const std::vector<int> all = problem.CalibrationObservations();
   const JointScatter scatter = StatedScatter(problem);
-  EvidenceColumns columns(problem, parameters, {});
+  EvidenceColumns columns(problem, parameters, {{{"load_com", "heavy", {}, {}}}});
   const std::vector<UnnamedGroup> groups = ListUnnamed(problem, parameters, &columns);
   std::vector<Candidate> candidates;
   std::map<std::string, int> number;
@@ -177,7 +202,8 @@ TEST(UnnamedFunctions, AreEffectsOfTheModel) {
     const bool is_sharp = group.function.depends_on == std::vector<std::string>{"visits"};
     EXPECT_LT(left, is_sharp ? 0.3 : 2e-3) << group.function.words;
   }
-  EXPECT_GE(families.size(), 13u);
+  EXPECT_GE(families.size(), 16u);
+  EXPECT_EQ(families.count("reading") + families.count("range wave") + families.count("load shift"), 3u);
 }
 
 // On a lattice of 15 degrees waves of 23, 25, 47, ... per turn are those of 1 per turn: ten orders up to 130, which one

@@ -193,6 +193,23 @@ TEST(Conventions, LoadCom) {
   ExpectPoint(scene.Seen(), 1.0, 0.0, 0.9);
 }
 
+// Gravity is along -z of the flange at q2 = 0 and along -x at 90 deg: weights of -50 mm for z and -30 mm for x are the
+// shifts of LoadCom there.
+TEST(Conventions, LearntShiftOfALoad) {
+  TwoLinkScene scene;
+  scene.GiveWay(1, 1e-6);
+  scene.Load({0.0, 0.0, -100.0});
+  scene.Add({"learnt_load_shift",
+             "V",
+             {{"down_x", "0"}, {"down_y", "0"}, {"down_z", "-1"}, {"degree", "1"}},
+             {0.0, 0.0, -0.05, 0.0, 0.0, 0.0, -0.03, 0.0, 0.0}});
+  ExpectPoint(scene.Seen(), 1.4, 0.0, 0.5 - 18e-6);
+  scene.shot().q << 0.0, 90 * kDegree;
+  ExpectPoint(scene.Seen(), 1.0 - 1.2e-6, 0.0, 0.9);
+  scene.robot.effects[0].target = "another";
+  ExpectPoint(scene.Seen(), 1.0, 0.0, 0.9);
+}
+
 // Where an axis is identified beside its place on the drawing is no length that grows.
 TEST(Conventions, AnIdentifiedRobotHasTheLengthsOfTheDrawing) {
   Chain chain = test::TwoLink().chain;

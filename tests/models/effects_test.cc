@@ -54,7 +54,10 @@ TEST(EffectCatalogue, HasEveryEffectOfTheFormat) {
                                              "learnt_station_wave",
                                              "learnt_marker_motion",
                                              "learnt_marker_seat",
-                                             "learnt_station_field"};
+                                             "learnt_station_field",
+                                             "learnt_load_shift",
+                                             "learnt_reading",
+                                             "learnt_range_wave"};
   EXPECT_EQ(EffectNames(), expected);
 }
 

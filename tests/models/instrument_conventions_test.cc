@@ -154,6 +154,44 @@ TEST(InstrumentConventions, LearntTurnOfAStationIsAboutTheMeasurementFrame) {
   ExpectPoint(scene.Seen(), -3.4 * 75.112554e-6, 3.4, 0.5, 1e-11);
 }
 
+// Seen from (0, 1, 0) the point (0, 3.4, 0.5) is at the azimuth 90 deg and at a range of sqrt(2.4^2 + 0.5^2) =
+// 2.4515301 m. 100 urad of azimuth move it by -2.4 m * 100 urad along x, of elevation by (0, -0.5, 2.4) * 100 urad, 100
+// um of range by the direction (0, 0.97898042, 0.20395425); all times pi^(-1/4) at the first knot, 0.75112554.
+TEST(InstrumentConventions, LearntErrorOfAReading) {
+  const struct {
+    const char *reads, *by, *from, *to;
+    double size;
+    Vector3<double> moved;
+  } cases[] = {{"azimuth", "azimuth_deg", "450", "510", 100e-6, {-240e-6, 0.0, 0.0}},
+               {"elevation", "azimuth_deg", "90", "150", 100e-6, {0.0, -50e-6, 240e-6}},
+               {"range", "range_mm", "2451.5301", "3000", 100e-6, {0.0, 97.898042e-6, 20.395425e-6}},
+               {"azimuth", "elevation_deg", "11.768288", "40", 100e-6, {-240e-6, 0.0, 0.0}}};
+  for (const auto& one : cases) {
+    TwoLinkScene scene = Seen2mAway();
+    scene.shot().instrument = {0.0, 1.0, 0.0};
+    scene.Add({"learnt_reading",
+               "S1",
+               {{"reads", one.reads}, {"by", one.by}, {"from", one.from}, {"to", one.to}, {"knots", "2"}},
+               {one.size, 0.0}});
+    const Vector3<double> moved = 0.75112554 * one.moved;
+    ExpectPoint(scene.Seen(), moved.x(), 3.4 + moved.y(), 0.5 + moved.z(), 1e-11);
+    scene.shot().station = "S2";
+    ExpectPoint(scene.Seen(), 0.0, 3.4, 0.5, 1e-12);
+  }
+}
+
+// From the origin the range is sqrt(3.4^2 + 0.5^2) = 3.43656806 m: 0.43656806 turns of a wave of 1 m and three whole
+// ones, along (0, 0.98935914, 0.14549399).
+TEST(InstrumentConventions, LearntWaveOfTheRange) {
+  const double size[2] = {std::cos(2.0 * kPi * 0.43656806), std::sin(2.0 * kPi * 0.43656806)};
+  for (int k = 0; k < 2; ++k) {
+    TwoLinkScene scene = Seen2mAway();
+    scene.Add({"learnt_range_wave", "S1", {{"period_mm", "1000"}}, {k == 0 ? 100e-6 : 0.0, k == 1 ? 100e-6 : 0.0}});
+    const double along = 100e-6 * size[k];
+    ExpectPoint(scene.Seen(), 0.0, 3.4 + 0.98935914 * along, 0.5 + 0.14549399 * along, 1e-11);
+  }
+}
+
 // The column (0.5 m, link 0), the boom (1 m, link 1) and what is after J2 (0.4 m, link 2) have two knots each. 100 ppm
 // of the boom at the first: 75.112554 um away from the column, which is along the station's y.
 TEST(InstrumentConventions, LearntGrowthIsByLink) {
